@@ -27,6 +27,7 @@ KEYED_BY: Mapping[str, Key] = {
     "sensor_sites": "name",
     "cameras": "name",
     "shapes": ("link", "role", "number"),
+    "colliders": ("link", "number"),
     "excludes": ("link_a", "link_b"),
     "touching": ("link_a", "link_b"),
     "surplus": "file",
@@ -35,7 +36,7 @@ KEYED_BY: Mapping[str, Key] = {
 
 _NAMED_AS: Mapping[str, Callable[[Names], Mapping[str, str]]] = {
     **dict.fromkeys(("links", "merged", "fused", "compensated"), lambda names: names.links),
-    **dict.fromkeys(("shapes", "excludes", "touching"), lambda names: names.links),
+    **dict.fromkeys(("shapes", "colliders", "excludes", "touching"), lambda names: names.links),
     **dict.fromkeys(
         ("joints", "loops", "couplings", "lowered", "actuators", "armatures"), lambda names: names.joints
     ),

@@ -76,7 +76,8 @@ def _cells(row: Row) -> list[str]:
     parts = ", ".join(map(name, row["parts"][:_MOST_PARTS]))
     if len(row["parts"]) > _MOST_PARTS:
         parts += f" and {len(row['parts']) - _MOST_PARTS} more"
-    note = f'<span class="hint">{text(row["note"])}</span>' if row["note"] else ""
+    why = "; ".join(one for one in (row.get("reason"), row["note"]) if one)
+    note = f'<span class="hint">{text(why)}</span>' if why else ""
     figures = [""] * 5
     if row["tolerance"] is not None:
         figures = [

@@ -1,6 +1,7 @@
 """What robot.json says of the shapes that the mesh stage made, and of which of them touch."""
 
 from collections import Counter
+from collections.abc import Iterator
 from typing import Any
 
 from stages.export.json_values import as_float, short
@@ -11,7 +12,7 @@ from stages.robot.geometry import Geometry, Shape
 
 
 def geometry_records(geometry: Geometry) -> dict[str, Any]:
-    """The tables `shapes`, `excludes` and `touching`, and `self_contact`."""
+    """The tables `shapes`, `colliders`, `excludes` and `touching`, and `self_contact`."""
     numbers: Counter[tuple[str, str]] = Counter()
     shapes = []
     for shape in geometry.shapes:
@@ -19,10 +20,19 @@ def geometry_records(geometry: Geometry) -> dict[str, Any]:
         numbers[shape.link, shape.role] += 1
     return {
         "shapes": shapes,
+        "colliders": list(_colliders(geometry)),
         "self_contact": geometry.self_contact,
         "excludes": [{**plain(one), "depth": short(one.depth)} for one in geometry.excludes],
         "touching": [{**plain(one), "depth": short(one.depth)} for one in geometry.touching],
     }
+
+
+def _colliders(geometry: Geometry) -> Iterator[dict[str, Any]]:
+    numbers: Counter[str] = Counter()
+    for one in geometry.colliders:
+        own = {"link": one.link, "number": numbers[one.link], "parts": list(one.parts)}
+        yield own | {"made": one.rung, "reason": one.reason}
+        numbers[one.link] += 1
 
 
 def _shape(shape: Shape, number: int) -> dict[str, Any]:

@@ -50,7 +50,8 @@ MuJoCo's properties, `collider` which one of its link it is a
 piece of, `geom` the name that an MJCF source has for it and the attributes that no other format has,
 `ellipsoid` what it is in the MJCF, where all other formats have a mesh. With `self_contact` the links collide
 with each other but for the `excludes` (of `geoms`, only those pairs of colliders, by their numbers);
-`touching` are others that touch at `home`, `depth` [m] deep.
+`touching` are others that touch at `home`, `depth` [m] deep. `colliders` says what each is `made` as and, of
+those by contact, the `reason`.
 These are missing where a build ends before its shapes are made.
 `scene` says where the files put the robot (`pose` of its root at qpos0, and in the `keyframes`), which plane
 is its `ground` (null: none), and what MuJoCo's `option` and `flag` say: all else is MuJoCo's default. It is

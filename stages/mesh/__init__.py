@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 37
+VERSION = 38
 """Grows with every change of what this stage makes of the same input."""
 
 
@@ -50,6 +50,9 @@ it improves, `improve`."""
 GIVEN = Maker("link", ("kind", "size", "tolerance", "extra_volume"))
 """The module `stages.mesh.colliders.given`: a primitive that `mesh.colliders` names."""
 
+BY_CONTACT = Maker("link", ("max_vertices", "target"))
+"""The package `stages.mesh.by_contact`: what the ladder is without a tolerance."""
+
 PRIMITIVES = ("sphere", "capsule", "box", "cylinder")
 """The primitives that may be named there."""
 
@@ -70,7 +73,7 @@ def make_geometry(
 ) -> Geometry:
     """The shapes of all links and their files. Diagnostics: W-NO-MESH, W-FLAT,
     W-MESH-VOLUME, W-COM-OUTSIDE, W-VISUAL-FACES, I-DECIMATED, I-NO-ASSETS,
-    W-NO-COLLIDER, W-COLLIDER, I-SMALL-PARTS, I-RAW, I-ALWAYS-CONTACT, W-SELF-CONTACT.
+    W-NO-COLLIDER, W-COLLIDER, W-FALSE-CONTACT, I-SMALL-PARTS, I-RAW, I-ALWAYS-CONTACT, W-SELF-CONTACT.
     MeshError where `geoms`, `mesh.colliders`, `ignore` or `contact.exclude` match nothing, or MuJoCo refuses
     a collider.
 

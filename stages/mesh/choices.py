@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from stages.mesh import COLLIDERS, GIVEN, Maker
+from stages.mesh import BY_CONTACT, COLLIDERS, GIVEN, Maker
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.unmatched import report_unmatched
 from stages.robot.diagnostics import Diagnostics
@@ -34,7 +34,14 @@ class Choice:
     apart: bool = False
 
     @property
+    def by_contact(self) -> bool:
+        """Whether contact decides, and no tolerance: where nobody asks for a part or for a tolerance."""
+        return self.maker == "ladder" and self.entry < 0 and self.settings.tolerance is None
+
+    @property
     def how(self) -> Maker:
+        if self.by_contact:
+            return BY_CONTACT
         return GIVEN if self.maker == "given" else COLLIDERS[self.maker]
 
 

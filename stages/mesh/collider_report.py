@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from stages.mesh.collide import Collided
+from stages.mesh.collision import Collision
 from stages.mesh.pieces import vertices
 from stages.mesh.verdict import miss
 from stages.robot.errors import Diagnostic
@@ -26,10 +27,20 @@ def figures_of(one: Collided, names: Sequence[str]) -> ColliderFigures:
         made.meets,
         made.tolerance,
         made.measures,
-        None if made.measures is None or made.tolerance is None else miss(made.measures, made.tolerance),
+        _times_off(made),
         made.note,
         made.failed,
         one.job.identity(),
+        made.reason,
+    )
+
+
+def _times_off(made: Collision) -> float | None:
+    """How many times the tolerance it is off; a collider by contact by what 95 % of it stay within."""
+    if made.measures is None or made.tolerance is None:
+        return None
+    return (
+        made.measures.protrusion_p95 / made.tolerance if made.reason else miss(made.measures, made.tolerance)
     )
 
 

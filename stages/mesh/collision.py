@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import struct
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, fields, replace
@@ -30,7 +31,7 @@ class Collision:
     `measures`, `tolerance` [m]: what it was judged by, None where it was not. `rung`: what it is, in a word:
     "box", "hull", "pieces" ... `meets`: whether it is as near to the part as it should be. `note`: why it is
     no better, in words. `convex`: whether its surfaces are convex pieces, and not a part's own mesh.
-    `failed`: whether it may be better next time.
+    `failed`: whether it may be better next time. `reason`: why a collider by contact is what it is, in words.
     """
 
     pieces: tuple[Piece, ...] = ()
@@ -42,6 +43,7 @@ class Collision:
     note: str = ""
     convex: bool = True
     failed: bool = False
+    reason: str = ""
 
     def with_note(self, note: str) -> Collision:
         return replace(self, note=note)
@@ -79,6 +81,11 @@ def encode(collision: Collision) -> bytes:
         for array in (one.vertices.astype("<f8"), one.triangles.astype("<i8"))
     ]
     return struct.pack("<Q", len(header)) + header + b"".join(arrays)
+
+
+def digest(pieces: Sequence[Piece]) -> str:
+    """Of the shapes of pieces."""
+    return hashlib.sha256(encode(Collision(tuple(pieces)))).hexdigest()
 
 
 def decode(data: bytes) -> Collision:

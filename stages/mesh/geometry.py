@@ -1,30 +1,37 @@
 """The robot's geometry: each link's meshes and colliders, made once, then named."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from stages.mesh import link_mesh, mesh_file, primitives, textures
 from stages.mesh.assets import written
+from stages.mesh.by_contact.made import StillFalse, by_contact
+from stages.mesh.by_contact.meeting import wanted
+from stages.mesh.by_contact.report import false_contacts
 from stages.mesh.choices import Choice, choices
 from stages.mesh.collide import Collided, ColliderJob, collide, jobs_of
 from stages.mesh.collider_report import colliders_reported, figures_of
+from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.collision import Collider, colliders
 from stages.mesh.com_check import unbalanced
 from stages.mesh.contact_parts import reported as too_small_reported
 from stages.mesh.contact_parts import too_small, with_basis
 from stages.mesh.contacts.analysis import self_contacts
+from stages.mesh.contacts.apart import apart
 from stages.mesh.contacts.chosen import chosen_pairs
 from stages.mesh.diagnostics import diagnostics
 from stages.mesh.geoms import GeomRules
-from stages.mesh.idle_keys import idle_keys
+from stages.mesh.idle_keys import BY_CONTACT, idle_keys
 from stages.mesh.ignored import without_ignored
 from stages.mesh.library import MeshLibrary
 from stages.mesh.link_mesh import LinkMesh, PartFinding, Use
 from stages.mesh.mesh_file import MeshFile
 from stages.mesh.names import file_names, part_words
+from stages.mesh.pieces import Piece, placed
 from stages.mesh.visuals.budget import Decimator
+from stages.robot.adjacency import Pair
 from stages.robot.bundle import Bundle
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import MeshError
@@ -79,13 +86,14 @@ def geometry(
     links = [with_basis(link, bundle.kind, keys.mesh.basis, as_is) for link in robot.links]
     links = without_ignored(links, keys.ignore, log)
     chosen = choices(links, keys.mesh, log)
-    apart = chosen_pairs([link.name for link in links], keys.contact.exclude, log)
+    excluded = chosen_pairs([link.name for link in links], keys.contact.exclude, log)
+    fine = wanted(keys.mesh.fine, links, log)
     if log.problems:
         raise MeshError("the configuration names links or parts that are not there", problems=log.problems)
     library = MeshLibrary(links, bundle)
     used = _used(links, library, keys.mesh, chosen, rules, memo, as_is)
     jobs = [job for link in links for job in used[link.name].jobs(link.name)]
-    collided = collide(jobs, library, memo, shown)
+    collided, still_false = _collided(robot, links, jobs, keys, excluded, fine, library, memo, shown)
     named, files = _named(links, used, collided, keys.mesh)
     files |= textures.images([one.mesh for one in used.values()], bundle)
     shapes = [shape for link in links for shape in named[link.name]]
@@ -95,9 +103,11 @@ def geometry(
         {link.name: _found(link, used[link.name]) for link in links},
     )
     problems += log.found
-    makers = {choice.maker for choice in chosen.values()}
+    every = [Choice(keys.mesh.collider, ColliderSettings.of(keys.mesh)), *chosen.values()]
+    makers = {BY_CONTACT if choice.by_contact else choice.maker for choice in every}
     problems += idle_keys(keys, makers, bundle.kind)
     problems += colliders_reported(collided)
+    problems += false_contacts(still_false)
     problems += too_small_reported({name: one for name in used if (one := _small_names(used[name]))})
     problems += unbalanced(links, library.of_parts, shapes, files)
     figures, parts = list[ColliderFigures](), dict[tuple[str, int], list[Part]]()
@@ -107,14 +117,44 @@ def geometry(
         figures.append(figures_of(made, [part.name for part in its]))
     # Of those that are written: an exclude counts them.
     solid = [shape for shape in shapes if shape.file is None or keys.mesh.assets == "files"]
-    contacts = self_contacts(robot, solid, files, keys.contact, memo, apart, figures)
+    contacts = self_contacts(robot, solid, files, keys.contact, memo, excluded, figures)
     problems += contacts.diagnostics
     (written_shapes, assets), left_out = written(
         rules.with_properties(shapes, parts, contacts.by_source), files, keys.mesh
     )
-    every = (*problems, *left_out)
+    told = (*problems, *left_out)
     found = contacts.on, contacts.excludes, contacts.touching, tuple(figures), contacts.by_source
-    return Geometry(written_shapes, assets, every, *found)
+    return Geometry(written_shapes, assets, told, *found)
+
+
+def _collided(
+    robot: Robot,
+    links: Sequence[Link],
+    jobs: Sequence[ColliderJob],
+    keys: "MeshKeys",
+    excluded: Collection[Pair],
+    fine: Collection[str] | None,
+    library: MeshLibrary,
+    memo: "Memo",
+    shown: "Shown | None",
+) -> tuple[list[Collided], list[StillFalse]]:
+    """The collider of each job, of a link in the order of its jobs, those by contact last; and the pairs of
+    links whose colliders by contact touch where the links do not."""
+    other = collide([job for job in jobs if not job.choice.by_contact], library, memo, shown)
+    asking = [job for job in jobs if job.choice.by_contact]
+    fixed: dict[str, list[Piece]] = {}
+    for one in other:
+        pieces = [placed(piece, one.job.link_from_subject) for piece in one.collision.pieces]
+        fixed.setdefault(one.job.link, []).extend(pieces)
+    for link in links:
+        fixed.setdefault(link.name, []).extend(shape for shape in link.shapes if shape.collision)
+    fixed = {link: pieces for link, pieces in fixed.items() if pieces}
+    solid = {*fixed, *(job.link for job in asking)}
+    pairs = apart(robot, solid, keys.contact, excluded)
+    found, false = by_contact(robot, asking, fixed, pairs, fine, library, memo)
+    every = [*other, *(Collided(job, made) for job, made in zip(asking, found, strict=True))]
+    place = {link.name: number for number, link in enumerate(links)}
+    return sorted(every, key=lambda one: place[one.job.link]), false
 
 
 def _used(
@@ -139,18 +179,22 @@ def _used(
         triples.sort(key=lambda triple: triple[0].key())
         uses = [use for use, _, _ in triples]
         parts = [part for _, part, _ in triples]
-        makers = [_maker(maker, part, rules.set_apart(link.name, part)) for _, part, maker in triples]
+        own = as_is and section.basis == "declared"
+        makers = [_maker(maker, part, rules.set_apart(link.name, part), own) for _, part, maker in triples]
         mesh = _link_mesh(uses, library, decimator, section, memo)
         small = frozenset[int]() if as_is else too_small(parts, mesh, makers, section.min_size)
         found[link.name] = _LinkUses(tuple(parts), tuple(uses), tuple(makers), mesh, small)
     return found
 
 
-def _maker(choice: Choice, part: Part, apart: bool) -> Choice:
-    """Who makes the collider of a part: of an ellipsoid its hull, with all of its corners."""
+def _maker(choice: Choice, part: Part, apart: bool, own: bool) -> Choice:
+    """Who makes the collider of a part: of an ellipsoid its hull, with all of its corners; of what an MJCF
+    source says itself (`own`), the hull that MuJoCo takes of it, where nothing else is asked for."""
     if part.form.ellipsoid:
         settings = replace(choice.settings, max_vertices=MOST_CORNERS)
         return replace(choice, maker="hull", settings=settings, apart=True)
+    if own and choice.by_contact:
+        return replace(choice, maker="hull", apart=True)
     return replace(choice, apart=True) if apart or part.form != PLAIN else choice
 
 

@@ -8,27 +8,30 @@ from stages.robot.errors import Diagnostic
 if TYPE_CHECKING:
     from stages.mesh.keys import MeshKeys
 
+BY_CONTACT = "ladder without a tolerance"
+"""The maker of colliders by contact, as it is called here."""
+
 USED_BY: Mapping[str, Collection[str]] = {
     "tolerance": ("ladder", "coacd", "spheres"),
+    "fine": (BY_CONTACT,),
     "extra_volume": ("ladder",),
     "effort": ("ladder", "coacd"),
     "coacd": ("ladder", "coacd"),
 }
-"""Key → the makers of colliders that read it."""
+"""Key → the makers of colliders that read it; of the ladder, with a tolerance or a part that is named."""
 
 FILES = ("urdf", "mjcf")
 """Kinds of source that may have collision shapes of their own."""
 
 
 def idle_keys(keys: "MeshKeys", makers: Collection[str], source: str) -> Iterator[Diagnostic]:
-    """I-IDLE-KEY for each key that is set and that nothing reads. `makers`: those of all colliders; `source`:
-    the kind of the source."""
+    """I-IDLE-KEY for each key that is set and that nothing reads. `makers`: those of all colliders, and of
+    those that further parts would have; `source`: the kind of the source."""
     section, default = keys.mesh, type(keys.mesh)()
-    used = [section.collider, *makers]
     for key in ("basis", *USED_BY):
         if getattr(section, key) == getattr(default, key):
             continue
-        if key in USED_BY and not set(used) & set(USED_BY[key]):
+        if key in USED_BY and not set(makers) & set(USED_BY[key]):
             text = f"no collider is made by {' or '.join(USED_BY[key])}, so it changes nothing"
             yield Diagnostic(
                 "I-IDLE-KEY", text, f"mesh.{key}", "leave it out, or choose such a maker of colliders"

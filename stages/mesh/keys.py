@@ -27,12 +27,15 @@ class MeshSection(Keys):
     """Meshes of the links."""
 
     collider: ColliderName = "ladder"
-    """Collision geometry. ladder: of each part the cheapest of a primitive, its convex hull, and as few
-    convex pieces as it takes, at most 16, that is within the tolerance; hull: the convex hull of each link;
-    coacd: at most 16 convex pieces of each part; primitives: of each part the box, sphere, capsule or
-    cylinder that fits it best, however well; raw: the mesh of each part as it is, of which MuJoCo and most
-    other engines take the convex hull; spheres: at most 64 spheres for each part, fewer where they meet
-    mesh.tolerance; visual: none, the links touch nothing."""
+    """Collision geometry. ladder: of each link a primitive, its convex hull, or as few convex pieces as
+    it takes for its colliders to touch other links only where the links do, and for links that meet the
+    world to follow them (mesh.fine); with mesh.tolerance, or for a part that mesh.colliders names, of
+    each part the cheapest of a primitive, its hull, and at most 16 convex pieces that is within the
+    tolerance; hull: the convex hull of each link; coacd: at most 16 convex pieces of each part;
+    primitives: of each part the box, sphere, capsule or cylinder that fits it best, however well; raw:
+    the mesh of each part as it is, of which MuJoCo and most other engines take the convex hull; spheres:
+    at most 64 spheres for each part, fewer where they meet mesh.tolerance; visual: none, the links touch
+    nothing."""
 
     colliders: Annotated[
         dict[Text, ColliderChoice],
@@ -43,8 +46,14 @@ class MeshSection(Keys):
 
     tolerance: Annotated[PositiveLength | None, example(0.002)] = None
     """Largest distance between a part's surface and its collider's [m], for the colliders that can follow it;
-    a twentieth of the collider's surface may stand out up to three times as far. null: 1.5 % of the diagonal
-    of the part's bounding box, at least 0.001."""
+    a twentieth of the collider's surface may stand out up to three times as far. null: contact decides how
+    near the colliders of the ladder are; for others, 1.5 % of the diagonal of the part's bounding box, at
+    least 0.001."""
+
+    fine: Annotated[Literal["auto", "all"] | tuple[Text, ...], example(["*finger*", "palm"])] = "auto"
+    """Links whose colliders by contact follow them to 1.5 % of their diagonal, at least 0.001, with at most
+    12 pieces. auto: what meets the world, which is the ends of chains, the jaws beside which these move, and
+    links with a frame that is named for it (foot, tool, grasp ...); all; or globs on links."""
 
     extra_volume: NonNegative = 0.15
     """Largest volume that one primitive or hull for a whole part may add, as a share of the part's own with a

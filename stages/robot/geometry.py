@@ -117,7 +117,8 @@ class ColliderFigures:
     where its maker goes by one. `miss`: how many times the tolerance it is off, at most 1 where it is within,
     whether its maker goes by that or not. `note`: why it is no better, in words. `failed`: whether that may
     go better next time, since a time limit was hit or a process crashed. `key`: the digest of all that it
-    depends on: colliders with the same are made once.
+    depends on: colliders with the same are made once. `reason`: why a collider by contact is what it is, in
+    words.
     """
 
     link: str
@@ -133,6 +134,7 @@ class ColliderFigures:
     note: str = ""
     failed: bool = False
     key: str = ""
+    reason: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -61,7 +61,7 @@ SHAPES = {
 @cache
 def part(name: str, tolerance: float | None = None) -> Fixture:
     chosen: dict[str, Any] = {"make": "ladder", "tolerance": tolerance}
-    return fixture(SHAPES[name](), colliders={"Part": chosen} if tolerance else {})
+    return fixture(SHAPES[name](), colliders={"Part": chosen})
 
 
 def end(one: Fixture, kind: int, size: list[float], start: list[float], seconds: float) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""The colliders of the sample, made once for all tests: decomposing its parts costs most of a minute.
+"""The colliders of the sample, made once for all tests: cutting them takes seconds.
 
 They are kept as the cache keeps them, each under a key that holds all that it depends on, so a test that
 changes a part or a setting makes its own.
@@ -19,8 +19,8 @@ from filelock import FileLock
 
 from tests.support.places import PROJECT
 
-KINDS = ("mesh/mesh.collider",)
-LIBRARIES = ("numpy", "scipy", "manifold3d", "coacd", "mujoco")
+KINDS = ("mesh/mesh.collider", "mesh/mesh.by_contact")
+LIBRARIES = ("numpy", "scipy", "manifold3d", "coacd", "coal", "mujoco")
 
 
 def seed(folder: Path) -> None:

@@ -14,6 +14,7 @@ OF_LINKS = {
     "sensor_sites": ("link",),
     "cameras": ("link",),
     "shapes": ("link",),
+    "colliders": ("link",),
     "excludes": ("link_a", "link_b"),
     "touching": ("link_a", "link_b"),
     "compensated": ("link",),

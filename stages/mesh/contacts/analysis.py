@@ -13,12 +13,13 @@ import orjson
 from stages.mesh.contacts.by_source import source_excludes
 from stages.mesh.contacts.findings import findings
 from stages.mesh.contacts.narrow import Mask, narrowed
+from stages.mesh.motion_digest import motion_digest
 from stages.robot import codec
 from stages.robot.adjacency import Pair, adjacent_pairs
 from stages.robot.errors import Diagnostic
 from stages.robot.exclude_names import excluded_colliders
 from stages.robot.geometry import ColliderFigures, Exclude, ExcludeReason, Shape, Touch
-from stages.robot.model import Array, Configuration, Dof, Robot
+from stages.robot.model import Array, Configuration, Robot
 
 if TYPE_CHECKING:
     from stages.mesh import Memo
@@ -83,7 +84,7 @@ def self_contacts(
 
     key = {
         "colliders": [_content(shape, files) for shape in colliders],
-        "motion": _motion(robot),
+        "motion": motion_digest(robot),
         "given": sorted([*pair, reason] for pair, reason in given.items()),
         "search": search,
         "poses": POSES,
@@ -181,25 +182,3 @@ def _content(shape: Shape, files: Mapping[str, bytes]) -> list[Any]:
     if shape.file is not None:
         return [shape.link, shape.collider, hashlib.sha256(files[shape.file]).hexdigest()]
     return [shape.link, shape.collider, codec.plain(shape.primitive)]
-
-
-def _motion(robot: Robot) -> str:
-    """A digest of all that decides where links are: not of masses, dynamics or the origins in CAD."""
-
-    from stages.robot.start_pose import HOME
-
-    def dofs(every: Sequence[Dof]) -> list[Any]:
-        return [[dof.name, dof.kind, dof.axis, dof.origin, dof.limits, dof.saved] for dof in every]
-
-    told = [
-        [link.name for link in robot.links],
-        robot.base.fixed,
-        [[one.type, one.parent, one.child, one.parent_from_joint, dofs(one.dofs)] for one in robot.joints],
-        [
-            [one.name, one.type, one.link_a, one.link_b, one.a_from_frame, one.b_from_frame, dofs(one.dofs)]
-            for one in robot.loops
-        ],
-        [[one.follower, one.driver, one.multiplier, one.offset] for one in robot.relations],
-        [one.given for one in robot.keyframes if one.name == HOME],
-    ]
-    return hashlib.sha256(codec.dump(told)).hexdigest()

@@ -29,7 +29,7 @@ def source_excludes(robot: Robot, shapes: Sequence[Shape]) -> list[Exclude] | No
     bits = {link: tuple(map(_bits, colliders[link])) for link in links}
     meet: dict[tuple[Bits, Bits], Grid] = {}
     paired = _pairs(robot, colliders)
-    apart, left_out, some = _excluded(robot), LeftOut(robot, _keeps_parents(robot)), False
+    apart, left_out, some = excluded(robot), LeftOut(robot, _keeps_parents(robot)), False
     found = []
     for one, other in combinations(links, 2):
         kinds = bits[one], bits[other]
@@ -65,7 +65,8 @@ def _contacts(robot: Robot, tag: str) -> Iterator[MjcfElement]:
     return (element for element in children_of(sections, "contact") if element.tag == tag)
 
 
-def _excluded(robot: Robot) -> set[frozenset[str]]:
+def excluded(robot: Robot) -> set[frozenset[str]]:
+    """The pairs of links that the excludes of an MJCF source name."""
     return {frozenset(name for _, name in exclude.named()) for exclude in _contacts(robot, "exclude")}
 
 

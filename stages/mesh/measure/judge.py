@@ -76,7 +76,7 @@ def _below(target: Target, limit: float) -> float:
 def outer_samples(pieces: Sequence[Piece], points: int) -> Points:
     """Points (n, 3) spread evenly over the outer surface of pieces: those of so many on all of them."""
     union = Union.of(sorted(pieces, key=_order))
-    samples = even(union.tree, points)
+    samples = even(union.tree.corners, points)
     some = samples.triangles
     diagonal = float(np.linalg.norm(np.ptp(samples.points, axis=0)))
     _, outer = _outer(diagonal, union, samples.points, union.owners[some], union.normals[some])
@@ -95,7 +95,7 @@ def hopeless(target: Target, pieces: Sequence[Piece], tolerance: float, points: 
     found = _outside_union(union, target.samples.points[::_SKIPPED], tolerance)
     if (found.value[found.counts] > tolerance).any():
         return True
-    samples = even(union.tree, points)
+    samples = even(union.tree.corners, points)
     some = samples.triangles
     _, outer = _outer(target.diagonal, union, samples.points, union.owners[some], union.normals[some])
     far, exact = _outside_part(target, samples.points[outer], tolerance)
@@ -114,7 +114,7 @@ def _order(piece: Piece) -> tuple[str, bytes, bytes]:
 
 def _protrusion(target: Target, union: Union) -> tuple[float, float]:
     """What 95 % of the outer surface stand out by at most [m], and the most that a sample does."""
-    samples = even(union.tree, _ON_PIECES)
+    samples = even(union.tree.corners, _ON_PIECES)
     owners, normals = union.owners[samples.triangles], union.normals[samples.triangles]
     _, outer = _outer(target.diagonal, union, samples.points, owners, normals)
     points = samples.points[outer]

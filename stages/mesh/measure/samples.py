@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stages.mesh.measure.tree import BoxTree, Corners, Indices
+from stages.mesh.measure.tree import Corners, Indices
 from stages.mesh.surface import Points, Surface
 
 _FIRST, _SECOND = 0.7548776662466927, 0.5698402909980532
@@ -14,16 +14,15 @@ of quasirandom sequences", 2018)."""
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Samples:
-    """Points (n, 3) and the triangle of the tree that each is on."""
+    """Points (n, 3) and the triangle that each is on."""
 
     points: Points
     triangles: Indices
 
 
-def even(tree: BoxTree, count: int) -> Samples:
-    """`count` points, each standing for the same area: one in each stretch of the curve along the triangles,
-    so that they are spread evenly over the surface too."""
-    corners = tree.corners
+def even(corners: Corners, count: int) -> Samples:
+    """`count` points on triangles (m, 3, 3), each standing for the same area: one in each stretch of the
+    curve along the triangles, so that in the order of a `BoxTree` they are spread evenly in space too."""
     sizes = np.linalg.norm(_cross(corners), axis=1)
     total = np.cumsum(sizes)
     if not len(total) or total[-1] == 0.0:

@@ -66,7 +66,7 @@ class Target:
             tree,
             Nearest.of(tree),
             Inside.of(surface),
-            even(tree, SAMPLES),
+            even(tree.corners, SAMPLES),
             thinned(Surface(used, surface.triangles), _GRID * diagonal),
             solid,
         )

@@ -168,7 +168,8 @@ def allowed(compiled: CompiledModel, body: str, size: float) -> Allowed:
     both = any(one.visual and one.collision for one in shapes)
     apart = seen and solid and not both
     covered = sum(len(one.parts) for one in made) >= len(parts)
-    measures = [one.measures for one in made if one.measures is not None]
+    # A collider by contact is measured where it can be reached alone.
+    measures = [one.measures for one in made if one.measures is not None and not one.reason]
     spare = max([LEAST, SPARE * size, *(one.tolerance for one in made if one.tolerance is not None)])
     if made and len(measures) == len(made) and not solid and not shapes:
         beyond = spare + max(one.protrusion_max for one in measures)

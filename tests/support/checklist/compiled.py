@@ -136,7 +136,7 @@ def pieces(built: Built) -> Iterator[str]:
     for row in built.report["details"]["colliders"]:
         if row["pieces"] > PIECES * len(row["parts"]):
             yield f"{row['parts']}: {row['pieces']} pieces"
-        if row["rung"] != "none" and row["maker"] == "ladder" and row["miss"] is None:
+        if row["rung"] != "none" and row["maker"] == "ladder" and row["miss"] is None and not row["reason"]:
             yield f"{row['parts']}: nobody knows how near its collider is"
 
 

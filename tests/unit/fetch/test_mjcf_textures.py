@@ -143,7 +143,7 @@ def test_a_texture_that_is_lost_on_one_geom_only_is_named_with_its_material(tmp_
 
 
 def test_a_collider_that_is_not_seen_needs_no_texture(tmp_path: Path) -> None:
-    given = source(tmp_path, GEOM.format('material="painted"'), GEOM.format(SEEN))
+    given = source(tmp_path, GEOM.format('material="painted" group="3"'), GEOM.format(SEEN))
     _, geometry, _, fetched = built(given)
     assert len(geometry.of("a", "visual")) == 1
     assert len([request for request in fetched.bundle.requests if request.startswith("mesh/")]) == 2

@@ -80,8 +80,18 @@ def codes(geometry: Geometry) -> list[str]:
 BOTH = robot(part("Block <1>"), part("Arm <1>/Bracket <1>", at(0.2)))
 
 
-def test_the_default_is_a_collider_for_each_part() -> None:
+def test_the_default_is_a_collider_for_each_link() -> None:
+    """Nothing else is near, and the only link of a robot does not meet the world."""
     geometry = made(BOTH)
+    (one,) = geometry.colliders
+    assert (one.rung, one.maker, set(one.parts)) == ("hull", "ladder", {"Block <1>", "Arm <1>/Bracket <1>"})
+    assert one.reason == "nothing moves"
+    assert codes(geometry) == []
+
+
+@pytest.mark.parametrize("asked", [{"colliders": {"*": "ladder"}}, {"tolerance": 0.0015}])
+def test_with_a_tolerance_or_a_glob_each_part_has_a_collider(asked: Any) -> None:
+    geometry = made(BOTH, **asked)
     assert rungs(geometry) == {("Block <1>",): "box", ("Arm <1>/Bracket <1>",): "pieces"}
     assert [shape.primitive.kind for shape in geometry.of("base", "collision") if shape.primitive] == [
         "box"
@@ -169,7 +179,7 @@ def test_colliders_of_a_file_are_made_of_its_own_shapes_or_of_what_is_seen() -> 
 
 def test_the_effort_bounds_the_work_and_says_what_it_did_not_reach(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(collide, "BUDGET", {"normal": 0.0})
-    geometry = made(BOTH)
+    geometry = made(BOTH, tolerance=0.0015)
     assert rungs(geometry)["Arm <1>/Bracket <1>",] == "hull"
     (problem,) = (one for one in geometry.diagnostics if one.code == "W-COLLIDER")
     assert "Bracket" in problem.message
@@ -202,7 +212,7 @@ def test_each_part_is_made_once_however_often_it_is_used() -> None:
         return make()
 
     value = robot(*(part(f"Bracket <{number}>", at(0.2 * number)) for number in range(4)))
-    keys = MeshKeys.model_validate({"mesh": {"collider": "ladder"}})
+    keys = MeshKeys.model_validate({"mesh": {"collider": "ladder", "tolerance": 0.0015}})
     geometry = make_geometry(value, bundle(), keys, memo)
     assert [step for kind, step, _ in calls if kind == "mesh.collider"] == [
         "make",
@@ -229,7 +239,7 @@ def test_the_figures_of_a_part_without_an_inside_survive_the_cache() -> None:
 
     for _ in range(2):
         for collider in ("primitives", "ladder"):
-            keys = MeshKeys.model_validate({"mesh": {"collider": collider}})
+            keys = MeshKeys.model_validate({"mesh": {"collider": collider, "tolerance": 0.002}})
             geometry = make_geometry(value, files, keys, memo)
             (figures,) = geometry.colliders
             assert figures.measures is not None
@@ -246,7 +256,7 @@ def test_a_guest_that_fails_leaves_the_hull_and_is_reported(monkeypatch: pytest.
     for module in (coacd, ladder):
         monkeypatch.setattr(module, "decomposition", fails)
     for collider in ("ladder", "coacd"):
-        geometry = made(BOTH, collider=collider)
+        geometry = made(BOTH, collider=collider, tolerance=0.0015)
         assert rungs(geometry)["Arm <1>/Bracket <1>",] == "hull"
         texts = [one.message for one in geometry.diagnostics if one.code == "W-COLLIDER"]
         assert any("Bracket" in text and "took longer than 60 s" in text for text in texts)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from stages.mesh.idle_keys import idle_keys
+from stages.mesh.idle_keys import BY_CONTACT, idle_keys
 from tests.support.building import plan_of
 
 
@@ -12,8 +12,10 @@ from tests.support.building import plan_of
         ({}, (), "onshape", []),
         ({"mesh__tolerance": 0.002}, (), "onshape", ["mesh.tolerance"]),
         ({"mesh__tolerance": 0.002}, ("spheres",), "onshape", []),
-        ({"mesh": {"collider": "ladder", "tolerance": 0.002, "effort": "low"}}, (), "onshape", []),
-        ({"mesh": {"collider": "spheres", "effort": "low"}}, (), "onshape", ["mesh.effort"]),
+        ({"mesh": {"tolerance": 0.002, "effort": "low"}}, ("ladder",), "onshape", []),
+        ({"mesh": {"effort": "low", "fine": "all"}}, (BY_CONTACT,), "onshape", ["mesh.effort"]),
+        ({"mesh__fine": "all"}, ("hull",), "onshape", ["mesh.fine"]),
+        ({"mesh": {"collider": "spheres", "effort": "low"}}, ("spheres",), "onshape", ["mesh.effort"]),
         (
             {"mesh": {"coacd": {"mcts_iterations": 9}, "extra_volume": 1}},
             ("coacd",),

@@ -51,8 +51,10 @@ def cpu() -> float:
 
 
 def made(mesh: Mesh, collider: str, memo: Any = None, **section: Any) -> tuple[Geometry, mujoco.MjModel]:
-    """The geometry of one part, and the MJCF with it, compiled."""
+    """The geometry of one part, and the MJCF with it, compiled. `tolerance`: the ladder of each part."""
     robot, bundle = robot_of_meshes({"Part": mesh})
+    if collider == "tolerance":
+        collider, section = "ladder", {"colliders": {"*": "ladder"}, **section}
     plan = plan_of(mesh={"collider": collider, **section}, contact={"self": "auto"}, ground={"kind": "none"})
     geometry = make_geometry(robot, bundle, plan, memo or (lambda kind, key, make: make()))
     files = export(robot, geometry, plan).files
@@ -77,10 +79,10 @@ def touched(model: mujoco.MjModel, place: np.ndarray) -> bool:
 
 
 def cases() -> list[Any]:
-    quick = dict.fromkeys(("ladder", "coacd", "spheres"), QUICK)
+    quick = dict.fromkeys(("ladder", "tolerance", "coacd", "spheres"), QUICK)
     return [
         pytest.param(name, collider, marks=[] if name in quick.get(collider, POISONED) else pytest.mark.slow)
-        for collider in COLLIDERS
+        for collider in (*COLLIDERS, "tolerance")
         for name in POISONED
     ]
 
@@ -97,25 +99,25 @@ def test_a_poisoned_mesh_ends_in_a_collider_or_a_diagnostic(name: str, collider:
     assert cpu() - before < SECONDS
     solid = geometry.of("base", "collision")
     assert solid or said(geometry) or collider == "visual"
-    if collider == "ladder":
+    if collider == "tolerance":
         assert said(geometry) >= ENDS.get(name, set())
         assert said(geometry) <= ENDS.get(name, set()) | MAY
         assert bool(solid) == (ENDS.get(name, set()) <= MAY)
-    if solid and collider in ("ladder", "coacd") and name in RINGS:
+    if solid and collider in ("tolerance", "coacd") and name in RINGS:
         middle = np.array([1e4 if name == "far" else 0.0, 0, 0])
         assert not touched(model, middle)
         assert touched(model, middle - np.array([0.025, 0, 0]))
 
 
 # The ladder begins with primitives and hulls.
-@pytest.mark.parametrize("collider", sorted({*COLLIDERS} - {"primitives", "hull"}))
+@pytest.mark.parametrize("collider", sorted({*COLLIDERS, "tolerance"} - {"primitives", "hull"}))
 @pytest.mark.slow
 def test_a_million_faces_take_less_than_a_minute(collider: str) -> None:
     before = cpu()
     geometry, model = made(torus(), collider)
     assert cpu() - before < SECONDS
     assert "I-DECIMATED" in said(geometry)
-    if collider in ("ladder", "coacd"):
+    if collider in ("tolerance", "coacd"):
         assert [one.meets for one in geometry.colliders] == [True]
         assert not touched(model, np.zeros(3))
         assert touched(model, np.array([0.03, 0, 0]))
@@ -125,7 +127,7 @@ def test_a_million_faces_take_less_than_a_minute(collider: str) -> None:
 def test_a_quarter_of_a_million_rough_faces_end_too() -> None:
     """Off by a tenth of a millimetre everywhere, as a scan is."""
     before = cpu()
-    geometry, _ = made(torus(1e-4, count=500), "ladder")
+    geometry, _ = made(torus(1e-4, count=500), "tolerance")
     assert cpu() - before < 4 * SECONDS
     assert geometry.of("base", "collision")
 
@@ -145,7 +147,7 @@ def guest(tmp_path, monkeypatch) -> Callable[..., None]:
     return put
 
 
-@pytest.mark.parametrize("collider", ["ladder", "coacd"])
+@pytest.mark.parametrize("collider", ["tolerance", "coacd"])
 @pytest.mark.parametrize(
     ("lines", "bounds", "told"),
     [

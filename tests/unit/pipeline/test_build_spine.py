@@ -85,7 +85,7 @@ def test_bypass_and_the_cache_give_the_same_bytes(archive, tmp_path):
     assert not any(stage.cached for stage in bypassed.stages)
 
 
-NOT_YET = ("shapes", "self_contact", "excludes", "touching", "scene", "srdf")
+NOT_YET = ("shapes", "colliders", "self_contact", "excludes", "touching", "scene", "srdf")
 """Tables of robot.json that a build makes after its graph."""
 
 

@@ -54,6 +54,7 @@ def test_each_collider_has_its_figures_and_the_time_of_all_its_steps():
         "miss": 0.77,
         "note": "",
         "failed": False,
+        "reason": "",
         "extra": 0.0153,
         "missing": 0.1792,
         "by": "boolean",

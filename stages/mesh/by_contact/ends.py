@@ -1,0 +1,107 @@
+"""Links that meet the world: their pieces are cut until the collider is within the link's tolerance."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from stages.mesh.by_contact import planes
+from stages.mesh.by_contact.outside import Outside, Sampled
+from stages.mesh.by_contact.piece import Chunk, faced, hull_of, hulled
+from stages.mesh.by_contact.soup import Soup, cut
+from stages.mesh.surface import Points
+
+MOST = 12
+"""Pieces of a link that meets the world."""
+
+_TRIED = 3
+"""Planes of which the pieces are measured."""
+
+_PATIENCE, _BETTER = 5, 0.95
+"""So many cuts that leave more than this share of what stood out before are the last."""
+
+_OUT_OF_REACH = 1.5
+"""Times the tolerance: what is nearer goes on."""
+
+_WORTH = 1.15
+"""Of what misses the tolerance the fewest pieces are taken that are so many times as far out as the best."""
+
+
+def fitted(
+    starts: Sequence[Sequence[Chunk]], outside: Outside, tolerance: float, max_vertices: int
+) -> list[Chunk]:
+    """Pieces of which 95 % of the outer surface stand out of the link by at most `tolerance` [m]: those that
+    come of cutting the first of the `starts` that leads there, else the best of all."""
+    best: tuple[float, list[Chunk]] = np.inf, []
+    for start in starts:
+        found = _cut(start, outside, tolerance, max_vertices)
+        if found[0] < best[0]:
+            best = found
+        if found[0] <= tolerance:
+            break
+    return best[1]
+
+
+def _cut(
+    chunks: Sequence[Chunk], outside: Outside, tolerance: float, max_vertices: int
+) -> tuple[float, list[Chunk]]:
+    """Pieces, and how far [m] 95 % of them stand out. The piece that stands out most is cut, again and
+    again."""
+    now = list(chunks)
+    tried: list[tuple[float, list[Chunk]]] = []
+    sampled: dict[Chunk, Sampled] = {}
+    faces = planes.flat_faces(np.concatenate([one.soup for one in now if len(one.soup)]))
+    while True:
+        for one in now:
+            if one not in sampled:
+                sampled[one] = outside.sampled(one.piece)
+        out = outside.standing_out([sampled[one] for one in now])
+        tried.append((out.p95, now))
+        if out.p95 <= tolerance or len(now) >= MOST or _stalls([found for found, _ in tried], tolerance):
+            break
+        worst = sorted(range(len(now)), key=lambda number: (-out.volumes[number], number))
+        for number in worst:
+            halves = _halves(now[number], faces, outside, max_vertices) if len(now[number].soup) else []
+            if halves:
+                now = [*now[:number], *halves, *now[number + 1 :]]
+                break
+        else:
+            break
+    least = min(found for found, _ in tried)
+    enough = tolerance if least <= tolerance else _WORTH * least
+    return next((found, made) for found, made in tried if found <= enough)
+
+
+def _stalls(found: Sequence[float], tolerance: float) -> bool:
+    """Whether the tolerance is out of reach, and the last cuts brought nothing."""
+    if len(found) <= _PATIENCE or min(found) < _OUT_OF_REACH * tolerance:
+        return False
+    return min(found[-_PATIENCE:]) > _BETTER * min(found[:-_PATIENCE])
+
+
+def _halves(chunk: Chunk, faces: list[planes.Plane], outside: Outside, max_vertices: int) -> list[Chunk]:
+    """The two pieces that stand out least, by the planes that leave the least volume; none where every plane
+    leaves as much."""
+    cloud = chunk.cloud()
+    axes = planes.axes_of(chunk.soup)
+    ranked = []
+    every = planes.crossing(iter([*faces, *planes.through(axes, cloud)]), cloud)
+    for number, (normal, height) in enumerate(every):
+        above = cloud @ normal > height
+        hulls = [hull_of(cloud[~above]), hull_of(cloud[above])]
+        volume = sum(hull.volume for hull in hulls if hull is not None)
+        ranked.append((round(volume, 12), number, (normal, height)))
+    best: tuple[float, list[Soup]] = np.inf, []
+    for volume, _, (normal, height) in sorted(ranked, key=lambda one: one[:2])[:_TRIED]:
+        sides = [side for side in cut(chunk.soup, normal, height) if len(side)]
+        out = round(sum(_out(side.reshape(-1, 3), outside) for side in sides), 15)
+        if volume < chunk.volume and out < best[0]:
+            best = out, sides
+    return [half for side in best[1] if (half := hulled(side, max_vertices, chunk.group))]
+
+
+def _out(points: Points, outside: Outside) -> float:
+    """How far the hull of points is out of the link, times its area [m³]."""
+    hull = hull_of(points)
+    return 0.0 if hull is None else sum(outside.standing_out([outside.sampled(faced(hull, points))]).volumes)

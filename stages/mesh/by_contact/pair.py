@@ -1,0 +1,61 @@
+"""Two links that may be false, and how deep their pieces are in each other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from stages.mesh.by_contact.piece import Chunk
+from stages.robot.clearance import engine
+from stages.robot.model import Array
+
+Numbers = npt.NDArray[np.float64]
+
+
+@dataclass(eq=False)
+class Pair:
+    """Two links that may be false: in these poses their meshes are apart and their hulls overlap.
+
+    `one_from_other` (n, 4, 4); `borne` (n,) [m]: how deep colliders may be in each other; `allowed`: in how
+    many poses they may be deeper; `home`: the row in which they may never, -1 for none.
+    """
+
+    one: int
+    other: int
+    one_from_other: Array
+    borne: Numbers
+    allowed: int
+    home: int
+    poses: Any = None
+    stuck: bool = False
+    vain: int = 0
+    _deeper: dict[tuple[int, int], Numbers] = field(default_factory=dict)
+    _kept: list[Chunk] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.poses = engine().poses(self.one_from_other)
+
+    def deeper(self, one: Any, other: Any, rows: npt.NDArray[np.int64]) -> Numbers:
+        """(k,): by how much [m] two convex solids are deeper in each other than is borne, 0 where not."""
+        ask = engine().depth
+        found = [ask(one, other, self.poses[row]) for row in rows.tolist()]
+        return np.maximum(np.array(found, dtype=float) - self.borne[rows], 0.0)
+
+    def of_chunks(self, one: Chunk, other: Chunk, within: Numbers | None = None) -> Numbers:
+        """(n,): the same of two pieces; only where `within` is more than 0, if it is given."""
+        key = id(one), id(other)
+        if key not in self._deeper:
+            rows = np.arange(len(self.borne)) if within is None else np.flatnonzero(within)
+            found = np.zeros(len(self.borne))
+            found[rows] = self.deeper(one.convex, other.convex, rows)
+            self._deeper[key] = found
+            self._kept += [one, other]  # so that no other piece gets its id
+        return self._deeper[key]
+
+    def count(self, deeper: Numbers) -> float:
+        """In how many poses a pair is false; no pair that is false at `home` is good enough."""
+        wrong = int(np.count_nonzero(deeper > 0))
+        return wrong + (1000 if self.home >= 0 and deeper[self.home] > 0 else 0)

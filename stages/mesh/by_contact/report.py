@@ -1,0 +1,32 @@
+"""What is reported of links whose colliders touch where the links do not."""
+
+from collections.abc import Iterator, Sequence
+
+from stages.mesh.by_contact.made import StillFalse
+from stages.robot.errors import Diagnostic
+from stages.robot.globs import as_key
+
+
+def false_contacts(pairs: Sequence[StillFalse]) -> Iterator[Diagnostic]:
+    """W-FALSE-CONTACT for each link of such pairs, with the pairs that no link before it named."""
+    told: dict[str, list[StillFalse]] = {}
+    for pair in pairs:
+        told.setdefault(pair.one if pair.one in told or pair.other not in told else pair.other, []).append(
+            pair
+        )
+    for link, own in told.items():
+        said = "; ".join(_said(link, pair) for pair in own)
+        lines = ", ".join(f"[{as_key(pair.one)}, {as_key(pair.other)}]" for pair in own)
+        yield Diagnostic(
+            "W-FALSE-CONTACT",
+            f"the collider of {link} touches where the link does not: {said}",
+            link,
+            f"to let them pass through each other: `contact: {{exclude: [{lines}]}}`; or a collider by hand "
+            "in mesh.colliders",
+        )
+
+
+def _said(link: str, pair: StillFalse) -> str:
+    other = pair.other if pair.one == link else pair.one
+    where = "at home" if pair.home else f"in {100 * pair.share:.2g} % of poses"
+    return f"{other}, {where}, by up to {1e3 * pair.depth:.2g} mm"
