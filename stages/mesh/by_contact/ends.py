@@ -98,7 +98,9 @@ def _halves(chunk: Chunk, faces: list[planes.Plane], outside: Outside, max_verti
         out = round(sum(_out(side.reshape(-1, 3), outside) for side in sides), 15)
         if volume < chunk.volume and out < best[0]:
             best = out, sides
-    return [half for side in best[1] if (half := hulled(side, max_vertices, chunk.group))]
+    halves = [hulled(side, max_vertices, chunk.group) for side in best[1]]
+    made = [half for half in halves if half is not None]
+    return made if len(made) == len(halves) else []  # a flat side would be bare
 
 
 def _out(points: Points, outside: Outside) -> float:

@@ -22,8 +22,7 @@ _EXACT = 3
 """Planes that are tried in all poses."""
 
 _GAIN = 0.97
-"""A cut must leave at most this share of the depths that it is to take away."""
-
+"""A cut that leaves a larger share of the depths that it is to take away is in vain."""
 
 MOST = 14
 """Pieces of a link while it is cut: some are joined again."""
@@ -46,6 +45,7 @@ class PieceSearch:
         self.chunks = [list(every) for every in chunks]
         self.may, self.pairs, self.max_vertices = may, list(pairs), max_vertices
         self.hulls = hulls
+        self.primitives = {hull: primitive for primitive, hull in hulls.items()}
         self.of: list[list[Pair]] = [[] for _ in chunks]
         for pair in self.pairs:
             self.of[pair.one].append(pair)
@@ -144,7 +144,7 @@ class PieceSearch:
         own = [(other, self._of(pair, link, chunk, other)) for other in theirs]
         total = sum(float(deep.sum()) for _, deep in own)
         looked = [
-            (other, rows[:: max(1, len(rows) // _LOOK)], pair)
+            (other, rows[:: max(1, len(rows) // _LOOK)])
             for other, deep in own
             if len(rows := np.flatnonzero(deep))
         ]
@@ -157,7 +157,7 @@ class PieceSearch:
                 float(self._rough_deeper(pair, link, side[0], other, rows).sum())
                 for side in sides
                 if side is not None
-                for other, rows, _ in looked
+                for other, rows in looked
             )
             volume = sum(side[1] for side in sides if side is not None)
             ranked.append((round(left, 9), round(volume, 12), number, (normal, height)))
@@ -168,6 +168,8 @@ class PieceSearch:
                 if len(side)
             ]
             made = [half for half in halves if half is not None]
+            if len(made) < len(halves):
+                continue  # a flat side would be bare
             left = sum(
                 float(self._of(pair, link, half, other, deep).sum()) for half in made for other, deep in own
             )
@@ -183,7 +185,7 @@ class PieceSearch:
         )
 
     def _planes(
-        self, pair: Pair, link: int, chunk: Chunk, looked: Sequence[tuple[Chunk, Any, Pair]]
+        self, pair: Pair, link: int, chunk: Chunk, looked: Sequence[tuple[Chunk, Any]]
     ) -> list[planes.Plane]:
         if link not in self._faces:
             soups = [one.soup for one in self.chunks[link] if len(one.soup)]
@@ -194,7 +196,7 @@ class PieceSearch:
         def every() -> Iterator[planes.Plane]:
             yield from self._faces[link]
             yield from planes.through(axes, cloud)
-            for other, rows, _ in looked:
+            for other, rows in looked:
                 yield from planes.past(axes, self._obstacles(pair, link, other, rows))
 
         return planes.crossing(every(), cloud)
@@ -212,16 +214,14 @@ class PieceSearch:
         """Joins pieces of a link, those first that add the least volume, as long as no pair gets worse."""
         for link in range(len(self.chunks)):
             self.merge_link(link)
-        for primitive, hull in self.hulls.items():
-            self._put_back(primitive, hull)
+            self._put_primitives_back(link)
 
-    def _put_back(self, primitive: Chunk, hull: Chunk) -> None:
-        """A primitive in the place of its hull, where no pair gets worse."""
-        for link, chunks in enumerate(self.chunks):
-            if hull in chunks:
-                made = [primitive if chunk is hull else chunk for chunk in chunks]
-                if self.no_worse(link, made):
-                    self.chunks[link] = made
+    def _put_primitives_back(self, link: int) -> None:
+        """Primitives in the place of their hulls, where no pair gets worse."""
+        for hull in [chunk for chunk in self.chunks[link] if chunk in self.primitives]:
+            made = [self.primitives[hull] if chunk is hull else chunk for chunk in self.chunks[link]]
+            if self.no_worse(link, made):
+                self.chunks[link] = made
 
     def no_worse(self, link: int, chunks: Sequence[Chunk]) -> bool:
         """Whether these pieces leave each pair of a link good enough, or as bad as it is."""
