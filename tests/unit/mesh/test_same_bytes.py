@@ -1,6 +1,7 @@
 """The geometry of a robot is the same, to the byte, for any number of workers and any order of its parts."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -53,13 +54,24 @@ def assert_same(one: Geometry, other: Geometry) -> None:
     assert codec.plain(one) == codec.plain(other)
 
 
-@pytest.mark.parametrize("collider", ["primitives", pytest.param("ladder", marks=pytest.mark.slow)])
+BY_PART = {"colliders": {"*": "ladder"}}
+
+
+@pytest.mark.parametrize(
+    ("mesh", "colliders"),
+    [
+        ({"collider": "primitives"}, len(SMALL)),
+        ({"collider": "ladder", "fine": "all"}, 1),
+        pytest.param({"collider": "ladder", **BY_PART}, len(SMALL), marks=pytest.mark.slow),
+    ],
+    ids=["primitives", "contact", "ladder"],
+)
 def test_workers_and_the_order_of_parts_change_no_byte(
-    collider: str, monkeypatch: pytest.MonkeyPatch
+    mesh: dict[str, Any], colliders: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     robot, bundle = robot_of_meshes(SMALL)
-    plan = plan_of(mesh={"collider": collider}, contact={"self": "auto"})
+    plan = plan_of(mesh=mesh, contact={"self": "auto"})
     alone = geometry(robot, bundle, plan, 1, monkeypatch)
-    assert len(alone.colliders) == len(SMALL)
+    assert len(alone.colliders) == colliders
     for seed in (1, 2):
         assert_same(geometry(shuffled(robot, seed), bundle, plan, 2, monkeypatch), alone)
