@@ -189,7 +189,7 @@ def test_a_thousand_links_take_seconds_and_little_memory(
     figures = min(runs, key=lambda run: run["seconds"])
     # MuJoCo reads no MJCF of bodies in bodies 1,000 deep; the URDF is compared whole.
     assert all(one.endswith(("XML", "compiles")) for one in figures["failed"]), figures
-    # On a fast and quiet machine it is 3 s for both; of the chain's, MuJoCo's own compiler takes more than two.
+    # On a fast, quiet machine it is 3 s for both; of the chain's, MuJoCo's own compiler takes more than two.
     # Twice as much is a slow machine; pairs of links would take minutes.
     assert figures["seconds"] - figures["compiles"] < (3.0 if make is chain else 6.0)
     assert figures["seconds"] < 8.0
