@@ -64,7 +64,8 @@ class Couplings:
                 continue
             if driver in self._columns:
                 more = [*rows, self._columns[driver].start]
-                if _rank(motions[more]) < len(more):
+                # The basis has unit columns: what stays below this share of it is what its algebra left.
+                if np.linalg.matrix_rank(motions[more], tol=RANK) < len(more):
                     continue
                 rows = more
             taken.add(driver)
@@ -155,8 +156,3 @@ def nearest_first(robot: Robot) -> list[str]:
         place = depth[joint.child], -float(f"{masses[joint.child]:.6g}"), number
         order |= {dof.name: place for dof in joint.dofs}
     return sorted(order, key=lambda name: order[name])
-
-
-def _rank(rows: Array) -> int:
-    sizes = np.linalg.svd(rows, compute_uv=False)
-    return int((sizes > RANK * float(sizes[0])).sum()) if sizes.size and sizes[0] else 0
