@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 58
+VERSION = 59
 """Grows with every change of what this stage makes of the same input."""
 
 WRITERS = (
