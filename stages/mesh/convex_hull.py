@@ -1,6 +1,9 @@
 """The convex hull of points."""
 
+from typing import Any
+
 import numpy as np
+import numpy.typing as npt
 
 from stages.formats.triangles import distinct
 from stages.mesh.surface import Points, Surface, compacted, weld
@@ -28,8 +31,12 @@ def convex_hull(points: Points) -> Surface | None:
     if hull.volume <= hull.area / 2 * _THIN * min(1.0, size):
         return None
     surface = compacted(Surface(corners, hull.simplices.astype(np.int64)))
-    # Qhull gives each face the outward normal of its plane, but its corners in any sense.
-    inward = np.einsum("ij,ij->i", surface.normals(), hull.equations[:, :3]) < 0
-    triangles = np.where(inward[:, None], surface.triangles[:, ::-1], surface.triangles)
-    welded, _ = weld(surface.vertices, triangles)
+    welded, _ = weld(surface.vertices, outwards(surface, hull))
     return welded
+
+
+def outwards(surface: Surface, hull: Any) -> npt.NDArray[np.int64]:
+    """The triangles (m, 3) of a surface made of Qhull's hull, in its order, facing outwards: Qhull gives each
+    the outward normal of its plane, but its corners in any sense."""
+    inward = np.einsum("ij,ij->i", surface.normals(), hull.equations[:, :3]) < 0
+    return np.where(inward[:, None], surface.triangles[:, ::-1], surface.triangles)

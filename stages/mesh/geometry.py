@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 from stages.mesh import link_mesh, mesh_file, primitives, textures
 from stages.mesh.assets import written
-from stages.mesh.by_contact.made import StillFalse, by_contact
+from stages.mesh.by_contact.made import by_contact
 from stages.mesh.by_contact.meeting import wanted
 from stages.mesh.by_contact.report import false_contacts
+from stages.mesh.by_contact.request import ContactRequest, FalsePair
 from stages.mesh.choices import Choice, choices
 from stages.mesh.collide import Collided, ColliderJob, collide, jobs_of
 from stages.mesh.collider_report import colliders_reported, figures_of
@@ -137,7 +138,7 @@ def _collided(
     library: MeshLibrary,
     memo: "Memo",
     shown: "Shown | None",
-) -> tuple[list[Collided], list[StillFalse]]:
+) -> tuple[list[Collided], list[FalsePair]]:
     """The collider of each job, of a link in the order of its jobs, those by contact last; and the pairs of
     links whose colliders by contact touch where the links do not."""
     other = collide([job for job in jobs if not job.choice.by_contact], library, memo, shown)
@@ -151,7 +152,7 @@ def _collided(
     fixed = {link: pieces for link, pieces in fixed.items() if pieces}
     solid = {*fixed, *(job.link for job in asking)}
     pairs = apart(robot, solid, keys.contact, excluded)
-    found, false = by_contact(robot, asking, fixed, pairs, fine, library, memo)
+    found, false = by_contact(ContactRequest(robot, asking, fixed, pairs, fine), library, memo)
     every = [*other, *(Collided(job, made) for job, made in zip(asking, found, strict=True))]
     place = {link.name: number for number, link in enumerate(links)}
     return sorted(every, key=lambda one: place[one.job.link]), false

@@ -69,6 +69,12 @@ def along(normals: Points, points: Points) -> npt.NDArray[np.float64]:
     return result
 
 
+def beyond(normals: Points, heights: npt.NDArray[np.float64], points: Points) -> npt.NDArray[np.float64]:
+    """(n,): how far points (n, 3) are beyond that of the planes of which they are farthest: less than 0
+    inside, and at most the distance [m] from the solid outside."""
+    return np.asarray((along(normals, points) - heights[:, None]).max(axis=0))
+
+
 def signed_distance(primitive: Primitive, points: Points) -> npt.NDArray[np.float64]:
     """(n,): the distance [m] of points (n, 3) from the primitive's surface, negative inside; exact."""
     x, y, z = _local(primitive, points).T

@@ -51,8 +51,8 @@ class Judge:
         the tolerance."""
         return hopeless(self.target, pieces, tolerances * self.tolerance, points)
 
-    def measure(self, pieces: Sequence[Piece]) -> Measures:
-        return measure(self.target, pieces)
+    def measure(self, pieces: Sequence[Piece], protrusion: tuple[float, float] | None = None) -> Measures:
+        return measure(self.target, pieces, protrusion)
 
     def near(self, pieces: Sequence[Piece]) -> bool:
         """Whether pieces are near enough."""

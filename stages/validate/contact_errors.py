@@ -6,15 +6,14 @@ that apart, neither in the other. *Missed*: what is seen of them cuts, and their
 and primitives of the file: neither knows how the colliders were made.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from stages.robot.geometry import ExcludeReason
+from stages.robot.meeting_boxes import meeting_boxes
 from stages.robot.model import Array, Link
 from stages.robot.pose_batch import count_of
 from stages.robot.pose_samples import sampled_poses
@@ -128,13 +127,14 @@ class _Judge:
                 found[one, other] = max(-gap, found.get((one, other), -np.inf))
         return found
 
-    def meeting(self) -> Iterator[tuple[int, int]]:
+    def meeting(self) -> list[tuple[int, int]]:
         """The pairs of bodies whose boxes meet."""
         turned = self.data.xmat[self.bodies].reshape(-1, 3, 3)
         middles = self.data.xpos[self.bodies] + np.einsum("nij,nj->ni", turned, self.middles)
         halves = np.einsum("nij,nj->ni", np.abs(turned), self.halves)
-        for one, other in self.bodies[meeting_boxes(middles - halves, middles + halves)].tolist():
-            yield min(one, other), max(one, other)
+        # The bodies are sorted, and so are the pairs.
+        pairs = self.bodies[meeting_boxes(middles - halves, middles + halves)].tolist()
+        return [(one, other) for one, other in pairs]
 
     def touching(self, one: int, other: int) -> bool:
         """Whether colliders of two bodies touch that may not be in contact."""
@@ -222,18 +222,3 @@ def never_collide(model: Any, one: int, other: int) -> bool:
         return welds[0] == welds[1]
     above = [int(model.body_weldid[model.body_parentid[weld]]) for weld in welds]
     return all(welds) and (welds[0] == above[1] or welds[1] == above[0])
-
-
-def meeting_boxes(low: Array, high: Array) -> npt.NDArray[np.intp]:
-    """The pairs (k, 2) of boxes (n, 3) that meet, each once: by a sweep along the axis on which they are
-    spread most."""
-    axis = int(np.argmax(np.ptp(low, axis=0))) if len(low) else 0
-    order = np.argsort(low[:, axis], kind="stable")
-    reached = np.searchsorted(low[order, axis], high[order, axis], side="right")
-    counts = reached - np.arange(len(low)) - 1
-    first = np.repeat(np.arange(len(low)), counts)
-    second = first + 1 + np.arange(len(first)) - np.repeat(np.cumsum(counts) - counts, counts)
-    pairs = np.stack([order[first], order[second]], axis=1)
-    a, b = pairs.T
-    found: npt.NDArray[np.intp] = pairs[((low[a] <= high[b]) & (low[b] <= high[a])).all(axis=1)]
-    return found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,7 +11,10 @@ from stages.mesh.by_contact import planes
 from stages.mesh.by_contact.outside import Outside, Sampled
 from stages.mesh.by_contact.piece import Chunk, faced, hull_of, hulled
 from stages.mesh.by_contact.soup import Soup, cut
-from stages.mesh.surface import Points
+from stages.mesh.collider_settings import ColliderSettings
+from stages.mesh.surface import Points, Surface
+from stages.mesh.verdict import Judge
+from stages.robot.geometry import Measures
 
 MOST = 12
 """Pieces of a link that meets the world."""
@@ -19,16 +23,49 @@ _TRIED = 3
 """Planes of which the pieces are measured."""
 
 _PATIENCE, _BETTER = 5, 0.95
-"""So many cuts that leave more than this share of what stood out before are the last."""
+"""Cutting ends after five cuts in a row that left more than 95 % of what stood out before them."""
 
 _OUT_OF_REACH = 1.5
-"""Times the tolerance: what is nearer goes on."""
+"""Cutting ends early only where all states so far stand out by more than 1.5 times the tolerance."""
 
 _WORTH = 1.15
-"""Of what misses the tolerance the fewest pieces are taken that are so many times as far out as the best."""
+"""Where no state is within the tolerance, the first is taken that stands out at most 1.15 times as far as the
+best."""
 
 
-def fitted(
+@dataclass(frozen=True, slots=True, eq=False)
+class End:
+    """How far [m] the colliders of a link that meets the world stand out of what can be reached of it: 95 %
+    of their outer surface, and all of it. `measures`: of all of them together, None where the link's mesh is
+    too tangled."""
+
+    tolerance: float
+    p95: float
+    most: float
+    measures: Measures | None
+
+    @property
+    def meets(self) -> bool:
+        """Whether it is within the tolerance."""
+        return self.p95 <= self.tolerance
+
+
+def fitted_end(
+    surface: Surface, starts: Sequence[Sequence[Chunk]], settings: ColliderSettings
+) -> tuple[list[Chunk], End]:
+    """The pieces of a link that meets the world, and how near they are to it."""
+    tolerance = settings.tolerance_of(surface)
+    outside = Outside.of(surface, tolerance)
+    chunks = _fitted(starts, outside, tolerance, settings.max_vertices)
+    out = outside.standing_out([outside.sampled(chunk.piece) for chunk in chunks])
+    judge = Judge.of(surface, settings)
+    measures = None
+    if isinstance(judge, Judge):
+        measures = judge.measure([chunk.piece for chunk in chunks], (out.p95, out.most))
+    return chunks, End(tolerance, out.p95, out.most, measures)
+
+
+def _fitted(
     starts: Sequence[Sequence[Chunk]], outside: Outside, tolerance: float, max_vertices: int
 ) -> list[Chunk]:
     """Pieces of which 95 % of the outer surface stand out of the link by at most `tolerance` [m]: those that

@@ -6,15 +6,14 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from stages.mesh.by_contact.poses import relative
 from stages.mesh.measure import BoxTree, Nearest
-from stages.mesh.pieces import along, half_spaces
-from stages.mesh.surface import Points, Surface
+from stages.mesh.pieces import beyond, half_spaces
+from stages.mesh.surface import Surface
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import fits, there_are
-from stages.robot.model import Array, Link, Robot
+from stages.robot.model import Array, Joint, Link, Robot
 
 _NAMED = re.compile(r"foot|tool|grasp|grip|tcp|tip|end_?effector|(^|_)ee($|_)", re.IGNORECASE)
 """Names of frames by which a robot meets the world."""
@@ -48,14 +47,13 @@ def ends_of_chains(robot: Robot, solid: Collection[str]) -> list[str]:
                 link.name in holds
                 and link.name not in carries
                 and link.name not in looped
-                and not _spins(robot, link.name)
+                and not _spins(holds[link.name])
             )
         )
     ]
 
 
-def _spins(robot: Robot, link: str) -> bool:
-    joint = next(joint for joint in robot.joints if joint.child == link)
+def _spins(joint: Joint) -> bool:
     return any(dof.kind == "turn" and dof.limits.lower is None for dof in joint.dofs)
 
 
@@ -90,16 +88,10 @@ def _fills(child: Surface, parent: Surface, hull: Surface, places: Array, tolera
     often = 0
     for place in places:
         here = points @ place[:3, :3].T + place[:3, 3]
-        deep = _within(here, normals, heights, tolerance)
+        deep = beyond(normals, heights, here) < -tolerance
         if deep.mean() > _MUCH:
             often += bool(np.count_nonzero(nearest(here[deep])[0] > tolerance) > _MUCH * len(points))
     return often > _OFTEN * len(places)
-
-
-def _within(
-    points: Points, normals: Points, heights: npt.NDArray[np.float64], depth: float
-) -> npt.NDArray[np.bool_]:
-    return np.asarray((along(normals, points) - heights[:, None]).max(axis=0) < -depth)
 
 
 def wanted(fine: str | Sequence[str], links: Sequence[Link], log: Diagnostics) -> set[str] | None:

@@ -9,8 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from stages.mesh.measure import BoxTree, Nearest, even
-from stages.mesh.pieces import Piece, along, half_spaces, signed_distance, surface_of
+from stages.mesh.pieces import Piece, beyond, half_spaces, signed_distance, surface_of
 from stages.mesh.surface import Points, Surface
+from stages.robot.model import Primitive
 
 Numbers = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
@@ -31,12 +32,20 @@ _SEAM = 3e-4
 @dataclass(frozen=True, slots=True, eq=False)
 class Sampled:
     """A piece, points (n, 3) spread evenly over it, how far each is out of the link (n,) [m], and the area
-    that each stands for [m²]."""
+    that each stands for [m²]. `planes`: of a hull."""
 
     piece: Piece
     points: Points
     distances: Numbers
     area: float
+    planes: tuple[Points, Numbers] | None
+
+    def beyond(self, points: Points) -> Numbers:
+        """(n,): a bound of the distance [m] of points from the piece, negative inside."""
+        if self.planes is None:
+            assert isinstance(self.piece, Primitive)
+            return signed_distance(self.piece, points)
+        return beyond(*self.planes, points)
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +110,8 @@ class Outside:
         """Points on a piece."""
         surface = surface_of(piece)
         points = even(surface.corners, _POINTS).points
-        return Sampled(piece, points, self.distances(points), surface.area() / _POINTS)
+        planes = half_spaces(piece) if isinstance(piece, Surface) else None
+        return Sampled(piece, points, self.distances(points), surface.area() / _POINTS, planes)
 
     def standing_out(self, pieces: Sequence[Sampled]) -> StandingOut:
         """How far the outer surface of a collider, the union of the pieces, is out of the link."""
@@ -110,7 +120,7 @@ class Outside:
             outer = np.ones(len(one.points), dtype=bool)
             for other, solid in enumerate(pieces):
                 if other != number:
-                    outer[outer] = _depth_in(solid.piece, one.points[outer]) > _SEAM * self.diagonal
+                    outer[outer] = solid.beyond(one.points[outer]) > _SEAM * self.diagonal
             distances.append(one.distances[outer])
         every = np.concatenate(distances)
         weights = np.repeat([one.area for one in pieces], [len(found) for found in distances])
@@ -119,11 +129,3 @@ class Outside:
         p95 = float(every[order][np.searchsorted(share, 0.95 * share[-1])]) if len(every) else 0.0
         volumes = [one.area * float(found.sum()) for one, found in zip(pieces, distances, strict=True)]
         return StandingOut(p95, float(every.max(initial=0.0)), tuple(volumes))
-
-
-def _depth_in(piece: Piece, points: Points) -> Numbers:
-    """(n,): a bound of the distance [m] of points from a piece, negative inside."""
-    if not isinstance(piece, Surface):
-        return signed_distance(piece, points)
-    normals, heights = half_spaces(piece)
-    return np.asarray((along(normals, points) - heights[:, None]).max(axis=0))

@@ -14,6 +14,9 @@ from stages.robot.model import Array
 
 Numbers = npt.NDArray[np.float64]
 
+_TOO_MANY = 1000
+"""More poses than there are."""
+
 
 @dataclass(eq=False)
 class Pair:
@@ -29,11 +32,10 @@ class Pair:
     borne: Numbers
     allowed: int
     home: int
-    poses: Any = None
     stuck: bool = False
     vain: int = 0
-    _deeper: dict[tuple[int, int], Numbers] = field(default_factory=dict)
-    _kept: list[Chunk] = field(default_factory=list)
+    poses: Any = field(init=False)
+    _deeper: dict[tuple[Chunk, Chunk], Numbers] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
         self.poses = engine().poses(self.one_from_other)
@@ -46,16 +48,17 @@ class Pair:
 
     def of_chunks(self, one: Chunk, other: Chunk, within: Numbers | None = None) -> Numbers:
         """(n,): the same of two pieces; only where `within` is more than 0, if it is given."""
-        key = id(one), id(other)
-        if key not in self._deeper:
+        if (one, other) not in self._deeper:
             rows = np.arange(len(self.borne)) if within is None else np.flatnonzero(within)
             found = np.zeros(len(self.borne))
             found[rows] = self.deeper(one.convex, other.convex, rows)
-            self._deeper[key] = found
-            self._kept += [one, other]  # so that no other piece gets its id
-        return self._deeper[key]
+            self._deeper[one, other] = found
+        return self._deeper[one, other]
 
-    def count(self, deeper: Numbers) -> float:
-        """In how many poses a pair is false; no pair that is false at `home` is good enough."""
-        wrong = int(np.count_nonzero(deeper > 0))
-        return wrong + (1000 if self.home >= 0 and deeper[self.home] > 0 else 0)
+    def false_at_home(self, deeper: Numbers) -> bool:
+        """Whether the pair is false at `home`."""
+        return self.home >= 0 and bool(deeper[self.home] > 0)
+
+    def badness(self, deeper: Numbers) -> int:
+        """In how many poses a pair is false; one that is false at `home` is never good enough."""
+        return int(np.count_nonzero(deeper > 0)) + _TOO_MANY * self.false_at_home(deeper)

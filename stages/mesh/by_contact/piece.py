@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stages.mesh.by_contact.soup import Soup
+from stages.mesh.convex_hull import outwards
 from stages.mesh.fit import capped_hull
 from stages.mesh.pieces import Piece, surface_of
 from stages.mesh.snapping import snapped
@@ -78,9 +79,8 @@ def faced(hull: Any, points: Points) -> Surface:
     """Qhull's hull of these points as a surface that faces outwards."""
     place = np.empty(len(points), dtype=np.int64)
     place[hull.vertices] = np.arange(len(hull.vertices))
-    corners, triangles = points[hull.vertices], place[hull.simplices]
-    inward = np.einsum("ij,ij->i", Surface(corners, triangles).normals(), hull.equations[:, :3]) < 0
-    return Surface(corners, np.where(inward[:, None], triangles[:, ::-1], triangles))
+    surface = Surface(points[hull.vertices], place[hull.simplices])
+    return Surface(surface.vertices, outwards(surface, hull))
 
 
 def hulled(soup: Soup, max_vertices: int, group: int) -> Chunk | None:

@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
+from stages.robot.meeting_boxes import meeting_boxes
 from stages.robot.model import Array
 
 Bounds = tuple[Array, Array]
@@ -39,30 +40,14 @@ def near_pairs(
     low, high = centres - halves, centres + halves
     count = len(world_from_link)
     forbidden = np.array(sorted(one * count + other for one, other in apart), dtype=np.int64)
-    met = [_meeting(low[:, row], high[:, row], forbidden) for row in range(places.shape[1])]
+    boxes = [meeting_boxes(low[:, row], high[:, row]) @ [count, 1] for row in range(places.shape[1])]
+    met = [codes[~np.isin(codes, forbidden)] for codes in boxes]
     rows = np.repeat(np.arange(len(met)), [len(codes) for codes in met])
     codes = np.concatenate(met) if met else np.zeros(0, dtype=np.int64)
     order = np.lexsort((rows, codes))
     codes, rows = codes[order], rows[order]
     bounds_of = [*np.flatnonzero(np.diff(codes, prepend=-1)).tolist(), len(codes)]
     return [Near(int(codes[a]) // count, int(codes[a]) % count, rows[a:b]) for a, b in pairwise(bounds_of)]
-
-
-def _meeting(low: Array, high: Array, forbidden: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
-    """The pairs of boxes that meet, as one × n + other."""
-    count = len(low)
-    axis = int(np.ptp(low + high, axis=0).argmax())
-    order = np.argsort(low[:, axis], kind="stable")
-    last = np.searchsorted(low[order, axis], high[order, axis], side="right")
-    sizes = np.maximum(last - np.arange(count) - 1, 0)
-    first = np.repeat(np.arange(count), sizes)
-    second = first + 1 + np.arange(len(first)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
-    a, b = order[first], order[second]
-    meet = ((low[a] <= high[b]) & (low[b] <= high[a])).all(axis=1)
-    a, b = np.minimum(a, b)[meet], np.maximum(a, b)[meet]
-    codes = a * count + b
-    found: npt.NDArray[np.int64] = codes[~np.isin(codes, forbidden)]
-    return found
 
 
 def relative(one: Array, other: Array) -> Array:

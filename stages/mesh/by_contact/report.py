@@ -2,14 +2,14 @@
 
 from collections.abc import Iterator, Sequence
 
-from stages.mesh.by_contact.made import StillFalse
+from stages.mesh.by_contact.request import FalsePair
 from stages.robot.errors import Diagnostic
 from stages.robot.globs import as_key
 
 
-def false_contacts(pairs: Sequence[StillFalse]) -> Iterator[Diagnostic]:
+def false_contacts(pairs: Sequence[FalsePair]) -> Iterator[Diagnostic]:
     """W-FALSE-CONTACT for each link of such pairs, with the pairs that no link before it named."""
-    told: dict[str, list[StillFalse]] = {}
+    told: dict[str, list[FalsePair]] = {}
     for pair in pairs:
         told.setdefault(pair.one if pair.one in told or pair.other not in told else pair.other, []).append(
             pair
@@ -26,7 +26,6 @@ def false_contacts(pairs: Sequence[StillFalse]) -> Iterator[Diagnostic]:
         )
 
 
-def _said(link: str, pair: StillFalse) -> str:
-    other = pair.other if pair.one == link else pair.one
+def _said(link: str, pair: FalsePair) -> str:
     where = "at home" if pair.home else f"in {100 * pair.share:.2g} % of poses"
-    return f"{other}, {where}, by up to {1e3 * pair.depth:.2g} mm"
+    return f"{pair.beside(link)}, {where}, by up to {1e3 * pair.depth:.2g} mm"

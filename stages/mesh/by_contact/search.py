@@ -61,10 +61,10 @@ class PieceSearch:
             found = np.maximum(found, pair.of_chunks(one, other))
         return found
 
-    def bad(self) -> list[tuple[float, Pair]]:
+    def bad(self) -> list[tuple[int, Pair]]:
         """The pairs that are false too often, the worst first."""
-        counted = [(pair.count(self.deeper(pair)), pair) for pair in self.pairs if not pair.stuck]
-        found = [(count, pair) for count, pair in counted if count > pair.allowed]
+        rated = [(pair.badness(self.deeper(pair)), pair) for pair in self.pairs if not pair.stuck]
+        found = [(badness, pair) for badness, pair in rated if badness > pair.allowed]
         return sorted(found, key=lambda one: (-one[0], one[1].one, one[1].other))
 
     def refine(self, parts: Callable[[int], Sequence[Chunk]]) -> None:
@@ -226,35 +226,35 @@ class PieceSearch:
     def no_worse(self, link: int, chunks: Sequence[Chunk]) -> bool:
         """Whether these pieces leave each pair of a link good enough, or as bad as it is."""
         return all(
-            pair.count(self.deeper(pair, {link: chunks})) <= max(pair.allowed, pair.count(self.deeper(pair)))
+            pair.badness(self.deeper(pair, {link: chunks}))
+            <= max(pair.allowed, pair.badness(self.deeper(pair)))
             for pair in self.of[link]
         )
 
     def merge_link(self, link: int) -> None:
         """The same of one link."""
         if self.may[link]:
-            growths: dict[tuple[int, int], tuple[float, Chunk, Chunk]] = {}
+            growths: dict[tuple[Chunk, Chunk], float] = {}
             while self._merged(link, growths):
                 pass
 
-    def _merged(self, link: int, growths: dict[tuple[int, int], tuple[float, Chunk, Chunk]]) -> bool:
+    def _merged(self, link: int, growths: dict[tuple[Chunk, Chunk], float]) -> bool:
         """Whether two pieces were joined. `growths`: what joining two adds to their volume, infinite where it
         makes a pair worse."""
         chunks = [one for one in self.chunks[link] if len(one.soup)]
         joint = [(one, other) for one, other in combinations(chunks, 2) if one.group == other.group]
         for one, other in joint:
-            if (id(one), id(other)) not in growths:
+            if (one, other) not in growths:
                 made = hull_of(np.concatenate([one.corners, other.corners]))
                 growth = np.inf if made is None else round(made.volume - one.volume - other.volume, 12)
-                growths[id(one), id(other)] = growth, one, other
-        tried = [(growths[id(one), id(other)][0], one, other) for one, other in joint]
-        for growth, one, other in sorted(tried, key=lambda found: found[0]):
-            if growth == np.inf:
+                growths[one, other] = growth
+        for one, other in sorted(joint, key=lambda both: growths[both]):
+            if growths[one, other] == np.inf:
                 break
             joined = hulled(np.concatenate([one.soup, other.soup]), self.max_vertices, one.group)
             rest = [chunk for chunk in self.chunks[link] if chunk not in (one, other)]
             if joined is not None and self.no_worse(link, [*rest, joined]):
                 self._replace(link, [one, other], [joined])
                 return True
-            growths[id(one), id(other)] = np.inf, one, other
+            growths[one, other] = np.inf
         return False

@@ -16,6 +16,7 @@ from stages.mesh.contacts.narrow import Mask
 from stages.robot.adjacency import Pair
 from stages.robot.errors import MeshError
 from stages.robot.geometry import Shape
+from stages.robot.meeting_boxes import meeting_boxes
 from stages.robot.model import Array
 from stages.robot.poses import from_parts, quat_from_rotation, rotation_from_quat
 
@@ -68,16 +69,7 @@ class Colliders:
         low, high = self._boxes()
         lows = np.array([low[self._geoms[link]].min(axis=0) for link in links])
         highs = np.array([high[self._geoms[link]].max(axis=0) for link in links])
-        # Along the axis on which they lie the furthest apart, each meets a few of those behind it.
-        axis = int(np.ptp(lows, axis=0).argmax())
-        in_row = np.argsort(lows[:, axis], kind="stable")
-        ends = np.searchsorted(lows[in_row, axis], highs[in_row, axis], side="right")
-        found: list[tuple[int, int]] = []
-        for place, (one, end) in enumerate(zip(in_row, ends, strict=True)):
-            behind = in_row[place + 1 : end]
-            meet = (lows[behind] <= highs[one]) & (lows[one] <= highs[behind])
-            found += [(min(one, other), max(one, other)) for other in behind[meet.all(axis=1)]]
-        return [(links[one], links[other]) for one, other in sorted(found)]
+        return [(links[one], links[other]) for one, other in meeting_boxes(lows, highs).tolist()]
 
     def depths(self, pairs: Sequence[Pair]) -> dict[Pair, Array]:
         """Of each pair that touches where the links were placed last, how deep [m] each shape of the one

@@ -10,7 +10,7 @@ import numpy as np
 
 from stages.mesh.convex_hull import convex_hull
 from stages.mesh.fit import capped_hull
-from stages.mesh.pieces import along, half_spaces
+from stages.mesh.pieces import beyond, half_spaces
 from stages.mesh.surface import Points, Surface
 
 OVERLAP_OF_SIZE = 4e-5
@@ -27,9 +27,8 @@ def containing(hull: Surface, most: int) -> Surface:
     capped = capped_hull(hull, most)
     if capped is None:
         return hull
-    normals, heights = half_spaces(capped)
-    beyond = float((along(normals, hull.vertices) - heights[:, None]).max())
-    return convex_hull(grown(capped, beyond)) or capped if beyond > 0 else capped
+    bare = float(beyond(*half_spaces(capped), hull.vertices).max())
+    return convex_hull(grown(capped, bare)) or capped if bare > 0 else capped
 
 
 def grown(hull: Surface, distance: float) -> Points:

@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stages.mesh.convex_hull import convex_hull
-from stages.mesh.pieces import along, half_spaces
+from stages.mesh.pieces import along, beyond, half_spaces
 from stages.mesh.surface import Points, Surface
 
 _OUTWARDS = 0.5
@@ -25,8 +25,7 @@ def capped_hull(surface: Surface, max_vertices: int) -> Surface | None:
     inner = convex_hull(whole.vertices[_farthest(whole.vertices, max_vertices)])
     if inner is None:
         return None
-    normals, heights = half_spaces(inner)
-    bare = float((along(normals, whole.vertices) - heights[:, None]).max())
+    bare = float(beyond(*half_spaces(inner), whole.vertices).max())
     return _moved_out(inner, _OUTWARDS * bare)
 
 

@@ -37,19 +37,23 @@ _MOST_CORNERS = 2000  # triangles of one piece
 _DIGITS = 1e-6  # of the diagonal
 
 
-def measure(target: Target, pieces: Sequence[Piece]) -> Measures:
+def measure(
+    target: Target, pieces: Sequence[Piece], protrusion: tuple[float, float] | None = None
+) -> Measures:
     """How the union of `pieces` (at least one) differs from the part; ValueError without pieces.
 
     The part's inside is what its winding number says. A point of one piece within another, or within 0.03 %
     of the part's diagonal of it straight ahead, is no point of the outer surface, so that seams do not count.
     Maxima are right to 0.15 % of the diagonal or to a fiftieth, shares by booleans to rounding; figures are
-    rounded to 1e-6 of the diagonal and to 1e-6.
+    rounded to 1e-6 of the diagonal and to 1e-6. `protrusion`: its p95 and maximum [m], where they are known.
     """
     union = Union.of(sorted(pieces, key=_order))
-    p95, known = _protrusion(target, union)
+    if protrusion is None:
+        p95, known = _protrusion(target, union)
+        protrusion = p95, _farthest(target, union, known)
     shares = target.shares(union)
     grain = _DIGITS * target.diagonal
-    distances = (p95, _farthest(target, union, known), *_bareness(target, union))
+    distances = (*protrusion, *_bareness(target, union))
     rounded = [round(value / grain) * grain for value in distances]
     extra = None if shares.extra is None else round(shares.extra, 6)
     return Measures(extra, round(shares.missing, 6), shares.by, *rounded)

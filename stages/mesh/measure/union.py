@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from stages.mesh.inside import Inside
 from stages.mesh.measure.tree import BoxTree, Corners, Indices, Nearest, Numbers, split
-from stages.mesh.pieces import Piece, along, half_spaces, signed_distance, surface_of
+from stages.mesh.pieces import Piece, beyond, half_spaces, signed_distance, surface_of
 from stages.mesh.surface import Points, Surface, joined
 from stages.robot.model import Primitive
 
@@ -38,7 +38,7 @@ class _Hull:
             return np.where(self.inside(points), np.finfo(float).tiny, 0.0)
         result = np.empty(len(points))
         for some in split(np.arange(len(points)), max(1, _HEIGHTS // max(1, len(self.normals)))):
-            result[some] = -(along(self.normals, points[some]) - self.heights[:, None]).max(axis=0)
+            result[some] = -beyond(self.normals, self.heights, points[some])
         return result
 
 

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import combinations
 
 import mujoco
 import numpy as np
@@ -16,7 +15,7 @@ from stages.robot.model import Limits
 from stages.robot.pose_samples import sampled_poses
 from stages.robot.start_pose import home
 from stages.validate.checks import false_contact
-from stages.validate.contact_errors import DEEP, REACH, SALT, meeting_boxes
+from stages.validate.contact_errors import DEEP, REACH, SALT
 from stages.validate.seen_surfaces import SOME, SeenSurfaces, surface, winding
 from tests.support.robots import joint, robot_with
 from tests.support.written import compiled_of
@@ -249,21 +248,6 @@ def test_what_the_users_own_xml_says_of_contact_is_not_judged():
     compiled = compiled_of(CROSSING, ROBOT, Geometry((), {}, self_contact=True))
     change = Amendment("elements", "robot.xml", "contact", ("exclude",))
     assert list(false_contact.check(replace(compiled, amendments=Amendments((change,))))) == []
-
-
-def test_the_boxes_that_meet_are_those_of_every_pair():
-    rng = np.random.default_rng(5)
-    for number in (0, 1, 2, 40):
-        low = rng.uniform(size=(number, 3))
-        high = low + rng.uniform(0.0, 0.4, size=(number, 3))
-        every = {
-            (a, b)
-            for a, b in combinations(range(number), 2)
-            if (low[a] <= high[b]).all() and (low[b] <= high[a]).all()
-        }
-        pairs = meeting_boxes(low, high)
-        assert len(pairs) == len(every)
-        assert {tuple(sorted(pair)) for pair in pairs.tolist()} == every
 
 
 KINDS = {

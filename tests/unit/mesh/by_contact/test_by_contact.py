@@ -178,3 +178,11 @@ def test_what_the_user_gave_stays_and_is_kept_clear_of():
     assert by_link["finger"].rung == "sphere"
     assert by_link["finger"].reason == ""
     assert by_link["post"].reason
+
+
+def test_a_mesh_that_stays_as_it_is_collides_as_its_hull():
+    """An engine fills the slot, which nothing cuts: the pair is named."""
+    geometry, _ = made(robot(), colliders={"post": "raw"}, fine=[])
+    (false,) = [problem for problem in geometry.diagnostics if problem.code == "W-FALSE-CONTACT"]
+    assert "finger" in false.message
+    assert "post" in false.message

@@ -7,11 +7,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
+from stages.mesh.by_contact.ends import fitted_end
 from stages.mesh.by_contact.outside import Outside
 from stages.mesh.by_contact.piece import hulled
 from stages.mesh.by_contact.planes import crossing, flat_faces, through
 from stages.mesh.by_contact.poses import near_pairs, relative
 from stages.mesh.by_contact.soup import cut
+from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.surface import Surface
 from tests.support.robots import pose
 
@@ -137,3 +139,18 @@ def test_planes_lie_beside_the_faces_and_across_the_axes():
     assert heights == {0.0098, 0.0102}
     planes = crossing(through(np.eye(3), box.reshape(-1, 3)), box.reshape(-1, 3))
     assert all(-0.05 < height < 0.05 for _, height in planes)
+
+
+def test_what_pieces_of_an_end_lack_is_measured():
+    """A box of 80 mm by its upper and lower quarter: half is missing, and 20 mm are bare at most."""
+    solid = trimesh.creation.box(extents=[0.04, 0.04, 0.08])
+    surface = Surface(np.array(solid.vertices), np.array(solid.faces, dtype=np.int64))
+    upper = cut(surface.corners, np.array([0.0, 0, 1]), 0.02)[1]
+    lower = cut(surface.corners, np.array([0.0, 0, 1]), -0.02)[0]
+    pieces = [hulled(soup, 64, 0) for soup in (upper, lower)]
+    assert None not in pieces
+    _, end = fitted_end(surface, [pieces], ColliderSettings())
+    assert end.meets
+    assert end.measures.extra == pytest.approx(0.0, abs=1e-4)
+    assert end.measures.missing == pytest.approx(0.5, abs=1e-4)
+    assert end.measures.bareness_max == pytest.approx(0.02, abs=2e-4)

@@ -1,0 +1,21 @@
+"""Boxes that meet: as by looking at every pair."""
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from stages.robot.meeting_boxes import meeting_boxes
+
+
+@pytest.mark.parametrize("number", [0, 1, 2, 40])
+def test_the_boxes_that_meet_are_those_of_every_pair(number: int) -> None:
+    rng = np.random.default_rng(5)
+    low = rng.uniform(size=(number, 3))
+    high = low + rng.uniform(0.0, 0.4, size=(number, 3))
+    every = [
+        [one, other]
+        for one, other in combinations(range(number), 2)
+        if (low[one] <= high[other]).all() and (low[other] <= high[one]).all()
+    ]
+    assert meeting_boxes(low, high).tolist() == every
