@@ -24,6 +24,7 @@ from stages.mesh.pieces import placed
 from stages.mesh.surface import Surface, moved
 from stages.mesh.verdict import miss
 from stages.robot.errors import DecompositionFailed
+from stages.robot.guest import Guest
 from stages.robot.model import Array, frozen
 
 if TYPE_CHECKING:
@@ -185,13 +186,13 @@ class _Made:
             found[name] = wanting[name].collision.with_note("mesh.effort did not reach it")
         return [replace(one, collision=found.get(one.job.identity(), one.collision)) for one in every]
 
-    def _improve(self, one: Collided, halt: threading.Event) -> Collision:
+    def _improve(self, one: Collided, guest: Guest) -> Collision:
         job, made = one.job, one.collision
 
         def make() -> bytes:
             surfaces = self._surfaces(job)
             improve: Callable[..., Collision] = _maker(job).improve
-            return collision.encode(improve(surfaces, job.choice.settings, made, halt))
+            return collision.encode(improve(surfaces, job.choice.settings, made, guest))
 
         return collision.decode(self._remembered(job, "improve", make))
 

@@ -2,7 +2,7 @@
 
 A guest is a module with a function `answer(request: bytes) -> bytes`. Its process is Python's isolated mode
 with the libraries of this one, an environment of what it is given and no more, no terminal, and no input but
-the request; a crash does not affect this process. The guest and its children are ended where they exceed a
+its requests; a crash does not affect this process. The guest and its children are ended where they exceed a
 limit of time or memory, and where this process is interrupted or ends.
 """
 
@@ -19,8 +19,10 @@ import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from queue import SimpleQueue
 from typing import IO
 
+from stages.robot import process_usage
 from stages.robot.errors import ConfigError, LinkwrightError, SourceError
 
 _MAIN = Path(__file__).with_name("guestmain.py")
@@ -33,6 +35,9 @@ _OF_THE_LOADER = ("LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "DYLD_FALLBACK_LIBRARY
 _OF_WINDOWS = ("SYSTEMROOT", "SYSTEMDRIVE", "TEMP", "TMP")
 
 _ERRORS: Mapping[str, type[LinkwrightError]] = {"SourceError": SourceError, "ConfigError": ConfigError}
+_KINDS = (b"R", b"E")
+"""A reply, and an error."""
+
 _HEAD = 9
 """Bytes before a reply: its kind and its length."""
 
@@ -43,9 +48,10 @@ _LOOK_BY_PS = 0.5
 _PATIENCE = 5.0
 """How long a guest may take to end after its reply [s]."""
 
+_KEPT = 0.25
+"""A process that still has so much of its memory limit after a reply is not asked again."""
+
 _LONGEST_LINE = 200
-_STATM = "/proc/{}/statm"
-_STAT = "/proc/{}/stat"
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +74,62 @@ class Ended(Exception):
     s"."""
 
 
+class _Broken(Ended):
+    """Ended, in a way that an earlier request may be to blame for."""
+
+
+class Guest:
+    """A process that answers request after request, of one thread at a time.
+
+    It starts with the first request, and anew after each that it does not survive; whoever has it closes it.
+    It also ends where another thread sets `halt`.
+    """
+
+    def __init__(
+        self,
+        module: str,
+        bounds: Bounds,
+        environ: Mapping[str, str],
+        halt: threading.Event | None = None,
+    ) -> None:
+        self._module, self._bounds, self._halt = module, bounds, halt
+        self._environ = {**_taken(_OF_WINDOWS), **environ}
+        self._process: _Process | None = None
+
+    def ask(self, request: bytes) -> bytes:
+        """The reply of `module` to `request`, in a process with the variables `environ` and, on Windows, the
+        few that the system needs.
+
+        Raises the guest's own SourceError or ConfigError, and Ended without a complete reply, which includes
+        that another thread sets `halt`.
+        """
+        used = self._process is not None
+        try:
+            return self._answer(request)
+        except _Broken:
+            if not used:
+                raise
+        # An earlier request may have broken the process: each has the same result whatever came before it.
+        return self._answer(request)
+
+    def _answer(self, request: bytes) -> bytes:
+        self._process = process = self._process or _Process(self._module, self._environ, self._bounds)
+        try:
+            reply = process.reply(request, self._halt)
+        except BaseException:
+            self.close()
+            raise
+        if process.resident() > _KEPT * self._bounds.memory:
+            self.close()
+        return reply
+
+    def close(self) -> None:
+        """Ends the process with all that it started; no process is left behind."""
+        if self._process is not None:
+            self._process.end()
+            self._process = None
+
+
 def ask(
     module: str,
     request: bytes,
@@ -75,34 +137,20 @@ def ask(
     environ: Mapping[str, str],
     halt: threading.Event | None = None,
 ) -> bytes:
-    """The reply of `module` to `request`, in a process with the variables `environ` and, on Windows, the few
-    that the system needs.
-
-    Raises the guest's own SourceError or ConfigError, and Ended without a complete reply, which includes
-    that another thread sets `halt`.
-    """
-    environ = {**_taken(_OF_WINDOWS), **environ}
-    guest = _Guest(environ, bounds)
-    head = {
-        "module": module,
-        "path": _libraries(),
-        "seconds": bounds.shared * bounds.seconds + _PATIENCE,
-        "parent": os.getpid(),
-        "environ": sorted(environ),
-    }
-    try:
-        return guest.reply(json.dumps(head).encode() + b"\n" + request, halt)
-    finally:
-        guest.end()
+    """The reply of a guest that is asked nothing else."""
+    with contextlib.closing(Guest(module, bounds, environ, halt)) as guest:
+        return guest.ask(request)
 
 
-class _Guest:
+class _Process:
     """A process, with a thread for each of its three streams."""
 
-    def __init__(self, environ: Mapping[str, str], bounds: Bounds) -> None:
+    def __init__(self, module: str, environ: Mapping[str, str], bounds: Bounds) -> None:
         self._bounds = bounds
         self._output = bytearray()
         self._error_output = bytearray()
+        self._replied = threading.Event()
+        self._requests: SimpleQueue[bytes] = SimpleQueue()
         try:
             self._process = subprocess.Popen(
                 [sys.executable, "-I", "-X", "utf8", str(_MAIN)],
@@ -116,40 +164,58 @@ class _Guest:
         except OSError as error:
             msg = f"could not be started ({error.strerror or type(error).__name__})"
             raise Ended(msg) from None
+        head = {
+            "module": module,
+            "path": _libraries(),
+            "seconds": bounds.shared * bounds.seconds + _PATIENCE,
+            "parent": os.getpid(),
+            "environ": sorted(environ),
+        }
+        self._requests.put(json.dumps(head).encode() + b"\n")
+        self._thread(self._send)
+        self._thread(self._read_output)
+        self._errors = self._thread(self._read_errors)
 
     def reply(self, request: bytes, halt: threading.Event | None) -> bytes:
-        started = time.monotonic()
-        reader = self._thread(self._read_output)
-        errors = self._thread(self._read_errors)
-        self._thread(self._send, request)
-        look = _LOOK if os.path.exists(_STATM.format("self")) else _LOOK_BY_PS  # noqa: PTH110
-        while reader.is_alive():
-            reader.join(look)
+        if self._output:
+            raise _Broken("replied before it was asked")
+        started, before = time.monotonic(), process_usage.computed(self._process.pid, 0.0)
+        self._requests.put(len(request).to_bytes(8, "big") + request)
+        look = _LOOK if process_usage.is_quick() else _LOOK_BY_PS
+        while not self._replied.wait(look):
             if halt is not None and halt.is_set():
                 raise Ended("was interrupted")
-            if self._spent(time.monotonic() - started) > self._bounds.seconds:
+            if self._spent(time.monotonic() - started, before) > self._bounds.seconds:
                 raise Ended(f"took longer than {self._bounds.seconds:g} s")
-            if resident(self._process.pid) > self._bounds.memory:
-                raise Ended(f"needed more than {self._bounds.memory / 1e9:.3g} GB of memory")
-        kind, length = self._output[:1], int.from_bytes(self._output[1:_HEAD], "big")
+            if self.resident() > self._bounds.memory:
+                raise _Broken(f"needed more than {self._bounds.memory / 1e9:.3g} GB of memory")
+        kind, length = bytes(self._output[:1]), int.from_bytes(self._output[1:_HEAD], "big")
         body = bytes(self._output[_HEAD:])
         if len(body) > self._bounds.reply:
             raise Ended(f"made more than {self._bounds.reply / 1e6:.3g} MB")
-        if kind == b"R" and len(body) == length:
-            return body
-        if kind == b"E" and len(body) == length:
+        if kind not in _KINDS or len(body) != length:
+            raise _Broken(self._how_it_ended())
+        if kind == b"E":
             raise _error(body)
-        errors.join(_PATIENCE)
-        raise Ended(self._how_it_ended())
+        self._replied.clear()
+        self._output.clear()
+        self._error_output.clear()
+        return body
 
-    def _spent(self, passed: float) -> float:
-        """The time [s] that counts, of what the clock says has passed."""
+    def resident(self) -> int:
+        """Its resident memory [bytes]."""
+        return process_usage.resident(self._process.pid)
+
+    def _spent(self, passed: float, before: float) -> float:
+        """The time [s] that counts, of what the clock says has passed; `before`: what the process had
+        computed by then."""
         if self._bounds.shared == 1.0:
             return passed
-        return max(passed / self._bounds.shared, min(computed(self._process.pid, passed), passed))
+        used = process_usage.computed(self._process.pid, before + passed) - before
+        return max(passed / self._bounds.shared, min(used, passed))
 
     def end(self) -> None:
-        """Ends the process with all that it started; no process is left behind."""
+        self._requests.put(b"")
         with contextlib.suppress(OSError):
             if hasattr(os, "killpg"):
                 os.killpg(self._process.pid, signal.SIGKILL)
@@ -162,16 +228,26 @@ class _Guest:
         thread.start()
         return thread
 
-    def _send(self, request: bytes) -> None:
+    def _send(self) -> None:
+        """Sends what is in the queue, until that is nothing."""
         with contextlib.suppress(OSError), _stream(self._process.stdin) as stream:
-            rest = memoryview(request)
-            while rest:
-                rest = rest[stream.write(rest) :]
+            while rest := memoryview(self._requests.get()):
+                while rest:
+                    rest = rest[stream.write(rest) :]
 
     def _read_output(self) -> None:
         with contextlib.suppress(OSError), _stream(self._process.stdout) as stream:
             while len(self._output) <= self._bounds.reply + _HEAD and (piece := stream.read(1 << 20)):
                 self._output += piece
+                if self._complete():
+                    self._replied.set()
+        self._replied.set()
+
+    def _complete(self) -> bool:
+        """Whether the output holds a whole reply, or what is not the beginning of a reply."""
+        if self._output[:1] not in _KINDS:
+            return True
+        return len(self._output) >= _HEAD + int.from_bytes(self._output[1:_HEAD], "big")
 
     def _read_errors(self) -> None:
         """Keeps the end of the guest's other output."""
@@ -180,6 +256,8 @@ class _Guest:
                 self._error_output[:] = (self._error_output + piece)[-4096:]
 
     def _how_it_ended(self) -> str:
+        self._requests.put(b"")
+        self._errors.join(_PATIENCE)
         try:
             status = self._process.wait(_PATIENCE)
         except subprocess.TimeoutExpired:
@@ -191,39 +269,6 @@ class _Guest:
             return f"crashed ({name})"
         lines = self._error_output.decode("utf-8", "replace").strip().splitlines()
         return f"failed ({lines[-1][:_LONGEST_LINE]})" if lines else f"ended with status {status}"
-
-
-def resident(process: int) -> int:
-    """The resident memory of a process [bytes], 0 where the system does not show it."""
-    try:
-        with open(_STATM.format(process), "rb") as file:
-            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
-    except (OSError, IndexError, ValueError):
-        return 0 if os.path.exists(_STATM.format("self")) else _resident_by_ps(process)  # noqa: PTH110
-
-
-def computed(process: int, unknown: float) -> float:
-    """The processor time of a process [s], `unknown` where the system does not show it."""
-    try:
-        # The name of the program, in brackets, may hold anything.
-        fields = Path(_STAT.format(process)).read_text().rpartition(")")[2].split()
-        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-    except (OSError, IndexError, ValueError):
-        return unknown
-
-
-def _resident_by_ps(process: int) -> int:
-    try:
-        listed = subprocess.run(
-            ["ps", "-o", "rss=", "-p", str(process)],
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            timeout=_PATIENCE,
-            check=False,
-        )
-        return int(listed.stdout) * 1024
-    except (OSError, ValueError, subprocess.TimeoutExpired):
-        return 0
 
 
 def _stream(pipe: IO[bytes] | None) -> IO[bytes]:

@@ -9,40 +9,54 @@ import sys
 
 
 def main() -> None:
-    # The reply has a stream of its own: whatever else is printed is a complaint.
+    # Replies and requests have streams of their own: whatever else is printed is a complaint, and there is
+    # nothing else to read.
     replies = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
-    head = json.loads(sys.stdin.buffer.readline())
-    _end_with(head["parent"], head["seconds"])
-    # What the loader and Python have read by now is none of the guest's.
+    requests = os.fdopen(os.dup(0), "rb")
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
+    os.close(nothing)
+    head = json.loads(requests.readline())
+    _end_with(head["parent"])
+    _end_after(head["seconds"])
+    # Environment variables needed only at start-up are removed before guest code runs.
     for name in set(os.environ) - set(head["environ"]):
         del os.environ[name]
     sys.path[:] = head["path"]
     errors = importlib.import_module("stages.robot.errors")
     guest = importlib.import_module(head["module"])
-    request = sys.stdin.buffer.read()
-    try:
-        kind, body = b"R", guest.answer(request)
-    except errors.LinkwrightError as error:
-        fields = {"message": error.message, "where": error.where, "hint": error.hint}
-        fields["kind"] = "ConfigError" if isinstance(error, errors.ConfigError) else "SourceError"
-        kind, body = b"E", json.dumps(fields).encode()
-    replies.write(kind + len(body).to_bytes(8, "big"))
-    replies.write(body)
-    replies.close()
+    while length := requests.read(8):
+        request = requests.read(int.from_bytes(length, "big"))
+        _end_after(head["seconds"])
+        try:
+            kind, body = b"R", guest.answer(request)
+        except errors.LinkwrightError as error:
+            fields = {"message": error.message, "where": error.where, "hint": error.hint}
+            fields["kind"] = "ConfigError" if isinstance(error, errors.ConfigError) else "SourceError"
+            kind, body = b"E", json.dumps(fields).encode()
+        _end_after(0)
+        replies.write(kind + len(body).to_bytes(8, "big"))
+        replies.write(body)
+        replies.flush()
     # Nothing is left to do: what a library would tidy up, the system does.
     os._exit(0)
 
 
-def _end_with(parent: int, seconds: float) -> None:
-    """The kernel ends this process after `seconds`, and with the `parent` process (Linux), whatever code
-    runs in it by then; a crash leaves no file."""
+def _end_after(seconds: float) -> None:
+    """The kernel ends this process after so many seconds; 0: it does not."""
+    if hasattr(signal, "setitimer"):
+        signal.signal(signal.SIGALRM, signal.SIG_DFL)
+        signal.setitimer(signal.ITIMER_REAL, seconds)
+
+
+def _end_with(parent: int) -> None:
+    """The kernel ends this process with the `parent` process (Linux), whatever code runs in it by then; a
+    crash leaves no file."""
     if hasattr(signal, "setitimer"):
         import resource
 
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        signal.signal(signal.SIGALRM, signal.SIG_DFL)
-        signal.setitimer(signal.ITIMER_REAL, seconds)
     if sys.platform == "linux":
         import ctypes
 

@@ -196,6 +196,7 @@ def test_an_interrupt_while_a_guest_works_leaves_nothing(tmp_path):
     import time
 
     from tests.support.command import COMMAND
+    from tests.support.processes import gone
 
     (tmp_path / "r.xacro").write_text(
         f'<robot {XMLNS} name="r"><link name="${{python.sum(python.range(10**12))}}"/></robot>'
@@ -213,18 +214,7 @@ def test_an_interrupt_while_a_guest_works_leaves_nothing(tmp_path):
     assert run.returncode == 130, output_text
     assert "Traceback" not in output_text
     # A guest that was about to start when the interrupt came ends by itself, a moment later.
-    until = time.monotonic() + 30
-    while any(map(_runs, guests)) and time.monotonic() < until:
-        time.sleep(0.05)
-    assert not any(map(_runs, guests))
-
-
-def _runs(pid: int) -> bool:
-    """Whether a process still runs (Linux)."""
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except OSError:
-        return False
+    assert gone(guests)
 
 
 def _guests_of(pid: int) -> list[int]:

@@ -159,7 +159,7 @@ def test_colliders_are_made_once(build, here: Path, name: str) -> None:
         raise AssertionError("a decomposition")
 
     again = [*told(name, True)[:-2], "mesh.visual.max_faces=19000", f"output={name}_again", "until=export"]
-    with patch.object(guest, "ask", refuse):
+    with patch.object(guest.Guest, "ask", refuse):
         done = called(place, *again)
     assert done.returncode == 0, done.stdout + done.stderr
     report = json.loads((place / f"{name}_again" / "report.json").read_text())

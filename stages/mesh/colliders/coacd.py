@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -12,7 +11,6 @@ from stages.mesh.collision import Collision
 from stages.mesh.decompose import (
     MOST_PIECES,
     DecomposeOptions,
-    Guest,
     decomposition,
     pieces,
     read,
@@ -20,6 +18,7 @@ from stages.mesh.decompose import (
 )
 from stages.mesh.surface import Surface, joined
 from stages.mesh.verdict import Judge
+from stages.robot.guest import Guest
 
 
 def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
@@ -29,14 +28,14 @@ def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
 
 
 def improve(
-    surfaces: Sequence[Surface], settings: ColliderSettings, made: Collision, halt: threading.Event | None
+    surfaces: Sequence[Surface], settings: ColliderSettings, made: Collision, guest: Guest
 ) -> Collision:
     """At most 16 pieces. DecompositionFailed where the guest fails."""
     judge = Judge.of(joined(surfaces), settings)
     if isinstance(judge, str):
         return made.with_note(judge)
     options = DecomposeOptions(judge.tolerance, search=search(settings.effort, settings.coacd))
-    found = read(decomposition(judge.surface, options, Guest(halt=halt)))
+    found = read(decomposition(judge.surface, options, guest))
     if found.refused:
         return made.with_note(found.refused)
     convex = pieces(found, MOST_PIECES, settings.max_vertices)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -14,7 +13,6 @@ from stages.mesh.decompose import (
     MOST_PIECES,
     DecomposeOptions,
     Decomposition,
-    Guest,
     decomposition,
     hole,
     pieces,
@@ -27,6 +25,7 @@ from stages.mesh.plainer import plainer
 from stages.mesh.snapping import snapped
 from stages.mesh.surface import Surface, joined
 from stages.mesh.verdict import Judge, miss
+from stages.robot.guest import Guest
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +114,7 @@ def _wholes(judge: Judge, settings: ColliderSettings) -> Iterator[tuple[str, Pie
 
 
 def improve(
-    surfaces: Sequence[Surface], settings: ColliderSettings, made: Collision, halt: threading.Event | None
+    surfaces: Sequence[Surface], settings: ColliderSettings, made: Collision, guest: Guest
 ) -> Collision:
     """Convex pieces, as few as are near enough; or, where none are, those that are much nearer than the hull;
     else `made`.
@@ -134,7 +133,7 @@ def improve(
         coarser = _COARSER if attempt.hasty else 1.0
         tolerance = attempt.share * judge.tolerance
         options = DecomposeOptions(tolerance, search=how, sectors=attempt.sectors, coarser=coarser)
-        found = read(decomposition(judge.surface, options, Guest(halt=halt)))
+        found = read(decomposition(judge.surface, options, guest))
         if found.refused:
             return _worthwhile(best, made, judge.tolerance).with_note(found.refused)
         best = _of_pieces(judge, found, settings, best)

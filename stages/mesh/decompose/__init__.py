@@ -18,8 +18,7 @@ from __future__ import annotations
 import numpy as np
 
 from stages.mesh.convex_hull import convex_hull
-from stages.mesh.decompose import wire
-from stages.mesh.decompose.ask import BOUNDS, Guest, decomposition, decomposition_key
+from stages.mesh.decompose.ask import BOUNDS, decomposer, decomposition, decomposition_key
 from stages.mesh.decompose.cost import estimated_cost
 from stages.mesh.decompose.joining import groups
 from stages.mesh.decompose.pool import Making, side_by_side
@@ -29,7 +28,6 @@ from stages.mesh.decompose.wire import Decomposition, read
 from stages.mesh.decompose_options import EFFORTS, MOST_PIECES, DecomposeOptions, Search, search
 from stages.mesh.fit import capped_hull
 from stages.mesh.surface import Surface
-from stages.robot.errors import DecompositionFailed
 
 __all__ = [
     "BOUNDS",
@@ -37,10 +35,9 @@ __all__ = [
     "MOST_PIECES",
     "DecomposeOptions",
     "Decomposition",
-    "Guest",
     "Making",
     "Search",
-    "decompose",
+    "decomposer",
     "decomposition",
     "decomposition_key",
     "estimated_cost",
@@ -50,14 +47,6 @@ __all__ = [
     "search",
     "side_by_side",
 ]
-
-
-def decompose(surface: Surface, options: DecomposeOptions, by: Guest | None = None) -> tuple[Surface, ...]:
-    """The convex pieces of a surface, sorted. DecompositionFailed, with the reason, where there are none."""
-    made = wire.read(decomposition(surface, options, by))
-    if made.refused:
-        raise DecompositionFailed(made.refused)
-    return pieces(made, options.most_pieces, options.most_vertices)
 
 
 def pieces(made: Decomposition, most: int, most_vertices: int = 64) -> tuple[Surface, ...]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import threading
-from dataclasses import dataclass
 from functools import cache
 from importlib import metadata
 from typing import Any
@@ -16,9 +15,8 @@ from stages.mesh.decompose.wire import refusal
 from stages.mesh.decompose_options import DecomposeOptions
 from stages.mesh.snapping import snapped
 from stages.mesh.surface import Surface
-from stages.robot import guest
 from stages.robot.errors import DecompositionFailed
-from stages.robot.guest import Bounds
+from stages.robot.guest import Bounds, Ended, Guest
 
 GUEST = "stages.mesh.decompose.coacd_guest"
 
@@ -40,36 +38,31 @@ _ENVIRON = dict.fromkeys(
 """One thread in each guest: more of them gain nothing, and the order of their sums is not ours."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Guest:
-    """Who is asked, within which limits; it ends where `halt` is set."""
-
-    module: str = GUEST
-    bounds: Bounds = BOUNDS
-    halt: threading.Event | None = None
+def decomposer(halt: threading.Event | None = None, module: str = GUEST, bounds: Bounds = BOUNDS) -> Guest:
+    """A guest that decomposes surface after surface."""
+    return Guest(module, bounds, _ENVIRON, halt)
 
 
-def decomposition(surface: Surface, options: DecomposeOptions, by: Guest | None = None) -> bytes:
+def decomposition(surface: Surface, options: DecomposeOptions, guest: Guest) -> bytes:
     """The decomposition of a surface as bytes, to cache by `decomposition_key`; `wire.read` reads them.
 
     Raises DecompositionFailed where the guest takes too long, needs too much memory, crashes, or gives a
     reply that is none: nothing to keep, since it may not happen again. What follows from the mesh itself is
     a result, with `refused`.
     """
-    by = by or Guest()
     if not np.isfinite(surface.vertices).all():
         return wire.write(refusal("a coordinate of the mesh is not a number"))
     canonical = snapped(surface)
     if not len(canonical.triangles):
         return wire.write(refusal("the mesh has no triangle"))
     head = {"tolerance": options.tolerance, "arguments": options.arguments, "sectors": options.sectors}
-    request = wire.request(canonical, head)
     try:
-        reply = guest.ask(by.module, request, by.bounds, _ENVIRON, by.halt)
+        reply = guest.ask(wire.request(canonical, head))
         wire.read(reply)
-    except guest.Ended as ended:
+    except Ended as ended:
         msg = f"the decomposition {ended}"
     except ValueError:
+        guest.close()
         msg = "the decomposition gave a reply that is none"
     else:
         return reply

@@ -1,4 +1,4 @@
-"""Several decompositions side by side, each in its own guest process."""
+"""Several decompositions side by side, in as many guest processes, which stay for all of them."""
 
 from __future__ import annotations
 
@@ -6,10 +6,13 @@ import os
 import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
+from stages.mesh.decompose.ask import decomposer
 from stages.robot.errors import DecompositionFailed
+from stages.robot.guest import Guest
 
 Made = TypeVar("Made")
 
@@ -23,11 +26,11 @@ Shown = Callable[[Sequence[str], int, int], None]
 class Making(Generic[Made]):
     """What is to be made, and the name by which a user knows it.
 
-    `make` gets an event that is set where the work is to end early: it hands it to its `Guest`.
+    `make` gets a guest that starts when it is asked, and that others asked before it.
     """
 
     name: str
-    make: Callable[[threading.Event], Made]
+    make: Callable[[Guest], Made]
 
 
 def side_by_side(
@@ -40,18 +43,24 @@ def side_by_side(
     guests end at once.
     """
     halt = threading.Event()
+    idle = [decomposer(halt) for _ in range(max(1, workers or processors()))]
     running: dict[int, str] = {}
 
-    def result(number: int, one: Making[Made]) -> Made | DecompositionFailed:
-        running[number] = one.name
+    def result(number: int, making: Making[Made]) -> Made | DecompositionFailed:
+        running[number] = making.name
+        # The one that was used last: it runs already.
+        guest = idle.pop()
         try:
-            return one.make(halt)
+            return making.make(guest)
         except DecompositionFailed as failed:
             return failed
         finally:
+            idle.append(guest)
             del running[number]
 
-    with ThreadPoolExecutor(max(1, workers or processors()), thread_name_prefix="decompose") as pool:
+    with ExitStack() as closed, ThreadPoolExecutor(len(idle), thread_name_prefix="decompose") as pool:
+        for guest in idle:
+            closed.enter_context(closing(guest))
         futures: list[Future[Made | DecompositionFailed]] = []
         try:
             futures += (pool.submit(result, *numbered) for numbered in enumerate(makings))

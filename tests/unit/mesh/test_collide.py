@@ -1,6 +1,7 @@
 """Which collider each part gets: by glob, by size, by source, and as far as the effort goes."""
 
 import io
+import subprocess
 from collections.abc import Mapping
 from dataclasses import replace
 from hashlib import sha256
@@ -297,3 +298,11 @@ def test_of_very_many_triangles_a_collider_is_made_of_fewer() -> None:
     apart = np.linalg.norm(light.corners.mean(axis=1), axis=1) - 0.03
     assert np.abs(apart).max() < 0.03 * 0.0016
     assert library.light(MeshRef(digest, "other")) is None
+
+
+def test_a_process_starts_only_where_something_is_decomposed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(subprocess, "Popen", None)
+    for mesh in ({}, {"collider": "hull"}, {"collider": "ladder", "tolerance": 0.2}):
+        assert set(rungs(made(BOTH, **mesh)).values()) <= {"box", "hull"}
+    with pytest.raises(TypeError):
+        made(BOTH, collider="coacd")

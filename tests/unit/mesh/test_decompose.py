@@ -2,19 +2,19 @@
 none."""
 
 import json
+from contextlib import closing
 from functools import cache
 
 import manifold3d
 import numpy as np
 import pytest
 
+from stages.mesh import decompose as rooms
 from stages.mesh.decompose import (
     BOUNDS,
     EFFORTS,
     DecomposeOptions,
-    Guest,
-    decompose,
-    decomposition,
+    decomposer,
     decomposition_key,
     estimated_cost,
     pieces,
@@ -31,10 +31,11 @@ from stages.mesh.surface import Surface, weld
 from stages.robot.errors import ConfigError, DecompositionFailed, MeshError
 from stages.robot.guest import Bounds
 from tests.fake_onshape import solids
+from tests.support.decomposing import decompose, decomposition
 from tests.support.poison import POISONED
 from tests.support.solids import box, joined
 
-OPTIONS = DecomposeOptions(0.001)
+OPTIONS, EASY = DecomposeOptions(0.001), DecomposeOptions(0.002)
 
 
 def surface_of(solid) -> Surface:
@@ -253,18 +254,22 @@ def test_what_has_no_pieces_is_refused_in_words_and_that_is_a_result(vertices, t
 
 @pytest.fixture
 def visitor(tmp_path, monkeypatch):
-    """A guest in the place of CoACD's, with these lines as its function `answer(request)`."""
+    """A guest in the place of CoACD's: the name of a module with these lines as its `answer(request)`. What
+    is asked with twice the tolerance of OPTIONS, `EASY`, it refuses because of "peace"."""
     monkeypatch.syspath_prepend(tmp_path)
 
-    def guest(lines: str, bounds: Bounds = BOUNDS) -> Guest:
+    def written(lines: str) -> str:
+        easy = f"if b'tolerance\": {EASY.tolerance}' in request: return wire.write(wire.refusal('peace'))"
+        body = "".join(f"    {line}\n" for line in [easy, *lines.splitlines()])
         (tmp_path / "visitor.py").write_text(
-            "def answer(request):\n" + "\n".join(f"    {line}" for line in lines.splitlines())
+            f"from stages.mesh.decompose import wire\ndef answer(request):\n{body}"
         )
-        return Guest("visitor", bounds)
+        return "visitor"
 
-    return guest
+    return written
 
 
+@pytest.mark.parametrize("used", [False, True], ids=["new", "used"])
 @pytest.mark.parametrize(
     ("lines", "bounds", "said"),
     [
@@ -283,10 +288,15 @@ def visitor(tmp_path, monkeypatch):
         ("return None + 1", BOUNDS, "failed (TypeError"),
     ],
 )
-def test_however_the_guest_fails_it_is_told_and_is_no_result(visitor, lines, bounds, said) -> None:
-    with pytest.raises(DecompositionFailed) as caught:
-        decomposition(CLAMP, OPTIONS, visitor(lines, bounds))
-    assert f"the decomposition {said}" in caught.value.message
+def test_however_the_guest_fails_it_is_told_and_is_no_result(visitor, used, lines, bounds, said) -> None:
+    """And what is asked before and after has its own result."""
+    with closing(decomposer(module=visitor(lines), bounds=bounds)) as guest:
+        if used:
+            assert read(rooms.decomposition(CLAMP, EASY, guest)).refused == "peace"
+        with pytest.raises(DecompositionFailed) as caught:
+            rooms.decomposition(CLAMP, OPTIONS, guest)
+        assert f"the decomposition {said}" in caught.value.message
+        assert read(rooms.decomposition(CLAMP, EASY, guest)).refused == "peace"
 
 
 @pytest.mark.slow
@@ -297,7 +307,7 @@ def test_a_mesh_that_takes_too_long_ends_in_time() -> None:
     surface = Surface(np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts).astype(np.int64))
     thorough = DecomposeOptions(1e-5, search=search("high", {"mcts_iterations": 2000, "threshold": 0.01}))
     with pytest.raises(DecompositionFailed, match="took longer than 2 s"):
-        decomposition(surface, thorough, Guest(bounds=Bounds(2, 2 << 30, 1 << 26)))
+        decomposition(surface, thorough, bounds=Bounds(2, 2 << 30, 1 << 26))
 
 
 def test_the_guest_runs_on_one_thread(visitor) -> None:
@@ -308,7 +318,7 @@ def test_the_guest_runs_on_one_thread(visitor) -> None:
         "raise SystemExit('one')"
     )
     with pytest.raises(DecompositionFailed, match=r"failed \(one\)"):
-        decomposition(CLAMP, OPTIONS, visitor(lines))
+        decomposition(CLAMP, OPTIONS, module=visitor(lines))
 
 
 TETRAHEDRON = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
@@ -420,12 +430,13 @@ def test_the_collider_coacd_is_the_pieces_of_a_part(monkeypatch) -> None:
     assert coacd.make([Surface(BRACKET.vertices * [1, 1, 0], BRACKET.triangles)], settings).pieces == ()
     hull = coacd.make([CLAMP], settings)
     assert (len(hull.pieces), hull.meets) == (1, False)
-    made = coacd.improve([CLAMP], settings, hull, None)
+    with closing(decomposer()) as guest:
+        made = coacd.improve([CLAMP], settings, hull, guest)
     assert len(made.pieces) == 3
     assert sum(piece.volume() for piece in made.pieces) == pytest.approx(CLAMP.volume(), rel=0.02)
     monkeypatch.setattr(coacd, "decomposition", lambda *_: (_ for _ in ()).throw(DecompositionFailed("no")))
     with pytest.raises(DecompositionFailed, match="no"):
-        coacd.improve([CLAMP], settings, hull, None)
+        coacd.improve([CLAMP], settings, hull, decomposer())
 
 
 def test_a_wrong_parameter_in_the_configuration_is_an_error_of_its_key() -> None:

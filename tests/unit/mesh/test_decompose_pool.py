@@ -6,34 +6,77 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
 
-from stages.mesh.decompose import DecomposeOptions, Guest, decomposition
+from stages.mesh.decompose import DecomposeOptions, decomposer, decomposition, pool
 from stages.mesh.decompose.pool import Making, processors, side_by_side
 from stages.robot.errors import DecompositionFailed
+from stages.robot.guest import Guest
+from tests.support.decomposing import decomposition as alone
 from tests.support.places import PROJECT
-from tests.unit.mesh.test_decompose import BRACKET, CLAMP
+from tests.support.processes import gone
+from tests.unit.mesh.test_decompose import BRACKET, CLAMP, RING
 
 OPTIONS = DecomposeOptions(0.001)
 
 
 def made(surface):
-    return lambda halt: decomposition(surface, OPTIONS, Guest(halt=halt))
+    return lambda guest: decomposition(surface, OPTIONS, guest)
 
 
-@pytest.mark.slow
-def test_one_worker_and_two_make_the_same_in_any_order() -> None:
-    makings = [Making("bracket", made(BRACKET)), Making("clamp", made(CLAMP))]
+@pytest.fixture
+def stand_in(tmp_path, monkeypatch):
+    """Puts another guest in the place of CoACD's, with these lines as its `answer(request)`, and gives the
+    numbers of the processes that answered until then."""
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(pool, "decomposer", partial(decomposer, module="stand_in"))
+
+    def put(*lines: str) -> Callable[[], list[int]]:
+        (tmp_path / "stand_in.py").write_text(
+            STAND_IN.format(tmp_path) + "".join(f"    {line}\n" for line in lines)
+        )
+        return lambda: [int(file.stem) for file in tmp_path.glob("*.pid")]
+
+    return put
+
+
+STAND_IN = """
+import os, time
+from stages.mesh.decompose import wire
+def answer(request):
+    open(f"{}/{{os.getpid()}}.pid", "w").close()
+"""
+REFUSES = "return wire.write(wire.refusal('no'))"
+
+
+def test_guests_make_the_same_in_any_order_whatever_they_made_before() -> None:
+    """As guests that are asked nothing else do."""
+    surfaces = [BRACKET, CLAMP, RING, BRACKET]
+    makings = [Making(str(number), made(surface)) for number, surface in enumerate(surfaces)]
     one = side_by_side(makings, workers=1)
     two = side_by_side(makings[::-1], workers=2)
-    assert one == two[::-1]
-    assert all(isinstance(result, bytes) for result in one)
+    assert one == two[::-1] == [alone(surface, OPTIONS) for surface in surfaces]
+
+
+def test_there_are_no_more_guests_than_workers_and_none_is_left(stand_in) -> None:
+    guests = stand_in(REFUSES)
+    results = side_by_side([Making("", made(CLAMP))] * 9, workers=2)
+    assert len(set(results)) == 1
+    assert 1 <= len(guests()) <= 2
+    assert gone(guests())
+
+
+def test_where_nothing_is_decomposed_no_process_starts(monkeypatch) -> None:
+    monkeypatch.setattr(subprocess, "Popen", None)
+    assert side_by_side([Making("", lambda _: 1)] * 3, workers=2) == [1, 1, 1]
 
 
 def test_a_failure_is_the_result_of_its_own_maker_alone() -> None:
-    def fails(halt: threading.Event) -> int:
+    def fails(guest: Guest) -> int:
         raise DecompositionFailed("no")
 
     first, second, third = side_by_side(
@@ -57,64 +100,53 @@ def test_it_tells_what_runs_and_how_much_is_done() -> None:
     assert lines[-1] == ([], 2, 2)
 
 
-def test_another_error_ends_the_guests_of_all(tmp_path, monkeypatch) -> None:
-    monkeypatch.syspath_prepend(tmp_path)
-    place = tmp_path / "started"
-    (tmp_path / "sleeper.py").write_text(
-        "def answer(request):\n"
-        "    import time\n"
-        f"    open({str(place)!r}, 'w').close()\n"
-        "    time.sleep(1000)\n"
-    )
+def test_another_error_ends_the_guests_of_all(stand_in) -> None:
+    guests = stand_in("time.sleep(1000)")
 
-    def sleeps(halt: threading.Event) -> bytes:
-        return decomposition(CLAMP, OPTIONS, Guest("sleeper", halt=halt))
-
-    def breaks(halt: threading.Event) -> bytes:
-        while not place.exists():
+    def breaks(guest: Guest) -> bytes:
+        while not guests():
             time.sleep(0.01)
         raise ZeroDivisionError
 
     with pytest.raises(ZeroDivisionError):
-        side_by_side([Making("sleeps", sleeps), Making("breaks", breaks)], workers=2)
+        side_by_side([Making("sleeps", made(CLAMP)), Making("breaks", breaks)], workers=2)
+    assert gone(guests())
 
 
-INTERRUPTED = """
-import sys, threading
-from stages.mesh.decompose import DecomposeOptions, Guest, decomposition
-from stages.mesh.decompose.pool import Making, side_by_side
+ENDED = """
+import sys, time
+from functools import partial
+from stages.mesh.decompose import DecomposeOptions, decomposer, decomposition, pool
 from tests.unit.mesh.test_decompose import CLAMP
 sys.path.append(sys.argv[1])
-def sleeps(halt):
-    return decomposition(CLAMP, DecomposeOptions(0.001), Guest("sleeper", halt=halt))
+pool.decomposer = partial(decomposer, module="stand_in")
+def idles(guest):
+    decomposition(CLAMP, DecomposeOptions(0.002), guest)
+    time.sleep(2)
+def sleeps(guest):
+    decomposition(CLAMP, DecomposeOptions(0.001), guest)
+makings = [pool.Making(make.__name__, make) for make in (idles, sleeps, sleeps)]
 try:
-    side_by_side([Making("one", sleeps), Making("two", sleeps), Making("three", sleeps)], workers=2)
+    pool.side_by_side(makings, workers=2)
 except KeyboardInterrupt:
     print("interrupted", flush=True)
 """
 
 
-@pytest.mark.skipif(os.name == "nt", reason="another signal")
-def test_ctrl_c_ends_all_guests(tmp_path: Path) -> None:
-    (tmp_path / "sleeper.py").write_text(
-        "def answer(request):\n"
-        "    import os, time\n"
-        f"    open(f'{tmp_path}/{{os.getpid()}}.pid', 'w').close()\n"
-        "    time.sleep(1000)\n"
-    )
-    command = [sys.executable, "-c", INTERRUPTED, str(tmp_path)]
+@pytest.mark.skipif(os.name == "nt", reason="other signals")
+@pytest.mark.parametrize(("number", "told"), [("SIGINT", "interrupted\n"), ("SIGKILL", "")])
+def test_however_we_end_all_guests_end(number: str, told: str, tmp_path: Path, stand_in) -> None:
+    guests = stand_in(f"if b'tolerance\": 0.002' in request: {REFUSES}", "time.sleep(1000)")
+    command = [sys.executable, "-c", ENDED, str(tmp_path)]
     with subprocess.Popen(command, cwd=PROJECT, stdout=subprocess.PIPE, text=True) as run:
         until = time.monotonic() + 60
-        while len(started := list(tmp_path.glob("*.pid"))) < 2 and time.monotonic() < until:
+        while len(guests()) < 2 and time.monotonic() < until:
             time.sleep(0.02)
-        assert len(started) == 2
-        run.send_signal(signal.SIGINT)
+        run.send_signal(getattr(signal, number))
         said, _ = run.communicate(timeout=60)
-    assert said == "interrupted\n"
-    for file in tmp_path.glob("*.pid"):
-        with pytest.raises(ProcessLookupError):
-            os.kill(int(file.stem), 0)
-    assert len(list(tmp_path.glob("*.pid"))) == 2
+    assert said == told
+    assert gone(guests())
+    assert len(guests()) == 2
 
 
 def test_there_is_at_least_one_processor() -> None:

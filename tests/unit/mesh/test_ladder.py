@@ -1,5 +1,6 @@
 """The ladder: the cheapest collider within the tolerance, and what happens where there is none."""
 
+from contextlib import closing
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
@@ -11,7 +12,7 @@ import trimesh
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.colliders import ladder
 from stages.mesh.collision import Collision
-from stages.mesh.decompose import pieces
+from stages.mesh.decompose import decomposer, pieces
 from stages.mesh.decompose.wire import Decomposition, read, write
 from stages.mesh.pieces import half_spaces, signed_distance
 from stages.mesh.surface import Surface, moved
@@ -47,7 +48,8 @@ def bracket() -> Surface:
 
 def climbed(surface: Surface, settings: ColliderSettings = SETTINGS) -> Collision:
     made = ladder.make([surface], settings)
-    return made if made.meets else ladder.improve([surface], settings, made, None)
+    with closing(decomposer()) as guest:
+        return made if made.meets else ladder.improve([surface], settings, made, guest)
 
 
 def kinds(made: Collision) -> list[str]:

@@ -12,8 +12,7 @@ import pytest
 
 from stages.export import export
 from stages.mesh import COLLIDERS, make_geometry
-from stages.mesh.colliders import coacd, ladder
-from stages.mesh.decompose import BOUNDS, Guest
+from stages.mesh.decompose import BOUNDS, decomposer, pool
 from stages.mesh.decompose.ask import GUEST
 from stages.robot.errors import ProtocolError
 from stages.robot.geometry import Geometry
@@ -141,8 +140,8 @@ def guest(tmp_path, monkeypatch) -> Callable[..., None]:
     def put(lines: str = "", bounds: Bounds = BOUNDS) -> None:
         body = "".join(f"    {line}\n" for line in lines.splitlines())
         (tmp_path / "stand_in.py").write_text(f"def answer(request):\n{body}")
-        for maker in (coacd, ladder):
-            monkeypatch.setattr(maker, "Guest", partial(Guest, "stand_in" if lines else GUEST, bounds))
+        stand_in = partial(decomposer, module="stand_in" if lines else GUEST, bounds=bounds)
+        monkeypatch.setattr(pool, "decomposer", stand_in)
 
     return put
 

@@ -4,10 +4,11 @@ import manifold3d
 import numpy as np
 import pytest
 
-from stages.mesh.decompose import DecomposeOptions, decomposition, pieces, read, search
+from stages.mesh.decompose import DecomposeOptions, pieces, read, search
 from stages.mesh.decompose.sectors import COUNT, hole, sectors
 from stages.mesh.surface import Surface, weld
 from tests.fake_onshape import solids
+from tests.support.decomposing import decomposition
 
 
 def surface_of(solid) -> Surface:

@@ -1,5 +1,7 @@
 """What runs in a guest cannot harm us: bounds, a clean environment, and nothing left behind."""
 
+import contextlib
+import json
 import os
 import signal
 import subprocess
@@ -9,9 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from stages.robot import guest
+from stages.robot import guest, process_usage
 from stages.robot.errors import ConfigError, SourceError
 from stages.robot.guest import Bounds, Ended
+from tests.support import processes
 from tests.support.places import PROJECT
 
 ENOUGH = Bounds(seconds=60, memory=1 << 30, reply=1000)
@@ -38,21 +41,7 @@ def asked(tmp_path, monkeypatch):
 
 def gone(place: Path) -> bool:
     """Whether the processes whose numbers are in a file have ended, in time."""
-    until = time.monotonic() + 30
-    return all(_ended(int(pid), until) for pid in place.read_text().split())
-
-
-def _ended(pid: int, until: float) -> bool:
-    while time.monotonic() < until:
-        try:
-            os.kill(pid, 0)
-            state = Path(f"/proc/{pid}/stat")
-            if state.exists() and state.read_text().rpartition(")")[2].split()[0] == "Z":
-                return True
-        except (ProcessLookupError, FileNotFoundError):
-            return True
-        time.sleep(0.01)
-    return False
+    return processes.gone(map(int, place.read_text().split()))
 
 
 def test_it_answers_what_it_is_asked_and_prints_where_it_likes(asked):
@@ -130,6 +119,64 @@ def test_one_that_needs_too_much_memory_ends(asked):
         asked(lines, bounds=Bounds(seconds=60, memory=210 << 20, reply=10))
 
 
+COUNTED = """
+import os, threading, time
+before = globals().setdefault("before", [])
+before.append(request)
+word = request.decode()
+if len(before) > 1 and word == "crash": os.abort()
+if len(before) > 1 and word == "hunger": held = b"x" * (400 << 20); time.sleep(1000)
+if len(before) > 1 and word == "garbage": os.write(3, b"garbage" * 3)
+if word == "grow": globals()["kept"] = b"x" * (100 << 20)
+if word == "die later": threading.Timer(0.2, os.abort).start()
+if word == "talk later": threading.Timer(0.2, os.write, (3, b"R" + bytes(8))).start()
+return f"{os.getpid()} {len(before)}".encode()
+"""
+"""Tells its process, and how often that was asked. Fails by what is asked, if asked before."""
+
+
+@pytest.fixture
+def counted(asked):
+    asked(COUNTED)
+    bounds = Bounds(seconds=60, memory=300 << 20, reply=1000)
+    with contextlib.closing(guest.Guest("visitor", bounds, {})) as found:
+        yield lambda word: tuple(map(int, found.ask(word.encode()).split()))
+
+
+def test_it_stays_for_the_next_request(counted):
+    (first, _), *others = [counted("") for _ in range(3)]
+    assert others == [(first, 2), (first, 3)]
+
+
+@pytest.mark.parametrize("word", ["crash", "hunger", "garbage"])
+def test_what_fails_in_a_used_guest_is_asked_of_a_new_one(counted, word):
+    """So that its result does not depend on what was asked before."""
+    first, _ = counted("")
+    second, times = counted(word)
+    assert times == 1
+    assert second != first
+    assert processes.gone([first])
+    assert counted("") == (second, 2)
+
+
+@pytest.mark.parametrize("word", ["grow", "die later", "talk later"])
+def test_one_that_grew_died_or_talked_since_is_asked_no_more(counted, word):
+    first, _ = counted(word)
+    time.sleep(0.5)
+    assert counted("")[1] == 1
+    assert processes.gone([first])
+
+
+def test_the_time_is_that_of_each_request(asked, monkeypatch):
+    """The kernel's limit too."""
+    monkeypatch.setattr(guest, "_PATIENCE", 0.2)
+    asked("import time\ntime.sleep(0.7)\nreturn b'done'")
+    for shared in (1.0, 1.001):
+        bounds = Bounds(seconds=1.5, memory=1 << 30, reply=10, shared=shared)
+        with contextlib.closing(guest.Guest("visitor", bounds, {})) as found:
+            assert [found.ask(b"") for _ in range(4)] == [b"done"] * 4
+
+
 def test_an_interrupt_ends_it_with_all_that_it_started(asked, tmp_path, monkeypatch):
     place = tmp_path / "pids"
 
@@ -138,7 +185,7 @@ def test_an_interrupt_ends_it_with_all_that_it_started(asked, tmp_path, monkeypa
             raise KeyboardInterrupt
         return 0
 
-    monkeypatch.setattr(guest, "resident", interrupted)
+    monkeypatch.setattr(process_usage, "resident", interrupted)
     with pytest.raises(KeyboardInterrupt):
         asked(ENDLESS, str(place).encode())
     assert gone(place)
@@ -157,6 +204,14 @@ def test_it_ends_with_us_however_we_end(tmp_path):
             time.sleep(0.01)
         host.send_signal(signal.SIGKILL)
     assert gone(place)
+
+
+def test_it_ends_with_the_end_of_its_requests():
+    """So it ends with us on every system, once it has nothing to do."""
+    head = {"module": "json", "path": sys.path, "seconds": 60, "parent": os.getpid(), "environ": []}
+    line = json.dumps(head).encode() + b"\n"
+    done = subprocess.run([sys.executable, "-I", guest._MAIN], input=line, capture_output=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, b"", b"")
 
 
 def test_it_finds_us_where_we_are_not_installed(tmp_path):
@@ -181,7 +236,7 @@ def test_it_finds_us_where_we_are_not_installed(tmp_path):
 
 
 def test_memory_is_known_without_proc_too(monkeypatch):
-    known = guest.resident(os.getpid())
-    monkeypatch.setattr(guest, "_STATM", "/nowhere/{}")
-    assert guest.resident(os.getpid()) == pytest.approx(known, rel=0.2)
-    assert guest.resident(2**22 + 1) == 0
+    known = process_usage.resident(os.getpid())
+    monkeypatch.setattr(process_usage, "_STATM", "/nowhere/{}")
+    assert process_usage.resident(os.getpid()) == pytest.approx(known, rel=0.2)
+    assert process_usage.resident(2**22 + 1) == 0
