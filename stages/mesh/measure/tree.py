@@ -47,14 +47,18 @@ class BoxTree:
     diagonal: float
 
     @staticmethod
-    def of(surface: Surface) -> "BoxTree":
+    def of(surface: Surface, cut: bool = True) -> "BoxTree":
+        """`cut`: whether long triangles are cut in pieces, which takes longer than a few searches do."""
         corners, faces = surface.corners, np.arange(len(surface.triangles))
-        low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+        ends = corners.reshape(-1, 3)
+        low, high = ends.min(axis=0), ends.max(axis=0)
         diagonal = float(np.sqrt(((high - low) ** 2).sum()))
-        corners, faces = _cut(corners, faces, _LONGEST * diagonal)
+        if cut:
+            corners, faces = _cut(corners, faces, _LONGEST * diagonal)
         order = np.argsort(_code(corners.mean(axis=1), low, high), kind="stable")
         corners, faces = corners[order], faces[order]
-        boxes = [(corners.min(axis=1), corners.max(axis=1))]
+        a, b, c = np.moveaxis(corners, 1, 0)
+        boxes = [(np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c))]
         while len(boxes[-1][0]) > BRANCHES:
             starts = np.arange(0, len(boxes[-1][0]), BRANCHES)
             lows, highs = boxes[-1]
@@ -66,6 +70,39 @@ class BoxTree:
         below = nodes[:, None] * BRANCHES + np.arange(BRANCHES)
         which, column = np.nonzero(below < len(self.boxes[level][0]))
         return which, below[which, column]
+
+    def nearer(self, points: Points, known: Numbers) -> Numbers:
+        """(n,): the distance [m] of each of the points (n, 3) from the nearest triangle, which is at most the
+        `known` one."""
+        best = known.copy()
+        self.improve(points, best, known * known, np.arange(len(points)))
+        return best
+
+    def improve(self, points: Points, best: Numbers, least: Numbers, whose: Indices) -> None:
+        """Lowers, in place, the `best` distances [m] of the points `whose` by those from triangles in boxes
+        whose squared distance is below `least`."""
+        self._improve(points, best, least, whose, np.zeros(len(whose), dtype=np.int64), len(self.boxes))
+
+    def _improve(
+        self, points: Points, best: Numbers, least: Numbers, whose: Indices, nodes: Indices, level: int
+    ) -> None:
+        """Goes down from boxes of `level` (or the root above all) for the points `whose`."""
+        while level:
+            if len(whose) * BRANCHES > _PAIRS and len(whose) > 1:
+                half = len(whose) // 2
+                self._improve(points, best, least, whose[:half], nodes[:half], level)
+                whose, nodes = whose[half:], nodes[half:]
+                continue
+            level -= 1
+            which, nodes = self.children(level, nodes)
+            whose = whose[which]
+            lows, highs = self.boxes[level]
+            here = points[whose]
+            beyond = np.maximum(lows[nodes] - here, here - highs[nodes])
+            np.maximum(beyond, 0.0, out=beyond)
+            near = np.flatnonzero(_dot(beyond, beyond) < least[whose])
+            whose, nodes = whose[near], nodes[near]
+        np.minimum.at(best, whose, triangle_distances(points[whose], self.corners[nodes]))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,31 +133,8 @@ class Nearest:
         least = np.maximum(best - self.within, 0.0) ** 2
         exact = best >= from_on
         for some in split(np.flatnonzero(exact), 4096):
-            self._improve(
-                points, best, least, some, np.zeros(len(some), dtype=np.int64), len(self.tree.boxes)
-            )
+            self.tree.improve(points, best, least, some)
         return best, exact
-
-    def _improve(
-        self, points: Points, best: Numbers, least: Numbers, whose: Indices, nodes: Indices, level: int
-    ) -> None:
-        """Goes down from boxes of `level` (or the root above all) for the points `whose`, in place."""
-        while level:
-            if len(whose) * BRANCHES > _PAIRS and len(whose) > 1:
-                half = len(whose) // 2
-                self._improve(points, best, least, whose[:half], nodes[:half], level)
-                whose, nodes = whose[half:], nodes[half:]
-                continue
-            level -= 1
-            which, nodes = self.tree.children(level, nodes)
-            whose = whose[which]
-            lows, highs = self.tree.boxes[level]
-            here = points[whose]
-            beyond = np.maximum(lows[nodes] - here, here - highs[nodes])
-            np.maximum(beyond, 0.0, out=beyond)
-            near = np.flatnonzero(_dot(beyond, beyond) < least[whose])
-            whose, nodes = whose[near], nodes[near]
-        np.minimum.at(best, whose, triangle_distances(points[whose], self.tree.corners[nodes]))
 
 
 def triangle_distances(points: Points, corners: Corners) -> Numbers:
@@ -230,11 +244,10 @@ def _code(points: Points, low: Numbers, high: Numbers) -> Indices:
     """The place of each point along a Morton curve through the box."""
     size = np.where(high > low, high - low, 1.0)
     cells = np.minimum(((points - low) / size * 2**_CODED).astype(np.int64), 2**_CODED - 1)
-    code = np.zeros(len(points), dtype=np.int64)
-    for bit in range(_CODED):
-        for axis in range(3):
-            code |= ((cells[:, axis] >> bit) & 1) << (3 * bit + axis)
-    return code
+    # Two free bits after each bit of a coordinate, for those of the other two.
+    for shift, mask in ((16, 0x30000FF), (8, 0x300F00F), (4, 0x30C30C3), (2, 0x9249249)):
+        cells = (cells | cells << shift) & mask
+    return np.asarray(cells[:, 0] | cells[:, 1] << 1 | cells[:, 2] << 2, dtype=np.int64)
 
 
 def _segment(here: Points, edge: Points, along: Numbers, square: Numbers) -> Numbers:

@@ -1,9 +1,8 @@
 """A number of triangles for the visual meshes of a link, shared among its parts by their need."""
 
 import math
-from bisect import bisect_left
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +10,7 @@ import numpy as np
 from stages.mesh.surface import Surface
 from stages.mesh.tessellation import PartMesh
 from stages.mesh.visuals.error import apart
-from stages.mesh.visuals.simplify import simplified
+from stages.mesh.visuals.simplify import SimplifiablePart, simplified
 from stages.robot.model import MeshRef
 
 LEAST_BOUND = 2e-4
@@ -26,6 +25,9 @@ _FINEST = 1e-6
 _MANY = 200_000
 _COARSE = 3
 """Of a part with more triangles the higher levels are made of this one, which takes a quarter of the time."""
+
+_LEFT = 0.7
+"""The share of triangles that a level leaves of those of the level below, as a rule."""
 
 _ENOUGH = 1 / 4
 """Below this share of the bound an error is not measured more closely."""
@@ -50,6 +52,7 @@ class Decimator:
         self._made: dict[tuple[MeshRef, int], PartMesh] = {}
         self._errors: dict[tuple[MeshRef, int], float] = {}
         self._top: dict[MeshRef, int] = {}
+        self._solids: dict[tuple[MeshRef, bool], SimplifiablePart] = {}
 
     def fitted(
         self, uses: Iterable[MeshRef], meshes: Mapping[MeshRef, PartMesh], most: int
@@ -73,13 +76,14 @@ class Decimator:
             return sum(one * count for one, count in zip(found, counts.values(), strict=True))
 
         while True:
-            levels = range(max(self._top[ref] for ref in counts) + 1)
-            level = bisect_left(levels, True, key=lambda one: faces(one) <= most)
+            level = lowest(1 + max(self._top[ref] for ref in counts), faces, most)
             chosen = {ref: self._at(ref, meshes[ref], level) for ref in counts}
             # Of all of them, so that the parts that are too far away all get a lower level at once.
             holding = [self._holds(ref, meshes[ref], level) for ref in counts]
             if all(holding):
                 break
+        # They are large, and seldom of use for another link.
+        self._solids.clear()
         after = sum(len(chosen[ref].surface.triangles) * count for ref, count in counts.items())
         error = max(self._errors.get((ref, min(level, self._top[ref])), 0.0) for ref in counts)
         return {**meshes, **chosen}, Decimation(before, after, error, after > most)
@@ -91,14 +95,18 @@ class Decimator:
             return mesh
         if (ref, level) not in self._made:
             large = level > _COARSE and len(mesh.surface.triangles) > _MANY
-            source = self._at(ref, mesh, _COARSE) if large else mesh
-            made = simplified(source, _FINEST * 2.0**level)
+            made = simplified(self._solid(ref, mesh, large), _FINEST * 2.0**level)
             if made is None:
                 self._top[ref] = -1
                 return mesh
             fewer = len(made.surface.triangles) < len(mesh.surface.triangles)
             self._made[ref, level] = made if fewer else mesh
         return self._made[ref, level]
+
+    def _solid(self, ref: MeshRef, mesh: PartMesh, coarse: bool) -> SimplifiablePart:
+        if (ref, coarse) not in self._solids:
+            self._solids[ref, coarse] = SimplifiablePart.of(self._at(ref, mesh, _COARSE) if coarse else mesh)
+        return self._solids[ref, coarse]
 
     def _holds(self, ref: MeshRef, mesh: PartMesh, level: int) -> bool:
         """Whether the part is within its bound at a level; if not, its last level is a lower one."""
@@ -117,6 +125,21 @@ class Decimator:
             most = bound(mesh.surface)
             self._errors[ref, level] = 0.0 if made is mesh else apart(mesh, made, _ENOUGH * most, most)
         return self._errors[ref, level]
+
+
+def lowest(levels: int, faces: Callable[[int], int], most: int) -> int:
+    """The lowest level with at most so many faces, `levels` where none has; higher levels have no more."""
+    low, high, level = 0, levels, levels // 2
+    while low < high:
+        count = faces(level)
+        if count <= most:
+            high = level
+        else:
+            low = level + 1
+        # Each level takes a while: the next one is where the number is likely to be reached.
+        further = math.log(max(count, 1) / max(most, 1)) / math.log(1 / _LEFT)
+        level = min(max(level + math.ceil(further), low), high - 1)
+    return low
 
 
 def bound(surface: Surface) -> float:

@@ -6,13 +6,17 @@ manifolds only: every other mesh is cut along its bad edges, and each border is 
 triangles, which is left out again.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from stages.mesh.surface import Points, Surface, Triangles, weld
 from stages.mesh.tessellation import PartMesh
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
 
 SNAP = 1e-6
 """Coordinates are multiples of this share of the part's diagonal: the last digits of a simplification may
@@ -21,34 +25,51 @@ differ from one processor to the next."""
 _MIRROR = np.array([1, 2, 0])
 
 
-def simplified(mesh: PartMesh, tolerance: float) -> PartMesh | None:
+@dataclass(frozen=True, slots=True, eq=False)
+class SimplifiablePart:
+    """A part's mesh as a manifold, from which meshes of any tolerance are made; `body` is None where the mesh
+    cannot be simplified. `first`: the number that the manifold has for the first colour of the palette; the
+    others follow."""
+
+    mesh: PartMesh
+    body: "Manifold | None"
+    first: int = 0
+
+    @staticmethod
+    def of(mesh: PartMesh) -> "SimplifiablePart":
+        from manifold3d import Error, Manifold, Mesh64
+
+        points, triangles, sources = _closed(mesh.surface)
+        # A run of triangles for each colour: an edge between two runs moves along its own line only.
+        runs = np.where(sources < 0, len(mesh.palette), mesh.colours[sources])
+        order = np.argsort(runs, kind="stable")
+        bounds = np.searchsorted(runs[order], np.arange(len(mesh.palette) + 2))
+        first = Manifold.reserve_ids(len(mesh.palette) + 1)
+        body = Manifold(
+            Mesh64(
+                points,
+                triangles[order].astype(np.uint64),
+                run_index=(bounds * 3).astype(np.uint64),
+                run_original_id=np.arange(first, first + len(mesh.palette) + 1, dtype=np.uint32),
+            )
+        )
+        return SimplifiablePart(mesh, body if body.status() == Error.NoError else None, first)
+
+
+def simplified(part: PartMesh | SimplifiablePart, tolerance: float) -> PartMesh | None:
     """The part with its surface moved by about `tolerance` [m] at most; None where it cannot be simplified.
 
     A border between two colours is one line for both before and after.
     """
-    from manifold3d import Error, Manifold, Mesh64
-
-    points, triangles, sources = _closed(mesh.surface)
-    # A run of triangles for each colour: an edge between two runs moves along its own line only.
-    runs = np.where(sources < 0, len(mesh.palette), mesh.colours[sources])
-    order = np.argsort(runs, kind="stable")
-    bounds = np.searchsorted(runs[order], np.arange(len(mesh.palette) + 2))
-    first = Manifold.reserve_ids(len(mesh.palette) + 1)
-    body = Manifold(
-        Mesh64(
-            points,
-            triangles[order].astype(np.uint64),
-            run_index=(bounds * 3).astype(np.uint64),
-            run_original_id=np.arange(first, first + len(mesh.palette) + 1, dtype=np.uint32),
-        )
-    )
-    if body.status() != Error.NoError:
+    solid = part if isinstance(part, SimplifiablePart) else SimplifiablePart.of(part)
+    mesh = solid.mesh
+    if solid.body is None:
         return None
-    found = body.simplify(tolerance).to_mesh64()
+    found = solid.body.simplify(tolerance).to_mesh64()
     corners = np.asarray(found.tri_verts).astype(np.int64).reshape(-1, 3)
     ends = np.asarray(found.run_index, dtype=np.int64)
     lengths = (ends[1:] - ends[:-1]) // 3
-    colours = np.repeat(np.asarray(found.run_original_id).astype(np.int64) - first, lengths)
+    colours = np.repeat(np.asarray(found.run_original_id).astype(np.int64) - solid.first, lengths)
     seen = np.flatnonzero(colours < len(mesh.palette))
     vertices = _snapped(np.asarray(found.vert_properties, dtype=np.float64)[:, :3], mesh.surface)
     surface, kept = weld(vertices, corners[seen])
@@ -65,6 +86,8 @@ def _snapped(points: Points, like: Surface) -> Points:
 def _closed(surface: Surface) -> tuple[Points, Triangles, npt.NDArray[np.int64]]:
     """Points and triangles of a manifold without border that contains the surface, and for each triangle
     the one that it is in the surface, -1 for those that close a border."""
+    if _is_manifold(surface):
+        return surface.vertices, surface.triangles, np.arange(len(surface.triangles))
     corner, border = _cut(surface)
     points = np.empty((int(corner.max()) + 1, 3))
     points[corner.ravel()] = surface.corners.reshape(-1, 3)
@@ -75,6 +98,14 @@ def _closed(surface: Surface) -> tuple[Points, Triangles, npt.NDArray[np.int64]]
     cones = np.stack([border[:, 1], border[:, 0], len(points) + loop], axis=1)
     sources = np.concatenate([own, np.full(len(cones), -1)])
     return np.concatenate([points, apexes]), np.concatenate([corner, cones]), sources
+
+
+def _is_manifold(surface: Surface) -> bool:
+    """Whether each edge has one triangle on either side."""
+    starts, ends = surface.triangles.ravel(), surface.triangles[:, _MIRROR].ravel()
+    count = np.int64(len(surface.vertices))
+    forth, back = np.sort(starts * count + ends), np.sort(ends * count + starts)
+    return np.array_equal(forth, back) and bool((forth[1:] > forth[:-1]).all())
 
 
 def _cut(surface: Surface) -> tuple[Triangles, Triangles]:

@@ -11,13 +11,16 @@ from hypothesis import strategies as st
 
 from stages.mesh import stl
 from stages.mesh.keys import VisualKeys
+from stages.mesh.measure import even
+from stages.mesh.neighbours import neighbours
 from stages.mesh.surface import Surface, weld
 from stages.mesh.tessellation import PartMesh
 from stages.mesh.visuals import simplify
-from stages.mesh.visuals.budget import LEAST_BOUND, Decimator, bound
-from stages.mesh.visuals.error import apart, farthest, spread
+from stages.mesh.visuals.budget import LEAST_BOUND, Decimator, bound, lowest
+from stages.mesh.visuals.error import apart, farthest
 from stages.mesh.visuals.make import Drawn, visuals
-from stages.mesh.visuals.simplify import simplified
+from stages.mesh.visuals.simplify import SimplifiablePart, simplified
+from stages.mesh.visuals.walk import WalkedSurface
 from stages.robot.model import MeshRef
 from tests.support.places import PROJECT
 
@@ -130,6 +133,67 @@ def test_the_distance_is_that_of_a_slow_reference():
     assert farthest(points, surface, 0.0, 9.0) == pytest.approx(slow, abs=1e-12)
 
 
+def test_walked_distances_are_never_too_small_and_the_largest_is_exact():
+    # A tube of long slivers, two sheets that share its end without a common edge, and turned triangles.
+    tube = trimesh.creation.annulus(0.02, 0.03, 0.2, sections=64)
+    sheets = [trimesh.creation.box((0.08, 0.05, 1e-4), trimesh.transformations.translation_matrix([0, 0, z]))
+              for z in (0.0999, 0.1002)]  # fmt: skip
+    both = trimesh.util.concatenate([tube, *sheets])
+    surface, _ = weld(np.asarray(both.vertices), np.asarray(both.faces).astype(np.int64))
+    turned = surface.triangles.copy()
+    turned[::5] = turned[::5, ::-1]
+    rng = np.random.default_rng(7)
+    for triangles in (surface.triangles, turned):
+        target = Surface(surface.vertices, triangles)
+        points = even(target.corners, 500).points + rng.normal(scale=2e-3, size=(500, 3))
+        slow = np.array(
+            [
+                np.linalg.norm(
+                    trimesh.triangles.closest_point(target.corners, np.repeat(one[None], len(triangles), 0))
+                    - one,
+                    axis=1,
+                ).min()
+                for one in points
+            ]
+        )
+        walked = WalkedSurface.of(target).bounds(points, 1e-3)
+        assert (walked >= slow - 1e-12).all()
+        assert np.median(walked - slow) < 1e-3
+        for enough in (0.0, 1e-3):
+            assert farthest(points, target, enough, 9.0) == pytest.approx(slow.max(), abs=1e-12)
+
+
+def test_neighbours_are_those_across_an_edge_in_the_opposite_sense():
+    # A square of two triangles, and a third one on its diagonal in the same sense as the first.
+    across = neighbours(
+        Surface(
+            np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1]]),
+            np.array([[0, 1, 2], [0, 2, 3], [2, 0, 4]]),
+        )
+    )
+    assert across[0].tolist() == [0, 0, 1]
+    assert across[1].tolist()[1:] == [1, 1]
+    assert across[1, 0] in (0, 2)
+    assert across[2].tolist() == [1, 2, 2]
+    assert (neighbours(part(trimesh.creation.box()).surface) != np.arange(12)[:, None]).all()
+
+
+@given(falls=st.lists(st.integers(0, 400), max_size=12), most=st.integers(0, 1500))
+def test_the_lowest_level_is_that_of_a_plain_search(falls, most):
+    counts = np.cumsum([0, *falls])[::-1].tolist()
+    plain = next((level for level, count in enumerate(counts) if count <= most), len(counts))
+    assert lowest(len(counts), counts.__getitem__, most) == plain
+
+
+def test_a_manifold_of_a_part_is_made_once_for_all_levels(monkeypatch):
+    made = []
+    of = SimplifiablePart.of
+    monkeypatch.setattr(SimplifiablePart, "of", staticmethod(lambda mesh: made.append(mesh) or of(mesh)))
+    mesh = part(ball())
+    Decimator().fitted([ONE], {ONE: mesh}, 6000)
+    assert len(made) == 1
+
+
 def test_the_distance_from_a_sliver_is_exact():
     sliver = Surface(np.array([[0, 0, 0], [1, 0, 0], [0.5, 1e-9, 0]]), np.array([[0, 1, 2]]))
     assert farthest(np.array([[0.3, 0.0, 0.2]]), sliver, 0.0, 9.0) == pytest.approx(0.2)
@@ -144,7 +208,7 @@ def test_a_colour_that_is_gone_is_infinitely_far():
 
 def test_points_are_spread_by_area():
     mesh = part(trimesh.creation.box((1.0, 1.0, 0.1))).surface
-    inside = np.abs(np.abs(spread(mesh, 10000)[:, 2]) - 0.05) < 1e-12
+    inside = np.abs(np.abs(even(mesh.corners, 10000).points[:, 2]) - 0.05) < 1e-12
     assert inside.mean() == pytest.approx(2 / 2.4, abs=0.01)
 
 
