@@ -16,6 +16,9 @@ Triangles = npt.NDArray[np.int64]
 
 _SAME = 1e-8  # m: the linear precision of the CAD kernel, which does not distinguish nearer points
 _SAME_OF_SIZE = 1e-9  # numbers carry about 16 digits, and earlier steps lost some
+_SKEW = 0.6404, 0.5612, 0.5243  # a direction that hardly an edge of a part is across; no longer than 1
+_MOST_STEPS = 16
+_PACKED = 1 << 21  # three numbers of so many points fit in one of 64 bits
 _LEAST_OF_SIZE = 1e-3  # however small, a surface keeps its shape
 
 
@@ -34,7 +37,8 @@ class Surface:
     @property
     def corners(self) -> npt.NDArray[np.float64]:
         """(m, 3, 3): the three corners of each triangle."""
-        return self.vertices[self.triangles]
+        # `take` is four times as fast as an index.
+        return self.vertices.take(self.triangles, axis=0)
 
     def flipped(self) -> "Surface":
         """The same surface with its inside out."""
@@ -82,9 +86,9 @@ def weld(
     are sorted lexicographically, triangles by their points, so that the order of the input does not
     matter. The second value (m,) has the index of each triangle in the input.
     """
-    used, compact = np.unique(triangles, return_inverse=True)
+    used, compact = _used(len(points), triangles)
     vertices, merged = _nearly_distinct(points[used])
-    corners = merged[compact].reshape(-1, 3)
+    corners = merged[compact]
     kept = np.flatnonzero(
         (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 2] != corners[:, 0])
     )
@@ -92,10 +96,23 @@ def weld(
     first = corners.argmin(axis=1)[:, None]
     turn = (first + np.arange(3)) % 3
     corners = np.take_along_axis(corners, turn, axis=1)
-    order = np.lexsort(corners.T[::-1])
+    order = _order(corners, len(vertices))
     if texcoords is not None:
         texcoords = np.take_along_axis(texcoords[kept], turn[:, :, None], axis=1)[order]
-    return Surface(vertices, corners[order], texcoords), kept[order]
+    return Surface(vertices, corners.take(order, axis=0), texcoords), kept[order]
+
+
+def _order(corners: Triangles, count: int) -> npt.NDArray[np.intp]:
+    """The lexicographical order of triangles over `count` points; of equal ones as they come."""
+    a, b, c = np.ascontiguousarray(corners.T)
+    if count <= _PACKED:
+        # A sort that need not keep the order of equal keys takes a quarter of the time.
+        keys = (a * count + b) * count + c
+        order = np.argsort(keys)
+        ordered = keys[order]
+        if (ordered[1:] != ordered[:-1]).all():
+            return order
+    return np.lexsort((c, b, a))
 
 
 def joined(surfaces: Sequence[Surface]) -> Surface:
@@ -125,8 +142,8 @@ def rounded(surface: Surface) -> Surface:
 
 def compacted(surface: Surface) -> Surface:
     """The surface without the points that no triangle has."""
-    used, corners = np.unique(surface.triangles, return_inverse=True)
-    return Surface(surface.vertices[used], corners.reshape(-1, 3).astype(np.int64), surface.texcoords)
+    used, corners = _used(len(surface.vertices), surface.triangles)
+    return Surface(surface.vertices[used], corners, surface.texcoords)
 
 
 def moved(surface: Surface, transform: npt.NDArray[np.float64]) -> Surface:
@@ -138,6 +155,13 @@ def moved(surface: Surface, transform: npt.NDArray[np.float64]) -> Surface:
     vertices = np.stack([row[0] * x + row[1] * y + row[2] * z + row[3] for row in transform[:3]], axis=1)
     result = Surface(vertices + 0.0, surface.triangles, surface.texcoords)
     return result.flipped() if np.linalg.det(transform[:3, :3]) < 0 else result
+
+
+def _used(count: int, triangles: Triangles) -> tuple[npt.NDArray[np.bool_], Triangles]:
+    """Which of `count` points the triangles have, and the triangles over those alone."""
+    used = np.zeros(count, dtype=bool)
+    used[triangles] = True
+    return used, (np.cumsum(used) - 1)[triangles]
 
 
 def _texcoords(surface: Surface) -> npt.NDArray[np.float32]:
@@ -157,15 +181,12 @@ def _nearly_distinct(points: Points) -> tuple[Points, npt.NDArray[np.int64]]:
     """As `distinct`, but points that are near to each other count as one: the first of them."""
     vertices, index = distinct(points)
     size = float(np.linalg.norm(np.ptp(vertices, axis=0))) if len(vertices) else 0.0
-    if size == 0.0:
+    pairs = _near_pairs(vertices, _tolerance(size))
+    if not len(pairs):
         return vertices, index
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
-    from scipy.spatial import cKDTree
 
-    pairs = cKDTree(vertices).query_pairs(_tolerance(size), output_type="ndarray")
-    if not len(pairs):
-        return vertices, index
     count = len(vertices)
     links = coo_array((np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 1])), (count, count))
     _, group = connected_components(links, directed=False)
@@ -175,6 +196,32 @@ def _nearly_distinct(points: Points) -> tuple[Points, npt.NDArray[np.int64]]:
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
     return vertices[leaders[order]], rank[member.ravel()][index]
+
+
+def _near_pairs(points: Points, reach: float) -> npt.NDArray[np.int64]:
+    """(k, 2): the pairs of points (n, 3) that are at most `reach` [m] apart.
+
+    Along a skew line near points are near too, and few others are: that takes a tenth of the time of a tree.
+    """
+    along = points[:, 0] * _SKEW[0] + points[:, 1] * _SKEW[1] + points[:, 2] * _SKEW[2]
+    order = np.argsort(along, kind="stable")
+    along = along[order]
+    # Places along the line are rounded.
+    reach_along = reach + 8 * float(np.spacing(np.abs(points).max(initial=0.0)))
+    found = []
+    for step in range(1, len(points)):
+        first = np.flatnonzero(along[step:] - along[:-step] <= reach_along)
+        if not len(first):
+            break
+        if step > _MOST_STEPS:
+            from scipy.spatial import cKDTree
+
+            pairs = cKDTree(points).query_pairs(reach, output_type="ndarray")
+            return np.asarray(pairs, dtype=np.int64)
+        pairs = np.stack([order[first], order[first + step]], axis=1)
+        apart = points[pairs[:, 0]] - points[pairs[:, 1]]
+        found.append(pairs[np.sqrt((apart * apart).sum(axis=1)) <= reach])
+    return np.concatenate(found) if found else np.zeros((0, 2), dtype=np.int64)
 
 
 def _tolerance(size: float) -> float:

@@ -1,4 +1,5 @@
-"""Reads triangles from mesh files: STL (binary and ASCII), OBJ, DAE, glTF and GLB, PLY, through trimesh.
+"""Reads triangles from mesh files: STL (binary and ASCII), OBJ, DAE, glTF and GLB, PLY, all but binary STL
+through trimesh.
 
 Coordinates are read as by RViz and Pinocchio: in metres, except for the unit of a DAE; the
 axis that a DAE or a glTF calls "up" is not turned. Colours are those of materials, faces or vertices. Of
@@ -26,6 +27,8 @@ from stages.fetch.urdf.loose_mesh import WHITE, LooseMesh, Texcoords, joined
 from stages.fetch.urdf.textures import NO_COORDINATES, Texture, of_gltf, of_obj
 from stages.formats import gltf_claims
 from stages.formats.damaged import Damaged
+from stages.formats.mesh_points import is_binary_stl, mesh_points
+from stages.formats.triangles import distinct
 from stages.formats.xml import Malformed
 from stages.robot.geometry import NEUTRAL, Colour
 from stages.robot.install import install
@@ -35,6 +38,7 @@ FORMATS = ("stl", "obj", "dae", "gltf", "glb", "ply")
 _MOST_COLOURS = 16
 """Largest number of colours of one mesh: more are shading, and each would become a file."""
 
+_EMPTY = "it has no triangles"
 _LFS = b"version https://git-lfs"
 _STL_HEAD, _STL_FACE = 84, 50
 
@@ -56,6 +60,8 @@ def read(data: bytes, name: str, beside: Companions) -> LooseMesh:
             warnings.simplefilter("ignore")
             textures = of_obj(beside) if kind == "obj" else {}
             plain = _PREPARED.get(kind, bytes)(data)
+            if kind == "stl" and is_binary_stl(plain):
+                return _of_binary_stl(plain)
             if kind in ("gltf", "glb"):
                 gltf_claims.judge(data, beside.files)
                 plain, found = gltf_materials.prepared(data, beside.files, beside.images)
@@ -63,14 +69,15 @@ def read(data: bytes, name: str, beside: Companions) -> LooseMesh:
             scene = _scene(plain, kind, beside.files)
             pieces = [_placed(scene, node, textures) for node in scene.graph.nodes_geometry]
             scale = _unit(scene, kind)
+    except Unreadable:
+        raise
     except Exception as error:
         # The words of a library may quote the file, which is any file that a robot names.
         why = str(error) if isinstance(error, Damaged | Malformed) else type(error).__name__
         raise Unreadable(f"it is damaged, or is not a {kind.upper()} file ({why})") from None
     there = [piece for piece in pieces if piece is not None]
     if not there:
-        msg = "it has no triangles"
-        raise Unreadable(msg)
+        raise Unreadable(_EMPTY)
     return replace(joined(there, scale), images=images(data, kind, beside.files))
 
 
@@ -177,9 +184,7 @@ def _placed(scene: Any, node: str, textures: Mapping[str, Texture]) -> LooseMesh
         points = points @ transform[:3, :3].T + transform[:3, 3]
         if np.linalg.det(transform[:3, :3]) < 0:
             corners = corners[:, ::-1]
-    if not np.isfinite(points).all():
-        msg = "a vertex is NaN or infinite"
-        raise Damaged(msg)
+    _require_finite(points)
     texcoords = _texcoords(shape, corners)
     texture = _texture(shape, textures)
     if texture is not None and texture.image and texcoords is None:
@@ -195,6 +200,24 @@ def _placed(scene: Any, node: str, textures: Mapping[str, Texture]) -> LooseMesh
         colours = tuple(_colour(one) for one in distinct)
         index = which.ravel() if len(shades) > 1 else np.zeros(len(corners), dtype=np.int64)
     return LooseMesh(points, corners, colours, index, (texture,) * len(colours), texcoords)
+
+
+def _of_binary_stl(data: bytes) -> LooseMesh:
+    """The triangles of a binary STL, which has nothing else. Equal points are one, so that no use of a large
+    file needs to sort all of its corners again."""
+    corners = mesh_points(".stl", data)
+    if not len(corners):
+        raise Unreadable(_EMPTY)
+    _require_finite(corners)
+    points, index = distinct(corners)
+    triangles = index.reshape(-1, 3)
+    return LooseMesh(points, triangles, (NEUTRAL,), np.zeros(len(triangles), dtype=np.int64), (None,), None)
+
+
+def _require_finite(points: npt.NDArray[np.float64]) -> None:
+    if not np.isfinite(points).all():
+        msg = "a vertex is NaN or infinite"
+        raise Damaged(msg)
 
 
 def _texture(shape: Any, textures: Mapping[str, Texture]) -> Texture | None:

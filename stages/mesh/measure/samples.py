@@ -33,7 +33,7 @@ def even(corners: Corners, count: int) -> Samples:
     u, v = (0.5 + steps * _FIRST) % 1, (0.5 + steps * _SECOND) % 1
     over = u + v > 1
     u, v = np.where(over, 1 - u, u)[:, None], np.where(over, 1 - v, v)[:, None]
-    a, b, c = np.moveaxis(corners[which], 1, 0)
+    a, b, c = np.moveaxis(corners.take(which, axis=0), 1, 0)
     return Samples(a + (b - a) * u + (c - a) * v, which)
 
 

@@ -53,7 +53,7 @@ class WalkedSurface:
         """
         _, nearest = self.starts.query(points)
         triangles = self.owners[nearest]
-        bound, edge = _reached(points, self.corners[triangles])
+        bound, edge = _reached(points, self.corners.take(triangles, axis=0))
         walking = np.arange(len(points))
         for _ in range(_STEPS):
             going = bound[walking] > enough
@@ -61,7 +61,7 @@ class WalkedSurface:
             if not len(walking):
                 break
             triangles = self.across[triangles, edge]
-            distance, edge = _reached(points[walking], self.corners[triangles])
+            distance, edge = _reached(points.take(walking, axis=0), self.corners.take(triangles, axis=0))
             bound[walking] = np.minimum(bound[walking], distance)
         return bound
 

@@ -3,6 +3,9 @@
 import io
 import json
 import os
+import struct
+import subprocess
+import sys
 from hashlib import sha256
 from pathlib import Path
 
@@ -20,6 +23,7 @@ from stages.formats import triangles
 from stages.robot.bundle import Bundle, FileBundle
 from stages.robot.errors import ConfigError, Diagnostic, SourceError
 from stages.robot.geometry import NEUTRAL
+from tests.support.places import PROJECT
 
 SIZE = (0.1, 0.2, 0.4)
 
@@ -279,6 +283,38 @@ def test_every_format_gives_the_same_solid(tmp_path, kind):
     body = only_body(tmp_path / "r.urdf")
     assert volume(body) == pytest.approx(0.008, rel=1e-6)
     np.testing.assert_allclose([body.points.min(0), body.points.max(0)], [(0, 0, 0), SIZE], atol=1e-7)
+
+
+def test_a_binary_stl_is_read_as_trimesh_reads_it_but_without_it(tmp_path):
+    ball = trimesh.creation.icosphere(subdivisions=2, radius=0.1)
+    faces = np.concatenate([ball.faces, ball.faces[:3], [[0, 0, 1]]])
+    data = trimesh.Trimesh(ball.vertices, faces, process=False).export(file_type="stl")
+    put(tmp_path, **{"r.urdf": urdf("a.stl", more=' scale="-1 2 1"'), "a.stl": data + b"more"})
+    body = only_body(tmp_path / "r.urdf")
+    read = trimesh.load_mesh(io.BytesIO(data), file_type="stl", process=False)
+    assert (body.points[body.triangles] == (read.triangles * [-1, 2, 1])[:, ::-1]).all()
+    assert len(body.points) == len(ball.vertices)
+    code = (
+        "import sys\n"
+        "from pathlib import Path\n"
+        "from stages.fetch.urdf.companions import Companions\n"
+        "from stages.fetch.urdf.mesh_file import read\n"
+        f"read(Path({str(tmp_path / 'a.stl')!r}).read_bytes(), 'a.stl', Companions())\n"
+        "print('trimesh' in sys.modules)"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", code], cwd=PROJECT, capture_output=True, text=True, check=True
+    )
+    assert run.stdout.strip() == "False"
+
+
+@pytest.mark.parametrize(("count", "why"), [(0, "no triangles"), (1, "NaN or infinite")])
+def test_a_binary_stl_without_a_sound_triangle_is_refused(tmp_path, count, why):
+    data = bytes(80) + struct.pack("<I", count) + struct.pack("<12fH", *[float("nan")] * 12, 0) * count
+    put(tmp_path, **{"r.urdf": urdf("a.stl"), "a.stl": data})
+    with pytest.raises(SourceError) as caught:
+        gathered(tmp_path / "r.urdf")
+    assert why in str(caught.value.problems[0])
 
 
 def test_a_gltf_with_its_buffer_beside_it_is_read(tmp_path):

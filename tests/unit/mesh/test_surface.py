@@ -2,12 +2,14 @@
 
 from collections import Counter
 
+import networkx as nx
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from stages.mesh.surface import Surface
+from stages.mesh.surface import _SKEW, Surface, weld
 
 COORDINATES = st.floats(-10, 10, width=32)
 SURFACES = st.builds(
@@ -49,3 +51,35 @@ def test_a_box_is_closed_and_without_a_face_it_is_open():
     lacking = Surface(BOX.vertices, BOX.triangles[1:])
     assert not lacking.closed()
     assert lacking.volume() == 0.0
+
+
+@pytest.mark.parametrize("kind", ["far", "near each other", "across the skew line", "at one place"])
+def test_points_within_the_tolerance_become_one_and_triangles_are_in_order(kind):
+    rng = np.random.default_rng(11)
+    points = rng.integers(0, 4, (60, 3)) / 20 + rng.choice([0.0, 0.9e-8, 1.1e-8], (60, 3))
+    if kind == "far":
+        points += [1000.0, -20.0, 3.0]
+    if kind == "across the skew line":
+        first, second = np.linalg.svd([_SKEW])[2][1:]
+        points = rng.integers(0, 5, (60, 1)) / 50 * first + rng.integers(0, 9, (60, 1)) * 0.9e-8 * second
+    if kind == "at one place":
+        points = np.full((60, 3), 0.1) + rng.integers(0, 2, (60, 1)) * [[1e-9, 0, 0]]
+    triangles = np.concatenate([rng.integers(0, 60, (80, 3)), [[0, 1, 2], [0, 1, 2], [2, 1, 0]]])
+    surface, kept = weld(points, triangles)
+    # Slowly: each point's group, whose first point in order is that of all.
+    used = np.unique(triangles)
+    size = np.linalg.norm(np.ptp(points[used], axis=0))
+    reach = min(max(1e-8, 1e-9 * size), 1e-3 * size)
+    graph = nx.Graph()
+    graph.add_nodes_from(used.tolist())
+    apart = np.linalg.norm(points[used][:, None] - points[used][None], axis=2)
+    graph.add_edges_from((used[i], used[j]) for i, j in zip(*np.nonzero(apart <= reach), strict=True))
+    place = {}
+    for group in nx.connected_components(graph):
+        place |= dict.fromkeys(group, min(tuple(points[one]) for one in group))
+    corners = [tuple(place[one] for one in row) for row in triangles.tolist()]
+    turned = [(*row[row.index(min(row)) :], *row[: row.index(min(row))]) for row in corners]
+    left = [number for number, row in enumerate(corners) if len({*row}) == 3]
+    expected = sorted(left, key=turned.__getitem__)
+    assert kept.tolist() == expected
+    assert [tuple(map(tuple, row)) for row in surface.corners.tolist()] == [turned[one] for one in expected]
