@@ -13,12 +13,8 @@ from stages.robot.bundle import Bundle
 from stages.robot.geometry import NEUTRAL
 from stages.robot.model import Link, MeshRef, Part
 
-_MANY = 50_000
-"""Triangles of a part."""
-
-_SHARES = (0.02, 0.05)
-"""How far the surface of a part with more may be moved, in tolerances; the second where the first leaves too
-many."""
+_SHARES = {5_000: 0.02, 50_000: 0.05}
+"""How far the surface of a part with more triangles than these may be moved, in tolerances."""
 
 
 class MeshLibrary:
@@ -51,7 +47,7 @@ class MeshLibrary:
 
     def light(self, ref: MeshRef) -> Surface | None:
         """The surface of a part to make colliders of, if there is one: of many triangles, which would take
-        minutes, fewer."""
+        seconds, fewer, within a small share of the tolerance."""
         if ref not in self._light:
             mesh = self.meshes([ref]).get(ref)
             if mesh is None:
@@ -62,8 +58,8 @@ class MeshLibrary:
 
 def _lighter(mesh: PartMesh) -> Surface:
     tolerance = default_tolerance(float(np.linalg.norm(np.ptp(mesh.surface.vertices, axis=0))))
-    for share in _SHARES:
-        if len(mesh.surface.triangles) <= _MANY:
+    for many, share in _SHARES.items():
+        if len(mesh.surface.triangles) <= many:
             break
         from stages.mesh.visuals.simplify import simplified
 

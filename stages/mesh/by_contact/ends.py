@@ -4,23 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
 from stages.mesh.by_contact import planes
+from stages.mesh.by_contact.cutting import cut
 from stages.mesh.by_contact.outside import Outside, Sampled
-from stages.mesh.by_contact.piece import Chunk, faced, hull_of, hulled
-from stages.mesh.by_contact.soup import Soup, cut
+from stages.mesh.by_contact.piece import Chunk, hull_of, whole_hull
 from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.surface import Points, Surface
+from stages.mesh.surface import Surface, joined
 from stages.mesh.verdict import Judge
 from stages.robot.geometry import Measures
 
 MOST = 12
 """Pieces of a link that meets the world."""
 
-_TRIED = 3
-"""Planes of which the pieces are measured."""
+_MEASURED = 6, 3
+"""Of how many planes the pieces are measured: where the best of six leads away from the tolerance, the best
+of three may not."""
 
 _PATIENCE, _BETTER = 5, 0.95
 """Cutting ends after five cuts in a row that left more than 95 % of what stood out before them."""
@@ -71,8 +73,8 @@ def _fitted(
     """Pieces of which 95 % of the outer surface stand out of the link by at most `tolerance` [m]: those that
     come of cutting the first of the `starts` that leads there, else the best of all."""
     best: tuple[float, list[Chunk]] = np.inf, []
-    for start in starts:
-        found = _cut(start, outside, tolerance, max_vertices)
+    for measured, start in product(_MEASURED, starts):
+        found = _cut(start, outside, tolerance, max_vertices, measured)
         if found[0] < best[0]:
             best = found
         if found[0] <= tolerance:
@@ -81,14 +83,14 @@ def _fitted(
 
 
 def _cut(
-    chunks: Sequence[Chunk], outside: Outside, tolerance: float, max_vertices: int
+    chunks: Sequence[Chunk], outside: Outside, tolerance: float, max_vertices: int, measured: int
 ) -> tuple[float, list[Chunk]]:
     """Pieces, and how far [m] 95 % of them stand out. The piece that stands out most is cut, again and
     again."""
     now = list(chunks)
     tried: list[tuple[float, list[Chunk]]] = []
     sampled: dict[Chunk, Sampled] = {}
-    faces = planes.flat_faces(np.concatenate([one.soup for one in now if len(one.soup)]))
+    faces = planes.flat_faces(joined([one.surface for one in now]))
     while True:
         for one in now:
             if one not in sampled:
@@ -99,7 +101,7 @@ def _cut(
             break
         worst = sorted(range(len(now)), key=lambda number: (-out.volumes[number], number))
         for number in worst:
-            halves = _halves(now[number], faces, outside, max_vertices) if len(now[number].soup) else []
+            halves = [] if now[number].stays else _halves(now[number], faces, outside, max_vertices, measured)
             if halves:
                 now = [*now[:number], *halves, *now[number + 1 :]]
                 break
@@ -117,30 +119,33 @@ def _stalls(found: Sequence[float], tolerance: float) -> bool:
     return min(found[-_PATIENCE:]) > _BETTER * min(found[:-_PATIENCE])
 
 
-def _halves(chunk: Chunk, faces: list[planes.Plane], outside: Outside, max_vertices: int) -> list[Chunk]:
-    """The two pieces that stand out least, by the planes that leave the least volume; none where every plane
-    leaves as much."""
+def _halves(
+    chunk: Chunk, faces: list[planes.Plane], outside: Outside, max_vertices: int, measured: int
+) -> list[Chunk]:
+    """The two pieces that stand out least, by as many planes as are `measured`, those that leave the least
+    volume; none where every plane leaves as much."""
     cloud = chunk.cloud()
-    axes = planes.axes_of(chunk.soup)
+    axes = planes.axes_of(chunk.surface)
     ranked = []
     every = planes.crossing(iter([*faces, *planes.through(axes, cloud)]), cloud)
     for number, (normal, height) in enumerate(every):
         above = cloud @ normal > height
-        hulls = [hull_of(cloud[~above]), hull_of(cloud[above])]
-        volume = sum(hull.volume for hull in hulls if hull is not None)
+        rough = [hull_of(cloud[~above]), hull_of(cloud[above])]
+        volume = sum(hull.volume for hull in rough if hull is not None)
         ranked.append((round(volume, 12), number, (normal, height)))
-    best: tuple[float, list[Soup]] = np.inf, []
-    for volume, _, (normal, height) in sorted(ranked, key=lambda one: one[:2])[:_TRIED]:
-        sides = [side for side in cut(chunk.soup, normal, height) if len(side)]
-        out = round(sum(_out(side.reshape(-1, 3), outside) for side in sides), 15)
-        if volume < chunk.volume and out < best[0]:
-            best = out, sides
-    halves = [hulled(side, max_vertices, chunk.group) for side in best[1]]
-    made = [half for half in halves if half is not None]
-    return made if len(made) == len(halves) else []  # a flat side would be bare
-
-
-def _out(points: Points, outside: Outside) -> float:
-    """How far the hull of points is out of the link, times its area [m³]."""
-    hull = hull_of(points)
-    return 0.0 if hull is None else sum(outside.standing_out([outside.sampled(faced(hull, points))]).volumes)
+    best: tuple[float, list[tuple[Surface, Surface]]] = np.inf, []
+    for volume, _, (normal, height) in sorted(ranked, key=lambda one: one[:2]):
+        if not measured or volume >= chunk.volume:
+            break
+        sides = [side for side in cut(chunk.surface, normal, height) if len(side.triangles)]
+        hulls = [whole_hull(side.vertices) for side in sides]
+        made = [(side, hull) for side, hull in zip(sides, hulls, strict=True) if hull is not None]
+        if len(made) < len(sides):
+            continue  # a flat side would be bare
+        measured -= 1
+        out = round(sum(sum(outside.standing_out([outside.sampled(hull)]).volumes) for _, hull in made), 15)
+        if out < best[0]:
+            best = out, made
+    halves = [Chunk.around(*both, max_vertices, chunk.group) for both in best[1]]
+    found = [half for half in halves if half is not None]
+    return found if len(found) == len(halves) else []

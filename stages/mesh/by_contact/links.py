@@ -13,7 +13,7 @@ from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.convex_hull import convex_hull
 from stages.mesh.fit import fits
 from stages.mesh.pieces import Piece, placed, surface_of, volume
-from stages.mesh.surface import Surface, joined, moved
+from stages.mesh.surface import Surface, compacted, joined, moved
 from stages.robot.model import Array, Primitive
 from stages.robot.poses import inverse
 
@@ -24,7 +24,7 @@ Placed = tuple[Hashable, Array]
 """A part, and link_from_part (4, 4)."""
 
 _HERE: Placed = (None, np.eye(4))
-_NOTHING = np.zeros((0, 3, 3))
+_NOTHING = Surface(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,11 +60,11 @@ def started(
     for body in bodies:
         made = list(body.fixed_chunks())
         for group, (surfaces, parts) in enumerate(zip(body.groups, body.parts, strict=True)):
-            hull = hulled(joined(surfaces).corners, settings.max_vertices, group)
+            hull = hulled(compacted(joined(surfaces)), settings.max_vertices, group)
             if hull is None:
                 continue
             primitive = _primitive(hull, settings, parts[0] if len(parts) == 1 else _HERE, known)
-            made.append(hull if primitive is None else Chunk.of(hull.soup, primitive, group))
+            made.append(hull if primitive is None else Chunk.of(hull.surface, primitive, group))
             if primitive is not None:
                 hulls[made[-1]] = hull
         chunks.append(made)
@@ -98,8 +98,8 @@ def by_part(
     yield from body.fixed_chunks()
     for group, (surfaces, parts) in enumerate(zip(body.groups, body.parts, strict=True)):
         for surface, part in zip(surfaces, parts, strict=True):
-            hull = hulled(surface.corners, settings.max_vertices, group)
+            hull = hulled(compacted(surface), settings.max_vertices, group)
             if hull is None:
                 continue
             primitive = None if known is None else _primitive(hull, settings, part, known)
-            yield hull if primitive is None else Chunk.of(hull.soup, primitive, group)
+            yield hull if primitive is None else Chunk.of(hull.surface, primitive, group)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -11,7 +12,6 @@ import numpy.typing as npt
 from stages.mesh.measure import BoxTree, Nearest, even
 from stages.mesh.pieces import Piece, beyond, half_spaces, signed_distance, surface_of
 from stages.mesh.surface import Points, Surface
-from stages.robot.model import Primitive
 
 Numbers = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
@@ -29,23 +29,25 @@ _SEAM = 3e-4
 """Of the diagonal: a point so near to another piece is no point of the outer surface."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Sampled:
     """A piece, points (n, 3) spread evenly over it, how far each is out of the link (n,) [m], and the area
-    that each stands for [m²]. `planes`: of a hull."""
+    that each stands for [m²]."""
 
     piece: Piece
     points: Points
     distances: Numbers
     area: float
-    planes: tuple[Points, Numbers] | None
+
+    @functools.cached_property
+    def _planes(self) -> tuple[Points, Numbers]:
+        return half_spaces(surface_of(self.piece))
 
     def beyond(self, points: Points) -> Numbers:
         """(n,): a bound of the distance [m] of points from the piece, negative inside."""
-        if self.planes is None:
-            assert isinstance(self.piece, Primitive)
-            return signed_distance(self.piece, points)
-        return beyond(*self.planes, points)
+        if isinstance(self.piece, Surface):
+            return beyond(*self._planes, points)
+        return signed_distance(self.piece, points)
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,8 +112,7 @@ class Outside:
         """Points on a piece."""
         surface = surface_of(piece)
         points = even(surface.corners, _POINTS).points
-        planes = half_spaces(piece) if isinstance(piece, Surface) else None
-        return Sampled(piece, points, self.distances(points), surface.area() / _POINTS, planes)
+        return Sampled(piece, points, self.distances(points), surface.area() / _POINTS)
 
     def standing_out(self, pieces: Sequence[Sampled]) -> StandingOut:
         """How far the outer surface of a collider, the union of the pieces, is out of the link."""

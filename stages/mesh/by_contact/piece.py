@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from stages.mesh.by_contact.soup import Soup
 from stages.mesh.convex_hull import outwards
 from stages.mesh.fit import capped_hull
 from stages.mesh.pieces import Piece, surface_of
@@ -24,10 +23,11 @@ _CLOUD = 30
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Chunk:
-    """`soup`: triangles in the link's frame, none of what the user gave; `piece`: the solid around them;
-    `convex`: the same in the engine; `volume` [m³]; `group`: of which of its link's colliders it is."""
+    """`surface`: triangles in the link's frame, none of a piece that stays as it is; `piece`: the solid
+    around them; `convex`: the same in the engine; `volume` [m³]; `group`: of which of its link's colliders
+    it is."""
 
-    soup: Soup
+    surface: Surface
     piece: Piece
     convex: Any
     volume: float
@@ -35,11 +35,23 @@ class Chunk:
     _cloud: list[Points] = field(default_factory=list)
 
     @staticmethod
-    def of(soup: Soup, piece: Piece, group: int = -1) -> Chunk:
+    def of(surface: Surface, piece: Piece, group: int = -1) -> Chunk:
         """A primitive is compared as the polyhedron that stands for it."""
-        surface = surface_of(piece)
-        convex = engine().convex(surface.vertices, surface.triangles)
-        return Chunk(soup, piece, convex, surface.volume(), group)
+        solid = surface_of(piece)
+        convex = engine().convex(solid.vertices, solid.triangles)
+        return Chunk(surface, piece, convex, solid.volume(), group)
+
+    @staticmethod
+    def around(surface: Surface, whole: Surface, max_vertices: int, group: int) -> Chunk | None:
+        """Of a surface whose hull is `whole`, with at most `max_vertices`, as it is written; None where that
+        is flat."""
+        hull = capped_hull(whole, max_vertices)
+        return None if hull is None else Chunk.of(surface, snapped(hull), group)
+
+    @property
+    def stays(self) -> bool:
+        """Whether it is neither cut nor joined."""
+        return not len(self.surface.triangles)
 
     @property
     def corners(self) -> Points:
@@ -49,7 +61,7 @@ class Chunk:
     def cloud(self) -> Points:
         """(n, 3): points all over the triangles, as few as show their shape."""
         if not self._cloud:
-            self._cloud.append(_cloud_of(self.soup))
+            self._cloud.append(_cloud_of(self.surface))
         return self._cloud[0]
 
 
@@ -71,11 +83,17 @@ def rough(points: Points) -> tuple[Any, float] | None:
     hull = hull_of(points)
     if hull is None:
         return None
-    surface = faced(hull, points)
+    surface = _faced(hull, points)
     return engine().convex(surface.vertices, surface.triangles), float(hull.volume)
 
 
-def faced(hull: Any, points: Points) -> Surface:
+def whole_hull(points: Points) -> Surface | None:
+    """The hull of points (n, 3) with all its corners; None where it is flat."""
+    hull = hull_of(points)
+    return None if hull is None else _faced(hull, points)
+
+
+def _faced(hull: Any, points: Points) -> Surface:
     """Qhull's hull of these points as a surface that faces outwards."""
     place = np.empty(len(points), dtype=np.int64)
     place[hull.vertices] = np.arange(len(hull.vertices))
@@ -83,22 +101,19 @@ def faced(hull: Any, points: Points) -> Surface:
     return Surface(surface.vertices, outwards(surface, hull))
 
 
-def hulled(soup: Soup, max_vertices: int, group: int) -> Chunk | None:
-    """With the hull of at most `max_vertices`, as it is written; None where it is flat."""
-    points = soup.reshape(-1, 3)
+def hulled(surface: Surface, max_vertices: int, group: int) -> Chunk | None:
+    """The piece around a surface that has no other points; None where that is flat."""
     # Of thousands of points those that matter first: it takes a third of the time.
-    whole = hull_of(points)
-    hull = None if whole is None else capped_hull(faced(whole, points), max_vertices)
-    return None if hull is None else Chunk.of(soup, snapped(hull), group)
+    whole = whole_hull(surface.vertices)
+    return None if whole is None else Chunk.around(surface, whole, max_vertices, group)
 
 
-def _cloud_of(soup: Soup) -> Points:
-    points = soup.reshape(-1, 3)
+def _cloud_of(surface: Surface) -> Points:
+    points = surface.vertices
     low = points.min(axis=0)
     size = float(np.linalg.norm(np.ptp(points, axis=0))) / _CLOUD
-    areas = np.linalg.norm(np.cross(soup[:, 1] - soup[:, 0], soup[:, 2] - soup[:, 0]), axis=1)
     # A large triangle has points inside, too.
-    large = soup[areas > 2 * size * size]
+    large = surface.corners[np.linalg.norm(surface.normals(), axis=1) > 2 * size * size]
     inner = [np.einsum("mij,i->mj", large, np.array(weights)) for weights in _WEIGHTS]
     every = np.concatenate([points, *inner])
     cells = np.floor((every - low) / size).astype(np.int64)

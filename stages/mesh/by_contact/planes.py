@@ -6,8 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from stages.mesh.by_contact.soup import Soup
-from stages.mesh.surface import Points
+from stages.mesh.surface import Points, Surface
 from stages.robot.model import Array
 
 Plane = tuple[Points, float]
@@ -24,10 +23,10 @@ _EDGE = 0.02
 """The share of a piece's extent along a normal that must be on each side of a plane."""
 
 
-def axes_of(soup: Soup) -> Points:
+def axes_of(surface: Surface) -> Points:
     """(k, 3): x, y and z, and the principal axes of a surface, by area."""
-    centres = soup.mean(axis=1)
-    weights = np.linalg.norm(np.cross(soup[:, 1] - soup[:, 0], soup[:, 2] - soup[:, 0]), axis=1)
+    centres = surface.corners.mean(axis=1)
+    weights = np.linalg.norm(surface.normals(), axis=1)
     total = weights.sum()
     if total <= 0:
         return np.eye(3)
@@ -38,12 +37,13 @@ def axes_of(soup: Soup) -> Points:
     return np.concatenate([np.eye(3), askew])
 
 
-def flat_faces(soup: Soup) -> list[Plane]:
+def flat_faces(surface: Surface) -> list[Plane]:
     """The planes of the largest flat faces of a surface, by area, beside them on both sides."""
-    normals = np.cross(soup[:, 1] - soup[:, 0], soup[:, 2] - soup[:, 0])
+    normals = surface.normals()
     areas = np.linalg.norm(normals, axis=1)
     kept = areas > 1e-12
-    normals, areas, corners = normals[kept] / areas[kept, None], areas[kept], soup[kept, 0]
+    normals, areas = normals[kept] / areas[kept, None], areas[kept]
+    corners = surface.vertices[surface.triangles[kept, 0]]
     if not len(areas):
         return []
     # A face and its back are one plane.

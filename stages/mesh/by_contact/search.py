@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from stages.mesh.by_contact import planes
+from stages.mesh.by_contact.cutting import cut
 from stages.mesh.by_contact.pair import Numbers, Pair
 from stages.mesh.by_contact.piece import Chunk, hull_of, hulled, rough
-from stages.mesh.by_contact.soup import cut
-from stages.mesh.surface import Points
+from stages.mesh.surface import Points, joined
 
 _LOOK = 20
 """Poses by which planes are told apart."""
@@ -127,7 +127,7 @@ class PieceSearch:
         found, most = list[Chunk](), 0.0
         for chunk in self.chunks[link]:
             depth = sum(float(self._of(pair, link, chunk, other).sum()) for other in theirs)
-            if len(chunk.soup) and depth > most:
+            if depth > most and not chunk.stays:
                 found, most = [chunk], depth
         return found
 
@@ -164,8 +164,8 @@ class PieceSearch:
         for _, _, _, (normal, height) in sorted(ranked, key=lambda one: one[:3])[:_EXACT]:
             halves = [
                 hulled(side, self.max_vertices, chunk.group)
-                for side in cut(chunk.soup, normal, height)
-                if len(side)
+                for side in cut(chunk.surface, normal, height)
+                if len(side.triangles)
             ]
             made = [half for half in halves if half is not None]
             if len(made) < len(halves):
@@ -188,9 +188,8 @@ class PieceSearch:
         self, pair: Pair, link: int, chunk: Chunk, looked: Sequence[tuple[Chunk, Any]]
     ) -> list[planes.Plane]:
         if link not in self._faces:
-            soups = [one.soup for one in self.chunks[link] if len(one.soup)]
-            self._faces[link] = planes.flat_faces(np.concatenate(soups))
-        axes = planes.axes_of(chunk.soup)
+            self._faces[link] = planes.flat_faces(joined([one.surface for one in self.chunks[link]]))
+        axes = planes.axes_of(chunk.surface)
         cloud = chunk.cloud()
 
         def every() -> Iterator[planes.Plane]:
@@ -241,20 +240,20 @@ class PieceSearch:
     def _merged(self, link: int, growths: dict[tuple[Chunk, Chunk], float]) -> bool:
         """Whether two pieces were joined. `growths`: what joining two adds to their volume, infinite where it
         makes a pair worse."""
-        chunks = [one for one in self.chunks[link] if len(one.soup)]
-        joint = [(one, other) for one, other in combinations(chunks, 2) if one.group == other.group]
-        for one, other in joint:
+        chunks = [one for one in self.chunks[link] if not one.stays]
+        pairs = [(one, other) for one, other in combinations(chunks, 2) if one.group == other.group]
+        for one, other in pairs:
             if (one, other) not in growths:
                 made = hull_of(np.concatenate([one.corners, other.corners]))
                 growth = np.inf if made is None else round(made.volume - one.volume - other.volume, 12)
                 growths[one, other] = growth
-        for one, other in sorted(joint, key=lambda both: growths[both]):
+        for one, other in sorted(pairs, key=lambda pair: growths[pair]):
             if growths[one, other] == np.inf:
                 break
-            joined = hulled(np.concatenate([one.soup, other.soup]), self.max_vertices, one.group)
+            both = hulled(joined([one.surface, other.surface]), self.max_vertices, one.group)
             rest = [chunk for chunk in self.chunks[link] if chunk not in (one, other)]
-            if joined is not None and self.no_worse(link, [*rest, joined]):
-                self._replace(link, [one, other], [joined])
+            if both is not None and self.no_worse(link, [*rest, both]):
+                self._replace(link, [one, other], [both])
                 return True
             growths[one, other] = np.inf
         return False

@@ -1,4 +1,4 @@
-"""Cutting a soup, near boxes, and what can be reached from outside, against closed forms."""
+"""Cutting a surface, near boxes, and what can be reached from outside, against closed forms."""
 
 import numpy as np
 import pytest
@@ -7,12 +7,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
+from stages.mesh.by_contact.cutting import cut
 from stages.mesh.by_contact.ends import fitted_end
 from stages.mesh.by_contact.outside import Outside
 from stages.mesh.by_contact.piece import hulled
 from stages.mesh.by_contact.planes import crossing, flat_faces, through
 from stages.mesh.by_contact.poses import near_pairs, relative
-from stages.mesh.by_contact.soup import cut
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.surface import Surface
 from tests.support.robots import pose
@@ -20,33 +20,29 @@ from tests.support.robots import pose
 SEEDS = st.integers(0, 10_000)
 
 
-def area(soup: np.ndarray) -> float:
-    return float(np.linalg.norm(np.cross(soup[:, 1] - soup[:, 0], soup[:, 2] - soup[:, 0]), axis=1).sum() / 2)
-
-
 @given(SEEDS)
 def test_a_cut_loses_no_area_and_puts_each_triangle_on_its_side(seed):
     rng = np.random.default_rng(seed)
-    soup = rng.normal(size=(40, 3, 3)).round(1)  # some corners lie in the plane
+    points = rng.normal(size=(120, 3)).round(1)  # some lie in the plane
+    whole = Surface(points, np.arange(120).reshape(-1, 3))
     normal = np.eye(3)[seed % 3] if seed % 2 else rng.normal(size=3)
     normal /= np.linalg.norm(normal)
     height = float(np.round(rng.normal() / 2, 1))
-    below, above = cut(soup, normal, height)
-    assert area(below) + area(above) == pytest.approx(area(soup), rel=1e-12)
-    assert (below @ normal).max(initial=-9) <= height + 1e-12
-    assert (above @ normal).min(initial=9) >= height - 1e-12
+    below, above = cut(whole, normal, height)
+    assert below.area() + above.area() == pytest.approx(whole.area(), rel=1e-12)
+    assert (below.vertices @ normal).max(initial=-9) <= height + 1e-12
+    assert (above.vertices @ normal).min(initial=9) >= height - 1e-12
 
 
 @given(SEEDS)
 def test_the_hulls_of_both_sides_hold_the_whole_surface(seed):
     """Of a sphere that is cut through, whose halves are known."""
     ball = trimesh.creation.icosphere(2, 0.05)
-    soup = ball.triangles
     rng = np.random.default_rng(seed)
     normal = rng.normal(size=3)
     normal /= np.linalg.norm(normal)
     height = rng.uniform(-0.03, 0.03)
-    halves = [hulled(side, 1000, 0) for side in cut(soup, normal, height)]
+    halves = [hulled(side, 1000, 0) for side in cut(surface(ball), normal, height)]
     assert sum(half.volume for half in halves) == pytest.approx(ConvexHull(ball.vertices).volume, rel=1e-4)
 
 
@@ -102,8 +98,8 @@ def shell(mouth: float) -> Surface:
             ):
                 corners = [(a[0], a[1], 0.05), (b[0], a[1], 0.05), (b[0], b[1], 0.05), (a[0], b[1], 0.05)]
                 strips += [[corners[0], corners[1], corners[2]], [corners[0], corners[2], corners[3]]]
-    soup = np.concatenate([walls, np.array(strips).reshape(-1, 3, 3)])
-    return Surface(soup.reshape(-1, 3), np.arange(3 * len(soup)).reshape(-1, 3))
+    corners = np.concatenate([walls, np.array(strips).reshape(-1, 3, 3)])
+    return Surface(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
 
 
 @pytest.mark.parametrize(("mouth", "expected"), [(0.1, 0.05), (0.06, 0.05), (0.006, 0.0)])
@@ -124,32 +120,31 @@ def test_the_inside_of_a_solid_counts_for_nothing():
 def test_how_far_a_hull_stands_out_of_a_corner():
     """The hull of an L of 100 by 100 by 20 mm, walls of 20 mm: its slanted face is at most √2·40 mm out."""
     parts = [trimesh.creation.box(bounds=[(0, 0, 0), (a, b, 0.02)]) for a, b in ((0.1, 0.02), (0.02, 0.1))]
-    ell = trimesh.boolean.union(parts, engine="manifold")
-    outside = Outside.of(surface(ell), 0.002)
-    whole = hulled(ell.triangles, 64, 0)
+    ell = surface(trimesh.boolean.union(parts, engine="manifold"))
+    outside = Outside.of(ell, 0.002)
+    whole = hulled(ell, 64, 0)
     out = outside.standing_out([outside.sampled(whole.piece)])
     assert out.most == pytest.approx(0.04, abs=2e-3)  # the nearest wall is 40 mm from the middle of the slant
-    halves = [hulled(side, 64, 0) for side in cut(ell.triangles, np.array([1.0, 0, 0]), 0.02)]
+    halves = [hulled(side, 64, 0) for side in cut(ell, np.array([1.0, 0, 0]), 0.02)]
     assert outside.standing_out([outside.sampled(half.piece) for half in halves]).most < 1e-5
 
 
 def test_planes_lie_beside_the_faces_and_across_the_axes():
-    box = trimesh.creation.box((0.1, 0.06, 0.02)).triangles
+    box = surface(trimesh.creation.box((0.1, 0.06, 0.02)))
     heights = {round(abs(height), 4) for normal, height in flat_faces(box) if abs(normal[2]) > 0.99}
     assert heights == {0.0098, 0.0102}
-    planes = crossing(through(np.eye(3), box.reshape(-1, 3)), box.reshape(-1, 3))
+    planes = crossing(through(np.eye(3), box.vertices), box.vertices)
     assert all(-0.05 < height < 0.05 for _, height in planes)
 
 
 def test_what_pieces_of_an_end_lack_is_measured():
     """A box of 80 mm by its upper and lower quarter: half is missing, and 20 mm are bare at most."""
-    solid = trimesh.creation.box(extents=[0.04, 0.04, 0.08])
-    surface = Surface(np.array(solid.vertices), np.array(solid.faces, dtype=np.int64))
-    upper = cut(surface.corners, np.array([0.0, 0, 1]), 0.02)[1]
-    lower = cut(surface.corners, np.array([0.0, 0, 1]), -0.02)[0]
-    pieces = [hulled(soup, 64, 0) for soup in (upper, lower)]
+    box = surface(trimesh.creation.box(extents=[0.04, 0.04, 0.08]))
+    upper = cut(box, np.array([0.0, 0, 1]), 0.02)[1]
+    lower = cut(box, np.array([0.0, 0, 1]), -0.02)[0]
+    pieces = [hulled(side, 64, 0) for side in (upper, lower)]
     assert None not in pieces
-    _, end = fitted_end(surface, [pieces], ColliderSettings())
+    _, end = fitted_end(box, [pieces], ColliderSettings())
     assert end.meets
     assert end.measures.extra == pytest.approx(0.0, abs=1e-4)
     assert end.measures.missing == pytest.approx(0.5, abs=1e-4)
