@@ -50,13 +50,18 @@ class BoxTree:
     def of(surface: Surface, cut: bool = True) -> "BoxTree":
         """`cut`: whether long triangles are cut in pieces, which takes longer than a few searches do."""
         corners, faces = surface.corners, np.arange(len(surface.triangles))
-        ends = corners.reshape(-1, 3)
-        low, high = ends.min(axis=0), ends.max(axis=0)
+        # NumPy is much slower along an axis of columns than with a column at a time.
+        columns = np.moveaxis(corners, 2, 0)
+        low = np.array([column.min() for column in columns])
+        high = np.array([column.max() for column in columns])
         diagonal = float(np.sqrt(((high - low) ** 2).sum()))
         if cut:
             corners, faces = _cut(corners, faces, _LONGEST * diagonal)
-        order = np.argsort(_code(corners.mean(axis=1), low, high), kind="stable")
-        corners, faces = corners[order], faces[order]
+        a, b, c = np.moveaxis(corners, 1, 0)
+        # The place in the lower bits: equal codes keep their order, and a sort is faster than one of indices.
+        code = _code((a + b + c) / 3, low, high) << 32 | np.arange(len(corners))
+        order = np.sort(code) & 0xFFFFFFFF
+        corners, faces = corners.take(order, axis=0), faces[order]
         a, b, c = np.moveaxis(corners, 1, 0)
         boxes = [(np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c))]
         while len(boxes[-1][0]) > BRANCHES:
@@ -97,12 +102,13 @@ class BoxTree:
             which, nodes = self.children(level, nodes)
             whose = whose[which]
             lows, highs = self.boxes[level]
-            here = points[whose]
-            beyond = np.maximum(lows[nodes] - here, here - highs[nodes])
+            here = points.take(whose, axis=0)
+            beyond = np.maximum(lows.take(nodes, axis=0) - here, here - highs.take(nodes, axis=0))
             np.maximum(beyond, 0.0, out=beyond)
             near = np.flatnonzero(_dot(beyond, beyond) < least[whose])
             whose, nodes = whose[near], nodes[near]
-        np.minimum.at(best, whose, triangle_distances(points[whose], self.corners[nodes]))
+        points, corners = points.take(whose, axis=0), self.corners.take(nodes, axis=0)
+        np.minimum.at(best, whose, triangle_distances(points, corners))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
