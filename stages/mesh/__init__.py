@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 42
+VERSION = 43
 """Grows with every change of what this stage makes of the same input."""
 
 
@@ -24,7 +24,7 @@ class Maker(NamedTuple):
 
     `per`: part, one collider for each part, in its own frame; link, one for all parts of a link that the
     same key chooses, in the link's frame. `improves`: whether it has a second, costly step; `exact`: whether
-    it needs each triangle, of however many.
+    it takes each triangle, of however many: it needs them, or takes less time than to leave some out.
     """
 
     per: Literal["part", "link"]
@@ -37,7 +37,7 @@ _PIECES = ("tolerance", "max_vertices", "effort", "coacd")
 
 COLLIDERS: Mapping[str, Maker] = {
     "coacd": Maker("part", _PIECES, improves=True),
-    "hull": Maker("link", ("max_vertices",)),
+    "hull": Maker("link", ("max_vertices",), exact=True),
     "ladder": Maker("part", (*_PIECES, "extra_volume", "target"), improves=True),
     "primitives": Maker("part", ("tolerance", "extra_volume", "target")),
     "raw": Maker("part", (), exact=True),

@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 import trimesh
 
-from stages.mesh import collide, make_geometry
+from stages.mesh import collide, make_geometry, tessellation
 from stages.mesh.choices import Choice
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.collision import Collision
+from stages.mesh.fit import capped_hull
 from stages.mesh.keys import MeshKeys
 from stages.mesh.library import MeshLibrary
 from stages.robot import codec
@@ -298,6 +299,24 @@ def test_of_very_many_triangles_a_collider_is_made_of_fewer() -> None:
     apart = np.linalg.norm(light.corners.mean(axis=1), axis=1) - 0.03
     assert np.abs(apart).max() < 0.03 * 0.0016
     assert library.light(MeshRef(digest, "other")) is None
+
+
+def test_the_hull_of_very_many_triangles_is_that_of_all_of_them() -> None:
+    ball = trimesh.creation.icosphere(6, 0.03)
+    reply = bodies_of({"Ball": ball})
+    digest = sha256(reply).hexdigest()
+    value = robot(part("Ball <1>", mesh=MeshRef(digest, "Ball")))
+    source = Bundle("onshape", {}, "", {}, {digest: reply})
+    mesh = {"collider": "hull", "max_vertices": 64, "visual": {"max_faces": 100_000}}
+    keys = MeshKeys.model_validate({"mesh": mesh})
+    geometry = make_geometry(value, source, keys, lambda kind, key, make: make())
+    (solid,) = (shape for shape in geometry.shapes if shape.role == "collision")
+    expected = capped_hull(tessellation.read(reply, ["Ball"])["Ball"].surface, 64)
+    assert expected is not None
+    corners = trimesh.load_mesh(io.BytesIO(geometry.files[solid.file]), file_type="stl")
+    np.testing.assert_allclose(
+        np.sort(corners.vertices, axis=0), np.sort(expected.vertices, axis=0), atol=1e-8, rtol=0
+    )
 
 
 def test_a_process_starts_only_where_something_is_decomposed(monkeypatch: pytest.MonkeyPatch) -> None:
