@@ -20,9 +20,9 @@ from stages.robot.geometry import Measures
 MOST = 12
 """Pieces of a link that meets the world."""
 
-_MEASURED = 6, 3
-"""Of how many planes the pieces are measured: where the best of six leads away from the tolerance, the best
-of three may not."""
+_MEASURED = 3, 6
+"""Of how many planes the pieces are measured: where the best of three leads away from the tolerance, the best
+of six may not."""
 
 _PATIENCE, _BETTER = 5, 0.95
 """Cutting ends after five cuts in a row that left more than 95 % of what stood out before them."""
