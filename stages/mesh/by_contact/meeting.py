@@ -24,6 +24,9 @@ _MUCH = 0.02
 """A link moves in its parent's hollow where, in more than a tenth of the poses, more than a fiftieth of its
 points are within the parent's hull and away from its surface."""
 
+_LEVEL = 0.05
+"""As a share of a robot's height: what is higher up by less than this stands on the same ground."""
+
 
 def ends_of_chains(robot: Robot, solid: Collection[str]) -> list[str]:
     """The links with a collider (`solid`) that nothing with a collider hangs on, and those with a frame that
@@ -66,19 +69,35 @@ def with_jaws(
     tolerances: Mapping[str, float],
 ) -> set[str]:
     """The ends, and those parents of ends whose hull would fill the hollow in which the end moves, as that of
-    the fixed jaw of a gripper: parent and child never collide, so that no pair of links shows it.
+    the fixed jaw of a gripper: parent and child never collide, so that no pair of links shows it. What a
+    robot stands on is no finger.
 
-    `surfaces`, `hulls`: by link, of those that get colliders by contact; `poses` (n, 4, 4) in a common frame;
-    `tolerances` [m].
+    `surfaces`, `hulls`: by link, of those that get colliders by contact; `poses` (n, 4, 4): root_from_link,
+    at `home` first; `tolerances` [m].
     """
     found = set(ends)
+    fingers = found - _feet(robot, surfaces, poses)
     for joint in robot.joints:
         child, parent = joint.child, joint.parent
-        if child in ends and parent in hulls and parent not in found and joint.dofs:
+        if child in fingers and parent in hulls and parent not in found and joint.dofs:
             places = relative(poses[parent], poses[child])[:: max(1, len(poses[child]) // 64)]
             if _fills(surfaces[child], surfaces[parent], hulls[parent], places, tolerances[parent]):
                 found.add(parent)
     return found
+
+
+def _feet(robot: Robot, surfaces: Mapping[str, Surface], poses: Mapping[str, Array]) -> set[str]:
+    """The links on which a free robot stands at `home`: those that reach as far down as any."""
+    if robot.base.fixed:
+        return set()
+    places = {link: robot.world_from_root @ poses[link][0] for link in surfaces}
+    heights = {
+        link: surface.vertices @ places[link][2, :3] + places[link][2, 3]
+        for link, surface in surfaces.items()
+    }
+    lowest = min(float(points.min()) for points in heights.values())
+    tall = max(float(points.max()) for points in heights.values()) - lowest
+    return {link for link, points in heights.items() if points.min() <= lowest + _LEVEL * tall}
 
 
 def _fills(child: Surface, parent: Surface, hull: Surface, places: Array, tolerance: float) -> bool:

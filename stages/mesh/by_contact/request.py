@@ -46,6 +46,7 @@ class ContactRequest:
             "apart": None if self.apart is None else sorted(self.apart),
             "fine": frames if self.fine is None else [sorted(self.fine)],
             "motion": motion_digest(self.robot),
+            "up": None if self.robot.base.fixed else self.robot.world_from_root[2, :3].tolist(),
             "poses": POSES,
             "engine": _engine(),
         }
