@@ -18,7 +18,7 @@ from stages.robot.errors import Diagnostic
 if TYPE_CHECKING:
     from pipeline.context import BuildContext
 
-VERSION = 8
+VERSION = 9
 """Raised when the same robot gives another pack."""
 
 ENGINE_FILE = "linkwright-engine.js"

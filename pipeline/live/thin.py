@@ -5,6 +5,7 @@ shape needs them, and small parts lose theirs first. manifold3d simplifies withi
 not take, or hardly simplifies, is clustered: the points of each cell of a grid become one.
 """
 
+import functools
 from collections.abc import Hashable, Mapping
 from typing import TypeVar
 
@@ -13,16 +14,14 @@ import numpy as np
 from pipeline.live.triangles import Corners, Facets, Points
 from stages.mesh.surface import weld
 from stages.mesh.tessellation import PartMesh
-from stages.mesh.visuals.simplify import simplified
+from stages.mesh.visuals.budget import lowest
+from stages.mesh.visuals.simplify import SimplifiablePart, simplified
 
 _FIRST = 2e-5
 _COARSE = 2e-2
 _LAST = 5e-2
 """The finest and the coarsest tolerance, as shares of the size of the largest mesh; each level has twice the
-one before. From `_COARSE` on meshes are clustered that have too many triangles still."""
-
-_SAMPLE = 8
-"""Of so many meshes the first tolerance is estimated."""
+one before. Where no level has few enough triangles, meshes are clustered from `_COARSE` on."""
 
 _LEAST = 12
 """Meshes with so few triangles stay as they are."""
@@ -39,45 +38,57 @@ def fitted(meshes: Mapping[Key, Facets], uses: Mapping[Key, int], most: int) -> 
     if _total(found, uses) <= most:
         return found
     size = max(one.size for one in found.values())
-    for way, first in ((simpler, _start(found, uses, most, size)), (clustered, _COARSE)):
-        share = first
-        while share <= _LAST:
-            before = found
-            found = {key: way(one, share * size) for key, one in before.items()}
-            if _total(found, uses) <= most:
-                return _restored(found, before, uses, most)
-            share *= 2.0
+    solids = {key: Thinnable(one) for key, one in found.items()}
+
+    def at(level: int) -> dict[Key, Facets]:
+        return {key: solid.simpler(_FIRST * 2.0**level * size) for key, solid in solids.items()}
+
+    last = int(np.log2(_LAST / _FIRST))
+    # Some meshes hardly lose triangles, which only the coarsest level shows at once.
+    if _total(at(last), uses) <= most:
+        level = lowest(last, lambda number: _total(at(number), uses), most)
+        return _restored(at(level), at(level - 1) if level else found, uses, most)
+    found, share = at(last), _COARSE
+    while share <= _LAST:
+        before = found
+        found = {key: clustered(one, share * size) for key, one in before.items()}
+        if _total(found, uses) <= most:
+            return _restored(found, before, uses, most)
+        share *= 2.0
     return _emptied(found, uses, most)
 
 
-def _start(meshes: Mapping[Key, Facets], uses: Mapping[Key, int], most: int, size: float) -> float:
-    """The tolerance to begin with, as a share: one level before the one that does it for a few of them."""
-    every = sorted(meshes, key=lambda key: -len(meshes[key].corners))
-    some = {key: meshes[key] for key in every[:: max(1, len(every) // _SAMPLE)]}
-    enough = most * _total(some, uses) / _total(meshes, uses)
-    share = _FIRST
-    while len(some) < len(every) and share < _LAST:
-        some = {key: simpler(one, share * size) for key, one in some.items()}
-        if _total(some, uses) <= enough:
-            return max(_FIRST, share / 2.0)
-        share *= 2.0
-    return _FIRST
+class Thinnable:
+    """A mesh, made ready once for all tolerances."""
 
+    def __init__(self, facets: Facets) -> None:
+        self._facets = facets
+        self._made: dict[float, Facets] = {}
 
-def simpler(facets: Facets, tolerance: float) -> Facets:
-    """The mesh with its surface moved by about `tolerance` [m] at most."""
-    if len(facets.corners) <= _LEAST or tolerance <= 0.0:
-        return facets
-    surface, _ = weld(facets.points, facets.corners)
-    if not len(surface.triangles):
-        return facets
-    palette = np.zeros(len(surface.triangles), dtype=np.int64)
-    made = simplified(PartMesh(surface, (_GREY,), palette, False, 0.0), tolerance)
-    if made is None:
-        return clustered(facets, tolerance)
-    if len(made.surface.triangles) >= len(facets.corners):
-        return facets
-    return Facets(made.surface.vertices, made.surface.triangles, facets.of_faces)
+    @functools.cached_property
+    def _part(self) -> SimplifiablePart | None:
+        surface, _ = weld(self._facets.points, self._facets.corners)
+        if not len(surface.triangles):
+            return None
+        palette = np.zeros(len(surface.triangles), dtype=np.int64)
+        return SimplifiablePart.of(PartMesh(surface, (_GREY,), palette, False, 0.0))
+
+    def simpler(self, tolerance: float) -> Facets:
+        """The mesh with its surface moved by about `tolerance` [m] at most."""
+        if tolerance not in self._made:
+            self._made[tolerance] = self._simplified(tolerance)
+        return self._made[tolerance]
+
+    def _simplified(self, tolerance: float) -> Facets:
+        facets = self._facets
+        if len(facets.corners) <= _LEAST or tolerance <= 0.0 or self._part is None:
+            return facets
+        made = simplified(self._part, tolerance)
+        if made is None:
+            return clustered(facets, tolerance)
+        if len(made.surface.triangles) >= len(facets.corners):
+            return facets
+        return Facets(made.surface.vertices, made.surface.triangles, facets.of_faces)
 
 
 def clustered(facets: Facets, tolerance: float) -> Facets:

@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 from pipeline.live import pack, scene, thin
 from pipeline.live.pack import Buffers
 from pipeline.live.scene import pack_of
-from pipeline.live.thin import clustered, fitted, simpler
+from pipeline.live.thin import Thinnable, clustered, fitted
 from pipeline.live.triangles import STEPS, Facets, stored
 from tests.support.live_robots import INCLUDED, bumpy, stl, triangles, write
 from tests.support.robots import robot_with
@@ -33,6 +33,10 @@ def apart(one, other):
 
 SAMPLING = 0.003
 """How far the nearest sample of a surface of this size may be [m]."""
+
+
+def simpler(mesh, tolerance):
+    return Thinnable(mesh).simpler(tolerance)
 
 
 @pytest.mark.parametrize("way", [simpler, clustered], ids=lambda way: way.__name__)
