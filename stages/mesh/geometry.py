@@ -118,7 +118,9 @@ def geometry(
         figures.append(figures_of(made, [part.name for part in its]))
     # Of those that are written: an exclude counts them.
     solid = [shape for shape in shapes if shape.file is None or keys.mesh.assets == "files"]
-    contacts = self_contacts(robot, solid, files, keys.contact, memo, excluded, figures)
+    contacts = self_contacts(
+        robot, solid, files, keys.contact, memo, excluded, figures, keys.mesh.basis == "declared"
+    )
     problems += contacts.diagnostics
     (written_shapes, assets), left_out = written(
         rules.with_properties(shapes, parts, contacts.by_source), files, keys.mesh

@@ -16,6 +16,9 @@ from stages.robot.model import Link, MeshRef, Part
 _SHARES = {5_000: 0.02, 50_000: 0.05}
 """How far the surface of a part with more triangles than these may be moved, in tolerances."""
 
+MOVED = 5e-5
+"""The most that it may be moved [m]."""
+
 
 class MeshLibrary:
     """ProtocolError, on asking, where triangles cannot be read."""
@@ -64,5 +67,5 @@ def _lighter(mesh: PartMesh) -> Surface:
         from stages.mesh.visuals.simplify import simplified
 
         plain = replace(mesh, palette=(NEUTRAL,), colours=np.zeros_like(mesh.colours), textures=())
-        mesh = simplified(plain, share * tolerance) or mesh
+        mesh = simplified(plain, min(share * tolerance, MOVED)) or mesh
     return mesh.surface

@@ -17,6 +17,7 @@ from stages.mesh.by_contact.request import POSES, ContactRequest, FalsePair
 from stages.mesh.by_contact.search import PieceSearch
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.convex_hull import convex_hull
+from stages.mesh.library import MOVED
 from stages.mesh.pieces import Piece
 from stages.mesh.surface import Surface
 from stages.robot.clearance import engine
@@ -25,12 +26,15 @@ from stages.robot.model import Array, Primitive, Robot
 MARGIN = 0.002
 """How deep [m] colliders of two links may be in each other that are this far apart."""
 
+NEAR = MARGIN - 2 * MOVED
+"""So far apart [m] are at least, with fewer triangles, links that are `MARGIN` apart."""
+
 AT_HOME = -2e-5
 """The same depth at `home`, where nothing may touch that is apart in CAD. Less than 0 is a gap: a file has
 few digits."""
 
-APART = 1e-4
-"""How far apart [m] links must be at `home` to count as apart."""
+APART = 2 * MOVED
+"""How far apart [m] links must be at `home`, with fewer triangles, to count as apart."""
 
 SHARE = 0.005
 """Of the poses that make a collider, in how many it may be false: of fresh poses that is below 1 %."""
@@ -141,7 +145,7 @@ def _pairs(
             for number in (near.one, near.other):
                 if number not in meshes:
                     meshes[number] = ask.mesh(surfaces[number].vertices, surfaces[number].triangles)
-            margin = APART if home[row] else MARGIN
+            margin = APART if home[row] else NEAR
             if not ask.near(meshes[near.one], meshes[near.other], pose, margin):
                 kept.append(row)
         if kept:

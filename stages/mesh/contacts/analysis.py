@@ -50,9 +50,12 @@ def self_contacts(
     memo: "Memo",
     chosen: Collection[Pair] = (),
     figures: Sequence[ColliderFigures] = (),
+    declared: bool = True,
 ) -> Contacts:
     """The contact of the robot with itself, by its colliders among `shapes`, whose parts `figures` name.
-    `chosen`: the pairs that the configuration excludes. Diagnostics: I-ALWAYS-CONTACT, W-SELF-CONTACT.
+    `chosen`: the pairs that the configuration excludes; `declared`: whether colliders are those that an MJCF
+    source declares, so that it says which of those next to each other collide. Diagnostics: I-ALWAYS-CONTACT,
+    W-SELF-CONTACT.
 
     The work is done through `memo`, by the content of the colliders and by how the links move.
     """
@@ -67,7 +70,7 @@ def self_contacts(
     adjacent: tuple[Pair, ...] = ()
     solid = {shape.link for shape in colliders}
     disabled = [(one.link_a, one.link_b) for one in robot.semantics.disabled if one.touches and search]
-    if search:
+    if search or (by_source and not declared):
         adjacent = adjacent_pairs(robot, solid)
     given: dict[Pair, ExcludeReason] = {
         **{(one.link_a, one.link_b): "Source" for one in apart if not one.geoms},

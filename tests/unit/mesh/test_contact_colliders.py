@@ -15,6 +15,7 @@ from stages.robot.exclude_names import excluded_colliders
 from stages.robot.geometry import Exclude, Shape
 from stages.robot.model import Inertial, MeshRef, Part, frozen
 from tests.support.building import plan_of
+from tests.support.mjcfs import SOLID, body, bundle_of, model, robot_of, written
 from tests.support.robots import at
 from tests.support.solids import bodies_of
 from tests.support.touching import ball, exported, geoms_in_mujoco, model_of
@@ -127,3 +128,22 @@ def test_names_count_pieces_and_tell_what_the_user_gave():
 
 def test_a_link_with_one_collider_is_left_out_as_a_whole():
     assert [one.geoms for one in made(base_arm_hand(hand=ball(0.06)), "primitives").excludes] == [(), (), ()]
+
+
+@pytest.mark.parametrize(
+    ("basis", "contact", "pairs"),
+    [("declared", "auto", []), ("visual", "auto", [("trunk", "head", "Adjacent")]), ("visual", "all", [])],
+)
+def test_what_an_mjcf_shows_collides_by_our_rule_of_neighbours(tmp_path, basis, contact, pairs):
+    """The file says what its colliders do; a body without geoms is between the trunk and the head."""
+    head = body("head", '<joint axis="1 0 0"/><geom type="box" size=".04 .04 .1" pos="0 0 .1"/>')
+    pan = f'<body name="pan" pos="0 0 .2"><joint axis="0 0 1"/>{SOLID.format(mass=0.1)}{head}</body>'
+    path = written(tmp_path, model(body("trunk", f'<geom type="box" size=".1 .1 .2"/>{pan}')))
+    plan = plan_of(
+        source={"kind": "mjcf", "path": str(path)},
+        mesh={"collider": "ladder", "basis": basis},
+        contact={"self": contact},
+        ground={"kind": "none"},
+    )
+    geometry = make_geometry(robot_of(path), bundle_of(path), plan, lambda kind, key, make: make())
+    assert [(one.link_a, one.link_b, one.reason) for one in geometry.excludes] == pairs
