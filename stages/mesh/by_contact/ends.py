@@ -28,7 +28,8 @@ _PATIENCE, _BETTER = 5, 0.95
 """Cutting ends after five cuts in a row that left more than 95 % of what stood out before them."""
 
 _OUT_OF_REACH = 1.5
-"""Cutting ends early only where all states so far stand out by more than 1.5 times the tolerance."""
+"""Cutting ends early, and more planes are not measured, only where all states so far stand out by more than 1.5
+times the tolerance."""
 
 _WORTH = 1.15
 """Where no state is within the tolerance, the first is taken that stands out at most 1.15 times as far as the
@@ -74,6 +75,8 @@ def _fitted(
     come of cutting the first of the `starts` that leads there, else the best of all."""
     best: tuple[float, list[Chunk]] = np.inf, []
     for measured, start in product(_MEASURED, starts):
+        if measured != _MEASURED[0] and best[0] > _OUT_OF_REACH * tolerance:
+            break
         found = _cut(start, outside, tolerance, max_vertices, measured)
         if found[0] < best[0]:
             best = found

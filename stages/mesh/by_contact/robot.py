@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -18,7 +19,7 @@ from stages.mesh.by_contact.search import PieceSearch
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.convex_hull import convex_hull
 from stages.mesh.library import MOVED
-from stages.mesh.pieces import Piece
+from stages.mesh.pieces import Piece, surface_of
 from stages.mesh.surface import Surface
 from stages.robot.clearance import engine
 from stages.robot.model import Array, Primitive, Robot
@@ -73,7 +74,7 @@ def solved(request: ContactRequest, bodies: Sequence[Touchable]) -> Solution:
     before = _false(search, bodies, poses)
     search.refine(lambda link: list(by_part(bodies[link], settings)))
     search.merge()
-    ends = {}
+    ends, fitted = {}, dict[bytes, tuple[list[Chunk], End]]()
     for number in _ends(request, bodies, surfaces, chunks, poses, settings):
         body, surface = bodies[number], surfaces[number]
         starts = [search.chunks[number]]
@@ -81,7 +82,10 @@ def solved(request: ContactRequest, bodies: Sequence[Touchable]) -> Solution:
             parts = list(by_part(body, settings, primitives))
             if search.no_worse(number, parts):
                 starts.insert(0, parts)
-        search.chunks[number], ends[body.link] = fitted_end(surface, starts, settings)
+        same = _content(surface, starts)
+        if same not in fitted:
+            fitted[same] = fitted_end(surface, starts, settings)
+        search.chunks[number], ends[body.link] = fitted[same]
     pieces = {
         body.link: tuple(
             tuple(chunk.piece for chunk in made if chunk.group == group) for group in range(len(body.groups))
@@ -89,6 +93,18 @@ def solved(request: ContactRequest, bodies: Sequence[Touchable]) -> Solution:
         for body, made in zip(bodies, search.chunks, strict=True)
     }
     return Solution(pieces, before, _false(search, bodies, poses), ends, len(poses[0]) - 1)
+
+
+def _content(surface: Surface, starts: Sequence[Sequence[Chunk]]) -> bytes:
+    """The same for links that are the same to 1e-9 m, such as the fingers of a hand."""
+    found = hashlib.sha256()
+    chunks = [chunk for start in starts for chunk in start]
+    shapes = [surface, *(shape for chunk in chunks for shape in (chunk.surface, surface_of(chunk.piece)))]
+    for shape in shapes:
+        found.update(np.array([len(shape.vertices), len(shape.triangles)]).tobytes())
+        found.update((shape.vertices.round(9) + 0.0).tobytes() + shape.triangles.tobytes())
+    found.update(repr([[(chunk.group, type(chunk.piece)) for chunk in start] for start in starts]).encode())
+    return found.digest()
 
 
 def _poses(robot: Robot, bodies: Sequence[Touchable], surfaces: Sequence[Surface]) -> list[Array]:
