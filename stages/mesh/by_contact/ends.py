@@ -28,8 +28,8 @@ _PATIENCE, _BETTER = 5, 0.95
 """Cutting ends after five cuts in a row that left more than 95 % of what stood out before them."""
 
 _OUT_OF_REACH = 1.5
-"""Cutting ends early, and more planes are not measured, only where all states so far stand out by more than 1.5
-times the tolerance."""
+"""Cutting ends early, and more planes are not measured, only where all states so far stand out by more than
+1.5 times the tolerance."""
 
 _WORTH = 1.15
 """Where no state is within the tolerance, the first is taken that stands out at most 1.15 times as far as the

@@ -74,8 +74,28 @@ def solved(request: ContactRequest, bodies: Sequence[Touchable]) -> Solution:
     before = _false(search, bodies, poses)
     search.refine(lambda link: list(by_part(bodies[link], settings)))
     search.merge()
+    numbers = _ends(request, bodies, surfaces, chunks, poses, settings)
+    ends = _fitted_ends(numbers, search, bodies, surfaces, settings, primitives)
+    pieces = {
+        body.link: tuple(
+            tuple(chunk.piece for chunk in made if chunk.group == group) for group in range(len(body.groups))
+        )
+        for body, made in zip(bodies, search.chunks, strict=True)
+    }
+    return Solution(pieces, before, _false(search, bodies, poses), ends, len(poses[0]) - 1)
+
+
+def _fitted_ends(
+    numbers: Sequence[int],
+    search: PieceSearch,
+    bodies: Sequence[Touchable],
+    surfaces: Sequence[Surface],
+    settings: ColliderSettings,
+    primitives: dict[Hashable, Primitive | None],
+) -> dict[str, End]:
+    """Makes the pieces of the bodies of these numbers fine; by link, how near they are then."""
     ends, fitted = {}, dict[bytes, tuple[list[Chunk], End]]()
-    for number in _ends(request, bodies, surfaces, chunks, poses, settings):
+    for number in numbers:
         body, surface = bodies[number], surfaces[number]
         starts = [search.chunks[number]]
         if 1 < sum(map(len, body.groups)) <= MOST_PARTS:
@@ -86,13 +106,7 @@ def solved(request: ContactRequest, bodies: Sequence[Touchable]) -> Solution:
         if same not in fitted:
             fitted[same] = fitted_end(surface, starts, settings)
         search.chunks[number], ends[body.link] = fitted[same]
-    pieces = {
-        body.link: tuple(
-            tuple(chunk.piece for chunk in made if chunk.group == group) for group in range(len(body.groups))
-        )
-        for body, made in zip(bodies, search.chunks, strict=True)
-    }
-    return Solution(pieces, before, _false(search, bodies, poses), ends, len(poses[0]) - 1)
+    return ends
 
 
 def _content(surface: Surface, starts: Sequence[Sequence[Chunk]]) -> bytes:

@@ -67,14 +67,12 @@ def self_contacts(
     apart = source_excludes(robot, colliders) if by_source else []
     if apart is None:
         return Contacts(False, by_source=True)
-    adjacent: tuple[Pair, ...] = ()
     solid = {shape.link for shape in colliders}
     disabled = [(one.link_a, one.link_b) for one in robot.semantics.disabled if one.touches and search]
-    if search or (by_source and not declared):
-        adjacent = adjacent_pairs(robot, solid)
+    adjacent = adjacent_pairs(robot, solid) if search or (by_source and not declared) else ()
+    whole = [(one.link_a, one.link_b) for one in apart if not one.geoms]
     given: dict[Pair, ExcludeReason] = {
-        **{(one.link_a, one.link_b): "Source" for one in apart if not one.geoms},
-        **dict.fromkeys((pair for pair in disabled if solid.issuperset(pair)), "Source"),
+        **dict.fromkeys((*whole, *(pair for pair in disabled if solid.issuperset(pair))), "Source"),
         **dict.fromkeys(chosen, "User"),
         **dict.fromkeys(adjacent, "Adjacent"),
     }
