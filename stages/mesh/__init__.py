@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 45
+VERSION = 46
 """Grows with every change of what this stage makes of the same input."""
 
 
@@ -23,26 +23,26 @@ class Maker(NamedTuple):
     """What a maker of colliders works on, and which `ColliderSettings` it reads.
 
     `per`: part, one collider for each part, in its own frame; link, one for all parts of a link that the
-    same key chooses, in the link's frame. `improves`: whether it has a second, costly step; `exact`: whether
-    it takes each triangle, of however many: it needs them, or takes less time than to leave some out.
+    same key chooses, in the link's frame. `improves`: whether it has a second, costly step; `triangles`:
+    of a part with more some are left out first; None where all are needed, or take less time than that.
     """
 
     per: Literal["part", "link"]
     settings: tuple[str, ...]
     improves: bool = False
-    exact: bool = False
+    triangles: int | None = 50_000
 
 
 _PIECES = ("tolerance", "max_vertices", "effort", "coacd")
 
 COLLIDERS: Mapping[str, Maker] = {
     "coacd": Maker("part", _PIECES, improves=True),
-    "hull": Maker("link", ("max_vertices",), exact=True),
+    "hull": Maker("link", ("max_vertices",), triangles=None),
     "ladder": Maker("part", (*_PIECES, "extra_volume", "target"), improves=True),
     "primitives": Maker("part", ("tolerance", "extra_volume", "target")),
-    "raw": Maker("part", (), exact=True),
+    "raw": Maker("part", (), triangles=None),
     "spheres": Maker("part", ("tolerance", "extra_volume")),
-    "visual": Maker("link", (), exact=True),
+    "visual": Maker("link", (), triangles=None),
 }
 """The values of `mesh.collider`: modules of `stages/mesh/colliders`, each with a function `make` and, where
 it improves, `improve`."""
@@ -50,7 +50,7 @@ it improves, `improve`."""
 GIVEN = Maker("link", ("kind", "size", "tolerance", "extra_volume"))
 """The module `stages.mesh.colliders.given`: a primitive that `mesh.colliders` names."""
 
-BY_CONTACT = Maker("link", ("max_vertices", "target"))
+BY_CONTACT = Maker("link", ("max_vertices", "target"), triangles=5_000)
 """The package `stages.mesh.by_contact`: what the ladder is without a tolerance."""
 
 PRIMITIVES = ("sphere", "capsule", "box", "cylinder")

@@ -71,11 +71,7 @@ class ColliderJob:
 
     def surfaces(self, library: MeshLibrary) -> list[Surface]:
         """The surfaces of the parts that have a mesh, in the frame of the job."""
-        if self.choice.how.exact:
-            meshes = library.meshes(use.mesh for use in self.uses)
-            every = [(use, meshes[use.mesh].surface if use.mesh in meshes else None) for use in self.uses]
-        else:
-            every = [(use, library.light(use.mesh)) for use in self.uses]
+        every = [(use, library.surface(use.mesh, self.choice.how.triangles)) for use in self.uses]
         found = [(use, surface) for use, surface in every if surface is not None]
         if self.alone:
             return [surface for _, surface in found]

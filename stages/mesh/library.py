@@ -13,8 +13,9 @@ from stages.robot.bundle import Bundle
 from stages.robot.geometry import NEUTRAL
 from stages.robot.model import Link, MeshRef, Part
 
-_SHARES = {5_000: 0.02, 50_000: 0.05}
-"""How far the surface of a part with more triangles than these may be moved, in tolerances."""
+_SHARES = (0.02, 0.05)
+"""How far the surface of a part with too many triangles may be moved, in tolerances; the second where the
+first leaves too many."""
 
 MOVED = 5e-5
 """The most that it may be moved [m]."""
@@ -27,7 +28,7 @@ class MeshLibrary:
         self._bundle = bundle
         self._wanted: dict[str, set[str]] = {}
         self._read: dict[str, dict[str, PartMesh]] = {}
-        self._light: dict[MeshRef, Surface] = {}
+        self._surfaces: dict[tuple[MeshRef, int | None], Surface] = {}
         for link in links:
             for part in link.parts:
                 if part.mesh:
@@ -48,24 +49,25 @@ class MeshLibrary:
                 result[ref] = self._read[ref.reply][ref.part]
         return result
 
-    def light(self, ref: MeshRef) -> Surface | None:
-        """The surface of a part to make colliders of, if there is one: of many triangles, which would take
-        seconds, fewer, within a small share of the tolerance."""
-        if ref not in self._light:
+    def surface(self, ref: MeshRef, most: int | None) -> Surface | None:
+        """The surface of a part to make colliders of, if there is one: of more than `most` triangles, which
+        would take long, fewer, within a small share of the tolerance."""
+        if (ref, most) not in self._surfaces:
             mesh = self.meshes([ref]).get(ref)
             if mesh is None:
                 return None
-            self._light[ref] = _lighter(mesh)
-        return self._light[ref]
+            self._surfaces[ref, most] = mesh.surface if most is None else _lighter(mesh, most)
+        return self._surfaces[ref, most]
 
 
-def _lighter(mesh: PartMesh) -> Surface:
+def _lighter(mesh: PartMesh, most: int) -> Surface:
     tolerance = default_tolerance(float(np.linalg.norm(np.ptp(mesh.surface.vertices, axis=0))))
-    for many, share in _SHARES.items():
-        if len(mesh.surface.triangles) <= many:
+    for share in _SHARES:
+        if len(mesh.surface.triangles) <= most:
             break
         from stages.mesh.visuals.simplify import simplified
 
         plain = replace(mesh, palette=(NEUTRAL,), colours=np.zeros_like(mesh.colours), textures=())
-        mesh = simplified(plain, min(share * tolerance, MOVED)) or mesh
+        # A surface moves up to twice as far as it is told.
+        mesh = simplified(plain, min(share * tolerance, MOVED / 2)) or mesh
     return mesh.surface

@@ -202,7 +202,8 @@ def test_what_touches_itself_is_excluded_with_a_reason_or_free_to(build, name: s
             always[pair] += 1
     for pair, times in always.items():
         assert times >= 0.98 * len(poses), pair
-    assert set(reasons.values()) <= ({"Source"} if name == "reachy2" else {"Adjacent", "Always", "User"})
+    told = {"Adjacent", "Source"} if name == "reachy2" else {"Adjacent", "Always", "User"}
+    assert set(reasons.values()) <= told
     messages = " ".join(one["message"] for one in report["diagnostics"] if one["code"] == "W-SELF-CONTACT")
     home = model.key("home").qpos if model.nkey else model.qpos0
     # What an MJCF lets collide is its own affair: robot.json and C-START have what touches at home.
