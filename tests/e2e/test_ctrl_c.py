@@ -73,7 +73,9 @@ def test_at_random_moments_it_ends_with_130_or_the_build_is_finished_and_says_so
     seed = random.Random(str(line))
     longest = seconds(Tries(tmp_path / "first"), line)
     if not cold:
-        longest = seconds(warm := Tries(tmp_path / "warm"), line) and seconds(warm, line)
+        warm = Tries(tmp_path / "warm")
+        seconds(warm, line)
+        longest = min(seconds(warm, line) for _ in range(3))
     ends = {130: 0, 0: 0}
     for number in range(round(share * TRIES)):
         tries = Tries(tmp_path / str(number)) if cold else warm
@@ -90,7 +92,7 @@ def test_at_random_moments_it_ends_with_130_or_the_build_is_finished_and_says_so
         assert [*tries.here.rglob("*.failed")] == [], shown
         for folder in filter(Path.is_dir, tries.here.glob("outputs/sample*")):
             assert (folder / "report.json").is_file() or (folder / "summary.json").is_file(), shown
-    # A machine that gets faster after the first build was timed finishes more of them in time.
+    # A machine that gets faster after the builds were timed finishes more of them in time.
     assert ends[130] >= sum(ends.values()) // 4
     if not cold:
         assert warm.run(line, None, all_of_them=False)[0] == 0
