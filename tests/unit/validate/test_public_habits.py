@@ -11,6 +11,7 @@ from stages.robot.trial_run import Trial
 from stages.validate import validate
 from stages.validate.bare import check_bare, start
 from stages.validate.bare.mjcf_figures import figures
+from stages.validate.mujoco_abilities import reads_mimic
 from tests.support.building import plan_of, write
 from tests.support.urdfs import urdf_bundle, urdf_robot
 from tests.unit.validate.test_bare import MJCF, URDF, box_stl, found, planted
@@ -84,6 +85,7 @@ def test_what_is_only_seen_of_a_urdf_may_be_flat(folder):
     assert failing(folder / "arm.urdf") == []
 
 
+@pytest.mark.skipif(not reads_mimic(), reason="this MuJoCo reads no <mimic>")
 def test_a_urdf_is_tried_from_within_its_limits(folder, monkeypatch):
     """It does not say where it starts, and far outside of them the limits throw it away."""
     starts = []
