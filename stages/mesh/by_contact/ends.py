@@ -10,7 +10,7 @@ import numpy as np
 
 from stages.mesh.by_contact import planes
 from stages.mesh.by_contact.cutting import cut
-from stages.mesh.by_contact.outside import Outside, Sampled
+from stages.mesh.by_contact.outside import Outside, Sampled, StandingOut
 from stages.mesh.by_contact.piece import Chunk, hull_of, whole_hull
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.surface import Surface, joined
@@ -36,6 +36,10 @@ _WORTH = 1.15
 best."""
 
 
+_State = tuple[StandingOut, list[Chunk]]
+"""How far pieces stand out, and the pieces."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class End:
     """How far [m] the colliders of a link that meets the world stand out of what can be reached of it: 95 %
@@ -59,8 +63,7 @@ def fitted_end(
     """The pieces of a link that meets the world, and how near they are to it."""
     tolerance = settings.tolerance_of(surface)
     outside = Outside.of(surface, tolerance)
-    chunks = _fitted(starts, outside, tolerance, settings.max_vertices)
-    out = outside.standing_out([outside.sampled(chunk.piece) for chunk in chunks])
+    out, chunks = _fitted(starts, outside, tolerance, settings.max_vertices)
     judge = Judge.of(surface, settings)
     measures = None
     if isinstance(judge, Judge):
@@ -70,37 +73,37 @@ def fitted_end(
 
 def _fitted(
     starts: Sequence[Sequence[Chunk]], outside: Outside, tolerance: float, max_vertices: int
-) -> list[Chunk]:
+) -> _State:
     """Pieces of which 95 % of the outer surface stand out of the link by at most `tolerance` [m]: those that
     come of cutting the first of the `starts` that leads there, else the best of all."""
-    best: tuple[float, list[Chunk]] = np.inf, []
+    best: _State | None = None
     for measured, start in product(_MEASURED, starts):
-        if measured != _MEASURED[0] and best[0] > _OUT_OF_REACH * tolerance:
+        if best and measured != _MEASURED[0] and best[0].p95 > _OUT_OF_REACH * tolerance:
             break
         found = _cut(start, outside, tolerance, max_vertices, measured)
-        if found[0] < best[0]:
+        if best is None or found[0].p95 < best[0].p95:
             best = found
-        if found[0] <= tolerance:
+        if found[0].p95 <= tolerance:
             break
-    return best[1]
+    assert best is not None  # there is a start
+    return best
 
 
 def _cut(
     chunks: Sequence[Chunk], outside: Outside, tolerance: float, max_vertices: int, measured: int
-) -> tuple[float, list[Chunk]]:
-    """Pieces, and how far [m] 95 % of them stand out. The piece that stands out most is cut, again and
-    again."""
+) -> _State:
+    """Pieces, and how far they stand out. The piece that stands out most is cut, again and again."""
     now = list(chunks)
-    tried: list[tuple[float, list[Chunk]]] = []
+    tried: list[_State] = []
     sampled: dict[Chunk, Sampled] = {}
-    faces = planes.flat_faces(joined([one.surface for one in now]))
+    faces = planes.flat_faces(joined([chunk.surface for chunk in now]))
     while True:
-        for one in now:
-            if one not in sampled:
-                sampled[one] = outside.sampled(one.piece)
-        out = outside.standing_out([sampled[one] for one in now])
-        tried.append((out.p95, now))
-        if out.p95 <= tolerance or len(now) >= MOST or _stalls([found for found, _ in tried], tolerance):
+        for chunk in now:
+            if chunk not in sampled:
+                sampled[chunk] = outside.sampled(chunk.piece)
+        out = outside.standing_out([sampled[chunk] for chunk in now])
+        tried.append((out, now))
+        if out.p95 <= tolerance or len(now) >= MOST or _stalls([out.p95 for out, _ in tried], tolerance):
             break
         worst = sorted(range(len(now)), key=lambda number: (-out.volumes[number], number))
         for number in worst:
@@ -110,9 +113,9 @@ def _cut(
                 break
         else:
             break
-    least = min(found for found, _ in tried)
+    least = min(out.p95 for out, _ in tried)
     enough = tolerance if least <= tolerance else _WORTH * least
-    return next((found, made) for found, made in tried if found <= enough)
+    return next(state for state in tried if state[0].p95 <= enough)
 
 
 def _stalls(found: Sequence[float], tolerance: float) -> bool:
@@ -137,7 +140,7 @@ def _halves(
         volume = sum(hull.volume for hull in rough if hull is not None)
         ranked.append((round(volume, 12), number, (normal, height)))
     best: tuple[float, list[tuple[Surface, Surface]]] = np.inf, []
-    for volume, _, (normal, height) in sorted(ranked, key=lambda one: one[:2]):
+    for volume, _, (normal, height) in sorted(ranked, key=lambda plane: plane[:2]):
         if not measured or volume >= chunk.volume:
             break
         sides = [side for side in cut(chunk.surface, normal, height) if len(side.triangles)]

@@ -64,7 +64,7 @@ def started(
             if hull is None:
                 continue
             primitive = _primitive(hull, settings, parts[0] if len(parts) == 1 else _HERE, known)
-            made.append(hull if primitive is None else Chunk.of(hull.surface, primitive, group))
+            made.append(_with_primitive(hull, primitive))
             if primitive is not None:
                 hulls[made[-1]] = hull
         chunks.append(made)
@@ -84,10 +84,15 @@ def _primitive(
     if part is None or part not in known:
         own = moved(hull.piece, inverse(link_from_part))
         tolerance = settings.tolerance_of(own)
-        near = (one.primitive for one in fits(own, settings.target) if one.error <= tolerance)
-        known[part] = next((one for one in near if volume(one) <= LARGER * hull.volume), None)
+        near = (fit.primitive for fit in fits(own, settings.target) if fit.error <= tolerance)
+        known[part] = next((shape for shape in near if volume(shape) <= LARGER * hull.volume), None)
     found = known[part]
     return None if found is None else cast("Primitive", placed(found, link_from_part))
+
+
+def _with_primitive(hull: Chunk, primitive: Primitive | None) -> Chunk:
+    """The piece, with the primitive in the place of its hull where it has a primitive."""
+    return hull if primitive is None else Chunk.of(hull.surface, primitive, hull.group)
 
 
 def by_part(
@@ -102,4 +107,4 @@ def by_part(
             if hull is None:
                 continue
             primitive = None if known is None else _primitive(hull, settings, part, known)
-            yield hull if primitive is None else Chunk.of(hull.surface, primitive, group)
+            yield _with_primitive(hull, primitive)

@@ -16,6 +16,7 @@ from stages.mesh.by_contact.poses import near_pairs, relative
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.surface import Surface
 from tests.support.robots import pose
+from tests.support.solids import of_mesh
 
 SEEDS = st.integers(0, 10_000)
 
@@ -42,7 +43,7 @@ def test_the_hulls_of_both_sides_hold_the_whole_surface(seed):
     normal = rng.normal(size=3)
     normal /= np.linalg.norm(normal)
     height = rng.uniform(-0.03, 0.03)
-    halves = [hulled(side, 1000, 0) for side in cut(surface(ball), normal, height)]
+    halves = [hulled(side, 1000, 0) for side in cut(of_mesh(ball), normal, height)]
     assert sum(half.volume for half in halves) == pytest.approx(ConvexHull(ball.vertices).volume, rel=1e-4)
 
 
@@ -80,10 +81,6 @@ def test_relative_poses_are_products(seed):
     np.testing.assert_allclose(one @ relative(one, other), other, atol=1e-12)
 
 
-def surface(mesh: trimesh.Trimesh) -> Surface:
-    return Surface(np.asarray(mesh.vertices), np.asarray(mesh.faces, dtype=np.int64))
-
-
 def shell(mouth: float) -> Surface:
     """An open sheet: a box of 100 mm without its lid, but for a rim that leaves a mouth of this width [m]."""
     box = trimesh.creation.box((0.1, 0.1, 0.1))
@@ -111,7 +108,7 @@ def test_a_hollow_counts_where_a_ball_gets_in(mouth, expected):
 
 
 def test_the_inside_of_a_solid_counts_for_nothing():
-    outside = Outside.of(surface(trimesh.creation.box((0.1, 0.1, 0.1))), 0.003)
+    outside = Outside.of(of_mesh(trimesh.creation.box((0.1, 0.1, 0.1))), 0.003)
     points = np.random.default_rng(0).uniform(-0.045, 0.045, (100, 3))
     assert not outside.distances(points).any()
     assert outside.distances(np.array([[0.08, 0, 0]])) == pytest.approx([0.03], abs=1e-5)
@@ -120,7 +117,7 @@ def test_the_inside_of_a_solid_counts_for_nothing():
 def test_how_far_a_hull_stands_out_of_a_corner():
     """The hull of an L of 100 by 100 by 20 mm, walls of 20 mm: its slanted face is at most √2·40 mm out."""
     parts = [trimesh.creation.box(bounds=[(0, 0, 0), (a, b, 0.02)]) for a, b in ((0.1, 0.02), (0.02, 0.1))]
-    ell = surface(trimesh.boolean.union(parts, engine="manifold"))
+    ell = of_mesh(trimesh.boolean.union(parts, engine="manifold"))
     outside = Outside.of(ell, 0.002)
     whole = hulled(ell, 64, 0)
     out = outside.standing_out([outside.sampled(whole.piece)])
@@ -130,7 +127,7 @@ def test_how_far_a_hull_stands_out_of_a_corner():
 
 
 def test_planes_lie_beside_the_faces_and_across_the_axes():
-    box = surface(trimesh.creation.box((0.1, 0.06, 0.02)))
+    box = of_mesh(trimesh.creation.box((0.1, 0.06, 0.02)))
     heights = {round(abs(height), 4) for normal, height in flat_faces(box) if abs(normal[2]) > 0.99}
     assert heights == {0.0098, 0.0102}
     planes = crossing(through(np.eye(3), box.vertices), box.vertices)
@@ -139,7 +136,7 @@ def test_planes_lie_beside_the_faces_and_across_the_axes():
 
 def test_what_pieces_of_an_end_lack_is_measured():
     """A box of 80 mm by its upper and lower quarter: half is missing, and 20 mm are bare at most."""
-    box = surface(trimesh.creation.box(extents=[0.04, 0.04, 0.08]))
+    box = of_mesh(trimesh.creation.box(extents=[0.04, 0.04, 0.08]))
     upper = cut(box, np.array([0.0, 0, 1]), 0.02)[1]
     lower = cut(box, np.array([0.0, 0, 1]), -0.02)[0]
     pieces = [hulled(side, 64, 0) for side in (upper, lower)]

@@ -6,23 +6,18 @@ import trimesh
 
 from stages.mesh.by_contact.meeting import with_jaws
 from stages.mesh.convex_hull import convex_hull
-from stages.mesh.surface import Surface
 from stages.robot.model import Robot
 from tests.support.robots import at, joint, robot_with
+from tests.support.solids import of_mesh
 
-
-def surface(mesh: trimesh.Trimesh) -> Surface:
-    return Surface(np.asarray(mesh.vertices), np.asarray(mesh.faces, dtype=np.int64))
-
-
-FORK = surface(
+FORK = of_mesh(
     trimesh.util.concatenate(
         [trimesh.creation.box(bounds=[(x, -0.01, -0.1), (x + 0.01, 0.01, 0.0)]) for x in (-0.03, 0.02)]
     )
 )
 """Two prongs, 40 mm apart, that point downwards."""
 
-ROD = surface(trimesh.creation.box(bounds=[(-0.005, -0.005, -0.06), (0.005, 0.005, 0.0)]))
+ROD = of_mesh(trimesh.creation.box(bounds=[(-0.005, -0.005, -0.06), (0.005, 0.005, 0.0)]))
 
 
 def jaws(robot: Robot, drops: list[float]) -> set[str]:
