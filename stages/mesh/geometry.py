@@ -1,8 +1,9 @@
 """The robot's geometry: each link's meshes and colliders, made once, then named."""
 
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from stages.mesh import link_mesh, mesh_file, primitives, textures
@@ -94,7 +95,8 @@ def geometry(
     library = MeshLibrary(links, bundle)
     used = _used(links, library, keys.mesh, chosen, rules, memo, as_is)
     jobs = [job for link in links for job in used[link.name].jobs(link.name)]
-    collided, still_false = _collided(robot, links, jobs, keys, excluded, fine, library, memo, shown)
+    pairs_of = partial(apart, robot, keys=keys.contact, chosen=excluded)
+    collided, still_false = _collided(robot, links, jobs, pairs_of, fine, library, memo, shown)
     named, files = _named(links, used, collided, keys.mesh)
     files |= textures.images([one.mesh for one in used.values()], bundle)
     shapes = [shape for link in links for shape in named[link.name]]
@@ -134,15 +136,14 @@ def _collided(
     robot: Robot,
     links: Sequence[Link],
     jobs: Sequence[ColliderJob],
-    keys: "MeshKeys",
-    excluded: Collection[Pair],
+    pairs_of: Callable[[Collection[str]], set[Pair] | None],
     fine: Collection[str] | None,
     library: MeshLibrary,
     memo: "Memo",
     shown: "Shown | None",
 ) -> tuple[list[Collided], list[FalsePair]]:
     """The collider of each job, of a link in the order of its jobs, those by contact last; and the pairs of
-    links whose colliders by contact touch where the links do not."""
+    links whose colliders by contact touch where the links do not. `pairs_of`: see `apart`."""
     other = collide([job for job in jobs if not job.choice.by_contact], library, memo, shown)
     asking = [job for job in jobs if job.choice.by_contact]
     fixed: dict[str, list[Piece]] = {}
@@ -153,8 +154,7 @@ def _collided(
         fixed.setdefault(link.name, []).extend(shape for shape in link.shapes if shape.collision)
     fixed = {link: pieces for link, pieces in fixed.items() if pieces}
     solid = {*fixed, *(job.link for job in asking)}
-    pairs = apart(robot, solid, keys.contact, excluded)
-    found, false = by_contact(ContactRequest(robot, asking, fixed, pairs, fine), library, memo)
+    found, false = by_contact(ContactRequest(robot, asking, fixed, pairs_of(solid), fine), library, memo)
     every = [*other, *(Collided(job, made) for job, made in zip(asking, found, strict=True))]
     place = {link.name: number for number, link in enumerate(links)}
     return sorted(every, key=lambda one: place[one.job.link]), false

@@ -15,6 +15,7 @@ LINES = 315
 """A module has about 300 lines at most."""
 
 FUNCTION_LINES = 60
+PARAMETERS = 8
 
 SPEAKS_REST = ("/assemblies/", "/partstudios/", "tessellatedfaces", "massproperties", "/api/v")
 """What only a client of Onshape's REST API writes."""
@@ -90,6 +91,17 @@ def test_no_function_is_longer_than_a_screen():
         and node.end_lineno - node.lineno + 1 > FUNCTION_LINES
     }
     assert found == {}
+
+
+def test_no_function_has_more_parameters_than_can_be_told_apart():
+    found = {}
+    for path in modules():
+        for node in ast.walk(parsed(path)):
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+                given = node.args
+                every = [*given.posonlyargs, *given.args, *given.kwonlyargs, given.vararg, given.kwarg]
+                found[f"{name_of(path)}.{node.name}"] = len([one for one in every if one is not None])
+    assert {name: number for name, number in found.items() if number > PARAMETERS} == {}
 
 
 def test_no_two_classes_have_one_name():

@@ -2,6 +2,7 @@
 
 import math
 import unicodedata
+from dataclasses import dataclass
 
 from stages.formats import xml
 from stages.graph.view.labels import shortened
@@ -31,6 +32,17 @@ def px(value: float) -> str:
     return f"{round(value, 1) + 0.0:g}" if abs(value) < 1e5 else f"{value:.0f}"
 
 
+@dataclass(frozen=True, slots=True)
+class TextStyle:
+    """`middle`: centred, not from the left on; `halo`: keeps what lies below from showing through."""
+
+    size: float
+    colour: str
+    bold: bool = False
+    middle: bool = False
+    halo: bool = False
+
+
 class Canvas:
     """A sheet of `width` x `height` [px]; a later shape covers an earlier one."""
 
@@ -57,32 +69,18 @@ class Canvas:
         if title:
             self._add(self._into, "title").text = printable_lines(title)
 
-    def text(
-        self,
-        x: float,
-        y: float,
-        text: str,
-        size: float,
-        colour: str,
-        *,
-        bold: bool = False,
-        middle: bool = False,
-        halo: bool = False,
-        room: float = math.inf,
-    ) -> float:
-        """A line of text whose letters are centred on `y`; its width at most.
-
-        What does not fit `room` is shortened, and shown in full where the mouse rests on it. `halo`
-        keeps what lies below from showing through.
-        """
+    def text(self, x: float, y: float, text: str, style: TextStyle, room: float = math.inf) -> float:
+        """A line of text whose letters are centred on `y`; its width at most. What does not fit `room` is
+        shortened, and shown in full where the mouse rests on it."""
+        size, bold = style.size, style.bold
         shown = fitted(text, size, room, bold=bold)
         width = text_width(shown, size, bold=bold)
         into = self._into
         if shown != printable(text):
             into = self._add(into, "g")
             self._add(into, "title").text = printable(text)
-        if halo:
-            left = x - width / 2 if middle else x
+        if style.halo:
+            left = x - width / 2 if style.middle else x
             place = {
                 "x": px(left - 1),
                 "y": px(y - size * 0.6),
@@ -97,33 +95,18 @@ class Canvas:
             y=px(y + 0.35 * size),
             font_size=px(size),
             font_weight="600" if bold else None,
-            text_anchor="middle" if middle else None,
-            fill=colour,
+            text_anchor="middle" if style.middle else None,
+            fill=style.colour,
         ).text = shown
         return width
 
     def box(
-        self,
-        x: float,
-        y: float,
-        width: float,
-        height: float,
-        fill: str,
-        stroke: str,
-        *,
-        thick: float = 1.0,
-        dash: str | None = None,
+        self, corner: tuple[float, float], size: tuple[float, float], fill: str, stroke: str, thick: float
     ) -> None:
-        place = {"x": px(x), "y": px(y), "width": px(width), "height": px(height), "rx": "6"}
-        self._add(
-            self._into,
-            "rect",
-            **place,
-            fill=fill,
-            stroke=stroke,
-            stroke_width=px(thick),
-            stroke_dasharray=dash,
-        )
+        """A rectangle with round corners. `corner`: the upper left; `size`: width and height."""
+        names = zip(("x", "y", "width", "height"), (*corner, *size), strict=True)
+        place = {name: px(value) for name, value in names}
+        self._add(self._into, "rect", **place, rx="6", fill=fill, stroke=stroke, stroke_width=px(thick))
 
     def path(
         self,

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from stages.graph.view.boxes import LABEL, MARK, PAD, ROOM, SIZES, Box, Kind, boxes_of, caption
-from stages.graph.view.canvas import Canvas, fitted, text_width
+from stages.graph.view.canvas import Canvas, TextStyle, fitted, text_width
 from stages.graph.view.labels import kilograms, mobility, rules, standing, totals
 from stages.graph.view.layout import levels, tidy
 from stages.graph.view.symbols import (
@@ -46,9 +46,9 @@ def draw(robot: Robot) -> bytes:
     bottom = max(box.y + box.band / 2 for box in boxes.values())
     entries, height = legend(robot, right - MARGIN)
     canvas = Canvas(right + MARGIN, bottom + 2 * MARGIN + height, PAPER, f"{robot.name}: {totals(robot)}")
-    canvas.text(MARGIN, 26, robot.name, 16, INK, bold=True, room=right - MARGIN)
+    canvas.text(MARGIN, 26, robot.name, TextStyle(16, INK, bold=True), room=right - MARGIN)
     for number, text in enumerate(heads):
-        canvas.text(MARGIN, 45 + 15 * number, text, 11, SOFT, room=700)
+        canvas.text(MARGIN, 45 + 15 * number, text, TextStyle(11, SOFT), room=700)
     for box in boxes.values():
         if box.joint is not None:
             _draw_edge(canvas, boxes[box.joint.parent], box)
@@ -127,10 +127,10 @@ def _draw_label(canvas: Canvas, box: Box) -> None:
     canvas.group(f"{joint.name}: {joint.type}{turned}\n{joint.parent} to {joint.child}\n{mate}")
     sign(canvas, joint.type, box.label_x + 7, box.y - LABEL / 2 - 1)
     above = box.y - LABEL / 2 - 1
-    canvas.text(box.label_x + 18, above, joint.name, 11, INK, bold=True, halo=True, room=ROOM)
+    canvas.text(box.label_x + 18, above, joint.name, TextStyle(11, INK, bold=True, halo=True), room=ROOM)
     for line in box.lines:
         colour = RELATION if line.follows else SOFT
-        canvas.text(box.label_x, box.line_y(line), line.text, 10, colour, halo=True)
+        canvas.text(box.label_x, box.line_y(line), line.text, TextStyle(10, colour, halo=True))
 
 
 def _draw_relations(canvas: Canvas, robot: Robot, boxes: Mapping[str, Box]) -> None:
@@ -159,13 +159,11 @@ def _draw_box(canvas: Canvas, robot: Robot, box: Box) -> None:
         )
     )
     canvas.box(
-        box.x,
-        box.y - box.height / 2,
-        box.width,
-        box.height,
+        (box.x, box.y - box.height / 2),
+        (box.width, box.height),
         ROOT if is_root else FILL,
         INK if is_root else EDGE,
-        thick=1.6 if is_root else 1.0,
+        1.6 if is_root else 1.0,
     )
     for row in box.rows:
         colours: Mapping[Kind, str] = {"name": INK, "frame": FRAME, "loop": _colour(row.loop)}
@@ -177,8 +175,8 @@ def _draw_box(canvas: Canvas, robot: Robot, box: Box) -> None:
         if row.kind == "loop":
             canvas.path("M0 0H9", _colour(row.loop), thick=1.8, dash="4 3", at=(left, y))
         left += MARK if row.kind in ("frame", "loop") else 0.0
-        size = SIZES[row.kind]
-        canvas.text(left, y, row.text, size, colours.get(row.kind, SOFT), bold=row.kind == "name")
+        style = TextStyle(SIZES[row.kind], colours.get(row.kind, SOFT), bold=row.kind == "name")
+        canvas.text(left, y, row.text, style)
 
 
 def _draw_base(canvas: Canvas, robot: Robot, box: Box) -> None:
@@ -195,4 +193,5 @@ def _draw_base(canvas: Canvas, robot: Robot, box: Box) -> None:
         dash=None if fixed else "2 3",
         at=(box.x - (24 if fixed else 31), box.y),
     )
-    canvas.text(box.x - 36, box.y + 26, "fixed base" if fixed else "free base", 10, SOFT, middle=True)
+    words = "fixed base" if fixed else "free base"
+    canvas.text(box.x - 36, box.y + 26, words, TextStyle(10, SOFT, middle=True))

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from stages.graph.view.canvas import Canvas, text_width
+from stages.graph.view.canvas import Canvas, TextStyle, text_width
 from stages.robot.model import Robot
 
 INK, SOFT, EDGE = "#1b1f24", "#57606a", "#8b949e"
@@ -66,7 +66,7 @@ def draw_legend(canvas: Canvas, places: list[Place], left: float, top: float) ->
     for x, y, kind, words in places:
         canvas.group()
         sign(canvas, kind, left + x + 9, top + y)
-        canvas.text(left + x + _SIGN, top + y, words, _SIZE, SOFT)
+        canvas.text(left + x + _SIGN, top + y, words, TextStyle(_SIZE, SOFT))
 
 
 def sign(canvas: Canvas, kind: str, x: float, y: float) -> None:
