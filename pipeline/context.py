@@ -13,26 +13,17 @@ from stages.robot.errors import Diagnostic
 
 if TYPE_CHECKING:
     from pipeline.config.plan import Plan
-    from stages.export.writer import Exported
     from stages.fetch.source import Calls
-    from stages.formats.mjcf_form import MjcfForm
-    from stages.formats.urdf.form import UrdfForm
-    from stages.robot.actuation import Actuation
-    from stages.robot.amendments import Amendments
+    from stages.formats.written import Written
     from stages.robot.bundle import Bundle
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
-    from stages.robot.scene import Scene
-    from stages.robot.sensing import Sensing
 
 NOTES = "notes.json"
 ROBOT = "robot.json"
-ACTUATION = "actuation.json"
-FORM = "form.json"
-MJCF_FORM = "mjcf_form.json"
-SENSING = "sensing.json"
-AMENDMENTS = "amendments.json"
-SCENE = "scene.json"
+WRITTEN = "written.json"
+"""What the export stage adds to the robot and its geometry."""
+
 FILES = "files/"
 """The folder of the files that the export stage writes for the user."""
 
@@ -86,39 +77,12 @@ class BuildContext:
         return robot
 
     @property
-    def actuation(self) -> "Actuation":
-        """What drives the robot in the exported files."""
-        from stages.robot.actuation import Actuation
+    def written(self) -> "Written":
+        """The robot as it is in the exported files, with its shapes but without the files of the meshes."""
+        from stages.formats.written import decode
 
-        return codec.load(Actuation, self.files["export"][ACTUATION])
-
-    @property
-    def exported(self) -> "tuple[Actuation, Geometry, UrdfForm, MjcfForm, Sensing, Amendments, Scene]":
-        """What drives the robot in the exported files, its shapes, the forms of its URDF and MJCF, what
-        measures it, what the user's own XML changed in them, and where they put it."""
-        forms = self.form, self.mjcf_form
-        return self.actuation, self.shapes, *forms, self.sensing, self.amendments, self.scene
-
-    @property
-    def sensing(self) -> "Sensing":
-        """What measures the robot in the exported files."""
-        from stages.robot.sensing import Sensing
-
-        return codec.load(Sensing, self.files["export"][SENSING])
-
-    @property
-    def amendments(self) -> "Amendments":
-        """What the user's own XML changed in the exported files."""
-        from stages.robot.amendments import Amendments
-
-        return codec.load(Amendments, self.files["export"][AMENDMENTS])
-
-    @property
-    def scene(self) -> "Scene":
-        """Where the exported files put the robot."""
-        from stages.robot.scene import Scene
-
-        return codec.load(Scene, self.files["export"][SCENE])
+        shapes = codec.decode_geometry(self.files["mesh"], meshes=False)
+        return decode(self.files["export"][WRITTEN], self.robot, shapes)
 
     @functools.cached_property
     def element_texts(self) -> Mapping[str, str]:
@@ -126,40 +90,9 @@ class BuildContext:
         return element_texts(self.plan)
 
     @property
-    def form(self) -> "UrdfForm":
-        """How the exported URDF differs from the robot."""
-        from stages.formats.urdf.form import UrdfForm
-
-        return codec.load(UrdfForm, self.files["export"][FORM])
-
-    @property
-    def mjcf_form(self) -> "MjcfForm":
-        """How the exported MJCF differs from the robot."""
-        from stages.formats.mjcf_form import MjcfForm
-
-        return codec.load(MjcfForm, self.files["export"][MJCF_FORM])
-
-    @property
     def geometry(self) -> "Geometry":
         """The meshes, decoded at each access: they are large, and only one stage reads them."""
         return codec.decode_geometry(self.files["mesh"])
-
-    @property
-    def shapes(self) -> "Geometry":
-        """The same without the files of the meshes."""
-        return codec.decode_geometry(self.files["mesh"], meshes=False)
-
-
-def facts(exported: "Exported") -> dict[str, bytes]:
-    """What the validate stage needs to know of the exported files."""
-    return {
-        ACTUATION: codec.dump(exported.actuation),
-        FORM: codec.dump(exported.form),
-        MJCF_FORM: codec.dump(exported.mjcf_form),
-        SENSING: codec.dump(exported.sensing),
-        AMENDMENTS: codec.dump(exported.amendments),
-        SCENE: codec.dump(exported.scene),
-    }
 
 
 def notes(

@@ -40,13 +40,19 @@ def described(context: BuildContext) -> bytes:
         from stages.export.mjcf.form import form_of as mjcf_form_of
         from stages.export.robot_json import describe
         from stages.export.urdf.form import form_of
+        from stages.formats.written import NO_SHAPES, Written
         from stages.robot.actuation import NONE
-        from stages.robot.geometry import Geometry
-        from stages.robot.start_pose import starting_point
+        from stages.robot.measuring import measuring
+        from stages.robot.sensing import Sensing
 
         robot, plan = context.robot, context.plan
-        forms = form_of(robot, plan, NONE), mjcf_form_of(robot, Geometry((), {}), plan)
-        return describe(robot, starting_point(robot), NONE, *forms)
+        written = Written(
+            robot,
+            urdf_form=form_of(robot, plan, NONE),
+            mjcf_form=mjcf_form_of(robot, NO_SHAPES, plan),
+            sensing=Sensing(measuring(robot, NONE)),
+        )
+        return describe(written)
 
     export = next(stage for stage in STAGES if stage.name == "export")
     memo = context.cache.memo("export", VERSION, libraries(export))

@@ -13,7 +13,7 @@ from pipeline import interrupt
 from pipeline.caching import bundles
 from pipeline.caching.actions import Action, Files, Remembered
 from pipeline.config.plan import Plan, section
-from pipeline.context import FILES, NOTES, ROBOT, BuildContext, facts, notes, spent
+from pipeline.context import FILES, NOTES, ROBOT, WRITTEN, BuildContext, notes, spent
 from pipeline.digest import sha256
 from pipeline.element_files import require_entries
 from pipeline.mesh_details import noted, shown
@@ -196,13 +196,14 @@ class ExportStage(StageBase):
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
         from stages.export import export
+        from stages.formats.written import encode
 
         exported = export(context.robot, context.geometry, context.plan, context.element_texts)
         size = sum(len(data) for data in exported.files.values())
         summary = f"{count(len(exported.files), 'file')}, {size / 1e6:.2f} MB"
         return {
             **{FILES + path: data for path, data in exported.files.items()},
-            **facts(exported),
+            WRITTEN: encode(exported.written),
             NOTES: notes(summary, exported.diagnostics, advice=exported.advice, details=exported.details),
         }
 
@@ -238,7 +239,7 @@ class ValidateStage(StageBase):
 
         tools = context.plan.validate.external
         with context.cache.store.scratch(context.files["export"].below(FILES)) as folder:
-            checks = validate(folder, context.robot, context.plan, *context.exported, own(context.plan))
+            checks = validate(folder, context.written, context.plan, own(context.plan))
             checks += external.check_externally(folder, context.robot.name, tools, context.environ)
             figures = measured(folder, context.robot.name, context.plan.validate.level)
         told = f"{sum(check.passed for check in checks)} of {count(len(checks), 'check')} passed"

@@ -36,8 +36,8 @@ def _package(folder: Path, truth: Truth, name: str, files: dict[str, bytes]) -> 
     copies = {path: data for path, data in expected.items() if place and path.startswith(f"{place}/")}
     own = {path: data for path, data in expected.items() if path not in copies}
     current = truth.packages[name].writer == VERSION
-    urdf = f"{truth.robot.name}.urdf"
-    changes = () if urdf in files else truth.amendments.of(urdf)
+    urdf = f"{truth.written.robot.name}.urdf"
+    changes = () if urdf in files else truth.written.amendments.of(urdf)
     yield from rewritten(folder, own, copies=False, current=current, changes=changes)
     yield from rewritten(folder, copies, copies=True, current=current)
 
@@ -49,7 +49,7 @@ def _beside(folder: Path, truth: Truth) -> dict[str, bytes]:
     paths = {path: folder / path for path in (TRUTH, *truth.files) if not path.startswith(inside)}
     if "python" in truth.packages:
         copies = folder / truth.packages["python"].folder
-        robot = truth.robot.name
+        robot = truth.written.robot.name
         for path in (f"{robot}.urdf", f"{robot}.srdf", f"{robot}.xml", "scene.xml"):
             if path not in paths and is_file(copies / path):
                 paths[path] = copies / path

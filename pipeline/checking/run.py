@@ -30,10 +30,10 @@ def checked(asked: str, level: str) -> Verdict:
     if path.suffix not in (*ENDINGS, *ALONE):
         raise OutputError(f"its name ends in none of {', '.join(ENDINGS)}", asked, _HINT)
     truth = _truth(path.parent)
-    if truth is not None and path.name in _files_of(truth.robot.name):
+    if truth is not None and path.name in _files_of(truth.written.robot.name):
         every = _against(truth, path.parent, level)
         own = tuple(one for one in every if file_of(one)[0] == path.name)
-        return Verdict(asked, str(path.parent), truth.robot.name, level, own)
+        return Verdict(asked, str(path.parent), truth.written.robot.name, level, own)
     if path.suffix not in ALONE:
         raise OutputError(f"without {TRUTH} only URDF and MJCF are checked", asked, _HINT)
     return _bare(path, asked, level)
@@ -48,7 +48,7 @@ def _folder(folder: Path, asked: str, level: str) -> Verdict:
             raise OutputError(
                 msg, asked, "build the robot without `until`, and check the folder of that build"
             )
-        return Verdict(asked, str(folder), truth.robot.name, level, found)
+        return Verdict(asked, str(folder), truth.written.robot.name, level, found)
     if not _models(folder):
         raise OutputError(f"the folder has no {TRUTH}, and no URDF or MJCF", asked, _HINT)
     return _bare(folder, asked, level)
@@ -83,7 +83,7 @@ def _against(truth: "Truth", folder: Path, level: str) -> tuple[Check, ...]:
     from stages.validate.present import present
 
     keys = ValidateKeys.model_validate({"validate": {"level": level}})
-    checks = validate(folder, truth.robot, keys, *truth.known, srdf=truth.srdf)
+    checks = validate(folder, truth.written, keys)
     return (*present(folder, truth.files), *checks, *check_packages(folder, truth))
 
 

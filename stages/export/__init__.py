@@ -5,15 +5,18 @@ from dataclasses import replace
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from stages.export.writer import Exported, Writer, WriterInput
+from stages.export.writer import Exported, FormatFiles, Writer, WriterInput
 
 if TYPE_CHECKING:
     from stages.export.amend.amend import Amended
     from stages.export.keys import ExportKeys
+    from stages.export.standing import Stance
+    from stages.formats.written import Written
+    from stages.robot.errors import Diagnostic
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 59
+VERSION = 60
 """Grows with every change of what this stage makes of the same input."""
 
 WRITERS = (
@@ -53,64 +56,80 @@ def export(
     format cannot express. `texts`: of the files that `elements` name, by entry."""
     from stages.export.actuators.advice import advice
     from stages.export.actuators.gravity import gravity_of
-    from stages.export.driven import driven
-    from stages.export.mjcf.form import form_of as mjcf_form_of
     from stages.export.mjcf_only import mjcf_only
     from stages.export.order_tables import order_tables
     from stages.export.python.writer import package_record
     from stages.export.readers import dropped
     from stages.export.robot_json import describe
-    from stages.export.scene_records import scene_of
-    from stages.export.sensors.resolve import sensing_of
     from stages.export.settled import settled
     from stages.export.standing import stand
-    from stages.export.urdf.form import form_of
-    from stages.robot.driven import as_driven
-    from stages.robot.start_pose import starting_point
 
     keys = settled(keys, robot)
-    start, standing = starting_point(robot), stand(robot, geometry, keys)
-    actuation, remarks = driven(robot, geometry, keys, start, standing)
-    robot = as_driven(robot, actuation)
-    form, mjcf_form = form_of(robot, keys, actuation), mjcf_form_of(robot, geometry, keys)
-    sensing, of_sensors = sensing_of(robot, geometry, actuation, keys, mjcf_form.fused)
-    given = WriterInput(robot, geometry, keys, start, {}, actuation, standing, form, mjcf_form, sensing)
-    written: dict[str, Exported] = {}
+    standing = stand(robot, geometry, keys)
+    written, remarks = _written(robot, geometry, keys, standing)
+    given = WriterInput(written, keys, standing)
+    made: dict[str, FormatFiles] = {}
     needed = _needed(keys.export.chosen)
     alone = [name for name in needed if name not in (*PACKAGES, *OF_ALL)]
     for name in alone:
         writer = writer_of(name)
-        own = {path: data for other in writer.reads for path, data in written[other].files.items()}
-        written[name] = writer.write(replace(given, files=own))
+        own = {path: data for other in writer.reads for path, data in made[other].files.items()}
+        made[name] = writer.write(replace(given, files=own))
     assets = {f"assets/{name}": data for name, data in geometry.files.items()}
-    mine = _amended(assets | _files(written, alone), robot.name, alone, keys, texts or {})
-    every = {**assets, **_files(written, alone), **mine.files}
+    mine = _amended(assets | _files(made, alone), robot.name, alone, keys, texts or {})
+    every = {**assets, **_files(made, alone), **mine.files}
     for name in [name for name in PACKAGES if name in needed]:
-        written[name] = writer_of(name).write(replace(given, files=every))
-    order = order_tables(robot, actuation, form, every)
-    told = {key: table for one in written.values() for key, table in one.record.items()}
+        made[name] = writer_of(name).write(replace(given, files=every))
+    order = order_tables(written, every)
+    record = {key: table for one in made.values() for key, table in one.record.items()}
     if "python" in needed:
-        told |= package_record(given)
-    known = actuation, form, mjcf_form, sensing, order, mine.amendments, told
-    paths = {*assets, *_files(written, [name for name in keys.export.chosen if name in written])}
-    scene = scene_of(robot, keys, standing, start)
-    every["robot.json"] = describe(robot, start, *known, geometry, paths, scene)
+        record |= package_record(given)
+    written = replace(written, amendments=mine.amendments)
+    paths = {*assets, *_files(made, [name for name in keys.export.chosen if name in made])}
+    every["robot.json"] = describe(written, order, record, paths)
     for name in [name for name in OF_ALL if name in needed]:
-        written[name] = writer_of(name).write(replace(given, files=every))
-    files = {**assets, "robot.json": every["robot.json"], **_files(written, keys.export.chosen)}
+        made[name] = writer_of(name).write(replace(given, files=every))
+    files = {**assets, "robot.json": every["robot.json"], **_files(made, keys.export.chosen)}
     files |= {path: data for path, data in mine.files.items() if path in files}
-    diagnostics = [diagnostic for name in needed for diagnostic in written[name].diagnostics]
-    diagnostics += mjcf_only(robot, geometry, mjcf_form.extras, needed)
-    remarks = (*diagnostics, *standing.diagnostics, *remarks, *of_sensors, *mine.diagnostics)
-    tip = advice(robot, actuation, standing.world_from_root, gravity_of(keys.scene.option))
-    what = actuation, tip, form, mjcf_form, order, sensing, mine.amendments
-    others = dropped(robot, geometry, needed)
-    return Exported(dict(sorted(files.items())), remarks, *what, readers=others, scene=scene)
+    diagnostics = [diagnostic for name in needed for diagnostic in made[name].diagnostics]
+    diagnostics += mjcf_only(written, needed)
+    found = (*diagnostics, *standing.diagnostics, *remarks, *mine.diagnostics)
+    tip = advice(written.robot, written.actuation, standing.world_from_root, gravity_of(keys.scene.option))
+    readers = dropped(written.robot, geometry, needed)
+    return Exported(dict(sorted(files.items())), found, written, tip, order, readers)
 
 
-def _files(written: Mapping[str, Exported], names: Collection[str]) -> dict[str, bytes]:
+def _written(
+    robot: "Robot", geometry: "Geometry", keys: "ExportKeys", standing: "Stance"
+) -> "tuple[Written, tuple[Diagnostic, ...]]":
+    """The robot as its files will have it, before the user's own XML; and what is worth knowing about what
+    drives and measures it."""
+    from stages.export.driven import driven
+    from stages.export.mjcf.form import form_of as mjcf_form_of
+    from stages.export.scene_records import scene_of
+    from stages.export.sensors.resolve import sensing_of
+    from stages.export.urdf.form import form_of
+    from stages.formats.written import Written
+    from stages.robot.driven import as_driven
+
+    written = Written(robot, geometry=geometry, mjcf_form=mjcf_form_of(robot, geometry, keys))
+    actuation, of_actuators = driven(written, keys, standing)
+    robot = as_driven(robot, actuation)
+    sensing, of_sensors = sensing_of(robot, geometry, actuation, keys, written.mjcf_form.fused)
+    written = replace(
+        written,
+        robot=robot,
+        actuation=actuation,
+        urdf_form=form_of(robot, keys, actuation),
+        sensing=sensing,
+        scene=scene_of(robot, keys, standing, written.start),
+    )
+    return written, (*of_actuators, *of_sensors)
+
+
+def _files(made: Mapping[str, FormatFiles], names: Collection[str]) -> dict[str, bytes]:
     """The files of these formats."""
-    return {path: data for name in names for path, data in written[name].files.items()}
+    return {path: data for name in names for path, data in made[name].files.items()}
 
 
 def _amended(

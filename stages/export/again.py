@@ -13,11 +13,8 @@ from stages.export.urdf.model import write_urdf
 from stages.export.urdf.srdf.model import plan_of, write_srdf
 from stages.export.writer import WriterInput
 from stages.formats.described import Truth
-from stages.robot.driven import as_driven
-from stages.robot.geometry import Geometry
-from stages.robot.model import Robot
+from stages.formats.written import Written
 from stages.robot.poses import UNMOVED
-from stages.robot.start_pose import starting_point
 
 ASSETS = "assets/"
 
@@ -29,24 +26,11 @@ def package_again(truth: Truth, name: str, files: Mapping[str, bytes]) -> Mappin
     """The files by path of the package of this format, of which the robot.json tells. `files`: those of the
     build that are in no package, by path. What the user sets in a package, as who maintains it, has its
     default."""
-    robot, geometry = as_driven(truth.robot, truth.actuation), truth.geometry or Geometry((), {})
     meshes = {path.removeprefix(ASSETS): data for path, data in files.items() if path.startswith(ASSETS)}
-    geometry = replace(geometry, files=meshes)
+    written = replace(truth.written, geometry=replace(truth.written.shapes, files=meshes))
     if name == "ros2":
-        files = {**_described(truth, robot, geometry, files), **files}
-    given = WriterInput(
-        robot,
-        geometry,
-        _keys(truth),
-        starting_point(robot),
-        files,
-        truth.actuation,
-        NOWHERE,
-        truth.form,
-        truth.mjcf_form,
-        truth.sensing,
-    )
-    return writer_of(name).write(given).files
+        files = {**_described(written, files), **files}
+    return writer_of(name).write(WriterInput(written, _keys(truth), NOWHERE, files)).files
 
 
 def _keys(truth: Truth) -> ExportKeys:
@@ -56,20 +40,19 @@ def _keys(truth: Truth) -> ExportKeys:
     }
     if "ros2" in sections:
         sections["ros2"]["moveit"] = any(path.endswith("/.setup_assistant") for path in truth.files)
-    if truth.form.package:
-        sections["urdf"] = {"meshes": "package", "package": truth.form.package}
+    package = truth.written.urdf_form.package
+    if package:
+        sections["urdf"] = {"meshes": "package", "package": package}
     return ExportKeys.model_validate({"export": sections})
 
 
-def _described(
-    truth: Truth, robot: Robot, geometry: Geometry, files: Mapping[str, bytes]
-) -> dict[str, bytes]:
+def _described(written: Written, files: Mapping[str, bytes]) -> dict[str, bytes]:
     """The URDF and the SRDF that the package of ROS is made of, where a build leaves none beside it."""
+    robot = written.robot
     urdf, srdf = f"{robot.name}.urdf", f"{robot.name}.srdf"
     found = {}
     if urdf not in files:
-        found[urdf] = write_urdf(robot, geometry, None, truth.form)
+        found[urdf] = write_urdf(written)
     if srdf not in files:
-        plan = plan_of(robot, geometry, truth.actuation, truth.form, truth.srdf)
-        found[srdf] = write_srdf(robot, plan)
+        found[srdf] = write_srdf(robot, plan_of(written))
     return found

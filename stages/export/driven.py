@@ -8,6 +8,7 @@ from stages.export.actuators.gravity import gravity_of
 from stages.export.actuators.resolve import actuate
 from stages.export.footing import supports
 from stages.export.writer import WriterInput
+from stages.formats.written import Written
 from stages.robot.actuation import Actuation
 from stages.robot.errors import Diagnostic
 from stages.robot.geometry import Geometry
@@ -27,10 +28,11 @@ FORMAT = "mjcf"
 
 
 def driven(
-    robot: Robot, geometry: Geometry, keys: "ExportKeys", start: Configuration, standing: "Stance"
+    written: Written, keys: "ExportKeys", standing: "Stance"
 ) -> tuple[Actuation, tuple[Diagnostic, ...]]:
     """The actuation of the robot, by the configuration and, where an MJCF is written, by its trial run; an
     MJCF source whose actuators nobody changes stays as it is."""
+    robot, geometry = written.robot, written.shapes
     place, gravity = standing.world_from_root, gravity_of(keys.scene.option)
     up = -place[:3, :3].T @ gravity
 
@@ -45,16 +47,14 @@ def driven(
     as_it_is = robot.mjcf is not None and not keys.actuators
     if FORMAT not in keys.export.chosen or as_it_is or not _worth_a_trial(robot):
         return actuation, found
-    from stages.export.mjcf.form import form_of
     from stages.export.stability.compiled_trial import compiled_trial
     from stages.export.stability.steadied import steadied
 
     solid = _solid(geometry)
-    form = form_of(robot, geometry, keys)
 
     def run(built: Robot, with_what: Actuation, margin: float) -> "Trial | None":
-        given = WriterInput(built, solid, keys, start, {}, with_what, standing, mjcf_form=form)
-        files = writer_of(FORMAT).write(given).files
+        tried = replace(written, robot=built, geometry=solid, actuation=with_what)
+        files = writer_of(FORMAT).write(WriterInput(tried, keys, standing)).files
         return compiled_trial(files[f"{robot.name}.xml"], solid.files, margin)
 
     steady, more = steadied(robot, actuation, run)

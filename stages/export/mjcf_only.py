@@ -2,11 +2,10 @@
 
 from collections.abc import Collection, Iterator
 
+from stages.formats.written import Written
 from stages.robot.errors import Diagnostic
-from stages.robot.geometry import Geometry
 from stages.robot.globs import listed
 from stages.robot.mjcf_extras import MjcfExtras, children_of
-from stages.robot.model import Robot
 
 OTHERS = ("urdf", "sdf", "usd")
 
@@ -19,22 +18,20 @@ SECTIONS = {
 """Section of an MJCF → what its elements are called, of those that the robot does not have itself."""
 
 
-def mjcf_only(
-    robot: Robot, geometry: Geometry, extras: MjcfExtras | None, formats: Collection[str]
-) -> Iterator[Diagnostic]:
+def mjcf_only(written: Written, formats: Collection[str]) -> Iterator[Diagnostic]:
     """I-MJCF-ONLY. `formats`: those that are written."""
     others = [name.upper() for name in OTHERS if name in formats]
-    found = dict(_lacking(robot, geometry, extras)) if extras is not None else {}
+    found = dict(_lacking(written, written.extras)) if written.mjcf_form.extras is not None else {}
     if others and found:
         words = "; ".join(f"{what}: {listed(names)}" for what, names in found.items())
         text = f"{', '.join(others)} cannot have what only an MJCF has: {words}"
-        yield Diagnostic("I-MJCF-ONLY", text, robot.name, "use the MJCF where it matters")
+        yield Diagnostic("I-MJCF-ONLY", text, written.robot.name, "use the MJCF where it matters")
 
 
-def _lacking(robot: Robot, geometry: Geometry, extras: MjcfExtras) -> Iterator[tuple[str, list[str]]]:
+def _lacking(written: Written, extras: MjcfExtras) -> Iterator[tuple[str, list[str]]]:
     """What it is, and the names."""
-    rows = {"springs": [dof.name for dof in robot.dofs if dof.spring is not None]}
-    links = dict.fromkeys(shape.link for shape in geometry.shapes if shape.ellipsoid is not None)
+    rows = {"springs": [dof.name for dof in written.robot.dofs if dof.spring is not None]}
+    links = dict.fromkeys(shape.link for shape in written.shapes.shapes if shape.ellipsoid is not None)
     rows["ellipsoids, of which the others have the hulls"] = [*links]
     for section in (*extras.sections, *extras.scene):
         if section.tag in SECTIONS:

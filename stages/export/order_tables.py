@@ -6,29 +6,24 @@ from typing import Any
 from stages.export.order.of_mjcf import MjcfOrder
 from stages.export.order.of_urdf import urdf_rows
 from stages.export.urdf.lowering import lower
-from stages.formats.urdf.as_written import as_written
-from stages.formats.urdf.form import UrdfForm
-from stages.formats.urdf.names import urdf_names
+from stages.formats.written import Written
 from stages.formats.xml import Element, Malformed, parse
-from stages.robot.actuation import Actuation
-from stages.robot.model import Robot
 
 
-def order_tables(
-    robot: Robot, actuation: Actuation, form: UrdfForm, files: Mapping[str, bytes]
-) -> dict[str, Any]:
+def order_tables(written: Written, files: Mapping[str, bytes]) -> dict[str, Any]:
     """By format that is among `files`: its joints, and of the MJCF its actuators and sensors, each in the
-    order of the file as it is read. `form`: of the URDF. An MJCF that is nested more deeply than any engine
+    order of the file as it is read. An MJCF that is nested more deeply than any engine
     reads has no tables."""
+    robot = written.robot
     mates = {dof.name: joint.mate.name for joint in robot.joints if joint.mate for dof in joint.dofs}
     mates |= {dof.name: loop.mate.name for loop in robot.loops for dof in loop.dofs}
-    joints = _urdf_joints(robot, form)
+    joints = _urdf_joints(written)
     found: dict[str, Any] = {}
     mjcf, urdf = files.get(f"{robot.name}.xml"), files.get(f"{robot.name}.urdf")
     root = None if mjcf is None else _parsed(mjcf)
     if root is not None:
         there = joints if urdf is not None else {}
-        found["mjcf"] = MjcfOrder(root, robot, actuation, mates, there).tables()
+        found["mjcf"] = MjcfOrder(root, robot, written.actuation, mates, there).tables()
     if urdf is not None:
         dofs = {name: dof for dof, names in joints.items() for name in names}
         found["urdf"] = {"joints": list(urdf_rows(parse(urdf, large=True), dofs, mates))}
@@ -42,10 +37,9 @@ def _parsed(mjcf: bytes) -> Element | None:
         return None
 
 
-def _urdf_joints(robot: Robot, form: UrdfForm) -> dict[str, list[str]]:
+def _urdf_joints(written: Written) -> dict[str, list[str]]:
     """By dof: the joints of the URDF that stand for it, from parent to child."""
-    written = as_written(robot, form)
-    turns = urdf_names(written).turns
-    moving = {joint.name for item in lower(written) for joint in item.joints}
-    every = {dof.name: list(turns.get(dof.name, (dof.name,))) for dof in written.dofs}
+    robot, turns = written.as_urdf.robot, written.urdf_names.turns
+    moving = {joint.name for item in lower(robot) for joint in item.joints}
+    every = {dof.name: list(turns.get(dof.name, (dof.name,))) for dof in robot.dofs}
     return {dof: names for dof, names in every.items() if moving.issuperset(names)}

@@ -87,53 +87,25 @@ from stages.export.mjcf_records import mjcf_records
 from stages.export.pose_records import pose_records
 from stages.export.scene_records import scene_record
 from stages.export.urdf.lowering import Lowered, lower
-from stages.formats.mjcf_form import AS_IS as EVERY_BODY
-from stages.formats.mjcf_form import MjcfForm
-from stages.formats.mjcf_written import holders as bodies
 from stages.formats.numbers import TURN
-from stages.formats.urdf.as_written import as_written, holders
-from stages.formats.urdf.form import AS_IS, UrdfForm
-from stages.formats.urdf.names import urdf_names
-from stages.robot.actuation import NONE, Actuation
-from stages.robot.amendments import UNCHANGED, Amendments
+from stages.formats.written import Written
 from stages.robot.codec import plain
-from stages.robot.geometry import Geometry
-from stages.robot.measuring import measuring
-from stages.robot.model import (
-    Configuration,
-    Frame,
-    Mobility,
-    Provenance,
-    Relation,
-    Robot,
-)
+from stages.robot.model import Frame, Mobility, Provenance, Relation, Robot
 from stages.robot.printable import printable_lines
-from stages.robot.scene import Scene
-from stages.robot.sensing import Sensing
 
 FORMAT = "linkwright-robot"
 
 
 def describe(
-    robot: Robot,
-    start: Configuration,
-    actuation: Actuation = NONE,
-    form: UrdfForm = AS_IS,
-    mjcf_form: MjcfForm = EVERY_BODY,
-    sensing: Sensing | None = None,
+    written: Written,
     order: Mapping[str, Any] | None = None,
-    amendments: Amendments = UNCHANGED,
     formats: Mapping[str, Any] | None = None,
-    geometry: Geometry | None = None,
     files: Collection[str] = (),
-    scene: Scene | None = None,
 ) -> bytes:
-    """The file. `start`: the MJCF's qpos0, by dof; `form`: of the URDF; `mjcf_form`: of the MJCF; `sensing`:
-    what measures the robot (None: the sensors of the source); `order`: see `stages.export.order`;
-    `amendments`: what the user's own XML changed in the files; `formats`: the tables that they tell, by name;
-    `geometry`: the shapes, None where they are not made; `files`: the paths of the others;
-    `scene`: where the files put the robot, None where there are none."""
-    names = urdf_names(as_written(robot, form))
+    """The file. `order`: see `stages.export.order`; `formats`: the tables that the other files tell, by name;
+    `files`: their paths."""
+    robot, actuation, names = written.robot, written.actuation, written.urdf_names
+    closed = written.urdf_form.closed
     estimated = {one.dof for one in actuation.armatures}
     table = {
         "format": FORMAT,
@@ -146,28 +118,30 @@ def describe(
         "mass": as_float(sum(link.inertial.mass for link in robot.links)),
         "mobility": _mobility(robot.mobility),
         "links": [link_record(link) for link in robot.links],
-        "joints": [joint_record(joint, start, estimated, actuation.supplied) for joint in robot.joints],
+        "joints": [
+            joint_record(joint, written.start, estimated, actuation.supplied) for joint in robot.joints
+        ],
         "relations": [_relation(relation) for relation in robot.relations],
         "loops": [
-            loop_record(loop, names.ends[loop.name], loop.name in form.closed, estimated)
-            for loop in robot.loops
+            loop_record(loop, names.ends[loop.name], loop.name in closed, estimated) for loop in robot.loops
         ],
         "frames": [_frame(frame, names.frames[frame.name]) for frame in robot.frames],
         "lowered": [_lowered(item) for item in lower(robot) if item.between],
     }
-    table |= form_records(form) | _held(robot, form, mjcf_form) | mjcf_records(mjcf_form.extras)
+    table |= form_records(written.urdf_form) | _held(written)
+    table |= mjcf_records(written.mjcf_form.extras)
     if robot.transmissions:
         table["transmissions"] = [plain(transmission) for transmission in robot.transmissions]
     table |= actuation_records(actuation)
     table |= pose_records(robot)
-    table |= sensing_records(sensing or Sensing(measuring(robot, actuation)))
+    table |= sensing_records(written.sensing)
     if order:
         table["order"] = order
-    if geometry is not None:
-        table |= geometry_records(geometry)
-    if scene is not None:
-        table["scene"] = scene_record(scene)
-    for key, rows in (("amendments", amendments.changes), ("surplus", amendments.surplus)):
+    if written.geometry is not None:
+        table |= geometry_records(written.geometry)
+    if written.scene is not None:
+        table["scene"] = scene_record(written.scene)
+    for key, rows in (("amendments", written.amendments.changes), ("surplus", written.amendments.surplus)):
         if rows:
             table[key] = plain(rows)
     if files:
@@ -176,13 +150,13 @@ def describe(
     return (printable_lines(json.dumps(table, indent=2, ensure_ascii=False)) + "\n").encode()
 
 
-def _held(robot: Robot, form: UrdfForm, mjcf_form: MjcfForm) -> dict[str, Any]:
+def _held(written: Written) -> dict[str, Any]:
     """The links that are part of others in the URDF, and in the MJCF, where there are some."""
     tables = {}
-    for key, held in (("merged", holders(robot, form)), ("fused", bodies(robot, mjcf_form))):
+    for key, view in (("merged", written.as_urdf), ("fused", written.as_mjcf)):
         parts = [
             {"link": link, "into": into, "pose": as_pose(pose)}
-            for link, (into, pose) in held.items()
+            for link, (into, pose) in view.held.items()
             if into != link
         ]
         if parts:

@@ -4,43 +4,27 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
 
-from stages.formats.mjcf_form import AS_IS as EVERY_BODY
-from stages.formats.mjcf_form import MjcfForm
-from stages.formats.urdf.form import AS_IS, UrdfForm
-from stages.robot.amendments import UNCHANGED, Amendments
 from stages.robot.errors import Diagnostic
-from stages.robot.scene import Scene
-from stages.robot.sensing import NOTHING, Sensing
 
 if TYPE_CHECKING:
     from stages.export.keys import ExportKeys
     from stages.export.standing import Stance
-    from stages.robot.actuation import Actuation
-    from stages.robot.geometry import Geometry
-    from stages.robot.model import Configuration, Robot
+    from stages.formats.written import Written
 
 
 @dataclass(frozen=True, slots=True)
 class Exported:
-    """`files`: path below the output folder → bytes. `diagnostics`: losses of the format. `actuation`: what
-    drives the robot in the files; `advice`: what a user may want to try; `form`: of the URDF;
-    `mjcf_form`: of the MJCF; `order`: the tables of joints, actuators and sensors by format;
-    `sensing`: what measures the robot in the files; `amendments`: what the user's own XML changed in them;
-    `record`: the tables of robot.json that tell of the format, by name; `readers`: what other readers drop of
-    this robot (`stages.export.readers`); `scene`: where the files put it."""
+    """`files`: path below the output folder → bytes. `diagnostics`: losses of the formats. `written`: the
+    robot as it is in the files; `advice`: what a user may want to try; `order`: the tables of joints,
+    actuators and sensors by format; `readers`: what other readers drop of this robot
+    (`stages.export.readers`)."""
 
     files: Mapping[str, bytes]
-    diagnostics: tuple[Diagnostic, ...] = ()
-    actuation: "Actuation | None" = None
-    advice: str = ""
-    form: UrdfForm = AS_IS
-    mjcf_form: MjcfForm = EVERY_BODY
-    order: Mapping[str, Any] = field(default_factory=dict)
-    sensing: Sensing = NOTHING
-    amendments: Amendments = UNCHANGED
-    record: Mapping[str, Any] = field(default_factory=dict)
-    readers: Sequence[Mapping[str, Any]] = ()
-    scene: Scene | None = None
+    diagnostics: tuple[Diagnostic, ...]
+    written: "Written"
+    advice: str
+    order: Mapping[str, Any]
+    readers: Sequence[Mapping[str, Any]]
 
     @property
     def details(self) -> dict[str, Any]:
@@ -53,21 +37,24 @@ class Exported:
 class WriterInput:
     """The input of a writer.
 
-    `start`: the value of every dof in a fresh simulation (qpos0). `files`: the files of the writers that this
-    one names in `reads`, by path. `standing`: where the scene puts the robot. `form`: that of its URDF;
-    `mjcf_form`: that of its MJCF. `sensing`: what measures it.
+    `standing`: where the scene puts the robot. `files`: the files of the writers that this one names in
+    `reads`, by path.
     """
 
-    robot: "Robot"
-    geometry: "Geometry"
+    written: "Written"
     keys: "ExportKeys"
-    start: "Configuration"
-    files: Mapping[str, bytes]
-    actuation: "Actuation"
     standing: "Stance"
-    form: UrdfForm = AS_IS
-    mjcf_form: MjcfForm = EVERY_BODY
-    sensing: Sensing = NOTHING
+    files: Mapping[str, bytes] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class FormatFiles:
+    """`files`: by path; `diagnostics`: losses of the format; `record`: the tables of robot.json that tell of
+    the format, by name."""
+
+    files: Mapping[str, bytes]
+    diagnostics: tuple[Diagnostic, ...] = ()
+    record: Mapping[str, Any] = field(default_factory=dict)
 
 
 class Writer(Protocol):
@@ -88,5 +75,5 @@ class Writer(Protocol):
     def paths(self, robot: str) -> tuple[str, ...]:
         """The paths of its files for a robot of this name."""
 
-    def write(self, given: WriterInput) -> Exported:
+    def write(self, given: WriterInput) -> FormatFiles:
         """Its files, without the meshes, which all formats share."""

@@ -21,13 +21,11 @@ from stages.formats.robot_json.semantics import semantics_of
 from stages.formats.robot_json.shapes import geometry_of
 from stages.formats.urdf.form import UrdfForm
 from stages.formats.urdf.srdf_form import SrdfForm
-from stages.robot.actuation import Actuation
+from stages.formats.written import Written
 from stages.robot.amendments import Amendment, Amendments, Surplus
-from stages.robot.geometry import Geometry
+from stages.robot.driven import as_driven
 from stages.robot.linear_coupling import LinearCoupling
 from stages.robot.model import Base, Joint, Link, Mobility, Provenance, Robot
-from stages.robot.scene import Scene
-from stages.robot.sensing import Sensing
 
 FORMAT, VERSION = "linkwright-robot", 1
 
@@ -50,29 +48,13 @@ class PackageRecord:
 
 @dataclass(frozen=True, slots=True)
 class Truth:
-    """What the files of a robot must say; `files`: the paths of those that there are, but for those of a
-    Python package; `srdf`: what is known of the SRDF, None of an older build; `packages`: by format, those
-    that are written from the other files."""
+    """What the files of a robot must say: the robot as it is `written` (its `srdf_form` is None of an older
+    build); `files`: the paths of those that there are, but for those of a Python package; `packages`: by
+    format, those that are written from the other files."""
 
-    robot: Robot
-    actuation: Actuation
-    geometry: Geometry | None
-    form: UrdfForm
-    mjcf_form: MjcfForm
-    sensing: Sensing
-    amendments: Amendments
+    written: Written
     files: tuple[str, ...]
-    scene: Scene | None
-    srdf: SrdfForm | None
     packages: Mapping[str, PackageRecord]
-
-    @property
-    def known(
-        self,
-    ) -> tuple[Actuation, Geometry | None, UrdfForm, MjcfForm, Sensing, Amendments, Scene | None]:
-        """What `stages.validate.validate` is given besides the robot, in its order."""
-        forms = self.form, self.mjcf_form
-        return self.actuation, self.geometry, *forms, self.sensing, self.amendments, self.scene
 
 
 def described(data: bytes) -> Truth:
@@ -88,11 +70,12 @@ def described(data: bytes) -> Truth:
     files = record.texts("files") if record.has("files") else ()
     _require_inside(robot.name, *files)
     loops = record.records("loops")
-    return Truth(
-        robot=robot,
-        actuation=actuation_of(record),
+    actuation = actuation_of(record)
+    written = Written(
+        robot=as_driven(robot, actuation),
+        actuation=actuation,
         geometry=geometry_of(record),
-        form=UrdfForm(
+        urdf_form=UrdfForm(
             merged=bool(record.records("merged")),
             couplings=tuple(_coupling(one) for one in record.records("couplings")),
             closed=tuple(one.text("name") for one in loops if one.truth("mimic")),
@@ -104,11 +87,11 @@ def described(data: bytes) -> Truth:
             tuple(_amendment(one) for one in record.records("amendments")),
             tuple(_surplus(one) for one in record.records("surplus")),
         ),
-        files=files,
         scene=scene_of(record),
-        srdf=_srdf(record.inside("srdf")) if record.has("srdf") else None,
-        packages={name: _package(record.inside(name)) for name in PACKAGES if record.has(name)},
+        srdf_form=_srdf(record.inside("srdf")) if record.has("srdf") else None,
     )
+    packages = {name: _package(record.inside(name)) for name in PACKAGES if record.has(name)}
+    return Truth(written, files, packages)
 
 
 def _srdf(record: Fields) -> SrdfForm:

@@ -13,7 +13,3 @@ class MjcfForm:
 
     fused: tuple[str, ...] = ()
     extras: MjcfExtras | None = None
-
-
-AS_IS = MjcfForm()
-"""Every link has a body, and there is nothing that other formats lack."""

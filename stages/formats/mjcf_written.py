@@ -7,15 +7,9 @@ import numpy as np
 
 from stages.formats.mjcf_form import MjcfForm
 from stages.robot.fusing import Holders, fused, on_fixed_joints
-from stages.robot.fusing import holders as holders_of
 from stages.robot.mjcf_extras import NO_EXTRAS, MjcfExtras, children_of
 from stages.robot.model import Frame, Robot, frozen
 from stages.robot.sensing import SensorTarget
-
-
-def holders(robot: Robot, form: MjcfForm) -> Holders:
-    """By link: the link whose body has it, and holder_from_link (4, 4)."""
-    return holders_of(robot, form.fused)
 
 
 def form_with(robot: Robot, kept: Collection[str] = (), merges: bool = False) -> MjcfForm:
@@ -45,13 +39,12 @@ def form_with(robot: Robot, kept: Collection[str] = (), merges: bool = False) ->
     return MjcfForm(tuple(fused), robot.mjcf)
 
 
-def as_written(robot: Robot, form: MjcfForm) -> Robot:
-    """The robot that the MJCF of this form describes: all that was on fused links is on their holders, and
-    each is a frame there."""
+def as_written(robot: Robot, form: MjcfForm, held: Holders) -> Robot:
+    """The robot that the MJCF of this form describes: all that was on fused links is on their holders `held`,
+    and each is a frame there."""
     robot = replace(robot, mjcf=form.extras)
     if not form.fused:
         return robot
-    held = holders(robot, form)
     named = {frame.name for frame in robot.frames}
     places = tuple(
         Frame(link, held[link][0], frozen(held[link][1]), "") for link in form.fused if link not in named

@@ -6,16 +6,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from stages.formats.mjcf_form import MjcfForm
-    from stages.formats.urdf.form import UrdfForm
-    from stages.formats.urdf.srdf_form import SrdfForm
-    from stages.robot.actuation import Actuation
-    from stages.robot.amendments import Amendments
+    from stages.formats.written import Written
     from stages.robot.check import Check
-    from stages.robot.geometry import Geometry
-    from stages.robot.model import Robot
-    from stages.robot.scene import Scene
-    from stages.robot.sensing import Sensing
     from stages.validate.compiled import FileKind
     from stages.validate.keys import ValidateKeys
     from stages.validate.own import OwnCheck
@@ -77,48 +69,21 @@ READ_BACK = (("srdf", ".srdf"), ("sdf", ".sdf"), ("usd", ".usda"))
 
 
 def validate(
-    folder: Path,
-    robot: "Robot",
-    keys: "ValidateKeys",
-    actuation: "Actuation | None" = None,
-    geometry: "Geometry | None" = None,
-    form: "UrdfForm | None" = None,
-    mjcf_form: "MjcfForm | None" = None,
-    sensing: "Sensing | None" = None,
-    amendments: "Amendments | None" = None,
-    scene: "Scene | None" = None,
-    own: "Sequence[OwnCheck]" = (),
-    srdf: "SrdfForm | None" = None,
+    folder: Path, written: "Written", keys: "ValidateKeys", own: "Sequence[OwnCheck]" = ()
 ) -> "tuple[Check, ...]":
     """The checks of every model file in `folder`; with `validate=quick` only of its text, and that it
-    compiles. A check that fails does not stop the others. `actuation`: what drives the robot in these files;
-    `geometry`: its shapes, without their files, and which of them collide; `form`: how the URDF differs
-    from the robot, by default as closed loops ask; `mjcf_form`: how the MJCF does, by default with links on
-    fixed joints as part of others; `sensing`: what measures the robot; `amendments`: what
-    the user's own XML changed in the files; `scene`: where these put the robot; `own`: the user's checks;
-    `srdf`: what only the SRDF says."""
-    from stages.formats import mjcf_written
-    from stages.formats.urdf.as_written import form_with
-    from stages.robot.actuation import NONE
-    from stages.robot.amendments import UNCHANGED
-    from stages.robot.sensing import NOTHING
+    compiles. A check that fails does not stop the others. `own`: the user's checks."""
     from stages.validate.asked import Asked, known_payload
-    from stages.validate.expected import Expected
     from stages.validate.run import check_files, check_read_back, check_texts, readiness
 
     checks = {} if keys.validate.level == "quick" else CHECKS
-    forms = form or form_with(robot), mjcf_form or mjcf_written.form_with(robot)
-    known = (actuation or NONE, geometry, *forms, sensing or NOTHING, amendments or UNCHANGED)
-    asked = Asked(keys.validate.level == "strict", known_payload(robot, keys.validate.payload))
-    expected = Expected(known[0], geometry, forms[0], known[-1], scene, known[4], srdf)
-    read_back = check_read_back(folder, robot, READ_BACK, expected, quick=not checks)
-    found = list(check_texts(folder, robot.name, ENGINES, known[-1], form))
-    found += [
-        *check_files(folder, robot, ENGINES, checks, *known, scene, own if checks else (), asked),
-        *read_back,
-    ]
+    payload = known_payload(written.robot, keys.validate.payload)
+    asked = Asked(keys.validate.level == "strict", payload)
+    read_back = check_read_back(folder, written, READ_BACK, quick=not checks)
+    found = list(check_texts(folder, written, ENGINES))
+    found += [*check_files(folder, written, ENGINES, checks, own if checks else (), asked), *read_back]
     if checks:
-        found += readiness(folder, robot, found, ENGINES, geometry, forms[1])
+        found += readiness(folder, written, found, ENGINES)
     return tuple(found)
 
 

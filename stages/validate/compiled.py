@@ -2,19 +2,17 @@
 
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
-from stages.robot.actuation import NONE, Actuation
-from stages.robot.amendments import UNCHANGED, Amendments, Surplus, tag_of
+from stages.formats.written import FormatView, Written
+from stages.robot.amendments import Surplus, tag_of
 from stages.robot.check import Check, CheckLevel, Finding
 from stages.robot.fusing import Holders
 from stages.robot.geometry import Geometry
 from stages.robot.mjcf_extras import children_of
 from stages.robot.model import Robot
-from stages.robot.scene import Scene
-from stages.robot.sensing import NOTHING, Sensing
 from stages.validate.asked import AS_STANDARD, Asked
 
 LOOKS = frozenset(["rgba", "material", "texture", "color", "default", "class"])
@@ -51,23 +49,33 @@ class Engine(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CompiledModel:
-    """A compiled model, the file that it was compiled from, and the robot, with what drives it and its shapes
-    (None where nothing is known of them) and what measures it, that it must agree with. `closed`: the robot's
-    loops that a URDF closes by its relations; `held`: the bodies of an MJCF that have links, and where;
-    `amendments`: what the user's own XML changed in the files; `asked`: what the configuration asks of the
-    checks; `scene`: where the files put the robot, None where nothing is known of that."""
+    """A compiled model, the file that it was compiled from, and the robot as it is `written`, that it must
+    agree with. `asked`: what the configuration asks of the checks."""
 
     path: Path
     model: Any
-    robot: Robot
-    actuation: Actuation = NONE
-    geometry: Geometry | None = None
-    closed: tuple[str, ...] = ()
-    sensing: Sensing = NOTHING
-    held: Holders = field(default_factory=dict)
-    amendments: Amendments = UNCHANGED
+    written: Written
     asked: Asked = AS_STANDARD
-    scene: Scene | None = None
+
+    @property
+    def robot(self) -> Robot:
+        """The robot as this file has it."""
+        return self._view.robot
+
+    @property
+    def held(self) -> Holders:
+        """By link: the link of this file that has it, and where."""
+        return self._view.held
+
+    @property
+    def geometry(self) -> Geometry | None:
+        """The shapes, in an MJCF by the links that have bodies; None where nothing is known of them."""
+        known = self.written.geometry
+        return known if known is None or self.urdf else self.written.mjcf_shapes
+
+    @property
+    def _view(self) -> FormatView:
+        return self.written.as_urdf if self.urdf else self.written.as_mjcf
 
     @property
     def has_keyframes(self) -> bool:
@@ -80,7 +88,7 @@ class CompiledModel:
     def surplus(self) -> Surplus:
         """What the file has more than the robot, after what is the robot's own: by the user's own XML, and
         equalities that only an MJCF source has."""
-        added = self.amendments.surplus_of(self.path.name)
+        added = self.written.amendments.surplus_of(self.path.name)
         extras = self.robot.mjcf
         if extras is None or self.urdf:
             return added
@@ -90,16 +98,18 @@ class CompiledModel:
 
     def sets(self, attribute: str) -> bool:
         """Whether the user's own XML sets an attribute of this name: its value is then the user's."""
-        return any(attribute in one.sets for one in self.amendments.changes)
+        return any(attribute in one.sets for one in self.written.amendments.changes)
 
     def sets_of(self, target: str) -> frozenset[str]:
         """The attributes that the user's own XML sets of an element, by its tag and name: "geom floor"."""
-        return frozenset(name for one in self.amendments.changes if one.target == target for name in one.sets)
+        return frozenset(
+            name for one in self.written.amendments.changes if one.target == target for name in one.sets
+        )
 
     @property
     def recolours(self) -> bool:
         """Whether the user's own XML changes what the robot looks like in this file."""
-        changes = self.amendments.of(self.path.name)
+        changes = self.written.amendments.of(self.path.name)
         return any(LOOKS & {*one.sets, *one.added_tags, tag_of(one.target)} for one in changes)
 
     @property

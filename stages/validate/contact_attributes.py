@@ -45,5 +45,6 @@ def sets_defaults(compiled: CompiledModel) -> bool:
     """Whether the user's own XML adds to a class of defaults, so that what a geom has from it is the
     user's."""
     return any(
-        one.adds and "default" in (tag_of(one.target), *one.added_tags) for one in compiled.amendments.changes
+        one.adds and "default" in (tag_of(one.target), *one.added_tags)
+        for one in compiled.written.amendments.changes
     )

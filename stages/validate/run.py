@@ -7,25 +7,13 @@ from functools import partial
 from importlib import import_module
 from pathlib import Path
 
-from stages.formats import mjcf_written
-from stages.formats.mjcf_form import AS_IS as EVERY_BODY
-from stages.formats.mjcf_form import MjcfForm
-from stages.formats.urdf.as_written import as_written, holders
-from stages.formats.urdf.form import AS_IS, UrdfForm
-from stages.robot.actuation import NONE, Actuation
-from stages.robot.amendments import UNCHANGED, Amendment, Amendments
+from stages.formats.written import Written
+from stages.robot.amendments import Amendment
 from stages.robot.check import Check
-from stages.robot.driven import as_driven
-from stages.robot.fused_geometry import fused_geometry
-from stages.robot.geometry import Geometry
 from stages.robot.globs import listed
-from stages.robot.model import Robot
-from stages.robot.scene import Scene
-from stages.robot.sensing import NOTHING, Sensing
 from stages.validate.asked import AS_STANDARD, Asked
 from stages.validate.compiled import SCENE, CheckFunction, CompiledModel, Engine, FileKind, without_warnings
 from stages.validate.coordinates import missing_names
-from stages.validate.expected import Expected
 from stages.validate.files.model_config import model_config
 from stages.validate.files.run import check_folder
 from stages.validate.guarded import guarded
@@ -41,55 +29,34 @@ RUNS = "C-RUNS"
 
 def check_files(
     folder: Path,
-    robot: Robot,
+    written: Written,
     engines: Sequence[str],
     checks: Mapping[str, Sequence[FileKind]],
-    actuation: Actuation = NONE,
-    geometry: Geometry | None = None,
-    form: UrdfForm = AS_IS,
-    mjcf_form: MjcfForm = EVERY_BODY,
-    sensing: Sensing = NOTHING,
-    amendments: Amendments = UNCHANGED,
-    scene: Scene | None = None,
     own: Sequence[OwnCheck] = (),
     asked: Asked = AS_STANDARD,
 ) -> Iterator[Check]:
     """The results of every file in `folder` that one of the engines reads. Without `checks`, whether each
     compiles. `own`: the user's checks, of the first file."""
-    robot = as_driven(robot, actuation)
-    urdf, mjcf = as_written(robot, form), mjcf_written.as_written(robot, mjcf_form)
-    held = mjcf_written.holders(robot, mjcf_form)
-    solid = None if geometry is None else fused_geometry(robot, geometry, held)
     for name in engines:
         engine: Engine = import_module(f"stages.validate.engines.{name}")
-        for file in engine.files(robot.name):
+        files = engine.files(written.robot.name)
+        for file in files:
             if (folder / file).exists():
-                described, shapes, of = (mjcf, solid, held)
-                if file.endswith(".urdf"):
-                    described, shapes, of = urdf, geometry, holders(robot, form)
-                known = (actuation, shapes, form.closed, sensing, of, amendments, asked, scene)
-                given = CompiledModel(folder / file, None, described, *known)
-                changes = amendments.of(file, *engine.files(robot.name)[:1] if file == SCENE else ())
+                given = CompiledModel(folder / file, None, written, asked)
+                changes = written.amendments.of(file, *files[:1] if file == SCENE else ())
                 chosen = [one for one, kinds in checks.items() if kinds_of(given.path) & {*kinds}]
                 found, own = _check_file(given, engine, chosen, own), ()
                 yield from (_with_changes(one, changes) for one in found)
 
 
-def check_texts(
-    folder: Path,
-    robot: str,
-    engines: Sequence[str],
-    amendments: Amendments,
-    form: UrdfForm | None = None,
-) -> Iterator[Check]:
-    """The checks of files as text, of a robot of this name, before any engine runs. `form`: of its URDF, None
-    where nothing is known of that."""
+def check_texts(folder: Path, written: Written, engines: Sequence[str]) -> Iterator[Check]:
+    """The checks of files as text, before any engine runs."""
+    robot, amendments = written.robot.name, written.amendments
     models: list[str] = []
     for name in engines:
         models += import_module(f"stages.validate.engines.{name}").files(robot)
     # What the user's own XML names may be of any package.
-    known = form is not None and not amendments.of(f"{robot}.urdf")
-    packages = (form.package,) if known and form is not None else None
+    packages = None if amendments.of(f"{robot}.urdf") else (written.urdf_form.package,)
     for one in check_folder(folder, models, (f"{robot}{ending}" for ending in OTHERS), packages):
         file = one.name.partition(":")[0]
         yield _with_changes(one, amendments.of(file) if file in models else ())
@@ -106,16 +73,15 @@ def kinds_of(path: Path) -> set[FileKind]:
 
 
 def check_read_back(
-    folder: Path, robot: Robot, formats: Sequence[tuple[str, str]], expected: Expected, *, quick: bool
+    folder: Path, written: Written, formats: Sequence[tuple[str, str]], *, quick: bool
 ) -> Iterator[Check]:
     """The results of the files in `folder` that no engine reads, of these formats with their endings.
     `quick`: only whether each can be read."""
-    robot = as_driven(robot, expected.actuation)
     for name, ending in formats:
-        path = folder / f"{robot.name}{ending}"
+        path = folder / f"{written.robot.name}{ending}"
         if path.exists():
             reader = import_module(f"stages.validate.{name}.read_back")
-            read = partial(reader.check_file, path, robot, expected, quick=quick)
+            read = partial(reader.check_file, path, written, quick=quick)
             found = guarded(f"{path.name}: checks", read)
             yield from (replace(one, code=reader.CODE) for one in found)
 
@@ -136,23 +102,21 @@ def _check_file(
 
 
 def readiness(
-    folder: Path,
-    robot: Robot,
-    checks: Sequence[Check],
-    engines: Sequence[str],
-    geometry: Geometry | None,
-    mjcf_form: MjcfForm,
+    folder: Path, written: Written, checks: Sequence[Check], engines: Sequence[str]
 ) -> Iterator[Check]:
     """The score of a robot that has an MJCF which compiles. `checks`: the results so far, which prove some of
     its points."""
-    described = mjcf_written.as_written(robot, mjcf_form)
     for name in engines:
         engine: Engine = import_module(f"stages.validate.engines.{name}")
-        there = [folder / file for file in engine.files(robot.name) if "urdf" not in kinds_of(folder / file)]
+        there = [
+            folder / file
+            for file in engine.files(written.robot.name)
+            if "urdf" not in kinds_of(folder / file)
+        ]
         there = [path for path in there if path.exists()]
         model = engine.load(there[-1]).model if there and there[0].name != SCENE else None
         if model is not None:
-            yield score(Finished(folder, described, model, checks, geometry))
+            yield score(Finished(folder, written.as_mjcf.robot, model, checks, written.geometry))
 
 
 def _with_changes(check: Check, changes: Sequence[Amendment]) -> Check:

@@ -17,10 +17,7 @@ from typing import Any
 
 import mujoco
 
-from stages.formats import mjcf_written
 from stages.formats.described import described
-from stages.robot.driven import as_driven
-from stages.robot.fused_geometry import fused_geometry
 from stages.validate.checks.false_contact import GIVEN
 from stages.validate.compiled import CompiledModel
 from stages.validate.contact_errors import PairErrors, contact_errors
@@ -87,12 +84,8 @@ def built(here: Path, cache: Path, name: str, *more: str) -> tuple[Path, float, 
 def compiled(folder: Path) -> CompiledModel:
     """The MJCF of a build, as a check gets it."""
     truth = described((folder / "robot.json").read_bytes())
-    robot, form = as_driven(truth.robot, truth.actuation), truth.mjcf_form
-    held = mjcf_written.holders(robot, form)
-    path = folder / f"{robot.name}.xml"
-    solid = None if truth.geometry is None else fused_geometry(robot, truth.geometry, held)
-    model = mujoco.MjModel.from_xml_path(str(path))
-    return CompiledModel(path, model, mjcf_written.as_written(robot, form), truth.actuation, solid, held=held)
+    path = folder / f"{truth.written.robot.name}.xml"
+    return CompiledModel(path, mujoco.MjModel.from_xml_path(str(path)), truth.written)
 
 
 def counts(model: Any) -> tuple[int, int, float]:

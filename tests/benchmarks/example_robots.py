@@ -24,8 +24,8 @@ from stages.graph import build_robot
 from stages.mesh import make_geometry
 from stages.robot.errors import LinkwrightError
 from stages.robot.mujoco_warnings import listening
-from stages.validate import validate
 from tests.support.building import plan_of
+from tests.support.checked import checked
 from tests.support.urdfs import lost_names, parity, same_bounds
 
 GOAL = 66
@@ -141,7 +141,7 @@ def _made(path: Path, settings: dict[str, str]) -> dict[str, object]:
         for name, data in files.items():
             (here / name).parent.mkdir(parents=True, exist_ok=True)
             (here / name).write_bytes(data)
-        checks = validate(here, robot, plan)
+        checks = checked(here, robot, plan)
         text = bundle.body(bundle.definition)
         apart = parity(text, robot, files, here).worst
         bounds = same_bounds(text, robot, files["robot.urdf"])

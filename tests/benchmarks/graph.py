@@ -16,10 +16,10 @@ from stages.export import export
 from stages.graph import build_robot
 from stages.graph.view.views import views
 from stages.robot.codec import decode_robot, encode_robot
-from stages.validate import validate
 from tests.benchmarks.large import PARTS, large
 from tests.benchmarks.shapes import SHAPES
 from tests.support.building import NO_MESHES, plan_of, write
+from tests.support.checked import checked
 
 MODULES = 34
 GOALS = {"seconds": 2.0, "MiB": 500.0, "ratio": 12.0}
@@ -53,7 +53,7 @@ def measure(name: str, size: int) -> None:
     timed("export", lambda: export(robot, NO_MESHES, plan))
     with tempfile.TemporaryDirectory() as folder:
         write(robot, Path(folder))
-        timed("validate", lambda: validate(Path(folder), robot, plan))
+        timed("validate", lambda: checked(Path(folder), robot, plan))
 
 
 def peak() -> float:

@@ -193,14 +193,14 @@ def _read(urdf: Path, keys: Mapping[str, Any]) -> tuple[Robot, Bundle, dict[str,
 
 
 def _stand(robot: Robot, exported: Exported, cannot: str) -> Stand:
-    assert exported.actuation is not None
+    assert exported.written.actuation is not None
     model = _scene(exported)
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
     home = data.qpos.copy()
     if not cannot:
         mujoco.mj_step(model, data, round(SECONDS / model.opt.timestep))
-    actuators, armatures = exported.actuation.actuators, exported.actuation.armatures
+    actuators, armatures = exported.written.actuation.actuators, exported.written.actuation.armatures
     turned = np.zeros(3)
     mujoco.mju_subQuat(turned, data.qpos[3:7].copy(), home[3:7].copy())
     base, tilt = float(np.linalg.norm(data.qpos[:3] - home[:3])), float(np.linalg.norm(turned))
@@ -248,11 +248,11 @@ def _unsteady(robot: Robot, geometry: Geometry, plan: Plan) -> str:
 
 def _weak(robot: Robot, exported: Exported) -> str:
     """The joints that need all of their effort, or more, at home."""
-    assert exported.actuation is not None
+    assert exported.written.actuation is not None
     effort = {dof.name: dof.dynamics.effort for dof in robot.dofs}
     weak = [
         f"{actuator.name} holds no more than {limit:g} N m"
-        for actuator in exported.actuation.actuators
+        for actuator in exported.written.actuation.actuators
         if (limit := effort[actuator.dof]) is not None
         and abs(actuator.force_at("home")) >= max(limit * (1.0 - 1e-9), 1e-6)
     ]

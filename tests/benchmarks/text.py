@@ -16,9 +16,9 @@ from stages.export.mjcf.form import form_of as mjcf_form_of
 from stages.export.standing import stand
 from stages.export.urdf.form import form_of
 from stages.export.writer import WriterInput
+from stages.formats.written import Written
 from stages.robot.actuation import NONE
 from stages.robot.model import Limits, Robot
-from stages.robot.start_pose import starting_point
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.robots import joint, pose, robot_with
 
@@ -41,9 +41,8 @@ def chain(links: int) -> Robot:
 def written(robot: Robot) -> dict[str, Callable[[], object]]:
     """The work of each format, and of the whole export."""
     plan = plan_of()
-    start, standing = starting_point(robot), stand(robot, NO_MESHES, plan)
-    form, mjcf_form = form_of(robot, plan, NONE), mjcf_form_of(robot, NO_MESHES, plan)
-    given = WriterInput(robot, NO_MESHES, plan, start, {}, NONE, standing, form, mjcf_form)
+    forms = {"urdf_form": form_of(robot, plan, NONE), "mjcf_form": mjcf_form_of(robot, NO_MESHES, plan)}
+    given = WriterInput(Written(robot, geometry=NO_MESHES, **forms), plan, stand(robot, NO_MESHES, plan))
 
     def text(name: str) -> Callable[[], object]:
         return lambda: writer_of(name).write(given)

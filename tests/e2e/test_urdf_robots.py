@@ -15,12 +15,12 @@ from stages.robot.bundle import Bundle
 from stages.robot.geometry import Geometry
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Robot
-from stages.validate import validate
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.prefixed import prefixed
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import bundle_of, plan_of
 from tests.support.cases import mostly_slow
+from tests.support.checked import checked
 from tests.support.command import called, linkwright
 from tests.support.engines import Mujoco
 from tests.support.other_robots import AS_IT_IS
@@ -64,7 +64,7 @@ def test_a_real_robot_is_its_file_and_valid(name: str, tmp_path: Path) -> None:
     text = (ROBOTS / FILES[name]).read_bytes()
     assert parity(text, robot, files, tmp_path).worst < EXACT
     assert not same_bounds(text, robot, files["robot.urdf"])
-    assert not [check for check in validate(tmp_path, robot, plan_of()) if check.fails]
+    assert not [check for check in checked(tmp_path, robot, plan_of()) if check.fails]
 
 
 @pytest.mark.slow

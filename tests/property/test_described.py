@@ -9,13 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stages.formats.described import described
-from stages.formats.urdf.as_written import as_written
 from stages.robot.driven import as_driven
 from stages.validate import validate
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.fake_onshape.sample import sample_document
-from tests.support.building import NO_MESHES, write
+from tests.support.building import write
 from tests.support.drawn import PLACES, SLOWLY, drawn
 from tests.support.truth import differences
 
@@ -47,19 +46,18 @@ def comes_back(document: Document, root: int, seed: int, **keys) -> None:
     with tempfile.TemporaryDirectory() as folder:
         exported = write(robot, Path(folder), plan)
         truth = described((Path(folder) / "robot.json").read_bytes())
-        checks = validate(Path(folder), truth.robot, plan, *truth.known)
-        known = exported.actuation, NO_MESHES, exported.form, exported.mjcf_form, exported.sensing
-        before = validate(Path(folder), robot, plan, *known, exported.amendments, exported.scene)
-    written = as_driven(robot, exported.actuation)
-    assert differences(written, truth.robot, NEAR, NOT_IN_IT) == []
+        checks = validate(Path(folder), truth.written, plan)
+        before = validate(Path(folder), exported.written, plan)
+    written, read = exported.written, truth.written
+    assert differences(written.robot, as_driven(robot, written.actuation), 0.0, {}) == []
+    assert differences(written.robot, read.robot, NEAR, NOT_IN_IT) == []
     # Where links on fixed joints are merged and there are none, nothing is.
-    assert differences(exported.form, truth.form, 1e-5, {"merged": ""}) == []
-    as_urdf = (as_written(*both) for both in ((written, exported.form), (truth.robot, truth.form)))
-    assert differences(*as_urdf, NEAR, NOT_IN_IT) == []
-    assert differences(exported.mjcf_form, truth.mjcf_form, 0.0, {}) == []
-    assert differences(exported.sensing, truth.sensing, NEAR, {}) == []
+    assert differences(written.urdf_form, read.urdf_form, 1e-5, {"merged": ""}) == []
+    assert differences(written.as_urdf.robot, read.as_urdf.robot, NEAR, NOT_IN_IT) == []
+    assert differences(written.mjcf_form, read.mjcf_form, 0.0, {}) == []
+    assert differences(written.sensing, read.sensing, NEAR, {}) == []
     rounded = {"load": "", "home_load": "", "supplied": "", "overruled": ""}
-    assert differences(exported.actuation, truth.actuation, NEAR, rounded) == []
+    assert differences(written.actuation, read.actuation, NEAR, rounded) == []
     assert [one for one in checks if one.fails] == []
     assert [one.name for one in checks] == [one.name for one in before]
 

@@ -47,7 +47,7 @@ def agree(document: Document, root: int, shuffle: int, seed: int, api: int = 17)
         exported = write(robot, Path(folder))
         pinocchio = Pinocchio(exported.files["robot.urdf"])
         engine = Mujoco(Path(folder) / "robot.xml", {d.name: start[d.name] for d in robot.dofs})
-        checks = validate(Path(folder), robot, plan, exported.actuation, form=exported.form)
+        checks = validate(Path(folder), exported.written, plan)
     assert not [check for check in checks if check.fails]
     truth = as_cut(document.truth, robot)
     names = [dof.name for dof in robot.dofs]

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 
 from stages.robot.inertia import moved
 from stages.robot.model import Robot
-from stages.validate import validate
 from tests.support.building import plan_of, write
+from tests.support.checked import checked
 from tests.support.engines import Mujoco, Pinocchio
 from tests.support.pinocchio import pin
 from tests.support.random_urdf import urdfs
@@ -44,7 +44,7 @@ def is_exact(text: str) -> None:
     with tempfile.TemporaryDirectory() as folder:
         files = write(robot, Path(folder)).files
         assert parity(text.encode(), robot, files, Path(folder)).worst < TOLERANCE
-        assert not [check for check in validate(Path(folder), robot, plan_of()) if check.fails]
+        assert not [check for check in checked(Path(folder), robot, plan_of()) if check.fails]
     assert not same_bounds(text.encode(), robot, files["robot.urdf"])
 
 
@@ -60,7 +60,7 @@ def test_another_root_is_the_same_robot(text: str, which: int) -> None:
     with tempfile.TemporaryDirectory() as folder:
         write(robot, Path(folder))
         engine = Mujoco(Path(folder) / "robot.xml")
-        assert not [check for check in validate(Path(folder), robot, plan_of()) if check.fails]
+        assert not [check for check in checked(Path(folder), robot, plan_of()) if check.fails]
         random = np.random.default_rng(which)
         q = {dof.name: float(random.uniform(-2, 2)) for dof in robot.dofs}
         true_q = {joint.name: joint.mate.name for joint in robot.joints}

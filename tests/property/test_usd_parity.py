@@ -37,7 +37,7 @@ def compare(robot: Robot, plan: Plan, seed: int) -> bool:
     with tempfile.TemporaryDirectory() as folder:
         made = write(robot, Path(folder), plan)
         readers = UsdParity(robot, made.files, Path(folder))
-        checks = validate(Path(folder), robot, plan, made.actuation, form=made.form)
+        checks = validate(Path(folder), made.written, plan)
         assert [one for one in checks if one.name.startswith("robot.usda") and not one.passed] == []
         readers.agree(rng)
         if not robot.loops:

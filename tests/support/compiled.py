@@ -5,6 +5,8 @@ from typing import Any
 
 import mujoco
 
+from stages.formats.mjcf_form import MjcfForm
+from stages.formats.written import Written
 from stages.robot.check import Check
 from stages.robot.model import Robot
 from stages.validate.compiled import CompiledModel
@@ -12,10 +14,13 @@ from tests.support.robots import robot_with
 
 
 def compiled_of(bodies: str, robot: Robot | None = None, *, more: str = "", **known: Any) -> CompiledModel:
-    """The model of these bodies of the world, with `more` elements beside them, without any of a robot."""
+    """The model of these bodies of the world, with `more` elements beside them, without any of a robot.
+    `known`: as in `Written`."""
     text = f"<mujoco><worldbody>{bodies}</worldbody>{more}</mujoco>"
     model = mujoco.MjModel.from_xml_string(text)
-    return CompiledModel(Path("scene.xml"), model, robot or robot_with([], root="base"), **known)
+    robot = robot or robot_with([], root="base")
+    written = Written(robot, mjcf_form=MjcfForm((), robot.mjcf), **known)
+    return CompiledModel(Path("scene.xml"), model, written)
 
 
 def only(checks: Any, name: str) -> Check:

@@ -18,7 +18,7 @@ from stages.validate.keys import ValidateKeys
 
 
 def checks_of(folder: Path, truth: Truth) -> tuple[Check, ...]:
-    return validate(folder, truth.robot, ValidateKeys.model_validate({}), *truth.known)
+    return validate(folder, truth.written, ValidateKeys.model_validate({}))
 
 
 def truth_of(folder: Path) -> Truth:

@@ -66,8 +66,7 @@ def built(path: Path, folder: Path, **keys: Any) -> tuple[list[Diagnostic], tupl
     for name, data in exported.files.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_bytes(data)
-    known = exported.actuation, geometry, exported.form, exported.mjcf_form, exported.sensing
-    checks = validate(folder, robot, plan, *known, exported.amendments, exported.scene)
+    checks = validate(folder, exported.written, plan)
     failed = tuple(f"{check.name}: {check.detail[:120]}" for check in checks if check.fails)
     return [*warnings, *robot.diagnostics, *geometry.diagnostics, *exported.diagnostics], failed
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import mujoco
 
+from stages.formats.written import Written
 from stages.robot.geometry import Geometry
 from stages.robot.model import Robot
 from stages.validate.compiled import CompiledModel
@@ -15,4 +16,4 @@ ONE_HINGE = robot_with([joint("revolute", "base", "arm")])
 def compiled_of(text: str, robot: Robot = ONE_HINGE, geometry: Geometry | None = None) -> CompiledModel:
     """What a check gets of this MJCF."""
     model = mujoco.MjModel.from_xml_string(text)
-    return CompiledModel(Path("robot.xml"), model, robot, geometry=geometry)
+    return CompiledModel(Path("robot.xml"), model, Written(robot, geometry=geometry))

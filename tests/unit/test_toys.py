@@ -177,7 +177,7 @@ KEYS = ToyKeys
         "stages/export/toy/writer.py",
         '''"""The toy writer."""
 
-from stages.export.writer import Exported, WriterInput
+from stages.export.writer import FormatFiles, WriterInput
 
 
 class ToyWriter:
@@ -187,10 +187,11 @@ class ToyWriter:
     def paths(self, robot):
         return (f"{robot}.txt",)
 
-    def write(self, given: WriterInput) -> Exported:
-        (path,) = self.paths(given.robot.name)
-        lines = [given.keys.export.toy.title, *(link.name for link in given.robot.links), *given.files]
-        return Exported({path: "\\n".join(lines).encode()})
+    def write(self, given: WriterInput) -> FormatFiles:
+        robot = given.written.robot
+        (path,) = self.paths(robot.name)
+        lines = [given.keys.export.toy.title, *(link.name for link in robot.links), *given.files]
+        return FormatFiles({path: "\\n".join(lines).encode()})
 
 
 WRITER = ToyWriter()

@@ -1,6 +1,6 @@
 """The bodies of an MJCF: links with their joints, inertials, geoms and sites."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -10,15 +10,14 @@ from stages.export.mjcf.loops import Closures
 from stages.export.mjcf.placement import above_bodies, orientation, placement, write_placed
 from stages.export.paints import Paint, paint
 from stages.formats.numbers import LENGTH, number, rounded_tensor, spaced
+from stages.formats.written import Written
 from stages.formats.xml import Element, element
-from stages.robot.actuation import Actuation
-from stages.robot.fusing import Holders
+from stages.robot.fusing import members
 from stages.robot.geom_form import ContactProperties
-from stages.robot.geometry import Geometry, Shape
+from stages.robot.geometry import Shape
 from stages.robot.inertia import moved, principal_axes
 from stages.robot.kinematics import chain
-from stages.robot.mjcf_extras import NO_EXTRAS
-from stages.robot.model import Array, Configuration, Frame, Inertial, Joint, Link, Primitive, Robot
+from stages.robot.model import Array, Frame, Inertial, Joint, Link, Primitive
 from stages.robot.names import free
 from stages.robot.poses import UNMOVED, inverse
 
@@ -27,23 +26,19 @@ PRINCIPAL = 1e-9
 
 
 class BodyWriter:
-    """The tree of bodies, below the worldbody, of a robot whose links each have one. `groups`: by link, those
-    whose shapes its body has, with link_from_one (4, 4)."""
+    """The tree of bodies, below the worldbody. `painted`: the names of the materials; `bits`: see
+    `Filters`."""
 
     def __init__(
         self,
         world: Element,
-        robot: Robot,
-        groups: Mapping[str, Sequence[tuple[str, Array]]],
-        geometry: Geometry,
-        start: Configuration,
+        written: Written,
         world_from_root: Array,
         painted: dict[Paint, str],
         closures: Closures,
-        actuation: Actuation,
         bits: Mapping[Geom, tuple[int, int]],
     ) -> None:
-        extras = robot.mjcf or NO_EXTRAS
+        extras, geometry, actuation = written.extras, written.shapes, written.actuation
         self.frames = {frame.link: frame for frame in extras.bodies}
         self.extras = {kind: extras.attributes_of(kind) for kind in ("body", "joint", "freejoint", "site")}
         self.mounted = extras.mounted
@@ -51,10 +46,12 @@ class BodyWriter:
         self.taken |= {one.element.name for one in extras.mounted if one.element.tag == "geom"}
         self.written: set[str] = set()
         self.world = world
-        self.robot = robot
-        self.groups = groups
+        self.robot = written.as_mjcf.robot
+        self.held = written.as_mjcf.held
+        self.groups = members(written.robot, self.held)
+        """By link: those whose shapes its body has, with link_from_one (4, 4)."""
         self.shapes = geometry.by_link()
-        self.start = start
+        self.start = written.start
         self.world_from_root = world_from_root
         self.painted = painted
         self.closures = closures
@@ -95,10 +92,10 @@ class BodyWriter:
             _inertial(body, self.closures.carries(carrier))
             self.closures.write_sites(body, carrier.name, UNMOVED)
 
-    def write_mounted(self, holders: Holders) -> None:
+    def write_mounted(self) -> None:
         """The elements that only an MJCF has, under the bodies that carry them."""
         for one in self.mounted:
-            holder, holder_from_link = holders[one.link]
+            holder, holder_from_link = self.held[one.link]
             body, body_from_holder = self.elements[holder]
             # The source's body has the place that it has on the link.
             own = self.frames.get(one.link)

@@ -5,6 +5,7 @@ from dataclasses import replace
 from itertools import product
 from typing import TYPE_CHECKING
 
+from stages.formats.written import Written
 from stages.robot.dofs import AS_THE_MATE
 from stages.robot.errors import Diagnostic
 from stages.robot.geometry import Geometry
@@ -86,11 +87,12 @@ def _names(robot: Robot, geometry: Geometry, extras: MjcfExtras) -> set[tuple[st
     return names
 
 
-def lost(robot: Robot, geometry: Geometry, extras: MjcfExtras | None) -> Iterator[Diagnostic]:
+def lost(written: Written) -> Iterator[Diagnostic]:
     """W-MJCF-LEFT: what the source has and the MJCF that is written has not."""
+    robot, extras = written.robot, written.mjcf_form.extras
     if robot.mjcf is None or extras is None:
         return
-    apart = _parted(geometry)
+    apart = _parted(written.shapes)
     before, after = (
         [
             f"{section.tag} {element.name}".rstrip()

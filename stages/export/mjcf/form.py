@@ -5,11 +5,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from stages.export.mjcf.extras import extras_of
-from stages.export.mjcf.filters import Filters, filters
+from stages.export.mjcf.filters import filters
 from stages.export.sensor_mounts import loaded_links
 from stages.formats.mjcf_form import MjcfForm
-from stages.formats.mjcf_written import as_written, form_with, holders
-from stages.robot.fused_geometry import fused_geometry
+from stages.formats.mjcf_written import form_with
+from stages.formats.written import Written
 from stages.robot.geometry import Geometry
 from stages.robot.model import Robot
 
@@ -29,17 +29,13 @@ def form_of(robot: Robot, geometry: Geometry, keys: "ExportKeys") -> MjcfForm:
     form = form_with(robot, loaded, merges)
     if not form.fused:
         return form
-    held = holders(robot, form)
-    kept_apart = filters_of(robot, geometry, form)
-    unfused = filters_of(robot, geometry, MjcfForm((), robot.mjcf))
+    written = Written(robot, geometry=geometry, mjcf_form=form)
+    held = written.as_mjcf.held
+    kept_apart = filters(written.as_mjcf.robot, written.mjcf_shapes)
+    unfused = filters(robot, geometry)
     crowded = {link for pair in kept_apart.wide for link in pair}
-    needed = Counter(frozenset(held[link][0] for link, _ in pair) for pair in unfused.kept)
-    written = Counter(frozenset(link for link, _ in pair) for pair in kept_apart.kept)
-    crowded |= {link for pair, number in written.items() if number > needed[pair] for link in pair}
+    wanted = Counter(frozenset(held[link][0] for link, _ in pair) for pair in unfused.kept)
+    kept = Counter(frozenset(link for link, _ in pair) for pair in kept_apart.kept)
+    crowded |= {link for pair, number in kept.items() if number > wanted[pair] for link in pair}
     lost = [link for link in form.fused if held[link][0] in crowded]
     return form_with(robot, {*loaded, *lost}, merges) if lost else form
-
-
-def filters_of(robot: Robot, geometry: Geometry, form: MjcfForm) -> Filters:
-    """What keeps the excludes of `geometry` from colliding, by the links that have bodies."""
-    return filters(as_written(robot, form), fused_geometry(robot, geometry, holders(robot, form)))

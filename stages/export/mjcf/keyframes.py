@@ -7,40 +7,40 @@ from stages.export.mjcf.actuators import KeyedActuator, drives, key_attributes
 from stages.export.mjcf.joints import free_joint_name, free_qpos, qpos
 from stages.export.mjcf.sections import drives_of
 from stages.formats.mjcf_joints import joints_in_order
-from stages.formats.mjcf_written import as_written
 from stages.formats.numbers import TURN, number
 from stages.formats.xml import Element, element
-from stages.robot.mjcf_extras import NO_EXTRAS
 from stages.robot.model import Array, Configuration, Robot
 from stages.robot.poses import UNMOVED
 from stages.robot.start_pose import keyframes
 
 if TYPE_CHECKING:
     from stages.export.writer import WriterInput
+    from stages.formats.written import Written
 
 
 def write_keyframes(root: Element, given: "WriterInput", model: Element | None = None) -> None:
     """The keyframes, with the controls for which the actuators rest there. `model`: the robot's own, where
     `root` is that of the scene."""
-    robot, extras = as_written(given.robot, given.mjcf_form), given.mjcf_form.extras or NO_EXTRAS
+    written = given.written
+    robot, extras = written.as_mjcf.robot, written.extras
     joints = [node.get("name") for node, _ in joints_in_order(root if model is None else model)]
     beside = {one.name: one.scene or extras.scene_qpos for one in extras.keyframes}
     if not joints and not extras.scene_qpos:
         return
     keyframe = element(root, "keyframe")
     for name, q in keyframes(robot).items():
-        texts = dict(_qpos(robot, q, given.start, given.standing.placed(q, name)))
+        texts = dict(_qpos(robot, q, written.start, given.standing.placed(q, name)))
         numbers = [texts[joint] for joint in joints]
         if model is not None:
             numbers += [number(one, least=TURN) for one in beside.get(name, extras.scene_qpos)]
-        every = [*_driven(given, name, q), *(drives_of(extras.scene) if model is not None else ())]
+        every = [*_driven(written, name, q), *(drives_of(extras.scene) if model is not None else ())]
         element(keyframe, "key", name=name, qpos=" ".join(numbers), **key_attributes(every))
 
 
-def _driven(given: "WriterInput", keyframe: str, q: Configuration) -> list[KeyedActuator]:
+def _driven(written: "Written", keyframe: str, q: Configuration) -> list[KeyedActuator]:
     """The robot's actuators in the order of the file."""
-    extras = given.mjcf_form.extras or NO_EXTRAS
-    every = {one.name: one for one in drives(given.actuation, keyframe, q)}
+    extras = written.extras
+    every = {one.name: one for one in drives(written.actuation, keyframe, q)}
     every |= {one.name: one for one in drives_of(extras.sections)}
     return [every[name] for name in extras.in_order("actuator", every)]
 

@@ -20,10 +20,8 @@ from stages.export.mjcf.sensing import write_mounted
 from stages.export.mjcf.settings import text
 from stages.export.mujoco_keys import IN_THE_ROBOT
 from stages.export.paints import Paint, materials
-from stages.formats.mjcf_written import as_written, holders
 from stages.formats.numbers import TURN, number, spaced
 from stages.formats.xml import Element, element, to_bytes
-from stages.robot.fusing import members
 from stages.robot.geometry import Geometry
 from stages.robot.mjcf_extras import NO_EXTRAS, MjcfExtras
 from stages.robot.model import Configuration, Relation, Robot, Value
@@ -37,38 +35,35 @@ SOLREF = (0.005, 1.0)
 
 
 def write_mjcf(given: "WriterInput", kept_apart: Filters) -> bytes:
-    """The model, whose qpos0 is `given.start` (values of the tree's dofs and of the loops' own).
+    """The model, whose qpos0 is the robot's `start` (values of the tree's dofs and of the loops' own).
     `kept_apart`: by the links that have bodies."""
-    geometry, start, actuation = given.geometry, given.start, given.actuation
-    held_by = holders(given.robot, given.mjcf_form)
-    groups = members(given.robot, held_by)
-    robot = as_written(given.robot, given.mjcf_form)
+    written, timestep = given.written, given.keys.scene.option.timestep
+    robot, geometry, actuation = written.as_mjcf.robot, written.shapes, written.actuation
     root = element(None, "mujoco", model=robot.name)
     textures = "assets" if any(shape.texture for shape in geometry.shapes) else None
     element(root, "compiler", angle="radian", meshdir="assets", texturedir=textures, autolimits="true")
-    extras = given.mjcf_form.extras or NO_EXTRAS
+    extras = written.extras
     _option(root, given.keys.scene.option, extras)
     top = free(robot.name, {"main", "visual", "collision"})
     classes = _defaults(root, top, geometry.self_contact)
     painted = _assets(root, geometry)
     closures = Closures(robot)
     world = element(root, "worldbody")
-    place = given.standing.placed(start)
-    bits = kept_apart.bits
-    bodies = BodyWriter(world, robot, groups, geometry, start, place, painted, closures, actuation, bits)
+    place = given.standing.placed(written.start)
+    bodies = BodyWriter(world, written, place, painted, closures, kept_apart.bits)
     bodies.write()
     cameras = given.keys.scene.cameras
     for link, every in carried_cameras(robot, cameras).items():
         body, body_from_link = bodies.elements[link]
         for name, link_from_frame in every:
             write_camera(body, name, cameras[name], body_from_link @ link_from_frame)
-    write_mounted(bodies.elements, held_by, given.sensing)
-    bodies.write_mounted(held_by)
+    write_mounted(bodies.elements, written.as_mjcf.held, written.sensing)
+    bodies.write_mounted()
     for body in world.iterchildren("body"):
         body.set("childclass", top)
     write_contacts(root, kept_apart, bodies.colliders, bodies.contacts)
-    _equalities(root, robot, start, closures, given.keys.scene.option.timestep)
-    write_actuation(root, actuation, given.sensing.sensors, extras)
+    _equalities(root, robot, written.start, closures, timestep)
+    write_actuation(root, actuation, written.sensing.sensors, extras)
     motors = {
         actuator.dof: actuator.motor
         for actuator in actuation.actuators

@@ -3,32 +3,31 @@ other."""
 
 from collections.abc import Iterator
 
-from stages.robot.actuation import Actuation
+from stages.formats.written import Written
 from stages.robot.errors import Diagnostic
-from stages.robot.model import Configuration, Robot
 
 FAR = {"turn": 0.1, "slide": 0.01}
 """How far [rad, m] a servo may go after a plain reset until that is reported."""
 
 
-def reset(robot: Robot, start: Configuration, actuation: Actuation) -> Iterator[Diagnostic]:
+def reset(written: Written) -> Iterator[Diagnostic]:
     """I-RESET for servos that a control of 0, or what is nearest to it in their range, takes away from where
-    they are at qpos0 (`start`)."""
-    leaving = list(_leaving(robot, start, actuation))
+    they are at qpos0."""
+    leaving = list(_leaving(written))
     if leaving:
         yield Diagnostic(
             "I-RESET",
             "mj_resetData sets each control to 0 whatever qpos0 is, so after it these servos leave qpos0: "
             + ", ".join(leaving),
-            f"{robot.name}.xml",
+            f"{written.robot.name}.xml",
             'start at a keyframe: mj_resetDataKeyframe(model, data, model.key("home").id)',
         )
 
 
-def _leaving(robot: Robot, start: Configuration, actuation: Actuation) -> Iterator[str]:
-    kinds = {dof.name: dof.kind for dof in robot.dofs}
-    for actuator in actuation.actuators:
-        value = start[actuator.dof]
+def _leaving(written: Written) -> Iterator[str]:
+    kinds = {dof.name: dof.kind for dof in written.robot.dofs}
+    for actuator in written.actuation.actuators:
+        value = written.start[actuator.dof]
         if actuator.type not in ("position", "pid") or isinstance(value, tuple):
             continue
         low, high = actuator.control or (0.0, 0.0)

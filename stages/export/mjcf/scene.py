@@ -15,7 +15,6 @@ from stages.export.mujoco_keys import IN_THE_ROBOT
 from stages.export.scene_records import ground_pose
 from stages.formats.numbers import number, spaced
 from stages.formats.xml import Element, element, parse, to_bytes
-from stages.robot.mjcf_extras import NO_EXTRAS
 from stages.robot.names import free
 from stages.robot.scene import FLOOR as GROUND
 
@@ -33,8 +32,8 @@ PLAIN = "0.5 0.5 0.5 1"
 
 def write_scene(given: "WriterInput", model: bytes) -> bytes:
     """The scene around `<robot>.xml`, which it includes and whose text is `model`."""
-    robot, keys, standing = given.robot.name, given.keys, given.standing
-    extras = given.mjcf_form.extras or NO_EXTRAS
+    robot, keys, standing = given.written.robot.name, given.keys, given.standing
+    extras = given.written.extras
     root = parse(TEMPLATE.read_bytes())
     root.set("model", f"{robot}_scene")
     root.find("include").set("file", f"{robot}.xml")

@@ -5,17 +5,15 @@ import math
 from collections.abc import Iterator, Sequence
 
 from stages.export.mjcf.filters import CLASSES
-from stages.formats.mjcf_form import AS_IS, MjcfForm
-from stages.formats.mjcf_written import holders
+from stages.formats.written import Written
 from stages.robot.adjacency import Pair
 from stages.robot.errors import Diagnostic
-from stages.robot.model import Configuration, Robot, Value
+from stages.robot.model import Value
 
 
-def unsupported(
-    robot: Robot, start: Configuration, wide: Sequence[Pair], form: MjcfForm = AS_IS
-) -> Iterator[Diagnostic]:
-    """One diagnostic for each kind of loss. `start`: qpos0, by dof. `wide`: see `Filters`."""
+def unsupported(written: Written, wide: Sequence[Pair] = ()) -> Iterator[Diagnostic]:
+    """One diagnostic for each kind of loss. `wide`: see `Filters`."""
+    robot = written.robot
     file = f"{robot.name}.xml"
     balls = [dof for dof in robot.dofs if dof.kind == "ball"]
     cones = [dof.name for dof in balls if dof.limits.upper is not None]
@@ -40,7 +38,7 @@ def unsupported(
         yield Diagnostic(
             "I-BALL-ZERO",
             "a ball joint's q = 0 is its pose at qpos0 in the MJCF, and its mate's zero in the URDF: "
-            + ", ".join(f"{dof.name} ({_angle_from_zero(start[dof.name])})" for dof in balls),
+            + ", ".join(f"{dof.name} ({_angle_from_zero(written.start[dof.name])})" for dof in balls),
             file,
             "robot.json has both, under zero of the dof",
         )
@@ -53,8 +51,7 @@ def unsupported(
             file,
             "links with fewer colliders, or others in contact.exclude, leave classes for these",
         )
-    held = holders(robot, form)
-    into = [f"{link} into {held[link][0]}" for link in form.fused]
+    into = [f"{link} into {written.as_mjcf.held[link][0]}" for link in written.mjcf_form.fused]
     if into:
         yield Diagnostic(
             "I-MJCF-MERGED",

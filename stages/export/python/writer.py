@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from stages.export.writer import Exported, WriterInput
+from stages.export.writer import FormatFiles, WriterInput
 
 FOLDER = "python"
 """Where the package lies in the output."""
@@ -17,12 +17,12 @@ class PythonWriter:
     def paths(self, robot: str) -> tuple[str, ...]:
         return (f"{FOLDER}/*",)
 
-    def write(self, given: WriterInput) -> Exported:
+    def write(self, given: WriterInput) -> FormatFiles:
         """Its files, with copies of all that the other formats have, and of robot.json."""
         from stages.export.python.keys import PythonFormatKeys, module_of
         from stages.export.python.package import module, pyproject, readme
 
-        robot = given.robot.name
+        robot = given.written.robot.name
         keys = given.keys.export.python or PythonFormatKeys()
         package, folder = _names(given)
         own = module_of(package)
@@ -34,7 +34,7 @@ class PythonWriter:
             f"{own}/py.typed": b"",
             **data,
         }
-        return Exported({f"{FOLDER}/{path}": text for path, text in files.items()})
+        return FormatFiles({f"{FOLDER}/{path}": text for path, text in files.items()})
 
 
 def package_record(given: WriterInput) -> dict[str, Any]:
@@ -52,7 +52,7 @@ def _names(given: WriterInput) -> tuple[str, str]:
     from stages.export.package_names import package_of
     from stages.export.python.keys import PythonFormatKeys
 
-    robot, urdf = given.robot.name, given.keys.export.urdf
+    robot, urdf = given.written.robot.name, given.keys.export.urdf
     keys = given.keys.export.python or PythonFormatKeys()
     # Who looks for package:// looks for a folder of that name.
     in_package = urdf is not None and urdf.meshes == "package"

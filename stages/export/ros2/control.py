@@ -8,9 +8,8 @@ import numpy as np
 
 from stages.export.ros2.description import Description
 from stages.export.ros2.names import legal_names
-from stages.formats.urdf.as_written import as_written
-from stages.formats.urdf.form import UrdfForm
-from stages.formats.urdf.names import UrdfNames, urdf_names
+from stages.formats.urdf.names import UrdfNames
+from stages.formats.written import Written
 from stages.formats.xml import Element
 from stages.robot.actuation import Actuation
 from stages.robot.model import Robot, Sensor
@@ -105,18 +104,16 @@ class Control:
         return [joint.name for joint in self.joints if interface in joint.commands]
 
 
-def control_of(
-    robot: Robot, form: UrdfForm, actuation: Actuation, sensing: Sensing, description: Description
-) -> Control:
+def control_of(written: Written, description: Description) -> Control:
     """How ros2_control has the robot: every joint of the URDF that moves, and what drives it."""
     own = description.root.findall("ros2_control")
-    values = _values(robot, urdf_names(as_written(robot, form)))
+    values = _values(written.robot, written.urdf_names)
     given = _given(own)
     former = {name: before for before, name in description.names.joints.items()}
     driven: dict[str, list[str]] = defaultdict(list)
-    for one in actuation.actuators:
+    for one in written.actuation.actuators:
         driven[one.dof].append(one.type)
-    measured = _measured(actuation, sensing)
+    measured = _measured(written.actuation, written.sensing)
     joints, by_effort, held_back = [], [], []
     for node in description.moving:
         name = str(node.get("name"))
@@ -132,7 +129,7 @@ def control_of(
         effort = "effort" in commands or before in measured
         states = ("position", "velocity", "effort") if effort else ("position", "velocity")
         joints.append(ControlJoint(name, commands, states, values.get(before, 0.0), follows, source))
-    sensors, left_out = _sensors(robot, form, sensing, description, [one.name for one in joints])
+    sensors, left_out = _sensors(written, description, [one.name for one in joints])
     plugin, parameters = _hardware(own)
     return Control(
         tuple(joints), sensors, plugin, parameters, tuple(by_effort), tuple(held_back), tuple(left_out)
@@ -192,10 +189,10 @@ def _hardware(controls: Sequence[Element]) -> tuple[str, Parameters]:
 
 
 def _sensors(
-    robot: Robot, form: UrdfForm, sensing: Sensing, description: Description, joints: Sequence[str]
+    written: Written, description: Description, joints: Sequence[str]
 ) -> tuple[tuple[ControlSensor, ...], list[str]]:
     """The sensors that have a broadcaster, and the names of those that have none."""
-    frames = dict(_frames(robot, form, sensing, description))
+    frames, sensing = dict(_frames(written, description)), written.sensing
     groups: dict[tuple[str, str, str], list[Sensor]] = defaultdict(list)
     left_out = [camera.name for camera in sensing.cameras]
     for one in sensing.sensors:
@@ -222,19 +219,16 @@ def _sensors(
     return tuple(found), left_out
 
 
-def _frames(
-    robot: Robot, form: UrdfForm, sensing: Sensing, description: Description
-) -> Iterator[tuple[str, str]]:
+def _frames(written: Written, description: Description) -> Iterator[tuple[str, str]]:
     """(name of a site, frame or link, the link of the package that is there)."""
-    written = as_written(robot, form)
     own = description.names.links
-    here = {link.name: link.name for link in written.links}
+    here = {link.name: link.name for link in written.as_urdf.robot.links}
     here |= {
         site.name: site.link
-        for site in sensing.sites
+        for site in written.sensing.sites
         if site.link in here and np.array_equal(site.link_from_site, np.eye(4))
     }
-    here |= urdf_names(written).frames
+    here |= written.urdf_names.frames
     # The user's own XML may have taken a link away.
     yield from ((name, own[link]) for name, link in here.items() if link in own)
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from stages.export.writer import Exported, WriterInput
+from stages.export.writer import FormatFiles, WriterInput
 
 if TYPE_CHECKING:
     from stages.export.ros2.control import Control
@@ -38,7 +38,7 @@ class Ros2Writer:
     def paths(self, robot: str) -> tuple[str, ...]:
         return (f"{FOLDER}/*",)
 
-    def write(self, given: WriterInput) -> Exported:
+    def write(self, given: WriterInput) -> FormatFiles:
         """Its files, with copies of the meshes, and those of MoveIt's package beside it."""
         from stages.export import VERSION
         from stages.export.package_names import package_of
@@ -50,11 +50,11 @@ class Ros2Writer:
         from stages.export.ros2.trajectories import trajectories_of
         from stages.export.ros2.unsupported import unsupported
 
-        robot = given.robot
+        robot = given.written.robot
         keys = given.keys.export.ros2 or Ros2FormatKeys()
         package = keys.package or package_of(robot.name)
         description = described(given.files[f"{robot.name}.urdf"], package)
-        control = control_of(robot, given.form, given.actuation, given.sensing, description)
+        control = control_of(given.written, description)
         semantics = semantics_of(given.files[f"{robot.name}.srdf"], description)
         trajectories = trajectories_of(control.commanded("position"), semantics)
         controllers = controllers_of(control, trajectories)
@@ -66,7 +66,7 @@ class Ros2Writer:
         files = {f"{place}/{path}": data for path, data in _files(given, package, description, driven)}
         files |= beside
         record = {"package": package, "writer": VERSION, "renamed": description.names.renamed}
-        return Exported(files, told, record={"ros2": record})
+        return FormatFiles(files, told, record={"ros2": record})
 
 
 def _files(
@@ -82,7 +82,7 @@ def _files(
     from stages.formats.xml import to_bytes
     from stages.robot.names import free
 
-    name = given.robot.name
+    name = given.written.robot.name
     keys = given.keys.export.ros2 or Ros2FormatKeys()
     own = macro_of(name)
     parts = f"{name}_macro.xacro", f"{name}.ros2_control.xacro"
@@ -103,7 +103,7 @@ def _files(
         (f"urdf/{name}.urdf", to_bytes(description.root)),
         (f"rviz/{name}.rviz", rviz(description.base, given.standing)),
         ("launch/display.launch.py", display_launch(texts, home)),
-        *((f"meshes/{file}", data) for file, data in given.geometry.files.items()),
+        *((f"meshes/{file}", data) for file, data in given.written.shapes.files.items()),
     ]
     needs = [*ALWAYS]
     if controllers:
@@ -130,7 +130,7 @@ def _beside(
     from stages.export.ros2.names import moveit_package_of
     from stages.export.ros2.package import MOVEIT, cmake_lists, package_xml
 
-    name, keys = given.robot.name, given.keys.export.ros2 or Ros2FormatKeys()
+    name, keys = given.written.robot.name, given.keys.export.ros2 or Ros2FormatKeys()
     if not keys.moveit or not semantics.groups:
         return {}
     own = moveit_package_of(package)

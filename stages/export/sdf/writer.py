@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from stages.export.writer import Exported, WriterInput
+from stages.export.writer import FormatFiles, WriterInput
 
 if TYPE_CHECKING:
     from stages.export.sdf.model import SdfPlan
@@ -17,20 +17,20 @@ class SdfWriter:
     def paths(self, robot: str) -> tuple[str, ...]:
         return (f"{robot}.sdf", "model.config")
 
-    def write(self, given: WriterInput) -> Exported:
+    def write(self, given: WriterInput) -> FormatFiles:
         from stages.export.sdf.keys import SdfFormatKeys
         from stages.export.sdf.model import write_config, write_sdf
         from stages.export.sdf.unsupported import unsupported
 
-        plan = _plan(given)
-        model, config = self.paths(given.robot.name)
+        written, plan = given.written, _plan(given)
+        model, config = self.paths(written.robot.name)
         keys = given.keys.export.sdf or SdfFormatKeys()
         files = {
-            model: write_sdf(given.robot, given.geometry, keys, plan),
-            config: write_config(given.robot.name),
+            model: write_sdf(written.robot, written.shapes, keys, plan),
+            config: write_config(written.robot.name),
         }
-        losses = tuple(unsupported(given.robot, given.geometry, given.actuation, plan))
-        return Exported(files, losses, record={"sdf": _record(plan)})
+        losses = tuple(unsupported(written.robot, written.shapes, written.actuation, plan))
+        return FormatFiles(files, losses, record={"sdf": _record(plan)})
 
 
 def _record(plan: "SdfPlan") -> dict[str, Any]:
@@ -51,9 +51,9 @@ def _plan(given: WriterInput) -> "SdfPlan":
     from stages.export.sdf.sensors import sensors_of
     from stages.formats.sdf.names import sdf_names
 
-    robot, geometry = given.robot, given.geometry
+    robot, geometry = given.written.robot, given.written.shapes
     names = sdf_names(robot)
-    lowered = lower(robot, given.start, names)
+    lowered = lower(robot, given.written.start, names)
     # Engines leave out by themselves what a joint of their tree joins, but not what closes a loop.
     link = {own: name for name, own in names.links.items()}
     tree = [joint for joint in lowered.joints if joint.carries and {joint.parent, joint.child} <= link.keys()]
@@ -63,7 +63,7 @@ def _plan(given: WriterInput) -> "SdfPlan":
     return SdfPlan(
         names,
         lowered,
-        sensors_of(robot, given.sensing, held, solid),
+        sensors_of(robot, given.written.sensing, held, solid),
         sdf_contacts(geometry, joined),
         given.standing.placed(lowered.stands),
     )

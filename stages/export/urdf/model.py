@@ -14,9 +14,8 @@ from stages.export.urdf.form import package_of
 from stages.export.urdf.keys import UrdfFormatKeys
 from stages.export.urdf.lowering import LoweredJoint, lower
 from stages.formats.numbers import LENGTH, TURN, number, numbers, spaced
-from stages.formats.urdf.as_written import as_written, holders
-from stages.formats.urdf.form import AS_IS, UrdfForm
-from stages.formats.urdf.names import UrdfNames, urdf_names
+from stages.formats.urdf.names import UrdfNames
+from stages.formats.written import Written
 from stages.formats.xml import Element, element, parse, to_bytes
 from stages.robot.geometry import Geometry, Role, Shape
 from stages.robot.inertia import SPECK, ZERO
@@ -29,13 +28,10 @@ UNSET_REACH = {"revolute": 2 * math.pi, "prismatic": 1.0}
 """Defaults of limits that are not set [rad, m]: URDF requires a number."""
 
 
-def write_urdf(
-    robot: Robot, geometry: Geometry, keys: UrdfFormatKeys | None = None, form: UrdfForm = AS_IS
-) -> bytes:
-    """The robot as URDF in this form, with paths and inertials as `keys` choose."""
+def write_urdf(written: Written, keys: UrdfFormatKeys | None = None) -> bytes:
+    """The robot as URDF, with paths and inertials as `keys` choose."""
     keys = keys or UrdfFormatKeys()
-    held = holders(robot, form)
-    robot = as_written(robot, form)
+    robot, held, geometry = written.as_urdf.robot, written.as_urdf.held, written.shapes
     assets = _assets_of(keys, robot.name)
     massless = SPECK if keys.frame_inertia == "tiny" else ZERO
     root = element(None, "robot", name=robot.name)
@@ -71,7 +67,7 @@ def write_urdf(
                 multiplier=number(relation.multiplier),
                 offset=None if offset == "0" else offset,
             )
-    _frames(root, robot, urdf_names(robot), massless)
+    _frames(root, robot, written.urdf_names, massless)
     for text in robot.controls:
         root.append(parse(text.encode()))
     return to_bytes(root)

@@ -4,25 +4,26 @@ from collections.abc import Callable, Iterator
 
 from stages.export.urdf.lowering import lower, unset
 from stages.formats.numbers import number
-from stages.formats.urdf.as_written import as_written, holders
-from stages.formats.urdf.form import AS_IS, UrdfForm
+from stages.formats.urdf.form import UrdfForm
 from stages.formats.urdf.names import urdf_names, urdf_steps
+from stages.formats.written import Written
 from stages.robot.errors import Diagnostic
+from stages.robot.fusing import Holders
 from stages.robot.geometry import Geometry
 from stages.robot.inertia import NEXT_TO_NOTHING
 from stages.robot.linear_coupling import LinearCoupling
 from stages.robot.model import Robot
 
 
-def unsupported(robot: Robot, geometry: Geometry, form: UrdfForm = AS_IS) -> Iterator[Diagnostic]:
+def unsupported(written: Written) -> Iterator[Diagnostic]:
     """A diagnostic for each kind of loss that this robot has, in the order of the table; and of what the
     form of its URDF changes."""
-    written = as_written(robot, form)
+    file = f"{written.robot.name}.urdf"
     for loss in LOSSES:
-        yield from loss(written, f"{robot.name}.urdf")
-    yield from _loops(robot, form, f"{robot.name}.urdf")
-    yield from _merged(robot, form, f"{robot.name}.urdf")
-    yield from _contacts(geometry, f"{robot.name}.urdf")
+        yield from loss(written.as_urdf.robot, file)
+    yield from _loops(written.robot, written.urdf_form, file)
+    yield from _merged(written.as_urdf.held, file)
+    yield from _contacts(written.shapes, file)
 
 
 def _several_dofs(robot: Robot, file: str) -> Iterator[Diagnostic]:
@@ -122,8 +123,8 @@ def _frame_names(robot: Robot, file: str) -> Iterator[Diagnostic]:
             )
 
 
-def _merged(robot: Robot, form: UrdfForm, file: str) -> Iterator[Diagnostic]:
-    into = [f"{link} into {holder}" for link, (holder, _) in holders(robot, form).items() if link != holder]
+def _merged(held: Holders, file: str) -> Iterator[Diagnostic]:
+    into = [f"{link} into {holder}" for link, (holder, _) in held.items() if link != holder]
     if into:
         yield Diagnostic(
             "I-URDF-MERGED",

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from stages.export.writer import Exported, WriterInput
+from stages.export.writer import FormatFiles, WriterInput
 
 if TYPE_CHECKING:
     from stages.export.usd.model import UsdPlan
@@ -17,13 +17,13 @@ class UsdWriter:
     def paths(self, robot: str) -> tuple[str, ...]:
         return (f"{robot}.usda", f"{robot}_meshes.usd")
 
-    def write(self, given: WriterInput) -> Exported:
+    def write(self, given: WriterInput) -> FormatFiles:
         from stages.export.usd.keys import UsdFormatKeys
         from stages.export.usd.model import write_usd
         from stages.export.usd.shapes import meshes_layer
         from stages.export.usd.unsupported import unsupported
 
-        robot, geometry, plan = given.robot, given.geometry, _plan(given)
+        robot, geometry, plan = given.written.robot, given.written.shapes, _plan(given)
         keys = given.keys.export.usd or UsdFormatKeys()
         model, meshes = self.paths(robot.name)
         layer, places = meshes_layer(geometry)
@@ -31,8 +31,8 @@ class UsdWriter:
             model: write_usd(robot, geometry, plan, places, meshes).bytes(),
             meshes: layer.bytes(keys.geometry),
         }
-        losses = tuple(unsupported(robot, geometry, given.actuation, plan))
-        return Exported(files, losses, record=_record(plan))
+        losses = tuple(unsupported(robot, geometry, given.written.actuation, plan))
+        return FormatFiles(files, losses, record=_record(plan))
 
 
 def _record(plan: "UsdPlan") -> dict[str, Any]:
@@ -53,14 +53,15 @@ def _plan(given: WriterInput) -> "UsdPlan":
     from stages.formats.usd.zeros import ball_zeros
     from stages.robot.start_pose import home
 
-    names = usd_names(given.robot)
-    at_home = home(given.robot)
-    zeros = ball_zeros(given.robot, at_home)
+    robot = given.written.robot
+    names = usd_names(robot)
+    at_home = home(robot)
+    zeros = ball_zeros(robot, at_home)
     return UsdPlan(
         names,
-        usd_joints(given.robot, names, zeros),
-        drives_of(given.robot, given.actuation, at_home),
-        given.sensing,
+        usd_joints(robot, names, zeros),
+        drives_of(robot, given.written.actuation, at_home),
+        given.written.sensing,
         at_home,
         zeros,
         given.standing.world_from_root,

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 from stages.formats.urdf.form import UrdfForm
 from stages.formats.urdf.transmissions import with_joints
-from stages.robot.fusing import Holders, fused, on_fixed_joints
-from stages.robot.fusing import holders as holders_of
+from stages.robot.fusing import Holders, fused
 from stages.robot.model import Relation, Robot
 from stages.robot.names import free
 from stages.robot.start_pose import home
@@ -22,16 +21,10 @@ def form_with(robot: Robot, merged: bool = False, first: Sequence[str] = ()) -> 
     return UrdfForm(merged, couplings, closed_loops(robot, couplings))
 
 
-def holders(robot: Robot, form: UrdfForm) -> Holders:
-    """Every link's holder: itself, or of a link on a fixed joint that is merged its parent's."""
-    return holders_of(robot, on_fixed_joints(robot) if form.merged else ())
-
-
-def as_written(robot: Robot, form: UrdfForm) -> Robot:
-    """The robot that the URDF of this form describes: with all that was on merged links on their holders, and
-    with a relation for each <mimic>."""
+def as_written(robot: Robot, form: UrdfForm, held: Holders) -> Robot:
+    """The robot that the URDF of this form describes: with all that was on merged links on their holders
+    `held`, and with a relation for each <mimic>."""
     robot = replace(robot, relations=_relations(robot, form), mjcf=None)
-    held = holders(robot, form)
     if all(holder == link for link, (holder, _) in held.items()):
         return robot
     whole = fused(robot, held)

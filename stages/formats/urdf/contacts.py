@@ -2,11 +2,9 @@
 
 from collections.abc import Iterable, Mapping, Sequence, Set
 
-from stages.formats.urdf.as_written import as_written, holders
-from stages.formats.urdf.form import UrdfForm
+from stages.formats.written import Written
 from stages.robot.adjacency import Pair, adjacent_pairs
 from stages.robot.fusing import members
-from stages.robot.geometry import Geometry
 from stages.robot.model import Robot
 from stages.robot.semantics import NEVER
 
@@ -15,19 +13,18 @@ Reason = str
 the configuration says so; Never: never touching. Of pairs of the source's SRDF, its own words."""
 
 
-def known_pairs(
-    robot: Robot, geometry: Geometry, form: UrdfForm
-) -> tuple[dict[Pair, Reason], tuple[Pair, ...]]:
-    """The pairs of links of a URDF of this form that do not collide, in their order, with the reasons; of
+def known_pairs(written: Written) -> tuple[dict[Pair, Reason], tuple[Pair, ...]]:
+    """The pairs of links of the URDF that do not collide, in their order, with the reasons; of
     those that never meet only the ones that the source's SRDF has. And the pairs of which only some colliders
     do not collide."""
-    groups = members(robot, holders(robot, form))
+    robot, geometry = written.robot, written.shapes
+    groups = members(robot, written.as_urdf.held)
     solid = {shape.link for shape in geometry.shapes if shape.role == "collision"}
     parts = {link: [one for one, _ in held if one in solid] for link, held in groups.items()}
     order = [link for link, own in parts.items() if own]
     at = {link: number for number, link in enumerate(order)}
     if not geometry.self_contact:
-        joined = _joined(as_written(robot, form), {*order})
+        joined = _joined(written.as_urdf.robot, {*order})
         return dict.fromkeys(joined, "Adjacent") | _of_source(robot, parts, at), ()
     adjacent = frozenset(adjacent_pairs(robot, solid))
     given = {(one.link_a, one.link_b): one for one in geometry.excludes}

@@ -19,7 +19,3 @@ class UrdfForm:
     @property
     def mimics(self) -> tuple[LinearCoupling, ...]:
         return tuple(one for one in self.couplings if one.exact)
-
-
-AS_IS = UrdfForm()
-"""The robot as it is."""

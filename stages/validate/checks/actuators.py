@@ -24,7 +24,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     scene = compiled.path.name == SCENE
     if compiled.urdf or (scene and not compiled.has_keyframes):
         return
-    model, expected = compiled.model, compiled.actuation.actuators
+    model, expected = compiled.model, compiled.written.actuation.actuators
     extras = compiled.robot.mjcf or NO_EXTRAS
     sections = (*extras.sections, *(extras.scene if scene else ()))
     more = [element.name for element in children_of(sections, "actuator")]

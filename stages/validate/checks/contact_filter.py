@@ -35,7 +35,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     geometry = compiled.geometry
     if compiled.urdf or geometry is None or not geometry.shapes:
         return
-    if any(TAGS & {*one.sets, *one.added_tags} for one in compiled.amendments.changes):
+    if any(TAGS & {*one.sets, *one.added_tags} for one in compiled.written.amendments.changes):
         return
     model, found = compiled.model, []
     colliders = _colliders(compiled, geometry)

@@ -40,7 +40,7 @@ def _of_geoms(compiled: CompiledModel, geometry: Geometry) -> Iterator[Finding]:
     model, shapes = compiled.model, geometry.by_link()
     every = seen_and_solid(model)
     mine = {attribute for attribute in ATTRIBUTES if compiled.sets(attribute)}
-    changed = bool(compiled.amendments.of(compiled.path.name))
+    changed = bool(compiled.written.amendments.of(compiled.path.name))
     for link in compiled.robot.links:
         own = shapes[link.name, "collision"]
         _, geoms = every.get(body_index(model, link.name), ([], []))

@@ -46,7 +46,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     geometry = compiled.geometry
     if geometry is None or not geometry.self_contact:
         return
-    if any(TAGS & {*one.sets, *one.added_tags} for one in compiled.amendments.changes):
+    if any(TAGS & {*one.sets, *one.added_tags} for one in compiled.written.amendments.changes):
         return
     poses = max(FEWEST, min(POSES, PLACED // len(compiled.robot.links)))
     found = contact_errors(compiled, poses)

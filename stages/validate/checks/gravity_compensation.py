@@ -15,7 +15,7 @@ CODE = "C-ACTUATOR"
 def check(compiled: CompiledModel) -> Iterator[Check]:
     """Of an MJCF: the share of each body's weight that is compensated, and by which joints."""
     findings = few((*_of_bodies(compiled), *_of_joints(compiled)))
-    compensated = compiled.actuation.compensated
+    compensated = compiled.written.actuation.compensated
     detail = "what actuators carry of the weight" if compensated else "nothing carries weight but the joints"
     if findings:
         detail = f"differ: {', '.join(one.element for one in findings)}"
@@ -25,7 +25,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
 def _of_bodies(compiled: CompiledModel) -> Iterator[Finding]:
     model = compiled.model
     wanted = np.zeros(model.nbody)
-    for name, share in compiled.actuation.compensated:
+    for name, share in compiled.written.actuation.compensated:
         wanted[body_index(model, name)] = share
     own = {body_index(model, one.name) for one in compiled.robot.links}
     for body in () if compiled.sets("gravcomp") else sorted(own):
@@ -36,7 +36,7 @@ def _of_bodies(compiled: CompiledModel) -> Iterator[Finding]:
 
 def _of_joints(compiled: CompiledModel) -> Iterator[Finding]:
     """Where something is compensated: by its actuators, which have a limit, or by nothing that has one."""
-    model, compensating = compiled.model, compiled.actuation.compensating
+    model, compensating = compiled.model, compiled.written.actuation.compensating
     for name, _, dof in joints_of(compiled.robot, urdf=False):
         found, wanted = bool(model.jnt_actgravcomp[joint_index(model, name)]), dof.name in compensating
         if found != wanted and not compiled.sets("actuatorgravcomp"):

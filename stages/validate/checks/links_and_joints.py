@@ -46,7 +46,7 @@ def _names(compiled: CompiledModel) -> Check:
     robot, found = compiled.robot, list[Finding]()
     tag, attribute = ("robot", "name") if compiled.urdf else ("mujoco", "model")
     own = parse(compiled.path.read_bytes()).get(attribute, "")
-    if own != robot.name and not any(attribute in one.sets for one in compiled.amendments.changes):
+    if own != robot.name and not any(attribute in one.sets for one in compiled.written.amendments.changes):
         found.append(differs(tag, attribute, f'"{own}"', f'"{robot.name}"'))
     if robot.base.joint and not compiled.urdf:
         joint = joint_index(compiled.model, robot.base.joint)

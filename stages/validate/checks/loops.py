@@ -45,7 +45,7 @@ POINTS = {"revolute": (CONNECT, 2), "ball": (CONNECT, 1)}
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     if compiled.urdf:
-        if compiled.closed:
+        if compiled.written.urdf_form.closed:
             yield _closed_by_relations(compiled)
         return
     robot, model = compiled.robot, compiled.model
@@ -126,7 +126,7 @@ def _closed_by_relations(compiled: CompiledModel) -> Check:
     robot, model = compiled.robot, compiled.model
     data = mujoco.MjData(model)
     limits = ranges(robot)
-    loops = [loop for loop in robot.loops if loop.name in compiled.closed]
+    loops = [loop for loop in robot.loops if loop.name in compiled.written.urdf_form.closed]
     worst, where = 0.0, ""
     for share in np.linspace(0.0, 1.0, POSES):
         q = every_saved(robot)

@@ -94,7 +94,7 @@ def _compared(
         if not value <= ALIKE
     ]
     carried = not urdf and any(loop.type not in BY_EQUALITY for loop in robot.loops)
-    changes = compiled.amendments.of(compiled.path.name)
+    changes = compiled.written.amendments.of(compiled.path.name)
     added = [one.key for one in changes if WEIGHS & {*" ".join(one.adds).split()}]
     names = [dof.name for dof in scalar_dofs(robot)]
     weight = 9.81 * math.sqrt(sum(link.inertial.mass for link in robot.links))

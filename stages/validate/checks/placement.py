@@ -17,12 +17,12 @@ CODE = "C-PLACE"
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     """Of a robot whose scene is known."""
-    if compiled.scene is None:
+    if compiled.written.scene is None:
         return
-    expected, root = compiled.scene.world_from_root, compiled.robot.root.name
+    expected, root = compiled.written.scene.world_from_root, compiled.robot.root.name
     yield _at_start(compiled, root, expected)
     if not compiled.robot.base.fixed and not compiled.sets("qpos") and compiled.has_keyframes:
-        yield from _in_keyframes(compiled, root, compiled.scene.keyframes)
+        yield from _in_keyframes(compiled, root, compiled.written.scene.keyframes)
 
 
 def _at_start(compiled: CompiledModel, root: str, expected: Array) -> Check:

@@ -74,7 +74,7 @@ DOFS = (("damping", "dof_damping"), ("frictionloss", "dof_frictionloss"), ("arma
 def check(compiled: CompiledModel) -> Iterator[Check]:
     """Of a scene that has an MJCF of the robot beside it, which compiles."""
     own = compiled.path.with_name(f"{compiled.robot.name}.xml")
-    if not own.exists() or own == compiled.path or compiled.amendments.of(compiled.path.name):
+    if not own.exists() or own == compiled.path or compiled.written.amendments.of(compiled.path.name):
         return
     robot = _compiled(own)
     if robot is None:

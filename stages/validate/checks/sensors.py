@@ -32,7 +32,7 @@ NAMES: Mapping[str, str] = {"jointactuatorfrc": "JOINTACTFRC"}
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     """A URDF has no sensors."""
-    sensing = compiled.sensing
+    sensing = compiled.written.sensing
     if compiled.urdf or not (sensing.sensors or sensing.cameras):
         return
     found = [finding for one in sensing.sensors for finding in _differences(compiled.model, one)]
@@ -69,7 +69,7 @@ def _lens(compiled: CompiledModel, one: SensorCamera) -> Iterator[Finding]:
 
 def _order(compiled: CompiledModel) -> Iterator[Finding]:
     """The robot's sensors are in `sensordata` in their order."""
-    types = {one.name: one.type for one in compiled.sensing.sensors}
+    types = {one.name: one.type for one in compiled.written.sensing.sensors}
     wanted = list(types)
     found = [compiled.model.sensor(index).name for index in range(compiled.model.nsensor)]
     for place, (one, other) in enumerate(

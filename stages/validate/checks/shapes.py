@@ -101,7 +101,7 @@ def _added(
     """The geoms that a body has more than the robot, wherever in their order they stand: those without which
     the others fit. None where the user's own XML changes the file: what that adds comes last."""
     more = len(geoms) - len(shapes)
-    if more <= 0 or compiled.amendments.of(compiled.path.name):
+    if more <= 0 or compiled.written.amendments.of(compiled.path.name):
         return []
     added: list[int] = []
     at = 0

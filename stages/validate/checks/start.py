@@ -75,7 +75,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
 
 def _as_in_source(compiled: CompiledModel) -> bool:
     """Whether the robot stands at `home` where its source, an MJCF, has it, on no ground but the source's."""
-    robot, scene = compiled.robot, compiled.scene
+    robot, scene = compiled.robot, compiled.written.scene
     if robot.mjcf is None or scene is None or scene.ground is not None:
         return False
     roots = roots_in_source(robot)

@@ -38,14 +38,14 @@ PREFIX = "mjDSBL_"
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     """Of a robot whose scene is known, but for what the user's own XML sets."""
-    if compiled.scene is None:
+    if compiled.written.scene is None:
         return
-    ground = few(_ground(compiled, compiled.scene.ground)) if compiled.scene.ground else ()
+    ground = few(_ground(compiled, compiled.written.scene.ground)) if compiled.written.scene.ground else ()
     detail = "the ground is where the build put it, with its friction"
-    if compiled.scene.ground is None:
+    if compiled.written.scene.ground is None:
         detail = "the build has no ground"
     yield compiled.within("ground", float(len(ground)), 0.0, _said(detail, ground), ground)
-    options = few(_options(compiled, compiled.scene))
+    options = few(_options(compiled, compiled.written.scene))
     detail = "gravity, medium, time step, integrator and solver are those that the robot was judged with"
     yield compiled.within("physics", float(len(options)), 0.0, _said(detail, options), options)
 
@@ -104,7 +104,7 @@ def _off(model: Any, geom: int, ground: Ground) -> tuple[float, float]:
 
 
 def _options(compiled: CompiledModel, scene: Scene) -> Iterator[Finding]:
-    if any(one.added_tags & {"option", "flag"} for one in compiled.amendments.changes):
+    if any(one.added_tags & {"option", "flag"} for one in compiled.written.amendments.changes):
         return
     found, expected = compiled.model.opt, _expected(scene)
     for attribute in OPTIONS:

@@ -78,7 +78,7 @@ def _value(value: Any) -> Any:
 def _largest(compiled: CompiledModel, name: str, force: Array) -> float:
     """The largest force; of a robot that stands on its feet also what these carry, as the export stage has it
     of the weight alone."""
-    own = compiled.actuation.of(name)
+    own = compiled.written.actuation.of(name)
     stands = not compiled.robot.base.fixed and own is not None and own.load is not None
     return max(float(np.abs(force).max()), own.load if stands and own and own.load else 0.0)
 

@@ -46,7 +46,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
             wanted = expected.get((one.name, role), [])
             total += len(wanted)
             # What the user's own XML adds to a link comes after what is the robot's.
-            shapes = shapes[: len(wanted)] if compiled.amendments.of(compiled.path.name) else shapes
+            shapes = shapes[: len(wanted)] if compiled.written.amendments.of(compiled.path.name) else shapes
             found += differences(link(one.name, urdf=True), role, shapes, wanted, WORDS)
     found += _discarded(compiled)
     detail = f"{count(total, 'shape')} of the robot, with their files, sizes, places and colours"

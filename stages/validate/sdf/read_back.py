@@ -6,10 +6,9 @@ from pathlib import Path
 from stages.formats.sdf.elements import SdfError
 from stages.formats.sdf.names import sdf_names
 from stages.formats.sdf.parse import parse_sdf
+from stages.formats.written import Written
 from stages.formats.xml import parse
 from stages.robot.check import Check, Finding
-from stages.robot.model import Robot
-from stages.validate.expected import NOTHING_ELSE, Expected
 from stages.validate.findings import few
 from stages.validate.sdf.checks import CHECKS, links_and_joints
 from stages.validate.sdf.contacts import contacts
@@ -31,10 +30,8 @@ def _meshes(path: Path) -> Check:
     return Check(f"{path.name}: meshes", not found, detail, float(len(found)), 0.0, findings=few(found))
 
 
-def check_file(
-    path: Path, robot: Robot, expected: Expected = NOTHING_ELSE, *, quick: bool
-) -> Iterator[Check]:
-    """The results. `expected`: what is known besides the robot; `quick`: only whether it can be read. Where a
+def check_file(path: Path, written: Written, *, quick: bool) -> Iterator[Check]:
+    """The results. `quick`: only whether it can be read. Where a
     link or joint is missing, the checks that look for each by its name are left out."""
     try:
         model = parse_sdf(path.read_bytes())
@@ -45,15 +42,15 @@ def check_file(
     if quick:
         return
     yield _meshes(path)
-    given = ReadSdf(path.name, model, robot, sdf_names(robot))
+    given = ReadSdf(path.name, model, written.robot, sdf_names(written.robot))
     complete = links_and_joints(given)
     yield complete
     if complete.passed:
         for check in CHECKS:
             yield from check(given)
-        yield from of_model(given, expected)
-        looks = list(shapes(given, expected.geometry))
+        yield from of_model(given, written.scene)
+        looks = list(shapes(given, written.geometry))
         yield from looks
         # Masks are those of the robot's colliders only where there are as many.
         if all(check.passed for check in looks):
-            yield from contacts(given, expected.geometry)
+            yield from contacts(given, written.geometry)

@@ -9,8 +9,8 @@ from stages.formats.sdf.shapes import SdfShape
 from stages.robot.check import Check, Finding
 from stages.robot.geometry import Geometry, Shape
 from stages.robot.plural import count
+from stages.robot.scene import Scene
 from stages.validate.coordinates import SAME
-from stages.validate.expected import Expected
 from stages.validate.findings import differs, named, place_differs, shown
 from stages.validate.sdf.known import ReadSdf
 from stages.validate.solids import (
@@ -27,7 +27,7 @@ WORDS = ShapeWords("mesh uri", "mesh scale", ("pose", "pose"), "material diffuse
 """What an SDF calls what a shape is."""
 
 
-def of_model(read: ReadSdf, expected: Expected) -> Iterator[Check]:
+def of_model(read: ReadSdf, scene: Scene | None) -> Iterator[Check]:
     """Its name, that gravity and forces move its links, and that it stands where the scene has the robot. At
     what height a free robot touches the ground depends on its joints, which need not stand as at qpos0."""
     model, element = read.model, named("model", read.model.name)
@@ -38,8 +38,8 @@ def of_model(read: ReadSdf, expected: Expected) -> Iterator[Check]:
         own = named("link", one.name)
         found += [] if one.falls else [differs(own, "gravity", "false", "true")]
         found += [] if one.forced else [differs(own, "kinematic", "true", "false")]
-    if expected.scene is not None and read.robot.root.name != "world":
-        world_from_root = expected.scene.world_from_root
+    if scene is not None and read.robot.root.name != "world":
+        world_from_root = scene.world_from_root
         root = model.links[read.names.links[read.robot.root.name]]
         place = model.world_from_model @ root.model_from_link
         if not read.robot.base.fixed:

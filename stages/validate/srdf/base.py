@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 
-from stages.formats.urdf.names import urdf_names
 from stages.robot.check import Finding
 from stages.robot.passive import passive_dofs
 from stages.validate.findings import differs, named
@@ -44,11 +43,11 @@ def base(read: ReadSrdf) -> Iterator[Finding]:
 
 def passive(read: ReadSrdf) -> Iterator[Finding]:
     """Passive are the joints that nothing drives and that follow no other, and no others are."""
-    turns = urdf_names(read.written).turns
-    dofs = passive_dofs(read.robot, read.written, read.expected.actuation)
+    turns = read.written.urdf_names.turns
+    dofs = passive_dofs(read.robot, read.written.as_urdf.robot, read.written.actuation)
     expected = [name for dof in dofs for name in turns.get(dof, (dof,))]
     found = [node.get("name", "") for node in read.root.findall("passive_joint")]
-    followers = {one.follower for one in read.written.relations}
+    followers = {one.follower for one in read.written.as_urdf.robot.relations}
     for name in found:
         if name in read.chains.joints and name not in expected:
             dof = read.chains.joints[name].dof

@@ -2,7 +2,6 @@
 
 from collections.abc import Collection, Iterator
 
-from stages.formats.urdf.names import urdf_names
 from stages.formats.xml import Element
 from stages.robot.check import Finding
 from stages.validate.findings import differs, named
@@ -73,7 +72,7 @@ def _chains(read: ReadSrdf, node: Element) -> Iterator[Finding]:
 
 def _framed(read: ReadSrdf) -> Iterator[str]:
     """The links of the URDF that are frames of the robot, and that joints of groups move."""
-    for link in urdf_names(read.written).frames.values():
+    for link in read.written.urdf_names.frames.values():
         if read.joints_to(link):
             yield link
 
@@ -83,8 +82,8 @@ def end_effectors(read: ReadSrdf) -> Iterator[Finding]:
     link carries, at the end of the group that moves that link."""
     source = {effector.name: effector for effector in read.robot.semantics.end_effectors}
     nodes = {node.get("name", ""): node for node in read.root.findall("end_effector")}
-    written = read.expected.srdf.end_effectors if read.expected.srdf is not None else ()
-    for name in dict.fromkeys((*source, *written)):
+    srdf = read.written.srdf_form
+    for name in dict.fromkeys((*source, *(srdf.end_effectors if srdf is not None else ()))):
         if name not in nodes:
             yield Finding(named("end_effector", name), "name", "there is none")
     for name, effector in source.items():

@@ -3,28 +3,24 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from stages.formats.urdf.as_written import as_written
 from stages.formats.urdf.chains import UrdfChains, UrdfStep, chains_of
-from stages.formats.urdf.names import urdf_names
+from stages.formats.written import Written
 from stages.formats.xml import Element
 from stages.robot.model import Robot
-from stages.validate.expected import Expected
 from stages.validate.findings import named
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ReadSrdf:
-    """`root`: the file's; `robot`: what it must be of, and all else that is `expected`. `written`: the robot
-    as its URDF has it, and its `chains`. `links` and `joints`: every name that the URDF has, also of what the
-    user's own XML adds, of which nothing else is known. `groups`: by name, of two with the same name the
-    first; `moving`: the joints that groups have, which are all that move, but for free ones; `own`: the names
-    of the groups that every SRDF of the robot has: to a frame or link, of a gripper, of all joints, and those
-    of its source; `source_groups`: the latter with their joints."""
+    """`root`: the file's; `written`: the robot that it must be of. `chains`: those of the URDF. `links` and
+    `joints`: every name that the URDF has, also of what the user's own XML adds, of which nothing else is
+    known. `groups`: by name, of two with the same name the first; `moving`: the joints that groups have,
+    which are all that move, but for free ones; `own`: the names of the groups that every SRDF of the robot
+    has: to a frame or link, of a gripper, of all joints, and those of its source; `source_groups`: the latter
+    with their joints."""
 
     root: Element
-    robot: Robot
-    expected: Expected
-    written: Robot = field(init=False)
+    written: Written
     chains: UrdfChains = field(init=False)
     links: frozenset[str] = field(init=False)
     joints: frozenset[str] = field(init=False)
@@ -34,21 +30,19 @@ class ReadSrdf:
     source_groups: dict[str, frozenset[str]] = field(init=False)
 
     def __post_init__(self) -> None:
-        written = as_written(self.robot, self.expected.form)
-        chains = chains_of(written)
-        changes = self.expected.amendments.of(f"{self.robot.name}.urdf")
+        chains = chains_of(self.written.as_urdf.robot)
+        changes = self.written.amendments.of(f"{self.robot.name}.urdf")
         groups: dict[str, Element] = {}
         for node in self.root.findall("group"):
             groups.setdefault(node.get("name", ""), node)
         of_hands = (one.get("group", "") for one in self.root.findall("end_effector"))
-        turns = urdf_names(written).turns
+        turns = self.written.urdf_names.turns
         source = {
             group.name: frozenset(name for dof in group.joints for name in turns.get(dof, (dof,)))
             for group in self.robot.semantics.groups
         }
         added = [one.partition(" ") for change in changes for one in change.adds]
         for key, value in (
-            ("written", written),
             ("chains", chains),
             ("links", frozenset({*chains.links, *(name for tag, _, name in added if tag == "link")})),
             ("joints", frozenset({*chains.joints, *(name for tag, _, name in added if tag == "joint")})),
@@ -58,6 +52,10 @@ class ReadSrdf:
             ("source_groups", source),
         ):
             object.__setattr__(self, key, value)
+
+    @property
+    def robot(self) -> Robot:
+        return self.written.robot
 
     def moved_by(self, group: str) -> frozenset[str]:
         """The joints of a group that move: those that it names, above the links that it names, of its chains

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 
-from stages.formats.urdf.as_written import holders
 from stages.formats.urdf.contacts import Reason, known_pairs
 from stages.formats.xml import Element
 from stages.robot.check import Finding
@@ -23,12 +22,12 @@ def pairs(read: ReadSrdf) -> Iterator[Finding]:
     """Each pair that the robot keeps from colliding is there, with its reason; of others only those that
     never meet: as far as that is known, else as far as the robot does not say that they touch. Nothing where
     its shapes are unknown."""
-    geometry = read.expected.geometry
+    geometry = read.written.geometry
     if geometry is None:
         return
-    given, _ = known_pairs(read.robot, geometry, read.expected.form)
+    given, _ = known_pairs(read.written)
     expected = {frozenset(one): reason for one, reason in given.items()}
-    touching, srdf = _touching(read, geometry), read.expected.srdf
+    touching, srdf = _touching(read, geometry), read.written.srdf_form
     never = None if srdf is None else {frozenset(links) for links in srdf.never}
     known, seen = {*read.chains.links}, set[Links]()
     for node in read.root.findall("disable_collisions"):
@@ -71,5 +70,5 @@ def _otherwise(node: Element, expected: Reason | None, touches: bool, never: boo
 
 def _touching(read: ReadSrdf, geometry: Geometry) -> set[Links]:
     """The links of the URDF that touch at `home`."""
-    held = holders(read.robot, read.expected.form)
+    held = read.written.as_urdf.held
     return {frozenset((held[one.link_a][0], held[one.link_b][0])) for one in geometry.touching}

@@ -3,11 +3,10 @@
 from collections.abc import Iterator
 from pathlib import Path
 
+from stages.formats.written import Written
 from stages.formats.xml import Malformed, parse
 from stages.robot.check import Check
-from stages.robot.model import Robot
 from stages.validate.documents import sentence
-from stages.validate.expected import NOTHING_ELSE, Expected
 from stages.validate.findings import few
 from stages.validate.srdf.base import base, passive
 from stages.validate.srdf.groups import end_effectors, groups
@@ -33,10 +32,8 @@ CHECKS = {
 """In the order of the report: by name what looks, and what is true where it finds nothing."""
 
 
-def check_file(
-    path: Path, robot: Robot, expected: Expected = NOTHING_ELSE, *, quick: bool
-) -> Iterator[Check]:
-    """The results. `expected`: what is known besides the robot; `quick`: none, since the text alone is looked
+def check_file(path: Path, written: Written, *, quick: bool) -> Iterator[Check]:
+    """The results. `quick`: none, since the text alone is looked
     at elsewhere. None of a file that is no XML either."""
     try:
         root = parse(path.read_bytes())
@@ -44,7 +41,7 @@ def check_file(
         return
     if quick:
         return
-    read = ReadSrdf(root, robot, expected)
+    read = ReadSrdf(root, written)
     for name, (look, passed) in CHECKS.items():
         found = list(look(read))
         detail = sentence(tuple(found)) if found else passed

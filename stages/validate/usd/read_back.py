@@ -10,6 +10,7 @@ import numpy as np
 from stages.formats.usd.drives import drives_of
 from stages.formats.usd.names import UsdNames, usd_names
 from stages.formats.usd.zeros import ball_zeros
+from stages.formats.written import Written
 from stages.robot.check import Check, Finding
 from stages.robot.inertia import SPECK
 from stages.robot.kinematics import chain, link_poses
@@ -18,7 +19,6 @@ from stages.robot.plural import count
 from stages.robot.poses import at_rest, from_parts, inverse, motion
 from stages.robot.start_pose import HOME, home
 from stages.validate.coordinates import SAME, distance, spread
-from stages.validate.expected import NOTHING_ELSE, Expected
 from stages.validate.findings import few, named, shown, worst_first
 from stages.validate.usd.driving import driving
 from stages.validate.usd.model import moving, placed, rooted, shapes, units
@@ -92,10 +92,8 @@ class _Given:
         return from_parts(turned.T @ relative @ turned, np.zeros(3))
 
 
-def check_file(
-    path: Path, robot: Robot, expected: Expected = NOTHING_ELSE, *, quick: bool
-) -> Iterator[Check]:
-    """The results. `expected`: what is known besides the robot; `quick`: only whether it can be read. Where a
+def check_file(path: Path, written: Written, *, quick: bool) -> Iterator[Check]:
+    """The results. `quick`: only whether it can be read. Where a
     body or joint is missing, the checks that look for each by its name are left out."""
     try:
         usd = read_usd(path)
@@ -105,6 +103,7 @@ def check_file(
     yield Check(f"{path.name}: reads", True, "no errors")
     if quick:
         return
+    robot = written.robot
     at_home = home(robot)
     names = usd_names(robot)
     given = _Given(path.name, usd, robot, names, at_home, ball_zeros(robot, at_home))
@@ -115,25 +114,25 @@ def check_file(
     if complete.passed:
         for check in CHECKS:
             yield check(given)
-        known = expected.scene is not None and robot.root.name != "world"
-        place = dict(expected.scene.keyframes).get(HOME) if known and expected.scene else None
+        known = written.scene if robot.root.name != "world" else None
+        place = dict(known.keyframes).get(HOME) if known is not None else None
         found = [
             *usd.flaws,
             *rooted(usd, robot, names),
             *placed(usd, robot, names, place),
-            *moving(usd, robot, names, expected.geometry),
+            *moving(usd, robot, names, written.geometry),
         ]
         detail = "articulation, place, self-collision and pairs of bodies that do not collide"
         yield given.within("model", float(len(found)), 0.0, detail, found)
-        drives = drives_of(robot, expected.actuation, at_home)
+        drives = drives_of(robot, written.actuation, at_home)
         found = list(driving(usd, robot, names, drives, at_home))
         detail = "resistance, largest speed, state, drive and relations of each joint"
         yield given.within("drives", float(len(found)), 0.0, detail, found)
-        found = list(places(usd, robot, names, expected.sensing))
+        found = list(places(usd, robot, names, written.sensing))
         yield given.within("frames", float(len(found)), 0.0, "frames and cameras on their bodies", found)
-        if expected.geometry is not None:
-            found = list(shapes(usd, names, expected.geometry, path.parent))
-            total = count(len(expected.geometry.shapes), "shape")
+        if written.geometry is not None:
+            found = list(shapes(usd, names, written.geometry, path.parent))
+            total = count(len(written.geometry.shapes), "shape")
             detail = f"{total} of the robot, with their sizes and places, and what collides"
             yield given.within("shapes", float(len(found)), 0.0, detail, found)
 

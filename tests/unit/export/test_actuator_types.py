@@ -87,7 +87,7 @@ def test_what_is_given_is_in_the_compiled_model_and_passes_the_checks(
     found = write(robot, tmp_path, plan)
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
     assert np.ravel(getattr(model, f"actuator_{field}")[0])[index] == pytest.approx(value, rel=1e-12)
-    checks = validate(tmp_path, robot, plan, found.actuation)
+    checks = validate(tmp_path, found.written, plan)
     assert [one.name for one in checks if one.fails and "trial" not in one.name] == []
 
 
@@ -275,7 +275,7 @@ def test_parameters_that_need_others_are_told(entry: dict, text: str, hint: str)
 
 def test_entries_may_complete_each_other() -> None:
     entries = {"*": {"type": "pid", "ki": 3}, "arm*": {"imax": 2}}
-    found = export(pendulum(), NO_MESHES, plan_of(actuators=entries)).actuation
+    found = export(pendulum(), NO_MESHES, plan_of(actuators=entries)).written.actuation
     assert isinstance(found, Actuation)
     assert dict(found.actuators[0].terms) == {"input": "pos", "ki": "3", "imax": "2"}
     assert found.actuators[0].sag == 0
@@ -284,7 +284,7 @@ def test_entries_may_complete_each_other() -> None:
 def test_limits_bound_a_pid_as_a_position_servo() -> None:
     limits = {"arm_joint": Limits(-0.25, 0.5)}
     robot = robot_with([joint("revolute", "base", "arm", [0.0], place=ACROSS, limits=limits)])
-    found = export(robot, NO_MESHES, plan_of(actuators={"*": "pid"})).actuation
+    found = export(robot, NO_MESHES, plan_of(actuators={"*": "pid"})).written.actuation
     assert found is not None
     assert found.actuators[0].control == (-0.25, 0.5)
 

@@ -60,7 +60,7 @@ def exported(robot: Robot, **keys: object) -> Exported:
 
 
 def actuation(robot: Robot, **actuators: object) -> Actuation:
-    found = exported(robot, actuators=actuators).actuation
+    found = exported(robot, actuators=actuators).written.actuation
     assert found is not None
     return found
 
@@ -98,7 +98,7 @@ def problem(robot: Robot, **actuators: object) -> tuple[str, str, str]:
 
 def test_without_the_key_nothing_is_driven_and_the_advice_names_what_falls() -> None:
     found = exported(pendulum())
-    assert found.actuation == Actuation()
+    assert found.written.actuation == Actuation()
     assert b"<actuator" not in found.files["robot.xml"]
     assert b"ctrl=" not in found.files["robot.xml"]
     assert found.advice == "nothing holds arm_joint against its weight: try actuators=position"
@@ -195,8 +195,8 @@ def test_turns_and_slides_sag_less_than_their_bounds_in_a_simulation() -> None:
 
 def test_a_driven_dof_without_armature_gets_one_that_is_reported_and_one_that_is_given_stays() -> None:
     found = exported(both(), actuators={"*": "position"})
-    assert found.actuation is not None
-    added = {one.dof: one.value for one in found.actuation.armatures}
+    assert found.written.actuation is not None
+    added = {one.dof: one.value for one in found.written.actuation.armatures}
     model = mujoco.MjModel.from_xml_string(found.files["robot.xml"].decode())
     for name in ("lift", "arm_joint"):
         assert model.joint(name).damping[0] == 0
@@ -208,8 +208,8 @@ def test_a_driven_dof_without_armature_gets_one_that_is_reported_and_one_that_is
     table = json.loads(found.files["robot.json"])
     assert [dof["estimated"] for one in table["joints"] for dof in one["dofs"]] == [["armature"]] * 2
     kept = exported(both(armature=0.02), actuators={"*": "motor"})
-    assert kept.actuation is not None
-    assert kept.actuation.armatures == ()
+    assert kept.written.actuation is not None
+    assert kept.written.actuation.armatures == ()
     assert "I-ARMATURE" not in [one.code for one in kept.diagnostics]
 
 
@@ -450,9 +450,9 @@ def test_a_loop_has_as_many_driven_dofs_as_it_leaves_free_the_nearest_to_the_roo
     four_bar(kit)
     robot = robot_of(kit.document)
     found = exported(robot, actuators={"*": "position"})
-    assert found.actuation is not None
+    assert found.written.actuation is not None
     assert robot.mobility.dof == 1
-    (servo,) = found.actuation.actuators
+    (servo,) = found.written.actuation.actuators
     parents = {dof.name: one.parent for one in robot.joints for dof in one.dofs}
     assert parents[servo.dof] == robot.root.name
     (remark,) = (one for one in found.diagnostics if one.code == "I-ACTUATOR")
@@ -573,7 +573,7 @@ def test_a_robot_without_a_dof_can_be_built_with_servos(kit: Kit) -> None:
     base, arm = kit.place("Base", fixed=True), kit.place("Arm")
     kit.root.fasten("Weld", (arm, TOP), (base, SIDE))
     found = exported(robot_of(kit.document), actuators={"*": "position"})
-    assert found.actuation == Actuation()
+    assert found.written.actuation == Actuation()
 
 
 def test_legs_of_a_free_robot_hold_the_rest_of_it() -> None:
@@ -604,7 +604,7 @@ def test_actuate_scales_with_the_time_step() -> None:
 def test_the_weight_is_that_of_the_gravity_that_is_asked_for(gravity: list[float]) -> None:
     """A pendulum out along x: τ = −m g_z l at home, by which its servo sags in MuJoCo."""
     option = {"gravity": gravity}
-    found = exported(pendulum(), actuators={"*": "position"}, scene__option=option).actuation
+    found = exported(pendulum(), actuators={"*": "position"}, scene__option=option).written.actuation
     assert found is not None
     (servo,) = found.actuators
     assert servo.home_load == pytest.approx(MASS * ARM * -gravity[2], abs=1e-9)
@@ -615,8 +615,8 @@ def test_the_weight_is_that_of_the_gravity_that_is_asked_for(gravity: list[float
     assert targeted(model, 2.0).qpos[0] == pytest.approx(-sag, rel=0.02, abs=1e-9)
     assert at_home(model, 2.0).qpos[0] == pytest.approx(0.0, abs=1e-9)
     flag = exported(pendulum(), actuators={"*": "position"}, scene__option={"flag": {"gravity": "disable"}})
-    assert flag.actuation is not None
-    assert flag.actuation.actuators[0].load == 0.0
+    assert flag.written.actuation is not None
+    assert flag.written.actuation.actuators[0].load == 0.0
     assert bool(exported(pendulum(), scene__option=option).advice) == bool(gravity[2])
 
 

@@ -42,10 +42,7 @@ def model(folder: Path, name: str = "scene.xml") -> mujoco.MjModel:
 
 
 def checks(folder: Path, exported: Exported, robot: Robot | None = None) -> list[Check]:
-    robot = robot or arm()
-    known = exported.form, exported.mjcf_form, exported.sensing, exported.amendments
-    shapes = geometry_of(robot)
-    return list(validate(folder, robot, plan_of(), exported.actuation, shapes, *known))
+    return list(validate(folder, exported.written, plan_of()))
 
 
 def lines_added(folder: Path, **keys: Any) -> dict[str, list[str]]:
@@ -158,7 +155,7 @@ def test_on_a_link_that_is_part_of_another_body_it_stands_where_the_link_is(tmp_
     robot = robot_with([joint("revolute", "base", "arm", name="elbow"), hand])
     camera = "<camera name='seen' pos='0 0 0.05'/><geom name='pad' size='0.01' pos='0 0 0.05'/>"
     exported = made(tmp_path, robot, elements={"on_hand": add(camera, {"name": "hand"})})
-    assert exported.mjcf_form.fused == ("hand",)
+    assert exported.written.mjcf_form.fused == ("hand",)
     found = model(tmp_path)
     data = mujoco.MjData(found)
     data.joint("elbow").qpos[0] = 0.6
@@ -187,7 +184,7 @@ def test_a_tag_means_no_class(tmp_path: Path) -> None:
     assert root.find("equality/weld[@name='own']") is not None
     assert root.find("worldbody/body[@name='base']/site[@name='first']") is not None
     assert root.find("default/default[@class='own']") is not None
-    assert exported.amendments.surplus_of("robot.xml").equalities == 1
+    assert exported.written.amendments.surplus_of("robot.xml").equalities == 1
     assert [one.name for one in checks(tmp_path, exported, robot) if one.fails] == []
 
 
@@ -213,7 +210,7 @@ def test_keyframes_and_checks_know_what_was_added(tmp_path: Path) -> None:
     exported = made(tmp_path, robot, elements=elements, actuators=SERVOS)
     made(tmp_path / "plain", robot, actuators=SERVOS)
     assert [one for one in checks(tmp_path, exported, robot) if one.fails] == []
-    assert exported.amendments.surplus_of("scene.xml") == Surplus("scene.xml", 7, 1, 1)
+    assert exported.written.amendments.surplus_of("scene.xml") == Surplus("scene.xml", 7, 1, 1)
     found, before = model(tmp_path), model(tmp_path / "plain")
     assert (found.nu, found.nkey) == (2, before.nkey)
     for name in ("home", "cad"):
@@ -366,6 +363,6 @@ def test_a_link_that_is_added_to_a_urdf_counts(tmp_path: Path) -> None:
     <axis xyz='0 0 1'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>"""
     robot = robot_with([joint("revolute", "base", "arm", name="elbow")])
     exported = made(tmp_path, robot, elements={"fin": add(xml, {"tag": "robot"})})
-    assert exported.amendments.surplus_of("robot.urdf").dofs == 1
+    assert exported.written.amendments.surplus_of("robot.urdf").dofs == 1
     failed = [one for one in checks(tmp_path, exported, robot) if one.fails]
     assert [one.name for one in failed if "links and joints" in one.name] == []

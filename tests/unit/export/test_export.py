@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import stages.export
-from stages.export import WRITERS, Exported, WriterInput, export, writer_of
+from stages.export import WRITERS, FormatFiles, WriterInput, export, writer_of
 from stages.formats.xml import parse
 from stages.robot.kinematics import saved_configuration
 from stages.robot.start_pose import starting_point
@@ -149,8 +149,8 @@ def test_a_writer_has_a_folder_and_an_option_and_reads_only_writers_before_it() 
 def test_a_writer_is_given_the_files_that_it_reads_also_of_formats_that_are_not_chosen(
     kit: Kit, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def write(given: WriterInput) -> Exported:
-        return Exported({"seen.txt": " ".join(given.files).encode()})
+    def write(given: WriterInput) -> FormatFiles:
+        return FormatFiles({"seen.txt": " ".join(given.files).encode()})
 
     reader = SimpleNamespace(reads=("urdf",), write=write)
     monkeypatch.setattr(stages.export, "WRITERS", (*WRITERS, "reader"))

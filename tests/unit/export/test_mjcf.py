@@ -13,7 +13,7 @@ from stages.export.mjcf.unsupported import unsupported
 from stages.export.settled import settled
 from stages.export.standing import stand
 from stages.export.writer import WriterInput
-from stages.robot.actuation import NONE
+from stages.formats.written import Written
 from stages.robot.geometry import Geometry, Shape
 from stages.robot.kinematics import chain, link_poses, saved_configuration
 from stages.robot.loops import gap
@@ -43,8 +43,7 @@ NUMBERS = 1e-10
 
 def compiled(robot: Robot, geometry: Geometry = NO_MESHES, **keys: object) -> mujoco.MjModel:
     plan = settled(plan_of(**keys), robot)
-    place = stand(robot, geometry, plan)
-    given = WriterInput(robot, geometry, plan, starting_point(robot), {}, NONE, place)
+    given = WriterInput(Written(robot, geometry=geometry), plan, stand(robot, geometry, plan))
     files = writer_of("mjcf").write(given).files
     return mujoco.MjModel.from_xml_string(files[f"{robot.name}.xml"].decode())
 
@@ -184,7 +183,7 @@ def test_limits_and_dynamics_belong_to_each_dof_and_a_cone_is_reported() -> None
     assert not model.jnt_limited[model.joint("arm_joint_turn").id]
     assert not model.jnt_limited[model.joint("tip_joint").id]
     assert list(model.dof_damping) == [0.1] * 5
-    found = list(unsupported(robot, starting_point(robot), ()))
+    found = list(unsupported(Written(robot)))
     assert [(one.code, one.where) for one in found] == [
         ("W-BALL-CONE", "robot.xml"),
         ("W-BALL-EFFORT", "robot.xml"),

@@ -45,9 +45,7 @@ def arm(root: str = "base", **more: Any) -> tuple[Robot, Geometry]:
 def written(robot: Robot, geometry: Geometry, folder: Path, plan: Plan | None = None) -> Mujoco:
     """The MJCF, checked by the validate stage."""
     exported = write(robot, folder, plan, geometry)
-    checks = validate(
-        folder, robot, plan or plan_of(), exported.actuation, geometry, exported.form, exported.mjcf_form
-    )
+    checks = validate(folder, exported.written, plan or plan_of())
     # What these links weigh was not drawn to fit their shapes.
     assert [check.name for check in checks if check.fails and check.code != "C-INERTIAL"] == []
     return Mujoco(folder / "robot.xml")
@@ -262,7 +260,7 @@ def test_links_keep_bodies_to_be_excluded_alone(tmp_path: Path) -> None:
     shapes = tuple(one for link in robot.links for one in primitive_shapes(link))
     apart = tuple(Exclude(f"plate_{index}", f"rod_{index}", "User", 0.0) for index in range(number))
     exported = write(robot, tmp_path, None, Geometry(shapes, {}, self_contact=True, excludes=apart))
-    assert exported.mjcf_form.fused == ()
+    assert exported.written.mjcf_form.fused == ()
     contact = parse(exported.files["robot.xml"]).find("contact")
     assert [(node.tag, node.get("body1")) for node in contact] == [
         ("exclude", f"plate_{index}") for index in range(number)

@@ -326,7 +326,7 @@ def test_what_is_not_driven_has_no_motor_and_another_type_keeps_it() -> None:
     assert first["dofs"][0]["effort"] == 80
     assert second["dofs"][0]["effort"] is None
     entries = {"*": {"motor": "own"}, "arm*": "velocity"}
-    (only,) = exported(pendulum(), motors={"own": FULL}, actuators=entries).actuation.actuators  # type: ignore[union-attr]
+    (only,) = exported(pendulum(), motors={"own": FULL}, actuators=entries).written.actuation.actuators  # type: ignore[union-attr]
     assert (only.type, only.motor) == ("velocity", "own")
 
 
@@ -355,7 +355,7 @@ def test_a_build_with_a_motor_passes_its_checks(tmp_path: Path) -> None:
     plan = plan_of(actuators={"*": {"motor": "mx106"}})
     robot = pendulum()
     found = write(robot, tmp_path, plan)
-    assert [one.name for one in validate(tmp_path, robot, plan, found.actuation) if one.fails] == []
+    assert [one.name for one in validate(tmp_path, found.written, plan) if one.fails] == []
     assert abs(at_home(mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml")), 2.0).qpos[0]) < 0.2
 
 
@@ -462,7 +462,7 @@ def test_a_dc_motor_whose_constants_nobody_knows_is_told() -> None:
     code, message, _ = problem(pendulum(), **entries)
     assert code == "E-ACTUATOR"
     assert "type dcmotor lacks its motor" in message
-    assert exported(pendulum(), actuators={"*": {**entries["*"], "resistance": 2}}).actuation
+    assert exported(pendulum(), actuators={"*": {**entries["*"], "resistance": 2}}).written.actuation
 
 
 def test_the_plan_of_a_motor_has_its_content_and_so_has_the_cache_key() -> None:

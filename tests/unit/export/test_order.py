@@ -98,7 +98,9 @@ def test_of_the_sample_with_the_names_of_its_mates_and_units() -> None:
         assert row["unit"] == rows[row["joint"]]["unit"]
         assert row["cad"] == mates[row["joint"]]
     followers = {row["name"]: row["follows"] for row in order["urdf"]["joints"] if row["follows"]}
-    assert followers == {one.follower: one.driver for one in (*robot.relations, *found.form.mimics)}
+    assert followers == {
+        one.follower: one.driver for one in (*robot.relations, *found.written.urdf_form.mimics)
+    }
     assert len(followers) > len(robot.relations) > 0
 
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from stages.export import export
+from stages.formats.written import Written
 from stages.mesh.primitives import shapes as primitive_shapes
 from stages.robot.geometry import Exclude, Geometry
 from stages.robot.model import Robot
-from stages.validate.expected import Expected
 from stages.validate.sdf.read_back import check_file
 from tests.support.building import plan_of
 from tests.support.robots import joint, robot_with
@@ -77,7 +77,7 @@ def wanted(robot: Robot, geometry: Geometry) -> set[frozenset[tuple[str, int]]]:
 
 def checked(folder: Path, text: bytes, robot: Robot, geometry: Geometry) -> list[str]:
     (folder / "robot.sdf").write_bytes(text)
-    checks = check_file(folder / "robot.sdf", robot, Expected(geometry=geometry), quick=False)
+    checks = check_file(folder / "robot.sdf", Written(robot, geometry=geometry), quick=False)
     return [finding.message for check in checks if check.fails for finding in check.findings]
 
 

@@ -11,6 +11,7 @@ import pytest
 import trimesh
 
 from stages.export import export
+from stages.formats.written import Written
 from stages.formats.xml import parse
 from stages.mesh.primitives import shapes as primitive_shapes
 from stages.robot.errors import ConfigError
@@ -179,5 +180,5 @@ def test_hostile_names_are_legal_and_each_thing_is_found_by_what_robot_json_says
         assert len(set(names)) == len(HOSTILE)
         assert set(names) <= set(found)
     (tmp_path / "robot.sdf").write_bytes(text)
-    assert all(one.passed for one in check_file(tmp_path / "robot.sdf", robot, quick=False))
+    assert all(one.passed for one in check_file(tmp_path / "robot.sdf", Written(robot), quick=False))
     assert ign_sdf(tmp_path / "robot.sdf") == ""

@@ -194,7 +194,8 @@ def test_an_encoder_and_a_force_sensor_of_an_actuator_by_glob() -> None:
 
 
 def test_an_entry_that_only_measures_drives_nothing() -> None:
-    assert exported(arm(), actuators={"*": {"encoder": True}}).actuation == exported(arm()).actuation
+    measured = exported(arm(), actuators={"*": {"encoder": True}}).written
+    assert measured.actuation == exported(arm()).written.actuation
     code, where, message, hint = problem(arm(), {}, actuators={"arm*": {"force": True}})
     assert (code, where) == ("E-SENSOR", "actuators.arm*")
     assert message == "nothing drives 'arm*', so there is nothing to measure"
@@ -416,7 +417,7 @@ def test_what_validates_knows_the_sensors_and_names_of_sites_are_free(tmp_path: 
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
     names = [model.site(index).name for index in range(model.nsite)]
     assert len(set(names)) == len(names) == 4
-    checks = validate(tmp_path, robot, plan, found.actuation, NO_MESHES, found.form, found.mjcf_form)
+    checks = validate(tmp_path, found.written, plan)
     assert [check.name for check in checks if check.fails] == []
 
 

@@ -180,7 +180,7 @@ def test_one_number_for_turns_and_slides_is_an_error_unless_a_later_entry_gives_
     ]
     robot = robot_with(joints)
     entries = {"*": {"type": "position", "kp": 100, "kv": 2}, "lift": {"kp": 4000, "kv": 90}}
-    lift_servo, turn = exported(robot, actuators=entries).actuation.actuators  # type: ignore[union-attr]
+    lift_servo, turn = exported(robot, actuators=entries).written.actuation.actuators  # type: ignore[union-attr]
     assert (lift_servo.kp, turn.kp) == (4000, 100)
 
 

@@ -18,6 +18,7 @@ from stages.robot.trial_run import Trial, trial_run
 from stages.validate import validate
 from tests.support.building import NO_MESHES, plan_of, robot_of, write
 from tests.support.cases import mostly_slow
+from tests.support.checked import checked
 from tests.support.hands import hand
 from tests.support.kit import Kit, four_bar
 from tests.support.robots import joint, loop, robot_with
@@ -71,8 +72,8 @@ def test_a_hand_of_light_links_gets_the_least_armature_that_holds(seed: int, kin
     model = compiled(found)
     assert opening(model, 2.0) <= 1e-3
     assert not opening(bare(compiled(found)), 2.0) <= 1e-3
-    assert found.actuation is not None
-    added = {one.dof: one.value for one in found.actuation.armatures}
+    assert found.written.actuation is not None
+    added = {one.dof: one.value for one in found.written.actuation.armatures}
     assert max(added.values()) < 5e-4
     (remark,) = (one for one in found.diagnostics if one.code == "W-ARMATURE")
     name, value = next(iter(added.items()))
@@ -89,8 +90,8 @@ def test_a_hand_of_light_links_gets_the_least_armature_that_holds(seed: int, kin
 )
 def test_a_hand_that_holds_by_itself_gets_no_armature(dynamics: Dynamics) -> None:
     found = exported(hand(0, dynamics=dynamics))
-    assert found.actuation is not None
-    assert found.actuation.armatures == ()
+    assert found.written.actuation is not None
+    assert found.written.actuation.armatures == ()
     assert opening(compiled(found), 2.0) <= 1e-3
 
 
@@ -98,12 +99,12 @@ def test_a_hand_that_holds_by_itself_gets_no_armature(dynamics: Dynamics) -> Non
 def test_where_it_is_taken_out_the_validation_names_the_joints_and_what_mends_it(tmp_path: Path) -> None:
     robot, plan = hand(0, fingers=1), plan_of(scene=TILTED)
     exported = write(robot, tmp_path, plan)
-    assert exported.actuation is not None
-    good = {one.name: one for one in validate(tmp_path, robot, plan, exported.actuation)}
+    assert exported.written.actuation is not None
+    good = {one.name: one for one in validate(tmp_path, exported.written, plan)}
     assert good["scene.xml: trial run"].passed
     text = (tmp_path / "robot.xml").read_text()
     (tmp_path / "robot.xml").write_text(re.sub(r' armature="[^"]*"', "", text))
-    failed = [one for one in validate(tmp_path, robot, plan) if one.fails]
+    failed = [one for one in checked(tmp_path, robot, plan) if one.fails]
     assert [one.name for one in failed] == ["scene.xml: trial run"]
     first = failed[0].detail
     assert re.search("loop[01](_axis)? opened by|infinite", first)
@@ -116,8 +117,8 @@ def test_where_it_is_taken_out_the_validation_names_the_joints_and_what_mends_it
 
 def test_an_armature_that_is_given_stays_also_where_it_is_not_enough() -> None:
     found = exported(hand(0, fingers=1, dynamics=Dynamics(armature=1e-9)))
-    assert found.actuation is not None
-    assert found.actuation.armatures == ()
+    assert found.written.actuation is not None
+    assert found.written.actuation.armatures == ()
     assert set(compiled(found).dof_armature) == {1e-9}
 
 
@@ -128,8 +129,8 @@ def test_the_same_hand_gives_the_same_bytes() -> None:
 
 def test_without_an_mjcf_there_is_no_trial_and_no_armature() -> None:
     found = exported(hand(0), export={"urdf": {}})
-    assert found.actuation is not None
-    assert found.actuation.armatures == ()
+    assert found.written.actuation is not None
+    assert found.written.actuation.armatures == ()
 
 
 @pytest.mark.parametrize("timestep", [0.001, 0.005, 0.01])

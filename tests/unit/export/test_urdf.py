@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 from stages.export.urdf.lowering import lower
 from stages.export.urdf.model import write_urdf
 from stages.export.urdf.unsupported import unsupported
+from stages.formats.written import Written
 from stages.formats.xml import parse
 from stages.mesh.primitives import shapes as primitive_shapes
 from stages.robot.geometry import Geometry
@@ -17,7 +18,6 @@ from stages.robot.inertia import primitive_volume
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Dynamics, Frame, Limits, Primitive, Relation, Robot, frozen
 from stages.validate.mujoco_abilities import reads_mimic
-from tests.support.building import NO_MESHES
 from tests.support.pinocchio import pin
 from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_around, robot_with, some_values
 
@@ -32,11 +32,11 @@ SEVERAL = {
 
 
 def urdf(robot: Robot, geometry: Geometry = NO_SHAPES) -> bytes:
-    return write_urdf(robot, geometry)
+    return write_urdf(Written(robot, geometry=geometry))
 
 
 def losses(robot: Robot) -> dict[str, str]:
-    found = list(unsupported(robot, NO_MESHES))
+    found = list(unsupported(Written(robot)))
     assert all(diagnostic.where == "robot.urdf" for diagnostic in found)
     return {diagnostic.code: diagnostic.message for diagnostic in found}
 

@@ -9,18 +9,19 @@ import mujoco
 import numpy as np
 import pytest
 
-from stages.formats.urdf.as_written import as_written, form_with
+from stages.formats.urdf.as_written import form_with
+from stages.formats.written import Written
 from stages.formats.xml import parse
 from stages.robot.kinematics import link_poses
 from stages.robot.loop_lines import linear_couplings
 from stages.robot.loops import gap
 from stages.robot.model import Limits, Relation, Robot, frozen
 from stages.robot.start_pose import home
-from stages.validate import validate
 from stages.validate.mujoco_abilities import reads_mimic
 from tests.fake_onshape.frames import frame
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import plan_of, robot_of, write
+from tests.support.checked import checked
 from tests.support.engines import Mujoco, Pinocchio
 from tests.support.kit import Kit, four_bar
 from tests.support.robots import at, joint, loop, robot_with
@@ -80,7 +81,11 @@ def test_the_samples_parallelogram_is_minus_the_shoulder(tmp_path: Path) -> None
     assert shut["name"] == "rod_upper_pivot"
     one = table["couplings"][0]
     assert (one["driver"], one["multiplier"], one["range"], one["error"]) == ("shoulder", -1, [-0.5, 1.1], 0)
-    assert not [check for check in validate(tmp_path, robot, plan_of(), form=exported.form) if check.fails]
+    assert not [
+        check
+        for check in checked(tmp_path, robot, plan_of(), urdf_form=exported.written.urdf_form)
+        if check.fails
+    ]
 
 
 @pytest.mark.parametrize("kind", ["sample", "kit"])
@@ -209,7 +214,9 @@ def test_the_first_dof_drives_and_followers_of_followers_follow_it() -> None:
     )
     form = form_with(geared, first=[names[1]])
     line = next(one for one in form.mimics if one.follower == names[0])
-    relation = next(one for one in as_written(geared, form).relations if one.name == "gear")
+    relation = next(
+        one for one in Written(geared, urdf_form=form).as_urdf.robot.relations if one.name == "gear"
+    )
     assert relation.driver == names[1]
     assert relation.multiplier == pytest.approx(2 * line.multiplier)
     assert relation.offset == pytest.approx(2 * line.offset + 0.1)
@@ -230,7 +237,8 @@ def test_a_wrong_mimic_fails_the_check(tmp_path: Path) -> None:
     four_bar(kit, limits=True)
     robot = robot_of(kit.document)
     exported = write(robot, tmp_path)
-    first = exported.form.couplings[0]
-    wrong = replace(exported.form, couplings=(replace(first, multiplier=1.1), *exported.form.couplings[1:]))
-    failed = [one.name for one in validate(tmp_path, robot, plan_of(), form=wrong) if one.fails]
+    first = exported.written.urdf_form.couplings[0]
+    couplings = (replace(first, multiplier=1.1), *exported.written.urdf_form.couplings[1:])
+    wrong = replace(exported.written.urdf_form, couplings=couplings)
+    failed = [one.name for one in checked(tmp_path, robot, plan_of(), urdf_form=wrong) if one.fails]
     assert failed == ["robot.urdf: relations", "robot.urdf: loops"]

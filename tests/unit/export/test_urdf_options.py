@@ -12,6 +12,7 @@ from pipeline.errors import ConfigError
 from stages.export.urdf.keys import UrdfFormatKeys
 from stages.export.urdf.model import write_urdf
 from stages.formats.urdf.form import UrdfForm
+from stages.formats.written import Written
 from stages.formats.xml import parse
 from stages.mesh import make_geometry
 from stages.mesh.primitives import shapes as primitive_shapes
@@ -21,6 +22,7 @@ from stages.robot.kinematics import link_poses
 from stages.robot.model import Frame, Primitive, Robot, frozen
 from stages.validate import validate
 from tests.support.building import bundle_of, plan_of, robot_of, write
+from tests.support.checked import checked
 from tests.support.engines import Mujoco, Pinocchio
 from tests.support.kit import SIDE, TOP, Kit
 from tests.support.pinocchio import pin
@@ -38,7 +40,7 @@ def built(folder: Path, **keys: object) -> bytes:
     robot = robot_of(kit.document, plan)
     geometry = make_geometry(robot, bundle_of(kit.document), plan, lambda kind, key, make: make())
     exported = write(robot, folder, plan, geometry)
-    assert [check.name for check in validate(folder, robot, plan) if check.fails] == []
+    assert [check.name for check in validate(folder, exported.written, plan) if check.fails] == []
     return exported.files["robot.urdf"]
 
 
@@ -58,7 +60,7 @@ def test_meshes_by_package_are_found_there_and_by_the_checks(package: str | None
 def test_a_mesh_missing_from_the_package_fails_the_check(tmp_path: Path) -> None:
     text = built(tmp_path, meshes="package")
     (tmp_path / "robot.urdf").write_bytes(text.replace(b"assets/arm", b"assets/nothing"))
-    checks = validate(tmp_path, robot_with([]), plan_of(validate__level="quick"))
+    checks = checked(tmp_path, robot_with([]), plan_of(validate__level="quick"))
     assert [check.name for check in checks if check.fails] == ["robot.urdf: paths", "robot.urdf: compiles"]
 
 
@@ -75,9 +77,7 @@ def test_without_a_word_links_of_frames_have_no_inertial_and_with_tiny_next_to_n
     rng = np.random.default_rng(2)
     frames = [Frame(name, "arm", frozen(pose(rng)), name) for name in ("tool", "camera")]
     robot = robot_with([joint("revolute", "base", "arm", place=pose(rng))], frames=frames)
-    none, tiny = (
-        write_urdf(robot, NO_SHAPES, UrdfFormatKeys(frame_inertia=kind)) for kind in ("none", "tiny")
-    )
+    none, tiny = (write_urdf(Written(robot), UrdfFormatKeys(frame_inertia=kind)) for kind in ("none", "tiny"))
     for text, expected in ((none, []), (tiny, ["tool", "camera"])):
         links = parse(text).findall("link")
         assert [link.get("name") for link in links if link.find("inertial") is not None][2:] == expected
@@ -91,7 +91,7 @@ def test_without_a_word_links_of_frames_have_no_inertial_and_with_tiny_next_to_n
 
 def test_a_root_called_world_stays_without_an_inertial() -> None:
     robot = robot_with([joint("revolute", "world", "arm")], root="world")
-    text = write_urdf(robot, NO_SHAPES, UrdfFormatKeys(frame_inertia="tiny"))
+    text = write_urdf(Written(robot), UrdfFormatKeys(frame_inertia="tiny"))
     assert len(parse(text).find("link[@name='world']")) == 0
 
 
@@ -139,7 +139,7 @@ def urdf_of(robot: Robot, geometry: Geometry, folder: Path, **keys: object) -> P
     """The URDF in a folder of its own, checked by the validate stage."""
     plan = plan_of(export={"urdf": keys})
     exported = write(robot, folder, plan, geometry)
-    checks = validate(folder, robot, plan, geometry=geometry, form=exported.form)
+    checks = validate(folder, exported.written, plan)
     assert [check.name for check in checks if check.fails] == []
     return folder / "robot.urdf"
 
@@ -199,7 +199,9 @@ def test_a_mesh_of_a_merged_link_is_where_it_was(tmp_path: Path) -> None:
     robot = replace(robot, joints=(held,))
     places = []
     for choice in ("keep", "merge"):
-        text = write_urdf(robot, geometry, form=UrdfForm(merged=choice == "merge")).decode()
+        text = write_urdf(
+            Written(robot, geometry=geometry, urdf_form=UrdfForm(merged=choice == "merge"))
+        ).decode()
         model = pin.buildModelFromXML(text)
         files = tmp_path / "assets"
         files.mkdir(exist_ok=True)
@@ -238,5 +240,5 @@ def test_controls_of_a_merged_joint_are_left_out() -> None:
     joints = '<joint name="plate_joint"/><joint name="arm_joint"/>'
     text = f'<ros2_control name="c" type="system">{joints}</ros2_control>'
     robot = replace(chain()[0], controls=(text,))
-    tree = parse(write_urdf(robot, NO_SHAPES, form=UrdfForm(merged=True)))
+    tree = parse(write_urdf(Written(robot, geometry=NO_SHAPES, urdf_form=UrdfForm(merged=True))))
     assert [node.get("name") for node in tree.findall("ros2_control/joint")] == ["arm_joint"]

@@ -103,7 +103,7 @@ def test_it_moves_and_measures_as_it_did_under_any_controls(path: Path) -> None:
 
 def test_an_entry_that_only_measures_keeps_the_actuators_of_the_file(path: Path) -> None:
     bare, found = exported(path), exported(path, actuators={"*": {"encoder": True}, "a": {"force": True}})
-    assert found.actuation == bare.actuation
+    assert found.written.actuation == bare.written.actuation
     model = compiled(found)
     added = [model.sensor(i).name for i in range(compiled(bare).nsensor, model.nsensor)]
     names = [model.actuator(i).name for i in range(model.nu)]
@@ -171,8 +171,8 @@ def test_at_home_each_joint_is_held_as_far_as_its_actuators_can(path: Path) -> N
     robot = robot_of(path)
     assert [one.dof for one in robot.actuators] == ["c", "a", "b", "d", "e", "f", "a"]
     found = exported(path)
-    assert found.actuation is not None
-    homes = {one.name: one.home for one in found.actuation.actuators}
+    assert found.written.actuation is not None
+    homes = {one.name: one.home for one in found.written.actuation.actuators}
     assert homes["spin"] == homes["bent"] == homes["creep"] == homes["again"] == 0
     assert found.advice == ""
     model = compiled(found)

@@ -22,10 +22,10 @@ from stages.robot.errors import AssemblyError, ProtocolError, SourceError
 from stages.robot.kinematics import chain, link_poses
 from stages.robot.model import Limits, Spring
 from stages.robot.start_pose import starting_point
-from stages.validate import validate
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import plan_of, write
 from tests.support.building import robot_of as drawn_robot
+from tests.support.checked import checked
 from tests.support.engines import Mujoco, Pinocchio
 from tests.support.mjcfs import Original, at_home, body, bundle_of, model, random_model, robot_of, written
 from tests.support.robots import joint, loop, robot_with, some_values
@@ -64,7 +64,7 @@ def agree(path: Path, folder: Path, **keys):
                 for what in ("mass_matrix", "gravity"):
                     ours, theirs = (getattr(one, what)(q, names) for one in (engine, original))
                     np.testing.assert_allclose(ours, theirs, atol=EXACT)
-    assert not [check for check in validate(folder, robot, plan_of()) if check.fails]
+    assert not [check for check in checked(folder, robot, plan_of()) if check.fails]
     return robot
 
 

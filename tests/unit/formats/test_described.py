@@ -12,11 +12,12 @@ from stages.formats.described import Truth, described
 from stages.formats.mjcf_form import MjcfForm
 from stages.formats.robot_json.fields import RobotJsonError
 from stages.formats.urdf.form import UrdfForm
+from stages.formats.written import Written
 from stages.robot.actuation import Actuation, Actuator, Armature
 from stages.robot.amendments import Amendment, Amendments, Surplus
+from stages.robot.driven import as_driven
 from stages.robot.geom_form import ContactProperties
 from stages.robot.geometry import Exclude, Geometry, Shape, Touch
-from stages.robot.kinematics import saved_configuration
 from stages.robot.linear_coupling import LinearCoupling
 from stages.robot.model import (
     Dynamics,
@@ -165,13 +166,12 @@ SCENE = Scene(
     {"timestep": 0.002, "integrator": "RK4", "gravity": (0.0, 0.0, -9.81)},
     {"contact": "disable"},
 )
-KNOWN = ACTUATION, FORM, MjcfForm(("link0",)), SENSING
 
 
 def text(robot: Robot) -> bytes:
-    start = saved_configuration(robot)
-    files = ["robot.xml", "assets/a.stl"]
-    return describe(robot, start, *KNOWN, None, AMENDMENTS, None, GEOMETRY, files, SCENE)
+    form = MjcfForm(("link0",))
+    written = Written(robot, ACTUATION, GEOMETRY, FORM, form, SENSING, AMENDMENTS, SCENE)
+    return describe(written, files=["robot.xml", "assets/a.stl"])
 
 
 def read(robot: Robot) -> Truth:
@@ -181,25 +181,26 @@ def read(robot: Robot) -> Truth:
 @pytest.mark.parametrize("seed", range(3))
 def test_everything_is_read_back(seed: int) -> None:
     robot = whole(seed)
-    found = read(robot)
-    assert differences(robot, found.robot, NEAR, {"base": "", "keyframes": ""}) == []
+    truth = read(robot)
+    found = truth.written
+    assert differences(as_driven(robot, ACTUATION), found.robot, NEAR, {"base": "", "keyframes": ""}) == []
     assert found.robot.base.joint == "base_free"
     assert found.robot.keyframes == robot.keyframes
-    pairs = [(ACTUATION, found.actuation), (FORM, found.form), (SENSING, found.sensing)]
+    pairs = [(ACTUATION, found.actuation), (FORM, found.urdf_form), (SENSING, found.sensing)]
     pairs += [(GEOMETRY, found.geometry), (AMENDMENTS, found.amendments), (SCENE, found.scene)]
     for one, other in pairs:
         assert differences(one, other, NEAR, {"files": ""}) == []
     assert found.mjcf_form == MjcfForm(("link0",))
-    assert found.files == ("assets/a.stl", "robot.xml")
+    assert truth.files == ("assets/a.stl", "robot.xml")
 
 
 def test_what_a_build_that_ends_early_leaves_is_read_too() -> None:
     robot = whole(0)
-    found = described(describe(robot, saved_configuration(robot)))
-    assert found.geometry is None
-    assert found.scene is None
+    found = described(describe(Written(robot)))
+    assert found.written.geometry is None
+    assert found.written.scene is None
     assert found.files == ()
-    assert found.form == UrdfForm()
+    assert found.written.urdf_form == UrdfForm()
 
 
 def leaves(value: Any, path: tuple[Any, ...] = ()) -> Any:

@@ -14,11 +14,11 @@ from stages.robot.bundle import Bundle
 from stages.robot.errors import AssemblyError, Disconnected, NoRoot, ProtocolError
 from stages.robot.kinematics import link_poses, saved_configuration
 from stages.robot.model import Limits, Robot
-from stages.validate import validate
 from tests.fake_onshape import solids
 from tests.fake_onshape.document import ORIGIN
 from tests.fake_onshape.frames import turn
 from tests.support.building import bundle_of, plan_of, robot_of, write
+from tests.support.checked import checked
 from tests.support.kit import SIDE, TOP, Kit, four_bar
 
 
@@ -155,7 +155,7 @@ def test_two_gears_drawn_opposite_turn_against_each_other_wherever_they_are_save
     files = write(robot, tmp_path).files
     assert b'multiplier="-1"' in files["robot.urdf"]
     assert b"-1 0 0 0" in files["robot.xml"]
-    assert not any(check.fails for check in validate(tmp_path, robot, plan_of()))
+    assert not any(check.fails for check in checked(tmp_path, robot, plan_of()))
 
 
 @pytest.mark.parametrize("kind", ["GEAR", "LINEAR", "RACK_AND_PINION", "SCREW"])
@@ -187,7 +187,7 @@ def test_the_sign_of_all_four_is_as_drawn_and_a_pose_off_it_is_an_offset(
     assert relation.offset == pytest.approx(2 * saved)
     assert codes(robot) == ["W-RELATION-SIGN"]
     write(robot, tmp_path)
-    assert not any(check.fails for check in validate(tmp_path, robot, plan_of()))
+    assert not any(check.fails for check in checked(tmp_path, robot, plan_of()))
     line = next(one for one in robot.diagnostics[0].hint.split(", ") if "invert" in one)
     told = yaml.safe_load(line.split("; ")[0].removeprefix("if it moves in the opposite direction, "))
     settled = robot_of(kit.document, plan_of(**told))
@@ -216,7 +216,7 @@ def test_a_follower_is_saved_at_the_turn_that_its_driver_gives(kit: Kit, tmp_pat
     assert {dof.name: round(dof.saved, 9) for dof in robot.dofs} == {"first": 2.5, "second": -5.0}
     assert not codes(robot)
     write(robot, tmp_path)
-    assert not any(check.fails for check in validate(tmp_path, robot, plan_of()))
+    assert not any(check.fails for check in checked(tmp_path, robot, plan_of()))
 
 
 def test_a_joint_that_two_gears_would_drive_drives_the_second(kit: Kit) -> None:
@@ -397,7 +397,7 @@ def test_limits_that_are_equal_lock_the_joint_with_a_little_play(kit: Kit, tmp_p
     robot = robot_of(kit.document)
     assert codes(robot) == ["W-LIMIT-LOCKED"]
     write(robot, tmp_path)
-    assert not any(check.fails for check in validate(tmp_path, robot, plan_of()))
+    assert not any(check.fails for check in checked(tmp_path, robot, plan_of()))
 
 
 def test_limits_upside_down_are_refused_by_name(kit: Kit) -> None:

@@ -18,10 +18,10 @@ from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import AssemblyError, ConfigError
 from stages.robot.inertia import ZERO
 from stages.robot.model import Inertial, frozen
-from stages.validate import validate
 from tests.fake_onshape import solids
 from tests.fake_onshape.frames import frame
 from tests.support.building import bundle_of, plan_of, robot_of, write
+from tests.support.checked import checked
 from tests.support.kit import Kit
 from tests.support.robots import joint, pose, robot_with
 from tests.support.urdfs import urdf_robot
@@ -434,7 +434,7 @@ def test_a_robot_two_millimetres_long_gets_the_least_inertia_and_is_reported(tmp
         ("tip", "W-INERTIA-LEAST"),
     ]
     write(robot, tmp_path)
-    assert [check for check in validate(tmp_path, robot, plan_of()) if check.fails] == []
+    assert [check for check in checked(tmp_path, robot, plan_of()) if check.fails] == []
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
     for size, name in ((5e-4, "link"), (1e-4, "tip")):
         assert model.body(name).inertia.min() >= 1e-14
@@ -449,7 +449,7 @@ def test_a_speck_in_a_urdf_gets_the_least_too(moments, policy, tmp_path) -> None
     robot = urdf_robot(text, policy=policy)
     assert [one.where for one in robot.diagnostics if one.code == "W-INERTIA-LEAST"] == ["b"]
     write(robot, tmp_path)
-    assert [check for check in validate(tmp_path, robot, plan_of()) if check.fails] == []
+    assert [check for check in checked(tmp_path, robot, plan_of()) if check.fails] == []
     assert robot.link("b").inertial.mass == 1e-14
 
 

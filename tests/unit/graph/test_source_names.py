@@ -13,8 +13,8 @@ from stages.graph.tree import natural
 from stages.mesh import make_geometry
 from stages.mesh.names import file_names
 from stages.robot.globs import as_key
-from stages.validate import validate
 from tests.support.building import plan_of, write
+from tests.support.checked import checked
 from tests.support.mjcfs import body, model
 from tests.support.mjcfs import robot_of as mjcf_robot
 from tests.support.mjcfs import written as mjcf_file
@@ -37,7 +37,7 @@ def chain_of(names: list[str]) -> str:
 def named(folder: Path, robot) -> dict[str, set[str]]:
     """The names in the files of a robot, which pass every check."""
     exported = write(robot, folder)
-    assert not [check for check in validate(folder, robot, plan_of()) if check.fails]
+    assert not [check for check in checked(folder, robot, plan_of()) if check.fails]
     urdf, mjcf = (etree.fromstring(exported.files[f"robot.{end}"]) for end in ("urdf", "xml"))
     found = {f"urdf {tag}": {one.get("name") for one in urdf.findall(tag)} for tag in ("link", "joint")}
     for tag in ("body", "joint", "freejoint", "site"):

@@ -13,8 +13,8 @@ import pytest
 from lxml import etree
 
 from stages.robot.codec import encode_robot
-from stages.validate import validate
 from tests.support.building import plan_of, write
+from tests.support.checked import checked
 from tests.support.urdfs import urdf_robot
 
 BODY = """<inertial><origin xyz="0 0 .1" rpy="0 0 0"/><mass value="1"/>
@@ -198,7 +198,7 @@ def test_how_joints_are_driven_is_written_back(tmp_path: Path) -> None:
             for tree in (found, wanted)
         )
         assert ours == theirs
-    assert [check for check in validate(tmp_path, robot, plan_of()) if check.fails] == []
+    assert [check for check in checked(tmp_path, robot, plan_of()) if check.fails] == []
 
 
 def test_what_drives_a_joint_follows_its_name(tmp_path: Path) -> None:
@@ -236,4 +236,4 @@ def test_the_inertia_of_a_rotor_is_the_armature(said: str, armature: float, tmp_
     assert mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml")).joint("j").armature[0] == armature
     (told,) = [one for one in exported.diagnostics if one.code == "I-URDF-ARMATURE"]
     assert told.message.endswith(": j")
-    assert [check for check in validate(tmp_path, robot, plan_of()) if check.fails] == []
+    assert [check for check in checked(tmp_path, robot, plan_of()) if check.fails] == []

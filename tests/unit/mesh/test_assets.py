@@ -16,8 +16,8 @@ from stages.mesh.names import file_names, part_words
 from stages.mesh.surface import Surface, rounded
 from stages.robot.geometry import Geometry, Shape
 from stages.robot.model import Robot
-from stages.validate import validate
 from tests.support.building import bundle_of, plan_of, robot_of, write
+from tests.support.checked import checked
 from tests.support.kit import SIDE, TOP, Kit
 from tests.support.pinocchio import pin
 
@@ -70,7 +70,7 @@ def test_every_reader_takes_the_obj_files(kit: Kit, tmp_path: Path) -> None:
             model, str(tmp_path / "robot.urdf"), kind, package_dirs=[str(tmp_path)]
         )
         assert shapes.ngeoms == 2
-    assert [check for check in validate(tmp_path, robot, plan) if check.fails] == []
+    assert [check for check in checked(tmp_path, robot, plan) if check.fails] == []
 
 
 def test_without_assets_masses_and_primitives_stay(kit: Kit, tmp_path: Path) -> None:
@@ -88,7 +88,7 @@ def test_without_assets_masses_and_primitives_stay(kit: Kit, tmp_path: Path) -> 
     assert parse((tmp_path / "robot.xml").read_bytes()).findall(".//mesh") == []
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
     assert model.body_mass.sum() == pytest.approx(sum(link.inertial.mass for link in robot.links))
-    assert [check for check in validate(tmp_path, robot, plan) if check.fails] == []
+    assert [check for check in checked(tmp_path, robot, plan) if check.fails] == []
 
 
 def test_by_part_each_part_has_its_mesh_and_its_name(kit: Kit, tmp_path: Path) -> None:
@@ -139,7 +139,7 @@ def test_meshes_of_the_same_content_are_one_file(kit: Kit, tmp_path: Path, form:
     assert model.nmesh == len(geometry.files)
     urdf = parse((tmp_path / "robot.urdf").read_bytes())
     assert {f"assets/{name}" for name in geometry.files} == set(urdf.xpath("//mesh/@filename"))
-    assert [check for check in validate(tmp_path, robot, plan) if check.fails] == []
+    assert [check for check in checked(tmp_path, robot, plan) if check.fails] == []
     # The corners of each link's bar, in the frame of its body, in closed form.
     half = np.array([0.02, 0.03, 0.1]) / 2
     signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])

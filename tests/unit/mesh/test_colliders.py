@@ -27,8 +27,8 @@ from stages.robot.geometry import Measures
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Primitive, PrimitiveKind, frozen
 from stages.robot.poses import from_parts, rotation_from_rpy
-from stages.validate import validate
 from tests.support.building import bundle_of, plan_of, robot_of, write
+from tests.support.checked import checked
 from tests.support.kit import SIDE, TOP, Kit
 from tests.support.places import PROJECT
 
@@ -142,7 +142,7 @@ def test_a_link_with_several_colliders_has_them_all_in_every_file(
     assert kinds == [mujoco.mjtGeom.mjGEOM_MESH, mujoco.mjtGeom.mjGEOM_SPHERE, mujoco.mjtGeom.mjGEOM_MESH]
     shapes = parse((tmp_path / "robot.urdf").read_bytes()).findall("link[@name='arm']/collision/geometry/*")
     assert [shape.tag for shape in shapes] == ["mesh", "sphere", "mesh"]
-    assert [check for check in validate(tmp_path, robot, plan) if check.fails] == []
+    assert [check for check in checked(tmp_path, robot, plan) if check.fails] == []
 
 
 def skewed(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:

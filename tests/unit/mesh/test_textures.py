@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from stages.formats.xml import parse
-from stages.validate import validate
+from tests.support.checked import checked
 from tests.support.textures import (
     QUADRANTS,
     by_mujoco,
@@ -49,7 +49,7 @@ def test_every_corner_has_its_place_in_the_image_in_the_obj_and_in_mujoco(tmp_pa
     assert np.allclose(ordered(by_trimesh(tmp_path / "assets" / "a.obj")), wanted)
     for model in models(tmp_path):
         assert np.allclose(ordered(by_mujoco(model, model.mesh("a").id)), wanted, atol=2e-6)
-    assert [check for check in validate(tmp_path, built, plan) if check.fails] == []
+    assert [check for check in checked(tmp_path, built, plan) if check.fails] == []
 
 
 def test_the_mjcf_paints_the_geom_with_the_image_and_the_colour(tmp_path: Path) -> None:

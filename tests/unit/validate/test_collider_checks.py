@@ -85,7 +85,8 @@ def test_what_collides_and_is_seen_is_beside_nothing(visual, wrong):
     box = Primitive("box", SIDES, np.eye(4))
     shapes = (replace(box, collision=False), replace(box, visual=visual))
     links = tuple(replace(one, shapes=shapes) if one is link else one for one in compiled.robot.links)
-    found, _ = colliders.check(replace(compiled, robot=replace(compiled.robot, links=links)))
+    other = replace(compiled.written, robot=replace(compiled.robot, links=links))
+    found, _ = colliders.check(replace(compiled, written=other))
     assert found.fails is wrong
 
 

@@ -14,11 +14,10 @@ import pytest
 
 from stages.formats.described import described
 from stages.formats.urdf.contacts import known_pairs
-from stages.formats.urdf.form import UrdfForm
+from stages.formats.written import Written
 from stages.robot.check import Check
 from stages.robot.dynamics import mass_matrix
 from stages.robot.model import Dynamics, Limits, Robot
-from stages.validate import validate
 from stages.validate.checks import contact_filter, parity, reach
 from stages.validate.compiled import CompiledModel
 from stages.validate.contact_errors import never_collide
@@ -26,6 +25,7 @@ from stages.validate.mass_probes import PRODUCTS, WHOLE, probes
 from stages.validate.random_poses import FEWEST, POSES, samples
 from stages.validate.tree_dynamics import PosedRobot
 from tests.support.building import plan_of, write
+from tests.support.checked import checked
 from tests.support.robots import at, joint, robot_with
 from tests.support.touching import ball, geometry_of, model_of
 
@@ -109,7 +109,7 @@ def test_a_mass_a_little_off_is_found_in_a_large_robot(tmp_path: Path, ending: s
 
 
 def _parity(folder: Path, robot: Robot) -> list[Check]:
-    return [one for one in validate(folder, robot, plan_of()) if one.code == parity.CODE]
+    return [one for one in checked(folder, robot, plan_of()) if one.code == parity.CODE]
 
 
 def test_a_second_engine_is_not_asked_of_too_many_dofs(tmp_path: Path) -> None:
@@ -144,7 +144,7 @@ def test_the_pairs_that_are_looked_at_are_those_that_matter(tmp_path: Path, chan
     if changed:
         model.geom_contype[3], model.geom_conaffinity[3] = 0, 2
         model.geom_conaffinity[7] = 4
-    compiled = CompiledModel(tmp_path / "robot.xml", model, robot, geometry=geometry)
+    compiled = CompiledModel(tmp_path / "robot.xml", model, Written(robot, geometry=geometry))
     (check,) = contact_filter.check(compiled)
     colliders = contact_filter._colliders(compiled, geometry)
     outside = {int(one) for one in model.exclude_signature}
@@ -166,7 +166,7 @@ def test_the_pairs_that_are_looked_at_are_those_that_matter(tmp_path: Path, chan
 def test_the_pairs_of_a_urdf_are_in_the_order_of_its_links() -> None:
     robot = _spheres(tree(12))
     geometry = geometry_of(robot, exclude=[["l5", "l9"], ["l1", "l11"]])
-    found, _ = known_pairs(robot, geometry, UrdfForm())
+    found, _ = known_pairs(Written(robot, geometry=geometry))
     place = {link.name: number for number, link in enumerate(robot.links)}
     order = [(place[a], place[b]) for a, b in found]
     assert order == sorted(order)

@@ -10,10 +10,10 @@ from stages.robot.check import Check
 from stages.robot.dynamics import mass_matrix
 from stages.robot.model import Limits, frozen
 from stages.robot.statics import holding_forces
-from stages.validate import validate
 from stages.validate.random_poses import POSES, samples
 from stages.validate.tree_dynamics import dynamics
 from tests.support.building import plan_of, write
+from tests.support.checked import checked
 from tests.support.robots import joint, pose, robot_with
 
 PLACES = [pose(np.random.default_rng(seed)) for seed in range(3)]
@@ -30,7 +30,7 @@ def arm():
 
 def checks_in(folder: Path) -> list[Check]:
     robot = arm()
-    checks = validate(folder, robot, plan_of())
+    checks = checked(folder, robot, plan_of())
     return [check for check in checks if check.code == "C-PARITY"]
 
 
@@ -61,7 +61,7 @@ def test_what_only_a_urdf_has_between_the_dofs_of_a_joint_counts_nowhere(tmp_pat
     }
     robot = robot_with(joints, root="link_0", inertials=light)
     write(robot, tmp_path)
-    checks = [check for check in validate(tmp_path, robot, plan_of()) if check.code == "C-PARITY"]
+    checks = [check for check in checked(tmp_path, robot, plan_of()) if check.code == "C-PARITY"]
     assert len(checks) >= 2
     assert [check.detail for check in checks if not check.passed] == []
 

@@ -8,11 +8,11 @@ import pytest
 from stages.mesh import make_geometry
 from stages.robot.check import Check
 from stages.robot.trial_run import Trial
-from stages.validate import validate
 from stages.validate.bare import check_bare, start
 from stages.validate.bare.mjcf_figures import figures
 from stages.validate.mujoco_abilities import reads_mimic
 from tests.support.building import plan_of, write
+from tests.support.checked import checked
 from tests.support.urdfs import urdf_bundle, urdf_robot
 from tests.unit.validate.test_bare import MJCF, URDF, box_stl, found, planted
 
@@ -249,7 +249,7 @@ def test_a_build_judges_inertials_as_a_check_does(change, expected, tmp_path):
     robot, plan = urdf_robot(text), plan_of()
     geometry = make_geometry(robot, urdf_bundle(text.encode()), plan, lambda kind, key, make: make())
     write(robot, tmp_path / "out", plan, geometry)
-    built = validate(tmp_path / "out", robot, plan)
+    built = checked(tmp_path / "out", robot, plan)
     for results in (checks, built):
         judged = [check for check in results if check.code == "C-INERTIAL" and not check.passed]
         worst = {check.level for check in judged}

@@ -12,8 +12,8 @@ from stages.formats.sdf.elements import SdfError
 from stages.formats.sdf.parse import parse_sdf
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Dynamics, Frame, Limits, Relation, Robot, frozen
-from stages.validate import validate
 from tests.support.building import plan_of, write
+from tests.support.checked import checked
 from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_with
 
 PLAN = plan_of(export={"sdf": {}})
@@ -48,7 +48,7 @@ def checks(robot: Robot, folder: Path, change: Callable[[str], str] = str) -> di
     before = path.read_text()
     path.write_text(change(before))
     assert change is str or path.read_text() != before
-    found = [one for one in validate(folder, robot, PLAN) if one.name.startswith("robot.sdf: ")]
+    found = [one for one in checked(folder, robot, PLAN) if one.name.startswith("robot.sdf: ")]
     return {one.name.removeprefix("robot.sdf: "): one.passed for one in found}
 
 
@@ -189,5 +189,5 @@ def test_quick_only_reads_it(tmp_path: Path) -> None:
     robot = looped()
     write(robot, tmp_path, PLAN)
     quick = plan_of(export={"sdf": {}}, validate={"level": "quick"})
-    names = [check.name for check in validate(tmp_path, robot, quick)]
+    names = [check.name for check in checked(tmp_path, robot, quick)]
     assert names == ["model.config: names", "robot.sdf: reads"]

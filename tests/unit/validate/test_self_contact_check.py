@@ -6,12 +6,11 @@ from pathlib import Path
 import mujoco
 import pytest
 
-from stages.robot.actuation import NONE
 from stages.robot.geometry import Geometry
 from stages.robot.model import Robot
 from stages.robot.start_pose import home
-from stages.validate import validate
 from tests.support.building import plan_of
+from tests.support.checked import checked
 from tests.support.robots import at, joint, robot_with
 from tests.support.touching import ball, geometry_of, in_mujoco, model_of
 from tests.unit.mesh.test_contacts import base_arm_hand, gripper
@@ -32,7 +31,7 @@ def found(robot: Robot, geometry: Geometry, folder: Path, *edits: tuple[str, str
         assert old in text
         text = text.replace(old, new)
     file.write_text(text)
-    checks = validate(folder, robot, plan_of(), NONE, geometry)
+    checks = checked(folder, robot, plan_of(), geometry=geometry)
     own = [one for one in checks if one.name.endswith("contact with itself")]
     assert [one.name.split(":")[0] for one in own] == [file.name]
     assert all(one.passed == (one.value == 0) for one in own)
@@ -72,7 +71,7 @@ def test_the_pairs_that_touch_as_reported_are_counted(tmp_path):
     model_of(robot, geometry, tmp_path)
     details = [
         one.detail
-        for one in validate(tmp_path, robot, plan_of(), NONE, geometry)
+        for one in checked(tmp_path, robot, plan_of(), geometry=geometry)
         if "contact with itself" in one.name
     ]
     assert details == ["1 pair of links touches at home, as reported"]
@@ -81,7 +80,7 @@ def test_the_pairs_that_touch_as_reported_are_counted(tmp_path):
 def test_without_a_geometry_nothing_is_known(tmp_path):
     robot = gripper()
     model_of(robot, geometry_of(robot), tmp_path)
-    assert not [one for one in validate(tmp_path, robot, plan_of()) if "itself" in one.name]
+    assert not [one for one in checked(tmp_path, robot, plan_of()) if "itself" in one.name]
 
 
 def test_a_pair_that_is_excluded_and_touches_fails(tmp_path):
@@ -117,7 +116,7 @@ def test_pairs_are_those_of_the_robot_with_its_properties(old, new, said, tmp_pa
     file = tmp_path / f"{robot.name}.xml"
     assert old in file.read_text()
     file.write_text(file.read_text().replace(old, new, 1))
-    checks = validate(tmp_path, robot, plan_of(), NONE, geometry)
+    checks = checked(tmp_path, robot, plan_of(), geometry=geometry)
     findings = [one for check in checks if check.code == "C-EXCLUDE" for one in check.findings]
     assert {finding.attribute for finding in findings} == {said}
 

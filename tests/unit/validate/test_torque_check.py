@@ -53,9 +53,8 @@ def compiled(
 ) -> CompiledModel:
     exported = write(robot, folder, plan_of(**{"actuators": SERVOS, **keys}))
     model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
-    return CompiledModel(
-        folder / "robot.xml", model, robot, exported.actuation, asked=Asked(payload=tuple(payload))
-    )
+    asked = Asked(payload=tuple(payload))
+    return CompiledModel(folder / "robot.xml", model, exported.written, asked)
 
 
 POSES = [{"low_joint": 0.0, "up_joint": 0.0}, {"low_joint": 0.4, "up_joint": -0.9}]
@@ -145,10 +144,10 @@ def test_a_payload_is_a_key(tmp_path: Path) -> None:
     robot = arm(20.0)
     plan = plan_of(actuators=SERVOS, validate={"payload": {"tip": 0.5}})
     exported = write(robot, tmp_path, plan)
-    (found,) = [one for one in validate(tmp_path, robot, plan, exported.actuation) if "torque" in one.name]
+    (found,) = [one for one in validate(tmp_path, exported.written, plan) if "torque" in one.name]
     assert found.warns
     assert found.value == pytest.approx(GRAVITY * 2.4 / 20.0, rel=1e-9)
     wrong = plan_of(actuators=SERVOS, validate={"payload": {"tipp": 0.5}})
     with pytest.raises(ConfigError, match=r"validate\.payload\.tipp") as error:
-        validate(tmp_path, robot, wrong, exported.actuation)
+        validate(tmp_path, exported.written, wrong)
     assert "tip" in error.value.hint

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from stages.export import export
+from stages.formats.written import Written
 from stages.robot.check import Check
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Dynamics, Limits, Robot
@@ -27,7 +28,7 @@ def checked(robot: Robot, text: str, folder: Path, *, quick: bool = False) -> li
 
     (folder / "robot.usda").write_text(text)
     (folder / "robot_meshes.usd").write_text("#usda 1.0\n")
-    return list(check_file(folder / "robot.usda", robot, quick=quick))
+    return list(check_file(folder / "robot.usda", Written(robot), quick=quick))
 
 
 def failed(checks: list[Check]) -> list[str]:

@@ -16,11 +16,12 @@ from stages.robot.kinematics import chain, link_poses, saved_configuration
 from stages.robot.model import Frame, Limits, Relation, Robot
 from stages.robot.poses import inverse, turns_from_rotation
 from stages.robot.poses import turn as turned
-from stages.validate import CHECKS, ENGINES, validate
+from stages.validate import CHECKS, ENGINES
 from stages.validate import mujoco_abilities as ability
 from tests.fake_onshape.frames import turn
 from tests.support import robots
 from tests.support.building import bundle_of, plan_of, robot_of, write
+from tests.support.checked import checked
 from tests.support.kit import SIDE, TOP, Kit, four_bar
 from tests.support.places import PROJECT
 
@@ -51,7 +52,7 @@ def good(tmp_path_factory: pytest.TempPathFactory) -> tuple[Robot, Path]:
 
 def test_the_good_build_passes_every_check(good: tuple[Robot, Path]) -> None:
     robot, folder = good
-    checks = validate(folder, robot, plan_of())
+    checks = checked(folder, robot, plan_of())
     assert len(checks) > 30
     assert [check.name for check in checks if check.fails] == []
 
@@ -141,7 +142,7 @@ def test_a_planted_fault_fails_a_check(good: tuple[Robot, Path], tmp_path: Path,
 
 
 def failed_of(robot: Robot, folder: Path) -> list[str]:
-    return [check.name for check in validate(folder, robot, plan_of()) if check.fails]
+    return [check.name for check in checked(folder, robot, plan_of()) if check.fails]
 
 
 def test_what_this_mujoco_can_do_is_found_out() -> None:
@@ -194,7 +195,7 @@ def test_how_finely_mujoco_finds_axes_is_measured(monkeypatch: pytest.MonkeyPatc
 
 def test_quick_only_reads_and_compiles(good: tuple[Robot, Path]) -> None:
     robot, folder = good
-    checks = validate(folder, robot, plan_of(validate={"level": "quick"}))
+    checks = checked(folder, robot, plan_of(validate={"level": "quick"}))
     assert [check.name for check in checks if check.code == "C-COMPILE"] == [
         "robot.xml: compiles",
         "scene.xml: compiles",
@@ -262,7 +263,7 @@ PLACED = {"pose": {"xyz": [1, 2, 3], "rpy": [0.1, 0.2, 0.3]}}
 def test_every_type_of_joint_and_loop_passes_every_check(root: str, fixed: bool, tmp_path: Path) -> None:
     robot = every_kind(root, fixed)
     write(robot, tmp_path, plan_of(scene=PLACED))
-    checks = validate(tmp_path, robot, plan_of())
+    checks = checked(tmp_path, robot, plan_of())
     assert [check for check in checks if check.fails] == []
     files = {check.name.split(":")[0] for check in checks}
     assert files == {"robot.xml", "scene.xml", "robot.urdf", "robot.srdf"}
@@ -367,7 +368,7 @@ def test_a_fault_planted_in_any_kind_of_joint_or_loop_fails_a_check(
     after = change(before)
     assert after != before
     (tmp_path / "bad" / file).write_text(after)
-    checks = validate(tmp_path / "bad", robot, plan_of(), form=form)
+    checks = checked(tmp_path / "bad", robot, plan_of(), urdf_form=form)
     assert any(check.fails and check.name.startswith(file) for check in checks)
 
 
@@ -384,7 +385,7 @@ def test_a_model_without_one_of_the_joints_is_checked_no_further(
     shutil.copytree(folder, tmp_path / "bad")
     file = tmp_path / "bad" / "robot.urdf"
     file.write_text(FAULTS["a joint renamed"][1](file.read_text()))
-    every = [check for check in validate(tmp_path / "bad", robot, plan_of()) if "urdf" in check.name]
+    every = [check for check in checked(tmp_path / "bad", robot, plan_of()) if "urdf" in check.name]
     checks = every[[check.code for check in every].index("C-COMPILE") :]
     assert [(check.name.split(": ")[1], check.passed) for check in checks] == [
         ("compiles", True),

@@ -5,13 +5,10 @@ from dataclasses import dataclass, replace
 
 from stages.export.urdf.srdf.apart import apart
 from stages.export.urdf.srdf.convex import bodies_of
-from stages.formats.urdf.as_written import as_written, holders
 from stages.formats.urdf.contacts import Reason, known_pairs
-from stages.formats.urdf.form import UrdfForm
+from stages.formats.written import Written
 from stages.robot.adjacency import Pair
 from stages.robot.fusing import members
-from stages.robot.geometry import Geometry
-from stages.robot.model import Robot
 from stages.robot.start_pose import home
 
 MOST_LINKS = 128
@@ -29,29 +26,26 @@ class Disabled:
     worked_out: bool = True
 
 
-def disabled_pairs(
-    robot: Robot, geometry: Geometry, form: UrdfForm, never: Collection[Pair] | None = None
-) -> Disabled:
-    """The pairs of a URDF of this form. `never`: those that never meet, where that is known already."""
-    found, partly = known_pairs(robot, geometry, form)
-    if not geometry.self_contact:
+def disabled_pairs(written: Written) -> Disabled:
+    """The pairs of the URDF; those that never meet are worked out where they are not known already."""
+    found, partly = known_pairs(written)
+    if not written.shapes.self_contact:
         return Disabled(tuple(found.items()), partly)
-    never = _apart(robot, geometry, form, found) if never is None else never
+    known = written.srdf_form
+    never: Collection[Pair] | None = _apart(written, found) if known is None else known.never
     found |= dict.fromkeys(never or (), "Never")
-    place = {link.name: number for number, link in enumerate(robot.links)}
+    place = {link.name: number for number, link in enumerate(written.robot.links)}
     pairs = sorted(found, key=lambda pair: (place[pair[0]], place[pair[1]]))
     return Disabled(tuple((pair, found[pair]) for pair in pairs), partly, never is not None)
 
 
-def _apart(
-    robot: Robot, geometry: Geometry, form: UrdfForm, known: Collection[Pair]
-) -> tuple[Pair, ...] | None:
+def _apart(written: Written, known: Collection[Pair]) -> tuple[Pair, ...] | None:
     """The pairs that never meet, none of them `known`; None where too many links collide."""
-    written = as_written(robot, form)
-    bodies = bodies_of(geometry, members(robot, holders(robot, form)))
+    robot, described = written.robot, written.as_urdf.robot
+    bodies = bodies_of(written.shapes, members(robot, written.as_urdf.held))
     if len(bodies) > MOST_LINKS:
         return None
-    if {loop.name for loop in robot.loops} == set(form.closed):
+    if {loop.name for loop in robot.loops} == set(written.urdf_form.closed):
         # The relations of the URDF alone close them, which is quicker worked out.
-        written = replace(written, loops=())
-    return apart(written, home(robot), bodies, known)
+        described = replace(described, loops=())
+    return apart(described, home(robot), bodies, known)

@@ -12,13 +12,9 @@ from stages.export.urdf.srdf.disabled import Disabled, disabled_pairs
 from stages.export.urdf.srdf.groups import Groups, groups_of
 from stages.export.urdf.srdf.source_groups import source_groups
 from stages.export.urdf.srdf.states import states_of
-from stages.formats.urdf.as_written import as_written
-from stages.formats.urdf.form import UrdfForm
 from stages.formats.urdf.names import urdf_names
-from stages.formats.urdf.srdf_form import SrdfForm
+from stages.formats.written import Written
 from stages.formats.xml import Element, comment, element, to_bytes
-from stages.robot.actuation import Actuation
-from stages.robot.geometry import Geometry
 from stages.robot.model import Robot
 from stages.robot.names import free
 from stages.robot.passive import passive_dofs
@@ -48,24 +44,16 @@ class SrdfPlan:
         return {"never": never, "end_effectors": [one.name for one in self.groups.grippers]}
 
 
-def plan_of(
-    robot: Robot,
-    geometry: Geometry,
-    actuation: Actuation,
-    form: UrdfForm,
-    srdf: SrdfForm | None = None,
-) -> SrdfPlan:
-    """What the SRDF beside a URDF of this form says. `srdf`: what is known of it already."""
-    written = as_written(robot, form)
-    passive = passive_dofs(robot, written, actuation)
-    names = urdf_names(written)
-    own = source_groups(robot, written, form) if robot.semantics.groups else groups_of(written, passive)
+def plan_of(written: Written) -> SrdfPlan:
+    """What the SRDF beside the URDF says."""
+    robot, described, names = written.robot, written.as_urdf.robot, written.urdf_names
+    passive = passive_dofs(robot, described, written.actuation)
     return SrdfPlan(
-        own,
+        source_groups(written) if robot.semantics.groups else groups_of(described, passive),
         states_of(robot, names),
-        disabled_pairs(robot, geometry, form, srdf.never if srdf is not None else None),
+        disabled_pairs(written),
         tuple(name for dof in passive for name in names.turns.get(dof, (dof,))),
-        tuple(loop.name for loop in robot.loops if loop.name not in form.closed),
+        tuple(loop.name for loop in robot.loops if loop.name not in written.urdf_form.closed),
     )
 
 

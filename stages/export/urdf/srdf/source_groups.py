@@ -3,17 +3,14 @@
 from collections.abc import Iterator
 
 from stages.export.urdf.srdf.groups import Gripper, Group, Groups
-from stages.formats.urdf.as_written import holders
 from stages.formats.urdf.chains import UrdfChains, chains_of
-from stages.formats.urdf.form import UrdfForm
-from stages.formats.urdf.names import urdf_names
-from stages.robot.model import Robot
+from stages.formats.written import Written
 
 
-def source_groups(robot: Robot, written: Robot, form: UrdfForm) -> Groups:
-    """`written`: the robot as its URDF of this form has it. A chain stays one where its links are there."""
-    names, chains = urdf_names(written), chains_of(written)
-    held = holders(robot, form)
+def source_groups(written: Written) -> Groups:
+    """A chain stays one where its links are in the URDF."""
+    robot, held = written.robot, written.as_urdf.held
+    names, chains = written.urdf_names, chains_of(written.as_urdf.robot)
 
     def link(name: str) -> str:
         """The link of the URDF that a link or a frame of the robot is, or is part of."""

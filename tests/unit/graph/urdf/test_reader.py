@@ -19,8 +19,8 @@ from stages.robot.errors import AssemblyError
 from stages.robot.inertia import is_physical, primitive_inertial, principal
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Limits, Robot
-from stages.validate import validate
 from tests.support.building import plan_of, write
+from tests.support.checked import checked
 from tests.support.engines import Pinocchio
 from tests.support.pinocchio import pin
 from tests.support.urdfs import parity, same_bounds, urdf_bundle, urdf_robot
@@ -128,7 +128,7 @@ def test_the_files_of_a_mimic_with_an_offset_pass(tmp_path: Path) -> None:
     )
     robot = urdf_robot(text)
     files = write(robot, tmp_path).files
-    assert not [check for check in validate(tmp_path, robot, plan_of()) if check.fails]
+    assert not [check for check in checked(tmp_path, robot, plan_of()) if check.fails]
     assert parity(text.encode(), robot, files, tmp_path).worst < 1e-11
     assert not same_bounds(text.encode(), robot, files["robot.urdf"])
 
@@ -157,7 +157,7 @@ def test_mimics_of_a_file_obey_relations_too(
     assert robot.dofs[1].saved == saved
     assert not [code for code in codes(robot) if "RELATION" in code]
     write(robot, tmp_path, plan)
-    assert not [check for check in validate(tmp_path, robot, plan) if check.fails]
+    assert not [check for check in checked(tmp_path, robot, plan) if check.fails]
 
 
 def test_dummies_become_frames_with_all_that_hangs_on_them() -> None:
@@ -270,7 +270,7 @@ def test_a_flat_body_is_on_the_edge_and_still_loads(turn: str, tmp_path: Path) -
     flat = inertial(1, 0.1, 0.2, 0.30000000000000004).replace("<mass", f'<origin rpy="{turn}"/><mass')
     robot = urdf_robot(robot_text(link("a", flat)))
     write(robot, tmp_path)
-    assert not [check for check in validate(tmp_path, robot, plan_of()) if check.fails]
+    assert not [check for check in checked(tmp_path, robot, plan_of()) if check.fails]
     assert np.abs(principal(robot.root.inertial.inertia) - [0.1, 0.2, 0.3]).max() < 1e-11
 
 
@@ -329,7 +329,7 @@ def test_the_base_floats_unless_the_root_is_the_world(tmp_path: Path) -> None:
     assert robot.root.name == "world"
     geometry = make_geometry(robot, urdf_bundle(b""), plan_of(), lambda kind, key, make: make())
     write(robot, tmp_path, geometry=geometry)
-    assert not [check for check in validate(tmp_path, robot, plan_of()) if check.fails]
+    assert not [check for check in checked(tmp_path, robot, plan_of()) if check.fails]
     heavy = urdf_robot(robot_text(link("world"), *arm, joint("hold", "world", "a", "fixed", "")))
     assert (heavy.root.name, heavy.base.fixed) == ("world_link", False)
 
@@ -341,7 +341,7 @@ def test_a_root_without_mass_stays_and_weighs_nothing_in_our_urdf(tmp_path: Path
     geometry = make_geometry(robot, urdf_bundle(b""), plan_of(), lambda kind, key, make: make())
     write(robot, tmp_path, geometry=geometry)
     assert robot.root.name == "foot"
-    assert not [check for check in validate(tmp_path, robot, plan_of()) if check.fails]
+    assert not [check for check in checked(tmp_path, robot, plan_of()) if check.fails]
 
 
 def test_the_root_may_be_another_link() -> None:
@@ -369,7 +369,7 @@ def test_a_planar_joint_slides_across_its_axis(tmp_path: Path) -> None:
     assert np.abs(link_poses(robot, q)["b"] - expected).max() < 1e-14
     ours = Pinocchio(write(robot, tmp_path).files["robot.urdf"])
     assert np.abs(ours.poses(q)["b"] - expected).max() < 1e-11
-    assert not [check for check in validate(tmp_path, robot, plan_of()) if check.fails]
+    assert not [check for check in checked(tmp_path, robot, plan_of()) if check.fails]
 
 
 @pytest.mark.parametrize("axis", [(0, 0, -1), (1, 0, 0), (0, 0.6, -0.8), (1e-9, 0, -1)])
@@ -388,7 +388,7 @@ def test_what_floats_floats_from_the_root(tmp_path: Path) -> None:
     robot = urdf_robot(robot_text(*pieces, afloat))
     assert [one.type for one in robot.joints] == ["free", "revolute"]
     write(robot, tmp_path)
-    assert not [check for check in validate(tmp_path, robot, plan_of()) if check.fails]
+    assert not [check for check in checked(tmp_path, robot, plan_of()) if check.fails]
     deep = robot_text(
         link("a"), link("b"), link("c"), joint("j", "a", "b"), joint("d", "b", "c", "floating", "")
     )

@@ -1,0 +1,19 @@
+"""The checks of a robot's files, of which a test says no more than it needs."""
+
+from pathlib import Path
+from typing import Any
+
+from stages.formats import mjcf_written
+from stages.formats.urdf.as_written import form_with
+from stages.formats.written import Written
+from stages.robot.check import Check
+from stages.robot.model import Robot
+from stages.validate import validate
+from stages.validate.keys import ValidateKeys
+
+
+def checked(folder: Path, robot: Robot, keys: ValidateKeys, **known: Any) -> tuple[Check, ...]:
+    """The checks of the files in `folder`. `known`: as in `Written`; by default the URDF has what closed
+    loops ask for, and in the MJCF links on fixed joints are part of others."""
+    forms = {"urdf_form": form_with(robot), "mjcf_form": mjcf_written.form_with(robot)}
+    return validate(folder, Written(robot, **{**forms, **known}), keys)
