@@ -21,7 +21,7 @@ DRIVERS = ("chromedriver",)
 FLAGS = (
     "--headless=new", "--disable-background-networking", "--disable-component-update", "--disable-sync",
     "--disable-default-apps", "--no-first-run", "--no-default-browser-check", "--enable-unsafe-swiftshader",
-    "--force-color-profile=srgb", "--hide-scrollbars",
+    "--force-color-profile=srgb", "--hide-scrollbars", "--webgl-antialiasing-mode=none",
 )  # fmt: skip
 
 WAIT = 120

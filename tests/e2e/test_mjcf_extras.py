@@ -16,6 +16,8 @@ from tests.support.building import plan_of
 from tests.support.command import called
 from tests.support.mjcfs import built, model, written
 
+pytestmark = pytest.mark.usefixtures("guests_at_home", "no_score")
+
 
 def scene(folder: Path, world: str, more: str = "", **keys: Any) -> Any:
     """The compiled scene of what is made of a file, all of whose checks pass and of which nothing is lost."""

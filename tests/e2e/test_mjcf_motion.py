@@ -9,6 +9,8 @@ import pytest
 from tests.support.mjcfs import SOLID, built, model, written
 from tests.support.same_motion import Pair, farthest
 
+pytestmark = pytest.mark.usefixtures("guests_at_home", "no_score")
+
 MASS = SOLID.format(mass=1)
 
 SPRINGS = f"""<body name="base" pos="0 0 1">{MASS}

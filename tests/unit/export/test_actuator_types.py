@@ -31,6 +31,8 @@ from tests.unit.export.test_actuators import (
     targeted,
 )
 
+pytestmark = pytest.mark.usefixtures("no_score")
+
 INSTALLED = tuple(map(int, re.findall(r"\d+", mujoco.__version__)[:2]))
 
 HEAVY = MASS * GRAVITY * ARM

@@ -13,6 +13,8 @@ from stages.robot.model import Robot
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.mjcfs import model, written
 
+pytestmark = pytest.mark.usefixtures("guests_at_home")
+
 OPTION = '<option integrator="implicitfast" timestep="0.002"/>'
 SOLID = '<inertial pos="0.1 0 0" mass="1" diaginertia="0.01 0.02 0.02"/>'
 ACTUATORS = """<actuator>

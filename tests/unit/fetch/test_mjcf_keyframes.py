@@ -14,6 +14,8 @@ from stages.robot.model import Robot
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.mjcfs import SOLID, body, model, written
 
+pytestmark = pytest.mark.usefixtures("guests_at_home")
+
 GEOM = '<geom type="capsule" fromto="0 0 0 0 0 -.2" size=".02"/>'
 LEG = body(
     "thigh",

@@ -237,7 +237,10 @@ def test_the_figures_of_a_part_without_an_inside_survive_the_cache() -> None:
     kept: dict[str, bytes] = {}
 
     def memo(kind: str, key: Any, make: Any) -> bytes:
-        return kept.setdefault(repr((kind, key)), make())
+        name = repr((kind, key))
+        if name not in kept:
+            kept[name] = make()
+        return kept[name]
 
     for _ in range(2):
         for collider in ("primitives", "ladder"):

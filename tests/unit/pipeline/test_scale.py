@@ -22,7 +22,7 @@ from stages.robot.model import Primitive, frozen
 from tests.benchmarks.large import large
 from tests.benchmarks.shapes import chain, gears, ladder, screws, star
 from tests.support.building import NO_MESHES, plan_of
-from tests.support.mjcfs import at_home, bundle_of, model, written
+from tests.support.mjcfs import bundle_of, model, written
 from tests.support.robots import joint, robot_with
 from tests.support.urdfs import urdf_bundle
 
@@ -120,10 +120,7 @@ def mjcf_star(size: int) -> Bundle:
         return bundle_of(written(Path(folder), model("".join(bodies), more)))
 
 
-@pytest.fixture(autouse=True)
-def _guests_at_home(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("stages.robot.guest.ask", at_home)
-
+pytestmark = pytest.mark.usefixtures("guests_at_home")
 
 FILES = [fixed_chain, dummy_chain, dummy_star, carrier_chain, mimic_chain, mjcf_star]
 

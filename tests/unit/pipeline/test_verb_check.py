@@ -79,6 +79,7 @@ def test_files_as_they_were_written_pass(folder: Path, capsys: pytest.CaptureFix
         assert "checks passed" in capsys.readouterr().out
 
 
+@pytest.mark.usefixtures("guests_at_home")
 @pytest.mark.parametrize("name", ["robot.urdf", "robot.xml"])
 def test_a_wrong_mass_is_found_in_the_file_that_has_it(
     folder: Path, name: str, capsys: pytest.CaptureFixture[str]
@@ -106,6 +107,7 @@ def test_a_usd_is_read_within_the_limits(tmp_path: Path, capsys: pytest.CaptureF
     assert "checks passed" in capsys.readouterr().out
 
 
+@pytest.mark.usefixtures("guests_at_home")
 def test_a_file_that_is_gone_is_missed(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "robot.sdf").unlink()
     (folder / "scene.xml").unlink()
@@ -132,6 +134,7 @@ def test_what_a_check_breaks_over_is_one_check_that_fails(
     assert {"robot.urdf: first", "robot.urdf: motion"} <= {one["name"] for one in found["checks"]}
 
 
+@pytest.mark.usefixtures("guests_at_home")
 def test_quick_looks_whether_files_compile(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     heavier(folder / "robot.urdf")
     assert run(["check", "--level", "quick", str(folder)]) == 0
@@ -141,6 +144,7 @@ def test_quick_looks_whether_files_compile(folder: Path, capsys: pytest.CaptureF
     assert "FAILED C-COMPILE robot.xml: compiles" in capsys.readouterr().out
 
 
+@pytest.mark.usefixtures("guests_at_home")
 def test_what_is_in_the_baseline_does_not_fail(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     heavier(folder / "robot.urdf")
     before = table([str(folder)], capsys, 3)
@@ -160,6 +164,7 @@ def test_what_is_in_the_baseline_does_not_fail(folder: Path, capsys: pytest.Capt
     assert after["counts"]["known"] >= before["counts"]["failed"] > 0
 
 
+@pytest.mark.usefixtures("guests_at_home")
 def test_a_file_without_a_robot_json_is_checked_by_itself(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -177,6 +182,7 @@ def test_a_file_without_a_robot_json_is_checked_by_itself(
     assert run(["check", str(folder)]) == 3
 
 
+@pytest.mark.usefixtures("guests_at_home")
 def test_wrong_usage_and_what_cannot_be_read(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     Path("empty").mkdir()
     Path("notes.txt").write_text("x")
@@ -347,6 +353,7 @@ def test_the_junit_is_as_pytest_writes_it(folder: Path) -> None:
     assert relations[0].tag == "skipped"
 
 
+@pytest.mark.usefixtures("guests_at_home")
 def test_reports_are_written_beside_the_text(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     heavier(folder / "robot.urdf")
     assert run(["check", "--sarif", "a.sarif", "--junit=a.xml", "robot"]) == 3

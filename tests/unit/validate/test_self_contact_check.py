@@ -15,6 +15,8 @@ from tests.support.robots import at, joint, robot_with
 from tests.support.touching import ball, geometry_of, in_mujoco, model_of
 from tests.unit.mesh.test_contacts import base_arm_hand, gripper
 
+pytestmark = pytest.mark.usefixtures("no_score")
+
 
 def closed_gripper() -> Robot:
     """Its racks always overlap, and its pads do at home, by 6 mm."""

@@ -13,6 +13,8 @@ from stages.validate import validate
 from tests.support.building import plan_of, write
 from tests.support.robots import joint, pose, robot_with
 
+pytestmark = pytest.mark.usefixtures("no_score")
+
 PLACES = [pose(np.random.default_rng(seed)) for seed in range(4)]
 SENSORS = {
     "imu": {"type": "imu", "frame": "hand", "xyz": [0.1, 0, 0]},

@@ -25,6 +25,8 @@ from tests.support.checked import checked
 from tests.support.kit import SIDE, TOP, Kit, four_bar
 from tests.support.places import PROJECT
 
+pytestmark = pytest.mark.usefixtures("no_score")
+
 
 @pytest.fixture(scope="module")
 def good(tmp_path_factory: pytest.TempPathFactory) -> tuple[Robot, Path]:
