@@ -32,7 +32,6 @@ from stages.mesh.link_mesh import LinkMesh, PartFinding, Use
 from stages.mesh.mesh_file import MeshFile
 from stages.mesh.names import file_names, part_words
 from stages.mesh.pieces import Piece, placed
-from stages.mesh.visuals.budget import Decimator
 from stages.robot.adjacency import Pair
 from stages.robot.bundle import Bundle
 from stages.robot.diagnostics import Diagnostics
@@ -171,7 +170,6 @@ def _used(
 ) -> dict[str, _LinkUses]:
     """The parts of each link that have a mesh, by the link's name, and their visual meshes. `as_is`: whether
     the source says itself what collides."""
-    decimator = Decimator()
     found = {}
     for link in links:
         triples = [
@@ -184,7 +182,7 @@ def _used(
         parts = [part for _, part, _ in triples]
         own = as_is and section.basis == "declared"
         makers = [_maker(maker, part, rules.set_apart(link.name, part), own) for _, part, maker in triples]
-        mesh = _link_mesh(uses, library, decimator, section, memo)
+        mesh = _link_mesh(uses, library, section, memo)
         small = frozenset[int]() if as_is else too_small(parts, mesh, makers, section.min_size)
         found[link.name] = _LinkUses(tuple(parts), tuple(uses), tuple(makers), mesh, small)
     return found
@@ -211,15 +209,13 @@ def _with_form(shape: Shape, parts: Sequence[Part], section: "MeshSection") -> S
     return replace(shape, form=form, ellipsoid=ellipsoid)
 
 
-def _link_mesh(
-    uses: list[Use], library: MeshLibrary, decimator: Decimator, section: "MeshSection", memo: "Memo"
-) -> LinkMesh:
+def _link_mesh(uses: list[Use], library: MeshLibrary, section: "MeshSection", memo: "Memo") -> LinkMesh:
     if not uses:
         return LinkMesh((), ())
 
     def make() -> bytes:
         meshes = library.meshes(use.mesh for use in uses)
-        return link_mesh.encode(link_mesh.make(uses, meshes, section.visual, decimator))
+        return link_mesh.encode(link_mesh.make(uses, meshes, section.visual, library.decimator))
 
     key = {"visual": section.visual.identity(), "parts": [use.key() for use in uses]}
     return link_mesh.decode(memo("mesh.link", key, make))

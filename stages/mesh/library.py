@@ -1,34 +1,27 @@
 """The part meshes of a bundle, each reply read once and only where something must be made of it."""
 
 from collections.abc import Iterable
-from dataclasses import replace
-
-import numpy as np
 
 from stages.mesh import tessellation
-from stages.mesh.collider_settings import default_tolerance
 from stages.mesh.surface import Surface
 from stages.mesh.tessellation import PartMesh
+from stages.mesh.visuals.budget import Decimator
 from stages.robot.bundle import Bundle
-from stages.robot.geometry import NEUTRAL
 from stages.robot.model import Link, MeshRef, Part
 
-_SHARES = (0.02, 0.05)
-"""How far the surface of a part with too many triangles may be moved, in tolerances; the second where the
-first leaves too many."""
-
 MOVED = 5e-5
-"""The most that it may be moved [m]."""
+"""How far the surface of a part with too many triangles may be moved, to make colliders of it [m]."""
 
 
 class MeshLibrary:
-    """ProtocolError, on asking, where triangles cannot be read."""
+    """ProtocolError, on asking, where triangles cannot be read. `decimator`: of its meshes, so that none is
+    made with fewer triangles twice."""
 
     def __init__(self, links: Iterable[Link], bundle: Bundle) -> None:
         self._bundle = bundle
         self._wanted: dict[str, set[str]] = {}
         self._read: dict[str, dict[str, PartMesh]] = {}
-        self._surfaces: dict[tuple[MeshRef, int | None], Surface] = {}
+        self.decimator = Decimator()
         for link in links:
             for part in link.parts:
                 if part.mesh:
@@ -51,23 +44,8 @@ class MeshLibrary:
 
     def surface(self, ref: MeshRef, most: int | None) -> Surface | None:
         """The surface of a part to make colliders of, if there is one: of more than `most` triangles, which
-        would take long, fewer, within a small share of the tolerance."""
-        if (ref, most) not in self._surfaces:
-            mesh = self.meshes([ref]).get(ref)
-            if mesh is None:
-                return None
-            self._surfaces[ref, most] = mesh.surface if most is None else _lighter(mesh, most)
-        return self._surfaces[ref, most]
-
-
-def _lighter(mesh: PartMesh, most: int) -> Surface:
-    tolerance = default_tolerance(float(np.linalg.norm(np.ptp(mesh.surface.vertices, axis=0))))
-    for share in _SHARES:
-        if len(mesh.surface.triangles) <= most:
-            break
-        from stages.mesh.visuals.simplify import simplified
-
-        plain = replace(mesh, palette=(NEUTRAL,), colours=np.zeros_like(mesh.colours), textures=())
-        # A surface moves up to twice as far as it is told.
-        mesh = simplified(plain, min(share * tolerance, MOVED / 2)) or mesh
-    return mesh.surface
+        would take long, fewer, moved by at most `MOVED`."""
+        mesh = self.meshes([ref]).get(ref)
+        if mesh and most is not None and len(mesh.surface.triangles) > most:
+            mesh = self.decimator.lighter(ref, mesh, MOVED)
+        return mesh.surface if mesh else None

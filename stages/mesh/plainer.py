@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-import numpy as np
-
-from stages.mesh.fit.kinds import Fitted, best, subject_of
+from stages.mesh.fit import fits
 from stages.mesh.pieces import Piece
 from stages.mesh.surface import Surface
 from stages.mesh.verdict import Judge
-from stages.robot.model import PrimitiveKind
+
+if TYPE_CHECKING:
+    from stages.mesh.fit.kinds import Fitted
+    from stages.robot.model import PrimitiveKind
 
 _NEAR = 0.75
 """A fit is tried whose error, against its piece, is at most so many tolerances."""
+
+_KINDS: tuple[PrimitiveKind, ...] = ("sphere", "capsule", "box")
+"""No cylinder, which costs an engine as much as a hull."""
 
 _MOST_TRIES = 6
 
@@ -38,27 +43,5 @@ def plainer(judge: Judge, hulls: Sequence[Surface]) -> tuple[Piece, ...]:
 
 
 def _fit(hull: Surface, tolerance: float) -> Fitted | None:
-    """The cheapest primitive that fits; no cylinder, which costs an engine as much as a hull."""
-    subject = subject_of(hull)
-    if subject is None:
-        return None
-    found = (best(kind, subject) for kind in _likely(hull, tolerance))
-    return next((one for one in found if one.error <= _NEAR * tolerance), None)
-
-
-def _likely(hull: Surface, tolerance: float) -> Iterator[PrimitiveKind]:
-    """The kinds whose proportions a convex piece has, roughly: a fit of another one is wasted work."""
-    widths = np.sort(_widths(hull.vertices))
-    slack = 4 * tolerance
-    if widths[2] - widths[0] <= slack:
-        yield "sphere"
-    if widths[1] - widths[0] <= slack:
-        yield "capsule"
-    yield "box"
-
-
-def _widths(points: np.ndarray) -> np.ndarray:
-    """How wide points are along their principal axes [m]."""
-    apart = points - points.mean(axis=0)
-    _, axes = np.linalg.eigh(apart.T @ apart)
-    return np.asarray(np.ptp(apart @ axes, axis=0), dtype=np.float64)
+    """The cheapest primitive that fits."""
+    return next(fits(hull, _KINDS, _NEAR * tolerance), None)

@@ -180,6 +180,18 @@ def primitive_volume(kind: PrimitiveKind, size: Sequence[float]) -> float:
     return barrel if kind == "cylinder" else barrel + ball
 
 
+def primitive_area(kind: PrimitiveKind, size: Sequence[float]) -> float:
+    """The surface area [m²] of a primitive; `size` [m] as in `model.Primitive`."""
+    if kind == "box":
+        x, y, z = size
+        return 2 * (x * y + y * z + z * x)
+    radius = size[0]
+    if kind == "sphere":
+        return 4 * math.pi * radius**2
+    side = 2 * math.pi * radius * size[1]
+    return side + 2 * math.pi * radius**2 * (2 if kind == "capsule" else 1)
+
+
 def primitive_inertial(kind: PrimitiveKind, size: Sequence[float], mass: float) -> Inertial:
     """A solid primitive of even density and `mass` [kg], in the shape's own frame; `size` [m] as in
     `model.Primitive`.

@@ -11,7 +11,7 @@ import numpy as np
 from stages.mesh.by_contact.piece import Chunk, hulled
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.convex_hull import convex_hull
-from stages.mesh.fit import fits
+from stages.mesh.fit import CHEAPEST, fits
 from stages.mesh.pieces import Piece, placed, surface_of, volume
 from stages.mesh.surface import Surface, compacted, joined, moved
 from stages.robot.model import Array, Primitive
@@ -84,7 +84,7 @@ def _primitive(
     if part is None or part not in known:
         own = moved(hull.piece, inverse(link_from_part))
         tolerance = settings.tolerance_of(own)
-        near = (fit.primitive for fit in fits(own, settings.target) if fit.error <= tolerance)
+        near = (fit.primitive for fit in fits(own, CHEAPEST[settings.target], tolerance))
         known[part] = next((shape for shape in near if volume(shape) <= LARGER * hull.volume), None)
     found = known[part]
     return None if found is None else cast("Primitive", placed(found, link_from_part))

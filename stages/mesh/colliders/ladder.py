@@ -19,7 +19,7 @@ from stages.mesh.decompose import (
     read,
     search,
 )
-from stages.mesh.fit import capped_hull, fits
+from stages.mesh.fit import CHEAPEST, capped_hull, fits
 from stages.mesh.pieces import Piece
 from stages.mesh.plainer import plainer
 from stages.mesh.snapping import snapped
@@ -105,9 +105,8 @@ def _wholes(judge: Judge, settings: ColliderSettings) -> Iterator[tuple[str, Pie
         return
     # What leaves no more than a tolerance of the part bare stands out nearly as far as the hull does.
     if not judge.hopeless([whole], _HOLLOW):
-        for fitted in fits(judge.surface, settings.target):
-            if fitted.error <= _NEAR * judge.tolerance:
-                yield fitted.primitive.kind, fitted.primitive
+        for fitted in fits(judge.surface, CHEAPEST[settings.target], _NEAR * judge.tolerance):
+            yield fitted.primitive.kind, fitted.primitive
     capped = capped_hull(judge.surface, settings.max_vertices)
     if capped is not None:
         yield "hull", snapped(capped)

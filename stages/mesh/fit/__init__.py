@@ -7,10 +7,11 @@ triangles nor on the axes, but for directions within 0.5° of a coordinate axis,
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from stages.mesh.fit.kinds import Fitted
     from stages.mesh.surface import Surface
@@ -30,21 +31,26 @@ no contact of cylinders with meshes.
 """
 
 
-def fits(surface: Surface, target: Engine = "mujoco") -> tuple[Fitted, ...]:
-    """The best fit of each kind and its error, the cheapest kind first; none of what lies in a plane.
+def fits(
+    surface: Surface, kinds: Sequence[PrimitiveKind] = CHEAPEST["mujoco"], within: float = math.inf
+) -> Iterator[Fitted]:
+    """The best fit of each of the kinds, in their order, whose error is at most `within` [m]; each is made
+    when it is asked for. None of what lies in a plane.
 
     The error [m] is the least tolerance that the fit meets, as some hundred points of its surface tell:
     of a narrow deep hole they may miss the depth.
     """
-    from stages.mesh.fit import kinds
+    from stages.mesh.fit.kinds import best_within, subject_of
 
-    subject = kinds.subject_of(surface)
-    return tuple(kinds.best(kind, subject) for kind in CHEAPEST[target]) if subject else ()
+    subject = subject_of(surface)
+    if subject is not None:
+        found = (best_within(kind, subject, within) for kind in kinds)
+        yield from (fit for fit in found if fit)
 
 
 def primitives(surface: Surface, target: Engine = "mujoco") -> tuple[Primitive, ...]:
     """The best fit of each kind, the cheapest kind first; none of what lies in a plane."""
-    return tuple(fitted.primitive for fitted in fits(surface, target))
+    return tuple(fitted.primitive for fitted in fits(surface, CHEAPEST[target]))
 
 
 def fittest(surface: Surface, target: Engine = "mujoco") -> Primitive | None:

@@ -12,6 +12,10 @@ _OUTWARDS = 0.5
 leaves bare. On the hulls of 49 robot parts, with 64 vertices, that is an error of 0.12 times the usual
 tolerance (at most 0.57), without it 0.21 (1.1); that of quadric simplification has 2.8 (23)."""
 
+_LOOKED_AT = 150
+"""Points looked at first. All of a hull's thousand corners at each step take twice as long, and leave as much
+bare."""
+
 
 def capped_hull(surface: Surface, max_vertices: int) -> Surface | None:
     """The convex hull of a surface, with at most `max_vertices` (≥ 4); None where the surface is flat.
@@ -40,17 +44,30 @@ def _moved_out(hull: Surface, distance: float) -> Surface:
 
 
 def _farthest(points: Points, count: int) -> npt.NDArray[np.int64]:
-    """Indices of `count` points, each the farthest from the hull of those before, ties to the first."""
+    """Indices of `count` points, each far from the hull of those before, ties to the first.
+
+    A point is seldom farther from a larger hull: those that were near to a smaller hull are not looked at
+    while another one is farther than they were.
+    """
     from scipy.spatial import ConvexHull
 
     chosen = _start(points)
+    known = np.full(len(points), np.inf)
+    known[chosen] = 0.0
     while len(chosen) < count:
         planes = ConvexHull(points[chosen]).equations
-        heights = along(planes[:, :3], points) + planes[:, 3:]
-        farthest = int(heights.max(axis=0).argmax())
-        if farthest in chosen:
+        order = np.argsort(-known, kind="stable")
+        begin, end, farthest = 0, _LOOKED_AT, 0.0
+        while begin < len(order) and known[order[begin]] > farthest:
+            some = order[begin:end]
+            heights = along(planes[:, :3], points[some]) + planes[:, 3:]
+            known[some] = np.where(known[some] > 0.0, heights.max(axis=0), 0.0)
+            farthest = max(farthest, float(known[some].max()))
+            begin, end = end, 3 * end
+        if farthest <= 0.0:
             break
-        chosen.append(farthest)
+        chosen.append(int(known.argmax()))
+        known[chosen[-1]] = 0.0
     return np.array(sorted(chosen), dtype=np.int64)
 
 

@@ -10,8 +10,8 @@ from stages.mesh.fit import levels
 from stages.mesh.fit.circles import smallest_ball
 from stages.mesh.fit.directions import Silhouette, across, frames, silhouettes
 from stages.mesh.fit.outline import Floats, Outline, outline_of
-from stages.mesh.fit.refine import refined
-from stages.mesh.fit.score import error
+from stages.mesh.fit.refine import refined, refined_below
+from stages.mesh.fit.score import error, least_error
 from stages.mesh.surface import Surface
 from stages.robot.model import Primitive, PrimitiveKind, frozen
 from stages.robot.poses import from_parts
@@ -66,8 +66,20 @@ def subject_of(surface: Surface) -> Subject | None:
 
 def best(kind: PrimitiveKind, subject: Subject) -> Fitted:
     """The fit of one kind with the least error."""
-    outline = subject.outline
-    found = [Fitted(one, error(one, outline, fine=False)) for one in _MAKERS[kind](subject)]
+    return _best(list(_MAKERS[kind](subject)), subject.outline)
+
+
+def best_within(kind: PrimitiveKind, subject: Subject, within: float) -> Fitted | None:
+    """The same, if its error is at most `within` [m], else None; what is certainly farther off is not looked
+    at."""
+    near = max(within, refined_below(subject.outline))
+    shapes = [shape for shape in _MAKERS[kind](subject) if least_error(shape, subject.outline) <= near]
+    fit = _best(shapes, subject.outline) if shapes else None
+    return fit if fit and fit.error <= within else None
+
+
+def _best(shapes: Sequence[Primitive], outline: Outline) -> Fitted:
+    found = [Fitted(shape, error(shape, outline, fine=False)) for shape in shapes]
     found.sort(key=lambda one: one.error)
     closer = _LOOKED_AT if found[0].error < _WORTH_IT * outline.tolerance else 1
     looked = [Fitted(one.primitive, error(one.primitive, outline)) for one in found[:closer]]

@@ -31,12 +31,14 @@ _TIE = 1e-6
 class Outline:
     """A surface and its hull.
 
-    `corners` (k, 3): the hull's vertices [m]. `centroids`, `normals` (m, 3) and `areas` (m,) [m²]: of the
-    surface's triangles that have an area. `sample_faces` (s,): which of them each sample of the tree is on.
+    `corners` (k, 3): the hull's vertices [m]; `volume`: of the hull [m³]. `centroids`, `normals` (m, 3) and
+    `areas` (m,) [m²]: of the surface's triangles that have an area. `sample_faces` (s,): which of them each
+    sample of the tree is on.
     """
 
     corners: Points
     hull: Surface
+    volume: float
     faces: npt.NDArray[np.float64]
     centroids: Points
     normals: Points
@@ -86,6 +88,7 @@ def outline_of(surface: Surface) -> Outline | None:
     return Outline(
         corners=hull.vertices,
         hull=hull,
+        volume=hull.volume(),
         faces=faces,
         centroids=faces.mean(axis=1),
         normals=doubled[real] / lengths[real, None],

@@ -21,13 +21,18 @@ Side = tuple[int, int]
 """Which of a primitive's sizes, and at which of its ends: -1 or 1, or 0 for a radius."""
 
 
+def refined_below(outline: Outline) -> float:
+    """The error [m] from which on a fit gets no small steps."""
+    return _WORTH_IT * outline.tolerance
+
+
 def refined(primitive: Primitive, first: float, outline: Outline) -> tuple[Primitive, float]:
     """The primitive with its sides moved so that its error [m], `first`, is less, and that error.
 
     All sides that are better moved alone are moved together, so that neither their order nor their sense
     matters; where that is worse, the best of them is moved alone.
     """
-    if not _GOOD * outline.tolerance < first < _WORTH_IT * outline.tolerance:
+    if not _GOOD * outline.tolerance < first < refined_below(outline):
         return primitive, first
     least = first
     for share in _STEPS:

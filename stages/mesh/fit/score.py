@@ -6,6 +6,7 @@ import numpy as np
 
 from stages.mesh.fit.outline import Floats, Outline
 from stages.mesh.surface import Points
+from stages.robot.inertia import primitive_area, primitive_volume
 from stages.robot.model import Array, Primitive
 from stages.robot.poses import from_parts
 
@@ -28,6 +29,14 @@ def error(primitive: Primitive, outline: Outline, fine: bool = True) -> float:
     covered = np.cumsum(weights[order]) - weights[order] / 2
     most = np.interp(0.95 * weights.sum(), covered, protrusion[order])
     return max(outline.bareness(primitive), float(most), float(protrusion.max()) / MOST_OF_TOLERANCE)
+
+
+def least_error(primitive: Primitive, outline: Outline) -> float:
+    """A bound from below of the error [m]: what a primitive has more volume than the part's hull lies between
+    the hull and its own surface, of which 5 % may stand out by more than the error."""
+    more = primitive_volume(primitive.kind, primitive.size) - outline.volume
+    mean = 0.95 + 0.05 * MOST_OF_TOLERANCE
+    return more / (mean * primitive_area(primitive.kind, primitive.size))
 
 
 def _sampled(primitive: Primitive, outline: Outline) -> Array:

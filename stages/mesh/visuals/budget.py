@@ -49,7 +49,7 @@ class Decimator:
     """Decimates parts, each once for each level, however many links have it."""
 
     def __init__(self) -> None:
-        self._made: dict[tuple[MeshRef, int], PartMesh] = {}
+        self._made: dict[tuple[MeshRef, int], PartMesh | None] = {}
         self._errors: dict[tuple[MeshRef, int], float] = {}
         self._top: dict[MeshRef, int] = {}
         self._solids: dict[tuple[MeshRef, bool], SimplifiablePart] = {}
@@ -88,24 +88,35 @@ class Decimator:
         error = max(self._errors.get((ref, min(level, self._top[ref])), 0.0) for ref in counts)
         return {**meshes, **chosen}, Decimation(before, after, error, after > most)
 
+    def lighter(self, ref: MeshRef, mesh: PartMesh, moved: float) -> PartMesh:
+        """The part with fewer triangles, its surface moved by at most about `moved` [m]; itself where it
+        cannot have fewer."""
+        # A surface moves up to twice as far as it is told.
+        return self._made_at(ref, mesh, int(math.log2(moved / 2 / _FINEST))) or mesh
+
     def _at(self, ref: MeshRef, mesh: PartMesh, level: int) -> PartMesh:
         """The part at a level, or at its last one; the part itself where it has none."""
         level = min(level, self._top[ref])
         if level < 0:
             return mesh
+        made = self._made_at(ref, mesh, level)
+        if made is None:
+            self._top[ref] = -1
+        return made or mesh
+
+    def _made_at(self, ref: MeshRef, mesh: PartMesh, level: int) -> PartMesh | None:
+        """The part at a level, itself where it would have no fewer triangles; None where it has no levels."""
         if (ref, level) not in self._made:
             large = level > _COARSE and len(mesh.surface.triangles) > _MANY
             made = simplified(self._solid(ref, mesh, large), _FINEST * 2.0**level)
-            if made is None:
-                self._top[ref] = -1
-                return mesh
-            fewer = len(made.surface.triangles) < len(mesh.surface.triangles)
+            fewer = made is None or len(made.surface.triangles) < len(mesh.surface.triangles)
             self._made[ref, level] = made if fewer else mesh
         return self._made[ref, level]
 
     def _solid(self, ref: MeshRef, mesh: PartMesh, coarse: bool) -> SimplifiablePart:
         if (ref, coarse) not in self._solids:
-            self._solids[ref, coarse] = SimplifiablePart.of(self._at(ref, mesh, _COARSE) if coarse else mesh)
+            start = self._made_at(ref, mesh, _COARSE) if coarse else None
+            self._solids[ref, coarse] = SimplifiablePart.of(start or mesh)
         return self._solids[ref, coarse]
 
     def _holds(self, ref: MeshRef, mesh: PartMesh, level: int) -> bool:
