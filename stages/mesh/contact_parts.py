@@ -8,7 +8,7 @@ from typing import Literal
 
 from stages.mesh.choices import Choice
 from stages.mesh.collider_settings import default_tolerance
-from stages.mesh.link_mesh import LinkMesh
+from stages.mesh.link_mesh import LinkParts
 from stages.robot.errors import Diagnostic
 from stages.robot.model import Link, Part
 from stages.robot.plural import count
@@ -36,21 +36,21 @@ def with_basis(link: Link, kind: str, basis: Literal["declared", "visual"], as_i
 
 
 def too_small(
-    parts: Sequence[Part], mesh: LinkMesh, chosen: Sequence[Choice], min_size: float | None
+    parts: Sequence[Part], known: LinkParts, chosen: Sequence[Choice], min_size: float | None
 ) -> frozenset[int]:
     """The indices of the colliding parts that have no collider: standard content and what is smaller than
-    `min_size` [m]; none where the link has nothing else. `mesh`, `chosen`: the findings and the choices of
+    `min_size` [m]; none where the link has nothing else. `known`, `chosen`: the findings and the choices of
     the parts, in their order."""
     colliding = [
         index
-        for index, (part, found) in enumerate(zip(parts, mesh.findings, strict=True))
+        for index, (part, found) in enumerate(zip(parts, known.findings, strict=True))
         if part.collides and found.found
     ]
-    least = default_tolerance(mesh.diagonal) if min_size is None else min_size
+    least = default_tolerance(known.diagonal) if min_size is None else min_size
     small = frozenset(
         index
         for index in colliding
-        if chosen[index].entry < 0 and (parts[index].standard or mesh.findings[index].diagonal < least)
+        if chosen[index].entry < 0 and (parts[index].standard or known.findings[index].diagonal < least)
     )
     return small if len(small) < len(colliding) else frozenset()
 

@@ -2,7 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 
-from stages.mesh.link_mesh import LinkMesh, PartFinding
+from stages.mesh.link_mesh import PartFinding
+from stages.mesh.visuals.make import LinkVisuals
 from stages.robot.errors import Diagnostic
 from stages.robot.model import Link, MeshRef, Part
 from stages.robot.plural import count
@@ -14,8 +15,8 @@ Found = Mapping[str, Sequence[tuple[Part, PartFinding]]]
 """Link → its parts, in order, and the finding of each."""
 
 
-def diagnostics(links: Sequence[Link], meshes: Mapping[str, LinkMesh], found: Found) -> list[Diagnostic]:
-    """All findings, in the order of the links; `meshes` and `found` are by link name."""
+def diagnostics(links: Sequence[Link], visuals: Mapping[str, LinkVisuals], found: Found) -> list[Diagnostic]:
+    """All findings, in the order of the links; `visuals` and `found` are by link name."""
     every = [pair for link in links for pair in found[link.name]]
     if every and not any(finding.found for _, finding in every):
         return [
@@ -27,7 +28,7 @@ def diagnostics(links: Sequence[Link], meshes: Mapping[str, LinkMesh], found: Fo
             )
         ]
     problems = [problem for link in links for problem in _missing(link, found[link.name])]
-    return problems + _volumes(every) + _decimated(links, meshes)
+    return problems + _volumes(every) + _decimated(links, visuals)
 
 
 def _missing(link: Link, found: Sequence[tuple[Part, PartFinding]]) -> list[Diagnostic]:
@@ -45,16 +46,16 @@ def _missing(link: Link, found: Sequence[tuple[Part, PartFinding]]) -> list[Diag
     ]
 
 
-def _decimated(links: Sequence[Link], meshes: Mapping[str, LinkMesh]) -> list[Diagnostic]:
+def _decimated(links: Sequence[Link], visuals: Mapping[str, LinkVisuals]) -> list[Diagnostic]:
     """W-VISUAL-FACES for each link with more triangles than it may have, I-DECIMATED for all others that have
     fewer than their parts."""
     problems, fewer = [], []
     for link in links:
-        decimation = meshes[link.name].decimation
+        decimation = visuals[link.name].decimation
         if decimation is None:
             continue
         if decimation.limited:
-            faces = sum(file.faces for file in meshes[link.name].visuals)
+            faces = sum(file.faces for file in visuals[link.name].files)
             problems.append(
                 Diagnostic(
                     "W-VISUAL-FACES",

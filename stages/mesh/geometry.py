@@ -1,25 +1,26 @@
 """The robot's geometry: each link's meshes and colliders, made once, then named."""
 
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from stages.mesh import link_mesh, mesh_file, primitives, textures
+from stages.mesh import mesh_file, primitives, textures
 from stages.mesh.assets import written
 from stages.mesh.by_contact.made import by_contact
 from stages.mesh.by_contact.meeting import wanted
 from stages.mesh.by_contact.report import false_contacts
 from stages.mesh.by_contact.request import ContactRequest, FalsePair
 from stages.mesh.choices import Choice, choices
-from stages.mesh.collide import Collided, ColliderJob, collide, jobs_of
+from stages.mesh.collide import Collided, ColliderJob, collide
 from stages.mesh.collider_report import colliders_reported, figures_of
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.collision import Collider, colliders
 from stages.mesh.com_check import unbalanced
 from stages.mesh.contact_parts import reported as too_small_reported
-from stages.mesh.contact_parts import too_small, with_basis
+from stages.mesh.contact_parts import with_basis
 from stages.mesh.contacts.analysis import self_contacts
 from stages.mesh.contacts.apart import apart
 from stages.mesh.contacts.chosen import chosen_pairs
@@ -28,10 +29,12 @@ from stages.mesh.geoms import GeomRules
 from stages.mesh.idle_keys import BY_CONTACT, idle_keys
 from stages.mesh.ignored import without_ignored
 from stages.mesh.library import MeshLibrary
-from stages.mesh.link_mesh import LinkMesh, PartFinding, Use
+from stages.mesh.link_mesh import PartFinding
+from stages.mesh.link_uses import LinkUses, link_visuals, used_meshes
 from stages.mesh.mesh_file import MeshFile
 from stages.mesh.names import file_names, part_words
 from stages.mesh.pieces import Piece, placed
+from stages.mesh.visuals.make import LinkVisuals
 from stages.robot.adjacency import Pair
 from stages.robot.bundle import Bundle
 from stages.robot.diagnostics import Diagnostics
@@ -47,33 +50,6 @@ if TYPE_CHECKING:
 
 _Piece = tuple[int, Collider, list[Part]]
 """Which of its link's colliders it is of, the piece, and the parts of that collider."""
-
-MOST_CORNERS = 10_000
-"""Of the hull of an ellipsoid: as many as it has."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _LinkUses:
-    """The parts of a link that have a mesh, sorted by content: neither a new name nor another order of
-    instances makes the work again. `chosen`: who makes the collider of each."""
-
-    parts: tuple[Part, ...]
-    uses: tuple[Use, ...]
-    chosen: tuple[Choice, ...]
-    mesh: LinkMesh
-    small: frozenset[int]
-
-    def jobs(self, link: str) -> Iterator[ColliderJob]:
-        """What of the link has a collider."""
-        colliding = [
-            index
-            for index, (use, found) in enumerate(zip(self.uses, self.mesh.findings, strict=True))
-            if use.collides and found.found and index not in self.small
-        ]
-        uses = [self.uses[index] for index in colliding]
-        names = [self.parts[index].name for index in colliding]
-        for job in jobs_of(link, uses, names, [self.chosen[index] for index in colliding]):
-            yield replace(job, parts=tuple(colliding[index] for index in job.parts))
 
 
 def geometry(
@@ -92,18 +68,17 @@ def geometry(
     if log.problems:
         raise MeshError("the configuration names links or parts that are not there", problems=log.problems)
     library = MeshLibrary(links, bundle)
-    used = _used(links, library, keys.mesh, chosen, rules, memo, as_is)
+    used = used_meshes(links, library, keys.mesh, chosen, rules, memo, as_is)
     jobs = [job for link in links for job in used[link.name].jobs(link.name)]
     pairs_of = partial(apart, robot, keys=keys.contact, chosen=excluded)
-    collided, still_false = _collided(robot, links, jobs, pairs_of, fine, library, memo, shown)
-    named, files = _named(links, used, collided, keys.mesh)
-    files |= textures.images([one.mesh for one in used.values()], bundle)
+    with ThreadPoolExecutor(1, thread_name_prefix="visuals") as beside:
+        making = beside.submit(link_visuals, used, library, keys.mesh, memo)
+        collided, still_false = _collided(robot, links, jobs, pairs_of, fine, library, memo, shown)
+        visuals = making.result()
+    named, files = _named(links, used, visuals, collided, keys.mesh)
+    files |= textures.images(visuals.values(), bundle)
     shapes = [shape for link in links for shape in named[link.name]]
-    problems = diagnostics(
-        links,
-        {name: one.mesh for name, one in used.items()},
-        {link.name: _found(link, used[link.name]) for link in links},
-    )
+    problems = diagnostics(links, visuals, {link.name: _found(link, used[link.name]) for link in links})
     problems += log.found
     every = [Choice(keys.mesh.collider, ColliderSettings.of(keys.mesh)), *chosen.values()]
     makers = {BY_CONTACT if choice.by_contact else choice.maker for choice in every}
@@ -159,46 +134,6 @@ def _collided(
     return sorted(every, key=lambda one: place[one.job.link]), false
 
 
-def _used(
-    links: Sequence[Link],
-    library: MeshLibrary,
-    section: "MeshSection",
-    choice_of: Mapping[tuple[str, int], Choice],
-    rules: GeomRules,
-    memo: "Memo",
-    as_is: bool,
-) -> dict[str, _LinkUses]:
-    """The parts of each link that have a mesh, by the link's name, and their visual meshes. `as_is`: whether
-    the source says itself what collides."""
-    found = {}
-    for link in links:
-        triples = [
-            (Use(part.mesh, part.link_from_part, part.collides, part.seen), part, choice_of[link.name, index])
-            for index, part in enumerate(link.parts)
-            if part.mesh
-        ]
-        triples.sort(key=lambda triple: triple[0].key())
-        uses = [use for use, _, _ in triples]
-        parts = [part for _, part, _ in triples]
-        own = as_is and section.basis == "declared"
-        makers = [_maker(maker, part, rules.set_apart(link.name, part), own) for _, part, maker in triples]
-        mesh = _link_mesh(uses, library, section, memo)
-        small = frozenset[int]() if as_is else too_small(parts, mesh, makers, section.min_size)
-        found[link.name] = _LinkUses(tuple(parts), tuple(uses), tuple(makers), mesh, small)
-    return found
-
-
-def _maker(choice: Choice, part: Part, apart: bool, own: bool) -> Choice:
-    """Who makes the collider of a part: of an ellipsoid its hull, with all of its corners; of what an MJCF
-    source says itself (`own`), the hull that MuJoCo takes of it, where nothing else is asked for."""
-    if part.form.ellipsoid:
-        settings = replace(choice.settings, max_vertices=MOST_CORNERS)
-        return replace(choice, maker="hull", settings=settings, apart=True)
-    if own and choice.by_contact:
-        return replace(choice, maker="hull", apart=True)
-    return replace(choice, apart=True) if apart or part.form != PLAIN else choice
-
-
 def _with_form(shape: Shape, parts: Sequence[Part], section: "MeshSection") -> Shape:
     """A collider of these parts, as an MJCF source has the one of them. MJX collides no ellipsoid with a
     mesh."""
@@ -209,29 +144,21 @@ def _with_form(shape: Shape, parts: Sequence[Part], section: "MeshSection") -> S
     return replace(shape, form=form, ellipsoid=ellipsoid)
 
 
-def _link_mesh(uses: list[Use], library: MeshLibrary, section: "MeshSection", memo: "Memo") -> LinkMesh:
-    if not uses:
-        return LinkMesh((), ())
-
-    def make() -> bytes:
-        meshes = library.meshes(use.mesh for use in uses)
-        return link_mesh.encode(link_mesh.make(uses, meshes, section.visual, library.decimator))
-
-    key = {"visual": section.visual.identity(), "parts": [use.key() for use in uses]}
-    return link_mesh.decode(memo("mesh.link", key, make))
-
-
-def _found(link: Link, used: _LinkUses) -> list[tuple[Part, PartFinding]]:
+def _found(link: Link, used: LinkUses) -> list[tuple[Part, PartFinding]]:
     lacking = [(part, PartFinding(False, None)) for part in link.parts if part.mesh is None]
-    return [*zip(used.parts, used.mesh.findings, strict=True), *lacking]
+    return [*zip(used.parts, used.known.findings, strict=True), *lacking]
 
 
-def _small_names(used: _LinkUses) -> list[str]:
+def _small_names(used: LinkUses) -> list[str]:
     return [used.parts[index].name for index in used.small]
 
 
 def _named(
-    links: Sequence[Link], used: Mapping[str, _LinkUses], collided: Sequence[Collided], section: "MeshSection"
+    links: Sequence[Link],
+    used: Mapping[str, LinkUses],
+    visuals: Mapping[str, LinkVisuals],
+    collided: Sequence[Collided],
+    section: "MeshSection",
 ) -> tuple[dict[str, list[Shape]], dict[str, bytes]]:
     """The shapes of each link, and the files of its meshes and colliders by name."""
     solid: dict[str, list[_Piece]] = {link.name: [] for link in links}
@@ -241,7 +168,9 @@ def _named(
         solid[one.job.link] += ((number, _for_engine(piece, section), parts) for piece in pieces)
     own = {link.name: list(primitives.shapes(link)) for link in links}
     meshed = {name: [_meshed(shape, section) for shape in shapes] for name, shapes in own.items()}
-    names = file_names({name: _counts(used[name], solid[name], meshed[name]) for name in solid})
+    names = file_names(
+        {name: _counts(used[name], visuals[name], solid[name], meshed[name]) for name in solid}
+    )
     shapes: dict[str, list[Shape]] = {}
     files: dict[str, bytes] = {}
     for link, every in solid.items():
@@ -256,7 +185,7 @@ def _named(
             else:
                 shape = primitives.collider(link, collider)
             shapes[link].append(_with_form(replace(shape, collider=number), parts, section))
-        for name, file in zip(visual_names, used[link].mesh.visuals, strict=True):
+        for name, file in zip(visual_names, visuals[link].files, strict=True):
             shapes[link].append(_shape(link, "visual", name, file))
             files[name] = file.data
         for shape, mesh in zip(own[link], meshed[link], strict=True):
@@ -296,13 +225,13 @@ def _numbers(collided: Sequence[Collided]) -> list[int]:
 
 
 def _counts(
-    used: _LinkUses, solid: Sequence[_Piece], meshed: Sequence[MeshFile | None]
+    used: LinkUses, visuals: LinkVisuals, solid: Sequence[_Piece], meshed: Sequence[MeshFile | None]
 ) -> tuple[int | list[str], int]:
     """How many visual files a link has, or a word for each where each is of one part, and how many files
     of colliders."""
-    words = part_words([used.parts[index].name for index in used.mesh.owners])
+    words = part_words([used.parts[index].name for index in visuals.owners])
     files = [one for one in (*(piece for _, piece, _ in solid), *meshed) if isinstance(one, MeshFile)]
-    return words or len(used.mesh.visuals), len(files)
+    return words or len(visuals.files), len(files)
 
 
 def _shape(link: str, role: Role, name: str, file: MeshFile) -> Shape:

@@ -1,4 +1,4 @@
-"""The visual meshes of one link, made from the meshes of its parts and stored as bytes."""
+"""What is known of the meshes of a link's parts, and its visual meshes made of them, both as bytes too."""
 
 import io
 import struct
@@ -13,7 +13,7 @@ from stages.mesh.mesh_file import MeshFile
 from stages.mesh.surface import Surface, moved
 from stages.mesh.tessellation import PartMesh
 from stages.mesh.visuals.budget import Decimation, Decimator
-from stages.mesh.visuals.make import Drawn, visuals
+from stages.mesh.visuals.make import Drawn, LinkVisuals, visuals
 from stages.robot.model import Array, MeshRef
 
 if TYPE_CHECKING:
@@ -52,43 +52,41 @@ class PartFinding:
 
 
 @dataclass(frozen=True, slots=True)
-class LinkMesh:
-    """A link's visual meshes, sorted by colour, in its own frame, a finding for each use, and what decimation
-    made of the meshes.
+class LinkParts:
+    """A finding for each use of a mesh in a link. `diagonal` [m]: of the box around all that takes part in
+    contact."""
 
-    `owners`: the use of each visual mesh, where each has one of its own. `diagonal` [m]: of the box around
-    all that takes part in contact.
-    """
-
-    visuals: tuple[MeshFile, ...]
     findings: tuple[PartFinding, ...]
-    decimation: Decimation | None = None
-    owners: tuple[int, ...] = ()
     diagonal: float = 0.0
 
+    @staticmethod
+    def of(uses: Sequence[Use], meshes: Mapping[MeshRef, PartMesh]) -> "LinkParts":
+        """Findings in the order of the uses."""
+        found = tuple(_finding(meshes.get(use.mesh)) for use in uses)
+        colliding = [
+            moved(mesh.surface, use.link_from_part)
+            for use in uses
+            if use.collides and (mesh := meshes.get(use.mesh))
+        ]
+        return LinkParts(found, _diagonal(colliding))
 
-def make(
-    uses: Sequence[Use],
-    meshes: Mapping[MeshRef, PartMesh],
-    keys: "VisualKeys",
-    decimator: Decimator,
-) -> LinkMesh:
-    """The meshes of a link; the order of `uses` is that of the findings. `keys`: of its visual meshes."""
+    def encoded(self) -> bytes:
+        """As JSON."""
+        return orjson.dumps(asdict(self))
+
+    @staticmethod
+    def decoded(data: bytes) -> "LinkParts":
+        """What `encoded` wrote."""
+        known = orjson.loads(data)
+        return LinkParts(tuple(PartFinding(**one) for one in known["findings"]), known["diagonal"])
+
+
+def visuals_of(
+    uses: Sequence[Use], meshes: Mapping[MeshRef, PartMesh], keys: "VisualKeys", decimator: Decimator
+) -> LinkVisuals:
+    """The visual meshes of a link, in its own frame."""
     drawn = [Drawn(index, use.mesh, use.link_from_part) for index, use in enumerate(uses) if use.seen]
-    seen = visuals(drawn, meshes, keys, decimator)
-    return LinkMesh(
-        visuals=seen.files,
-        findings=tuple(_finding(meshes.get(use.mesh)) for use in uses),
-        decimation=seen.decimation,
-        owners=seen.owners,
-        diagonal=_diagonal(
-            [
-                moved(mesh.surface, use.link_from_part)
-                for use in uses
-                if use.collides and (mesh := meshes.get(use.mesh))
-            ]
-        ),
-    )
+    return visuals(drawn, meshes, keys, decimator)
 
 
 def _finding(mesh: PartMesh | None) -> PartFinding:
@@ -105,30 +103,26 @@ def _diagonal(surfaces: Sequence[Surface]) -> float:
     return float(np.linalg.norm(high - low))
 
 
-def encode(link: LinkMesh) -> bytes:
-    """A link's meshes as bytes: the length of a JSON header, the header, the files."""
+def encode(link: LinkVisuals) -> bytes:
+    """A link's visual meshes as bytes: the length of a JSON header, the header, the files."""
     header = orjson.dumps(
         {
-            "visuals": [_record(file) for file in link.visuals],
-            "findings": [asdict(finding) for finding in link.findings],
+            "files": [_record(file) for file in link.files],
             "owners": list(link.owners),
-            "diagonal": link.diagonal,
             "decimation": asdict(link.decimation) if link.decimation else None,
         }
     )
-    files = b"".join(one.data for one in link.visuals)
+    files = b"".join(one.data for one in link.files)
     return struct.pack("<Q", len(header)) + header + files
 
 
-def decode(data: bytes) -> LinkMesh:
+def decode(data: bytes) -> LinkVisuals:
     """The meshes that `encode` wrote."""
     (length,) = struct.unpack_from("<Q", data)
     header, files = orjson.loads(data[8 : 8 + length]), io.BytesIO(data[8 + length :])
-    return LinkMesh(
-        visuals=tuple(_mesh_file(record, files) for record in header["visuals"]),
-        findings=tuple(PartFinding(**finding) for finding in header["findings"]),
+    return LinkVisuals(
+        files=tuple(_mesh_file(record, files) for record in header["files"]),
         owners=tuple(header["owners"]),
-        diagonal=header["diagonal"],
         decimation=Decimation(**header["decimation"]) if header["decimation"] else None,
     )
 

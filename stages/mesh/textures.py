@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 
 from stages.mesh import obj
-from stages.mesh.link_mesh import LinkMesh
+from stages.mesh.visuals.make import LinkVisuals
 from stages.robot.bundle import Bundle
 from stages.robot.geometry import NEUTRAL, Shape
 
@@ -15,9 +15,9 @@ def name(digest: str) -> str:
     return f"texture_{digest[:16]}{IMAGE}"
 
 
-def images(meshes: Iterable[LinkMesh], bundle: Bundle) -> dict[str, bytes]:
+def images(links: Iterable[LinkVisuals], bundle: Bundle) -> dict[str, bytes]:
     """The images of all visual meshes, by name."""
-    digests = {file.texture for mesh in meshes for file in mesh.visuals if file.texture}
+    digests = {file.texture for link in links for file in link.files if file.texture}
     return {name(digest): bundle.body(digest) for digest in sorted(digests)}
 
 

@@ -54,6 +54,20 @@ _KEPT = 0.25
 _LONGEST_LINE = 200
 
 
+ONE_THREAD = dict.fromkeys(
+    (
+        "OMP_NUM_THREADS",
+        "OPENBLAS_NUM_THREADS",
+        "MKL_NUM_THREADS",
+        "BLIS_NUM_THREADS",
+        "VECLIB_MAXIMUM_THREADS",
+        "NUMEXPR_NUM_THREADS",
+    ),
+    "1",
+)
+"""Variables for a guest that computes: more threads gain nothing, and the order of their sums is not ours."""
+
+
 @dataclass(frozen=True, slots=True)
 class Bounds:
     """Limits of a guest: time [s], resident memory and the length of its reply [bytes].

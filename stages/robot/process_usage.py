@@ -48,3 +48,10 @@ def _resident_by_ps(process: int) -> int:
         return int(listed.stdout) * 1024
     except (OSError, ValueError, subprocess.TimeoutExpired):
         return 0
+
+
+def processors() -> int:
+    """How many processors this process may use."""
+    if hasattr(os, "process_cpu_count"):
+        return os.process_cpu_count() or 1
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -48,6 +48,10 @@ class Chunk:
         hull = capped_hull(whole, max_vertices)
         return None if hull is None else Chunk.of(surface, snapped(hull), group)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """As a pickle: without the engine's own form."""
+        return Chunk.of, (self.surface, self.piece, self.group)
+
     @property
     def stays(self) -> bool:
         """Whether it is neither cut nor joined."""

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from stages.mesh.by_contact import meeting
-from stages.mesh.by_contact.ends import End, fitted_end
+from stages.mesh.by_contact.ends import End
+from stages.mesh.by_contact.fitting import EndFitter, EndToFit, FittedEnd, end_fitter
 from stages.mesh.by_contact.links import Touchable, by_part, started
 from stages.mesh.by_contact.pair import Pair
 from stages.mesh.by_contact.piece import Chunk, rough
@@ -64,6 +65,11 @@ class Solution:
 
 def solved(request: ContactRequest, bodies: Sequence[Touchable]) -> Solution:
     """The pieces of the bodies (sorted by link)."""
+    with end_fitter() as fitter:
+        return _solved(request, bodies, fitter)
+
+
+def _solved(request: ContactRequest, bodies: Sequence[Touchable], fitter: EndFitter) -> Solution:
     settings = request.jobs[0].choice.settings
     surfaces = [body.surface() for body in bodies]
     primitives: dict[Hashable, Primitive | None] = {}
@@ -75,7 +81,10 @@ def solved(request: ContactRequest, bodies: Sequence[Touchable]) -> Solution:
     search.refine(lambda link: list(by_part(bodies[link], settings)))
     search.merge()
     numbers = _ends(request, bodies, surfaces, chunks, poses, settings)
-    ends = _fitted_ends(numbers, search, bodies, surfaces, settings, primitives)
+    ends = dict[str, End]()
+    to_fit = list(_to_fit(numbers, search, bodies, surfaces, settings, primitives))
+    for number, (made, end) in zip(numbers, _fitted(to_fit, fitter), strict=True):
+        search.chunks[number], ends[bodies[number].link] = made, end
     pieces = {
         body.link: tuple(
             tuple(chunk.piece for chunk in made if chunk.group == group) for group in range(len(body.groups))
@@ -85,32 +94,36 @@ def solved(request: ContactRequest, bodies: Sequence[Touchable]) -> Solution:
     return Solution(pieces, before, _false(search, bodies, poses), ends, len(poses[0]) - 1)
 
 
-def _fitted_ends(
+def _to_fit(
     numbers: Sequence[int],
     search: PieceSearch,
     bodies: Sequence[Touchable],
     surfaces: Sequence[Surface],
     settings: ColliderSettings,
     primitives: dict[Hashable, Primitive | None],
-) -> dict[str, End]:
-    """Makes the pieces of the bodies of these numbers fine; by link, how near they are then."""
-    ends, fitted = {}, dict[bytes, tuple[list[Chunk], End]]()
+) -> Iterator[EndToFit]:
+    """The bodies of these numbers, whose pieces are to be made fine."""
     for number in numbers:
-        body, surface = bodies[number], surfaces[number]
-        starts = [search.chunks[number]]
+        body = bodies[number]
+        starts = [tuple(search.chunks[number])]
         if 1 < sum(map(len, body.groups)) <= MOST_PARTS:
-            parts = list(by_part(body, settings, primitives))
+            parts = tuple(by_part(body, settings, primitives))
             if search.no_worse(number, parts):
                 starts.insert(0, parts)
-        same = _content(surface, starts)
-        if same not in fitted:
-            fitted[same] = fitted_end(surface, starts, settings)
-        search.chunks[number], ends[body.link] = fitted[same]
-    return ends
+        yield EndToFit(surfaces[number], tuple(starts), settings)
+
+
+def _fitted(ends: Sequence[EndToFit], fitter: EndFitter) -> list[FittedEnd]:
+    """Ends fitted, those that are the same, such as the fingers of a hand, once."""
+    names = [_content(end.surface, end.starts) for end in ends]
+    different = [number for number, name in enumerate(names) if names.index(name) == number]
+    made = fitter.fitted([ends[number] for number in different])
+    fitted = {names[number]: one for number, one in zip(different, made, strict=True)}
+    return [fitted[name] for name in names]
 
 
 def _content(surface: Surface, starts: Sequence[Sequence[Chunk]]) -> bytes:
-    """The same for links that are the same to 1e-9 m, such as the fingers of a hand."""
+    """The same for links that are the same to 1e-9 m."""
     found = hashlib.sha256()
     chunks = [chunk for start in starts for chunk in start]
     shapes = [surface, *(shape for chunk in chunks for shape in (chunk.surface, surface_of(chunk.piece)))]

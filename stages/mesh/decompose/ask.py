@@ -16,7 +16,7 @@ from stages.mesh.decompose_options import DecomposeOptions
 from stages.mesh.snapping import snapped
 from stages.mesh.surface import Surface
 from stages.robot.errors import DecompositionFailed
-from stages.robot.guest import Bounds, Ended, Guest
+from stages.robot.guest import ONE_THREAD, Bounds, Ended, Guest
 
 GUEST = "stages.mesh.decompose.coacd_guest"
 
@@ -24,23 +24,10 @@ BOUNDS = Bounds(seconds=60, memory=2 << 30, reply=64 << 20, shared=4)
 """Limits of one decomposition, the time that of its processor: by the clock it would depend on what else the
 machine does whether a part is decomposed."""
 
-_ENVIRON = dict.fromkeys(
-    (
-        "OMP_NUM_THREADS",
-        "OPENBLAS_NUM_THREADS",
-        "MKL_NUM_THREADS",
-        "BLIS_NUM_THREADS",
-        "VECLIB_MAXIMUM_THREADS",
-        "NUMEXPR_NUM_THREADS",
-    ),
-    "1",
-)
-"""One thread in each guest: more of them gain nothing, and the order of their sums is not ours."""
-
 
 def decomposer(halt: threading.Event | None = None, module: str = GUEST, bounds: Bounds = BOUNDS) -> Guest:
     """A guest that decomposes surface after surface."""
-    return Guest(module, bounds, _ENVIRON, halt)
+    return Guest(module, bounds, ONE_THREAD, halt)
 
 
 def decomposition(surface: Surface, options: DecomposeOptions, guest: Guest) -> bytes:

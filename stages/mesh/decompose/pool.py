@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
@@ -11,6 +10,7 @@ from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 from stages.mesh.decompose.ask import decomposer
+from stages.robot import process_usage
 from stages.robot.errors import DecompositionFailed
 from stages.robot.guest import Guest
 
@@ -43,7 +43,7 @@ def side_by_side(
     guests end at once.
     """
     halt = threading.Event()
-    idle = [decomposer(halt) for _ in range(max(1, workers or processors()))]
+    idle = [decomposer(halt) for _ in range(max(1, workers or process_usage.processors()))]
     running: dict[int, str] = {}
 
     def result(number: int, making: Making[Made]) -> Made | DecompositionFailed:
@@ -77,10 +77,3 @@ def side_by_side(
             pool.shutdown(wait=True, cancel_futures=True)
             raise
     return [future.result() for future in futures]
-
-
-def processors() -> int:
-    """How many processors this process may use."""
-    if hasattr(os, "process_cpu_count"):
-        return os.process_cpu_count() or 1
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

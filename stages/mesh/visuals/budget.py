@@ -1,6 +1,7 @@
 """A number of triangles for the visual meshes of a link, shared among its parts by their need."""
 
 import math
+import threading
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
@@ -46,9 +47,10 @@ class Decimation:
 
 
 class Decimator:
-    """Decimates parts, each once for each level, however many links have it."""
+    """Decimates parts, each once for each level, however many links have it, for any thread."""
 
     def __init__(self) -> None:
+        self._lock = threading.RLock()
         self._made: dict[tuple[MeshRef, int], PartMesh | None] = {}
         self._errors: dict[tuple[MeshRef, int], float] = {}
         self._top: dict[MeshRef, int] = {}
@@ -83,7 +85,8 @@ class Decimator:
             if all(holding):
                 break
         # They are large, and seldom of use for another link.
-        self._solids.clear()
+        with self._lock:
+            self._solids.clear()
         after = sum(len(chosen[ref].surface.triangles) * count for ref, count in counts.items())
         error = max(self._errors.get((ref, min(level, self._top[ref])), 0.0) for ref in counts)
         return {**meshes, **chosen}, Decimation(before, after, error, after > most)
@@ -106,12 +109,13 @@ class Decimator:
 
     def _made_at(self, ref: MeshRef, mesh: PartMesh, level: int) -> PartMesh | None:
         """The part at a level, itself where it would have no fewer triangles; None where it has no levels."""
-        if (ref, level) not in self._made:
-            large = level > _COARSE and len(mesh.surface.triangles) > _MANY
-            made = simplified(self._solid(ref, mesh, large), _FINEST * 2.0**level)
-            fewer = made is None or len(made.surface.triangles) < len(mesh.surface.triangles)
-            self._made[ref, level] = made if fewer else mesh
-        return self._made[ref, level]
+        with self._lock:
+            if (ref, level) not in self._made:
+                large = level > _COARSE and len(mesh.surface.triangles) > _MANY
+                made = simplified(self._solid(ref, mesh, large), _FINEST * 2.0**level)
+                fewer = made is None or len(made.surface.triangles) < len(mesh.surface.triangles)
+                self._made[ref, level] = made if fewer else mesh
+            return self._made[ref, level]
 
     def _solid(self, ref: MeshRef, mesh: PartMesh, coarse: bool) -> SimplifiablePart:
         if (ref, coarse) not in self._solids:

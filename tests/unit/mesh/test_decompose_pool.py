@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 
 from stages.mesh.decompose import DecomposeOptions, decomposer, decomposition, pool
-from stages.mesh.decompose.pool import Making, processors, side_by_side
+from stages.mesh.decompose.pool import Making, side_by_side
+from stages.robot import process_usage
 from stages.robot.errors import DecompositionFailed
 from stages.robot.guest import Guest
 from tests.support.decomposing import decomposition as alone
@@ -150,4 +151,4 @@ def test_however_we_end_all_guests_end(number: str, told: str, tmp_path: Path, s
 
 
 def test_there_is_at_least_one_processor() -> None:
-    assert processors() >= 1
+    assert process_usage.processors() >= 1

@@ -9,8 +9,7 @@ import trimesh
 
 from pipeline.config.plan import Plan
 from stages.mesh import make_geometry
-from stages.mesh.decompose import pool
-from stages.robot import codec
+from stages.robot import codec, process_usage
 from stages.robot.bundle import Bundle
 from stages.robot.geometry import Geometry
 from stages.robot.model import Robot
@@ -45,7 +44,7 @@ def shuffled(robot: Robot, seed: int) -> Robot:
 def geometry(
     robot: Robot, bundle: Bundle, plan: Plan, workers: int, monkeypatch: pytest.MonkeyPatch
 ) -> Geometry:
-    monkeypatch.setattr(pool, "processors", lambda: workers)
+    monkeypatch.setattr(process_usage, "processors", lambda: workers)
     return make_geometry(robot, bundle, plan, lambda kind, key, make: make())
 
 

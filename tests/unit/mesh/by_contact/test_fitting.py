@@ -1,0 +1,130 @@
+"""Ends are fitted in two processes as in one, whatever becomes of the second process."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+
+from stages.mesh.by_contact import fitting
+from stages.mesh.by_contact.fitting import EndToFit, FittedEnd, end_fitter
+from stages.mesh.by_contact.piece import hulled
+from stages.mesh.collider_settings import ColliderSettings
+from stages.mesh.fit import fittest
+from stages.mesh.pieces import surface_of
+from stages.mesh.surface import Surface, weld
+from stages.robot.guest import Bounds
+
+SETTINGS = ColliderSettings(max_vertices=32)
+
+
+def welded(mesh: trimesh.Trimesh) -> Surface:
+    surface, _ = weld(np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces, dtype=np.int64))
+    return surface
+
+
+def end(*sizes: float) -> EndToFit:
+    """A fork with two tines."""
+    x, y, z = sizes
+    boxes = [((0, 0, 0), (x, y, 0.01)), ((0, 0, 0), (0.01, y, z)), ((x - 0.01, 0, 0), (x, y, z))]
+    fork = welded(trimesh.boolean.union([trimesh.creation.box(bounds=box) for box in boxes]))
+    whole = hulled(fork, SETTINGS.max_vertices, 0)
+    assert whole is not None
+    return EndToFit(fork, ((whole,),), SETTINGS)
+
+
+ENDS = [end(0.08, 0.02, 0.05), end(0.05, 0.03, 0.09), end(0.06, 0.02, 0.06)]
+
+
+def plain(fitted: list[FittedEnd]) -> list[Any]:
+    def of(surface: Surface) -> tuple[bytes, bytes]:
+        return surface.vertices.tobytes(), surface.triangles.tobytes()
+
+    return [
+        ([(of(chunk.surface), of(surface_of(chunk.piece)), chunk.group, chunk.volume) for chunk in made], fit)
+        for made, fit in (([*chunks], repr(fit)) for chunks, fit in fitted)
+    ]
+
+
+@pytest.fixture(scope="module")
+def alone() -> list[FittedEnd]:
+    return [one.fitted() for one in ENDS]
+
+
+def test_two_processes_give_what_one_gives(alone: list[FittedEnd], monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+
+    def noted(self: fitting.EndFitter, one: EndToFit) -> FittedEnd:
+        asked.append(one)
+        return ask(self, one)
+
+    ask = fitting.EndFitter._asked
+    monkeypatch.setattr(fitting.EndFitter, "_asked", noted)
+    monkeypatch.setattr(EndToFit, "fitted", lambda one: pytest.fail("not by this process"))
+    with end_fitter(2) as fitter:
+        asking = [fitter._asked(one) for one in ENDS]
+    assert asked == ENDS
+    assert plain(asking) == plain(alone)
+    assert all(len(made) == 3 for made, _ in alone)
+    monkeypatch.undo()
+    with end_fitter(2) as fitter:
+        assert plain(fitter.fitted(ENDS)) == plain(alone)
+
+
+def test_an_end_that_needs_no_cut_keeps_its_pieces() -> None:
+    """The very same object, by which its depths in other links are known."""
+    block = hulled(welded(trimesh.creation.box((0.04, 0.05, 0.06))), 32, 0)
+    assert block is not None
+    with end_fitter(2) as fitter:
+        made, _ = fitter._asked(EndToFit(block.surface, ((block,),), SETTINGS))
+    assert made == [block]
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("_GUEST", "no.such.module"),
+        ("_BOUNDS", Bounds(seconds=600, memory=1 << 20, reply=1 << 30)),
+        ("_BOUNDS", Bounds(seconds=600, memory=8 << 30, reply=10)),
+    ],
+    ids=["none", "out of memory", "too large"],
+)
+def test_without_a_second_process_all_are_fitted(
+    name: str, value: object, alone: list[FittedEnd], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(fitting, name, value)
+    with end_fitter(2) as fitter:
+        assert plain(fitter.fitted(ENDS)) == plain(alone)
+
+
+def test_no_process_is_left_behind_when_fitting_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    guests = []
+    real = fitting.Guest
+
+    def guest(*arguments: Any) -> Any:
+        guests.append(real(*arguments))
+        return guests[-1]
+
+    monkeypatch.setattr(fitting, "Guest", guest)
+
+    def failing(one: EndToFit) -> FittedEnd:
+        msg = "as planted"
+        raise ArithmeticError(msg)
+
+    monkeypatch.setattr(EndToFit, "fitted", failing)
+    with pytest.raises(ArithmeticError), end_fitter(2) as fitter:
+        fitter.fitted(ENDS)
+    assert [one._process for one in guests] == [None]
+
+
+def test_a_primitive_stays_a_primitive() -> None:
+    ball = welded(trimesh.creation.icosphere(3, 0.02))
+    hull, sphere = hulled(ball, 32, 0), fittest(ball)
+    assert hull is not None
+    assert sphere is not None
+    start = type(hull).of(ball, sphere, 0)
+    with end_fitter(2) as fitter:
+        made, fit = fitter._asked(EndToFit(ball, ((start,),), SETTINGS))
+    assert [chunk.piece for chunk in made] == [sphere]
+    assert fit.meets
+    assert np.isclose(made[0].volume, surface_of(sphere).volume(), rtol=1e-12)
