@@ -6,11 +6,14 @@ Examples are the same in every run; `HYPOTHESIS_PROFILE=explore` draws new ones,
 import gc
 import os
 import signal
+from pathlib import Path
 
 import pytest
+from filelock import FileLock
 from hypothesis import Phase, settings
 from hypothesis.internal.conjecture import engine
 
+from tests.support import kept_colliders
 from tests.support.kit import Kit
 
 SURROUNDINGS = (
@@ -61,6 +64,18 @@ def pytest_collection_finish() -> None:
 def whole_page(monkeypatch: pytest.MonkeyPatch) -> None:
     """The builds of the test have the view of the robot in their pages, and its picture."""
     monkeypatch.setenv("LINKWRIGHT_PAGE", "whole")
+
+
+@pytest.fixture(scope="session")
+def shared_cache(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Path:
+    """A cache that builds of real robots share, in all processes of this run: for tests of anything but how
+    they are made."""
+    base = tmp_path_factory.getbasetemp()
+    folder = (base if worker_id == "master" else base.parent) / "cache"
+    with FileLock(folder.with_suffix(".lock")):
+        if not folder.exists():
+            kept_colliders.seed(folder)
+    return folder
 
 
 @pytest.fixture

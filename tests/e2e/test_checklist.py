@@ -15,7 +15,7 @@ from tests.fake_onshape.quadruped import write_quadruped
 from tests.fake_onshape.random_document import documents
 from tests.fake_onshape.sample import sample_document
 from tests.support.checklist import Built, Point, compiled, simulated, text
-from tests.support.command import called
+from tests.support.command import called, environment
 from tests.support.other_robots import FILES, is_here, source_of
 
 STILL = (*text.POINTS, *compiled.POINTS)
@@ -34,7 +34,7 @@ SETTLED = {"reachy2": [f"contact.exclude=[{SHOULDERS}]"]}
 """The findings of a build that are settled as it says: as one hull each, these two overlap at home."""
 
 
-def built(name: str, folder: Path) -> Built:
+def built(name: str, folder: Path, cache: Path) -> Built:
     mass: float | None = None
     if name == "quadruped":
         mass, told = write_quadruped(folder).truth.total_mass(), ["robot=quadruped"]
@@ -44,7 +44,8 @@ def built(name: str, folder: Path) -> Built:
         told = [*source_of(name), f"root={BASES[name]}", "actuators=position", *LIGHT, *SETTLED.get(name, ())]
         if FILES[name][0] == "urdf":
             mass = sum(float(one.get("value")) for one in etree.parse(str(FILES[name][1])).iter("mass"))
-    done = called(folder, *told, "output=out")
+    environ = environment(folder, seeded=False, LINKWRIGHT_CACHE=str(cache))
+    done = called(folder, *told, "output=out", environ=environ)
     assert done.returncode == 0, done.stdout + done.stderr
     return Built(folder / "out", mass, cad=name not in FILES)
 
@@ -53,10 +54,12 @@ def built(name: str, folder: Path) -> Built:
     scope="module",
     params=["sample", "quadruped", *(pytest.param(name, marks=pytest.mark.slow) for name in FILES)],
 )
-def robot(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Built:
+def robot(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, shared_cache: Path
+) -> Built:
     if not is_here(request.param):
         pytest.skip("needs the robots of others")
-    return built(request.param, tmp_path_factory.mktemp(request.param))
+    return built(request.param, tmp_path_factory.mktemp(request.param), shared_cache)
 
 
 UNSTABLE = {"C-TRIAL", "C-TIME-STEP"}

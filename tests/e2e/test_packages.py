@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
-from tests.support.command import called, linkwright
+from tests.support.command import called, environment, linkwright
 from tests.support.other_robots import AS_IT_IS, FILES, is_here, source_of
 from tests.support.pinocchio import pin
 from tests.support.places import PROJECT
@@ -114,12 +114,13 @@ def test_the_ros_package_of_the_sample(built: Path, monkeypatch: pytest.MonkeyPa
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", FILES)
-def test_the_ros_package_of_a_robot_of_others(name, tmp_path, monkeypatch) -> None:
+def test_the_ros_package_of_a_robot_of_others(name, tmp_path, monkeypatch, shared_cache) -> None:
     if not is_here(name):
         pytest.skip("there are no shared data")
     done = linkwright(
         tmp_path, *source_of(name), f"name={name}", "mesh=visual", "actuators=position", *AS_IT_IS,
         "export=[urdf,mjcf,ros2,python]",
+        environ=environment(tmp_path, seeded=False, LINKWRIGHT_CACHE=str(shared_cache)),
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     check_ros(tmp_path / "outputs" / name, monkeypatch)

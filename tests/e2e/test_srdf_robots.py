@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.command import called
+from tests.support.command import called, environment
 from tests.support.other_robots import AS_IT_IS, FILES, is_here, source_of
 from tests.support.places import PROJECT
 from tests.support.srdf import InPinocchio, Srdf
@@ -17,12 +17,15 @@ KEYS = "mesh=hull", "validate=quick", "export=[urdf,ros2]", "output=out", "actua
 
 
 @pytest.fixture(scope="module", params=EVERY)
-def built(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+def built(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, shared_cache: Path
+) -> tuple[Path, str]:
     """The folder of a built robot, and its name."""
     if not is_here(request.param):
         pytest.skip("needs the robots of others")
     folder = tmp_path_factory.mktemp(request.param)
-    done = called(folder, *source_of(request.param), *KEYS, *AS_IT_IS)
+    environ = environment(folder, seeded=False, LINKWRIGHT_CACHE=str(shared_cache))
+    done = called(folder, *source_of(request.param), *KEYS, *AS_IT_IS, environ=environ)
     assert done.returncode == 0, done.stdout + done.stderr
     (model,) = (folder / "out").glob("*.urdf")
     return folder / "out", model.stem

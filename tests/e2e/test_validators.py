@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.building import plan_of, robot_of, write
-from tests.support.command import called
+from tests.support.command import called, environment
 from tests.support.kit import Kit, four_bar
 from tests.support.other_robots import AS_IT_IS, FILES, is_here, source_of
 from tests.support.validators import check_urdf, ign_sdf
@@ -18,12 +18,15 @@ EVERY = ["sample", *(pytest.param(name, marks=pytest.mark.slow) for name in FILE
 
 
 @pytest.fixture(scope="module", params=EVERY)
-def built(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+def built(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, shared_cache: Path
+) -> tuple[Path, str]:
     """The folder of a built robot, and its name."""
     if not is_here(request.param):
         pytest.skip("needs the robots of others")
     folder = tmp_path_factory.mktemp(request.param)
-    done = called(folder, *source_of(request.param), *MOST, *AS_IT_IS)
+    environ = environment(folder, seeded=False, LINKWRIGHT_CACHE=str(shared_cache))
+    done = called(folder, *source_of(request.param), *MOST, *AS_IT_IS, environ=environ)
     assert done.returncode == 0, done.stdout + done.stderr
     (model,) = (folder / "out").glob("*.sdf")
     return folder / "out", model.stem

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.fake_onshape.quadruped import write_quadruped
-from tests.support.command import linkwright
+from tests.support.command import environment, linkwright
 from tests.support.other_robots import AS_IT_IS
 from tests.support.places import SHARED
 
@@ -34,18 +34,19 @@ DEEPEST = 5e-4
 """The deepest contact [m] at home."""
 
 
-def build(name: str, folder: Path) -> mujoco.MjModel:
+def build(name: str, folder: Path, cache: Path) -> mujoco.MjModel:
+    environ = environment(folder, seeded=False, LINKWRIGHT_CACHE=str(cache))
     if name == "sample":
-        done = linkwright(folder, "robot=sample", "mesh=hull", "output=out")
+        done = linkwright(folder, "robot=sample", "mesh=hull", "output=out", environ=environ)
     elif name == "quadruped":
         write_quadruped(folder)
-        done = linkwright(folder, "robot=quadruped", "output=out")
+        done = linkwright(folder, "robot=quadruped", "output=out", environ=environ)
     else:
         path, base = REAL[name]
         if not (ROBOTS / path).exists():
             pytest.skip("there are no shared data")
         source = ("source=urdf", f"source.path={ROBOTS / path}", f"root={base}", "actuators=position")
-        done = linkwright(folder, *source, "mesh=hull", *AS_IT_IS, "output=out")
+        done = linkwright(folder, *source, "mesh=hull", *AS_IT_IS, "output=out", environ=environ)
     assert done.returncode == 0, done.stdout + done.stderr
     model = mujoco.MjModel.from_xml_path(str(folder / "out" / "scene.xml"))
     shutil.rmtree(folder / "out")
@@ -56,8 +57,10 @@ def build(name: str, folder: Path) -> mujoco.MjModel:
     scope="module",
     params=["sample", "quadruped", *(pytest.param(name, marks=pytest.mark.slow) for name in REAL)],
 )
-def model(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> mujoco.MjModel:
-    return build(request.param, tmp_path_factory.mktemp(request.param))
+def model(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, shared_cache: Path
+) -> mujoco.MjModel:
+    return build(request.param, tmp_path_factory.mktemp(request.param), shared_cache)
 
 
 def at_home(model: mujoco.MjModel) -> mujoco.MjData:

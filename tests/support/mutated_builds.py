@@ -23,9 +23,12 @@ RESISTS = {"effort": 20, "velocity": 3, "damping": 0.1, "friction": 0.02, "armat
 FORMATS: dict[str, Any] = {"urdf": {}, "mjcf": {}, "sdf": {}, "ros2": {}, "python": {}}
 FORMATS |= {"usd": {}} if find_spec("pxr") else {}
 
+FEW_FACES = {"max_faces": 300}
+"""Of what is seen: each check reads and compiles it several times."""
+
 SAMPLE = {
     "export": FORMATS,
-    "mesh": {"collider": "hull", "colliders": {"*[Pp]late*": "box"}},
+    "mesh": {"collider": "hull", "colliders": {"*[Pp]late*": "box"}, "visual": FEW_FACES},
     "contact": {"self": "auto"},
     "joints": {"*": RESISTS},
     "actuators": {
@@ -38,7 +41,7 @@ SAMPLE = {
 ROVER = {
     "export": FORMATS,
     "root": {"select": "Body", "base": "free"},
-    "mesh": {"collider": "primitives"},
+    "mesh": {"collider": "primitives", "visual": FEW_FACES},
     "contact": {"self": "auto"},
     "joints": {"*": RESISTS},
     "actuators": {"*": {"type": "motor", "gear": 5}},
