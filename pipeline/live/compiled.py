@@ -9,8 +9,9 @@ import mujoco
 from pipeline.live import flat
 from pipeline.preview.model_text import urdf_text
 from stages.formats.xml import Element, to_bytes
-from stages.robot.mujoco_warnings import listening
-from stages.validate.engines.mujoco_engine import spec_of
+from stages.mujoco.compile import spec_of, spec_of_text
+from stages.mujoco.state import at_key, keyframe_of
+from stages.mujoco.warnings import listening
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,7 +40,7 @@ def compiled(folder: Path, source: str) -> LiveModel:
             model = _urdf_spec(folder, source).compile()
         else:
             document = flat.with_names(flat.flat(folder, source))
-            model = compiled_text(document, folder)
+            model = spec_of_text(to_bytes(document), folder).compile()
         closed = _closed(model)
     tags = () if document is None else flat.actuator_tags(document)
     return LiveModel(source, model, closed, document, tags)
@@ -53,21 +54,11 @@ def _urdf_spec(folder: Path, source: str) -> Any:
     paths = (path for path in sorted(folder.rglob("*")) if path.is_file())
     files = {path.relative_to(folder).as_posix(): path.read_bytes() for path in paths}
     text, meshes = urdf_text(source, files)
-    return mujoco.MjSpec.from_string(text, assets=dict(meshes))
-
-
-def compiled_text(document: Element, folder: Path) -> Any:
-    """The model of a document whose paths are below `folder`."""
-    spec = mujoco.MjSpec.from_string(to_bytes(document).decode())
-    spec.modelfiledir = str(folder)
-    return spec.compile()
+    return mujoco.MjSpec.from_string(text.decode(), assets=dict(meshes))
 
 
 def _closed(model: Any) -> Any:
-    data = mujoco.MjData(model)
-    if model.nkey:
-        home = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
-        mujoco.mj_resetDataKeyframe(model, data, max(home, 0))
+    data = at_key(model, max(keyframe_of(model, "home"), 0) if model.nkey else -1)
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
     return data

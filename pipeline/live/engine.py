@@ -17,6 +17,7 @@ from pipeline.live.compiled import LiveModel
 from pipeline.live.engine_assets import with_assets
 from pipeline.live.engine_version import without_newer
 from stages.formats.xml import Element, element, tag, to_bytes
+from stages.mujoco.compile import NotCompiled, compiled_text
 
 _SEEN = ("visual", "sensor", "custom")
 """Sections that move nothing."""
@@ -141,8 +142,8 @@ def _text(values: Any) -> str:
 def _require_same(model: Any, text: str, files: dict[str, bytes]) -> None:
     """NoCopy where the copy is not the same mechanism."""
     try:
-        copy = mujoco.MjSpec.from_string(text, assets=dict(files)).compile()
-    except ValueError as error:
+        copy = compiled_text(text.encode(), files)
+    except NotCompiled as error:
         raise NoCopy(f"MuJoCo does not compile the page's copy of the model: {error}") from error
     counts = ("nq", "nv", "nu", "na", "nbody", "njnt", "neq", "nkey", "nsite")
     differ = [name for name in counts if getattr(model, name) != getattr(copy, name)]

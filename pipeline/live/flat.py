@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 
 from stages.formats.xml import Element, parse, tag
+from stages.mujoco.includes import resolve
 
 OWN = "linkwright:"
 """How the names begin that are given here to what has none."""
@@ -11,28 +12,23 @@ OWN = "linkwright:"
 _COPIED = frozenset({"replicate", "composite", "flexcomp", "default"})
 """Elements whose content MuJoCo copies, each copy with a name of its own, or that make nothing themselves."""
 
-_DEPTH = 32
+_MOST_FILES = 100
 
 
 def flat(folder: Path, name: str) -> Element:
     """The root of a scene's file with the content of all that it includes, in its place. ValueError for a
     file outside of the folder, or for includes that never end."""
-    return _resolved(folder, name, 0)
+    read = 0
 
+    def root_of(name: str) -> Element:
+        nonlocal read
+        path, read = PurePosixPath(name), read + 1
+        if path.is_absolute() or ".." in path.parts or read > _MOST_FILES:
+            raise ValueError(f"{name} is included from outside of the build, or in a circle")
+        return parse((folder / path).read_bytes(), large=True)
 
-def _resolved(folder: Path, name: str, depth: int) -> Element:
-    path = PurePosixPath(name)
-    if path.is_absolute() or ".." in path.parts or depth > _DEPTH:
-        raise ValueError(f"{name} is included from outside of the build, or in a circle")
-    root = parse((folder / path).read_bytes(), large=True)
-    # The list first: what is put in place of an include has none any more.
-    for include in list(root.iter("include")):
-        above = include.getparent()
-        place = list(above).index(include)
-        content = list(_resolved(folder, include.get("file", ""), depth + 1))
-        above.remove(include)
-        for offset, child in enumerate(content):
-            above.insert(place + offset, child)
+    root = root_of(name)
+    resolve(root, lambda include: root_of(include.get("file", "")))
     return root
 
 

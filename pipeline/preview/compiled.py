@@ -12,8 +12,9 @@ import numpy as np
 from pipeline.preview.look import Blob, Geom, Look, Solid, Vector
 from pipeline.preview.model_text import Mesh, mjcf_text, urdf_text
 from stages.mesh.view.raster import Numbers
+from stages.mujoco.compile import NotCompiled, compiled_text
+from stages.mujoco.state import at_key, keyframe_of
 from stages.robot.errors import SourceError
-from stages.robot.mujoco_warnings import listening
 
 _BARE = (0.45, 0.49, 0.54, 1.0)
 _MARKED = (0.93, 0.45, 0.16, 1.0)
@@ -36,24 +37,19 @@ def look_of_files(path: str, files: Mapping[str, bytes]) -> Look:
     try:
         if path.endswith(".urdf"):
             text, own = urdf_text(path, files)
-            return look_of(_model(text, own), _home(files["robot.json"]))
+            return look_of(compiled_text(text, own), _home(files["robot.json"]))
         for whole in (False, True):
             made = mjcf_text(path, files, whole=whole)
             try:
-                return look_of(_model(made.text, made.files), {}, made.meshes)
-            except ValueError:
+                return look_of(compiled_text(made.text, made.files), {}, made.meshes)
+            except NotCompiled:
                 # Without its meshes a body may have no mass.
                 if whole or not made.meshes:
                     raise
-    except (ValueError, KeyError, RuntimeError, MemoryError, mujoco.FatalError) as error:
+    except (ValueError, KeyError) as error:
         words = " ".join(str(error).split())[:300]
         raise SourceError(f"MuJoCo cannot compile {path}: {words}", path) from None
     raise AssertionError
-
-
-def _model(text: str, files: Mapping[str, bytes]) -> Any:
-    with listening():
-        return mujoco.MjSpec.from_string(text, assets=dict(files)).compile()
 
 
 def _home(robot: bytes) -> dict[str, float]:
@@ -68,10 +64,8 @@ def _home(robot: bytes) -> dict[str, float]:
 def look_of(model: Any, values: Mapping[str, float], meshes: Mapping[str, Mesh] | None = None) -> Look:
     """What is seen of a model at `home`, or, where it has no such keyframe, with the joints' `values`
     [rad, m] by name and the others at zero. `meshes`: those of geoms by name, in place of MuJoCo's own."""
-    data = mujoco.MjData(model)
-    home = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
-    if home >= 0:
-        mujoco.mj_resetDataKeyframe(model, data, home)
+    home = keyframe_of(model, "home")
+    data = at_key(model, home)
     for joint in range(model.njnt if home < 0 else 0):
         name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, joint)
         if name in values:

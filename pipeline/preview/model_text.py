@@ -5,7 +5,9 @@ from dataclasses import dataclass
 from posixpath import join, normpath
 
 from stages.formats.mesh_points import is_binary_stl
-from stages.formats.xml import Element, element, parse, to_bytes
+from stages.formats.xml import Element, parse, to_bytes
+from stages.mujoco.includes import resolve
+from stages.mujoco.urdf import with_every_link
 
 _PLACEHOLDER = {"type": "sphere", "size": "0.001"}
 """Stands for a mesh: its place counts, and MuJoCo takes a tenth of a second for each 40,000 triangles."""
@@ -28,7 +30,7 @@ class ModelText:
     """What MuJoCo compiles, its other `files` as it names them, and the meshes that are left out of it, by
     the name of the geom."""
 
-    text: str
+    text: bytes
     files: Mapping[str, bytes]
     meshes: Mapping[str, Mesh]
 
@@ -38,13 +40,10 @@ def mjcf_text(path: str, files: Mapping[str, bytes], *, whole: bool = False) -> 
     place."""
     folder = path.rpartition("/")[0]
     root = parse(files[path])
-    for include in list(root.iter("include")):
-        other = parse(files[normpath(join(folder, include.get("file", "")))])
-        at = include.getparent().index(include)
-        include.getparent()[at : at + 1] = list(other)
+    resolve(root, lambda include: parse(files[normpath(join(folder, include.get("file", "")))]))
     own = {normpath(name[len(folder) :].lstrip("/")): data for name, data in files.items()}
     meshes = {} if whole else _without_meshes(root, own)
-    return ModelText(to_bytes(root).decode(), own, meshes)
+    return ModelText(to_bytes(root), own, meshes)
 
 
 def _without_meshes(root: Element, files: Mapping[str, bytes]) -> dict[str, Mesh]:
@@ -106,24 +105,13 @@ class _DefaultTypes:
         return self._types.get(geom.get("class") or next(filter(None, around), ""), self._main)
 
 
-def urdf_text(path: str, files: Mapping[str, bytes]) -> tuple[str, Mapping[str, bytes]]:
+def urdf_text(path: str, files: Mapping[str, bytes]) -> tuple[bytes, Mapping[str, bytes]]:
     """The URDF with each of its meshes by a path among the files, and with all that is seen. Joints that
     float are fixed: MuJoCo accepts them only below the world."""
     folder = path.rpartition("/")[0]
     root = parse(files[path])
-    for mesh in list(root.iter("mesh")):
-        place = _place(mesh.get("filename", ""), folder, files)
-        if place is None:
-            _drop(mesh)
-        else:
-            mesh.set("filename", place)
-    for settings in root.findall("mujoco"):
-        root.remove(settings)
-    own = element(root, "mujoco")
-    element(own, "compiler", strippath="false", fusestatic="false", discardvisual="false")
-    for joint in root.iterfind("joint[@type='floating']"):
-        joint.set("type", "fixed")
-    return to_bytes(root).decode(), files
+    with_every_link(root, lambda name: _place(name, folder, files))
+    return to_bytes(root), files
 
 
 def _place(name: str, folder: str, files: Mapping[str, bytes]) -> str | None:
@@ -141,9 +129,3 @@ def _place(name: str, folder: str, files: Mapping[str, bytes]) -> str | None:
         if not above:
             return None
         above = above.rpartition("/")[0]
-
-
-def _drop(mesh: Element) -> None:
-    around = mesh.getparent().getparent()
-    if around is not None and around.getparent() is not None:
-        around.getparent().remove(around)

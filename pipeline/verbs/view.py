@@ -61,18 +61,16 @@ def show(scene: str, otherwise: str = "") -> None:
     what to do `otherwise`, where it cannot be opened."""
     import mujoco
 
+    from stages.mujoco.state import at_keyframe
+
     try:
         import mujoco.viewer
     except ImportError as error:
         msg = f"MuJoCo's viewer is not installed ({error})"
         raise OutputError(msg, "view", f"pip install mujoco; or {otherwise}") from None
     model = mujoco.MjModel.from_xml_path(scene)
-    data = mujoco.MjData(model)
-    home = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
-    if home >= 0:
-        mujoco.mj_resetDataKeyframe(model, data, home)
     try:
-        mujoco.viewer.launch(model, data)
+        mujoco.viewer.launch(model, at_keyframe(model))
     except mujoco.FatalError as error:
         raise OutputError(f"MuJoCo's viewer cannot open a window: {error}", "view", otherwise) from None
 

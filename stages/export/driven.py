@@ -18,7 +18,7 @@ from stages.robot.statics import GroundSupport
 if TYPE_CHECKING:
     from stages.export.keys import ExportKeys
     from stages.export.standing import Stance
-    from stages.robot.trial_run import Trial
+    from stages.mujoco.trial import Trial
 
 LARGE = 200
 """Dofs beyond which a robot without loops and relations is not simulated."""

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from stages.formats import mjcf_bounds, png
 from stages.formats.mjcf_bounds import LARGEST_TEXT
-from stages.formats.xml import Malformed, parse, tag
+from stages.formats.xml import Element, Malformed, parse, tag
+from stages.mujoco.includes import resolve
 from stages.robot import regular_files
 from stages.robot.errors import SourceError
 from stages.validate.asset_files import named_files
@@ -58,8 +59,7 @@ def admitted(place: Path) -> Sizes:
     pixels = 0
     while models:
         model = models.pop()
-        for path in _included(model):
-            _admit(path, sizes, seen, model.name)
+        _admit_included(model, sizes, seen)
         document = read(model)
         if document is None:
             continue
@@ -107,20 +107,28 @@ def _below(folder: Path) -> Iterator[Path]:
                 yield path
 
 
-def _included(model: Path) -> Iterator[Path]:
-    """What a model includes, and what that includes, as MuJoCo opens it, whatever it is."""
-    waiting, seen = [model], {model}
-    while waiting:
-        try:
-            root = parse(regular_files.content(waiting.pop(), LARGEST_TEXT))
-        except (Malformed, OSError, regular_files.FileTooLarge):
-            continue
-        for node in root.iter("include"):
-            path = model.parent / node.get("file", "")
-            if path not in seen and _is_there(path):
-                seen.add(path)
-                yield path
-                waiting.append(path)
+def _admit_included(model: Path, sizes: Sizes, seen: set[Path]) -> None:
+    """Admits what a model includes, and what that includes, as MuJoCo opens it, whatever it is."""
+    own = {model}
+
+    def read(node: Element) -> Element | None:
+        path = model.parent / node.get("file", "")
+        if path in own or not _is_there(path):
+            return None
+        own.add(path)
+        _admit(path, sizes, seen, model.name)
+        return _parsed(path)
+
+    root = _parsed(model)
+    if root is not None:
+        resolve(root, read)
+
+
+def _parsed(path: Path) -> Element | None:
+    try:
+        return parse(regular_files.content(path, LARGEST_TEXT))
+    except (Malformed, OSError, regular_files.FileTooLarge):
+        return None  # a check says so
 
 
 def _entries(folder: Path) -> list[Path]:

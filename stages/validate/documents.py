@@ -8,6 +8,7 @@ from typing import Literal
 from stages.formats.mjcf_bounds import LARGEST_TEXT
 from stages.formats.own_xml import name_of
 from stages.formats.xml import Element, Malformed, parse, tag
+from stages.mujoco.includes import resolve
 from stages.robot.check import Finding
 from stages.robot.plural import count
 from stages.robot.regular_files import FileTooLarge, content, is_file
@@ -61,7 +62,7 @@ def read(path: Path) -> ModelDocument | None:
         return None
     included: dict[Element, Path] = {}
     language = ROOTS.get(tag(root))
-    broken = list(_include(root, path, included)) if language == "mjcf" else []
+    broken = _include(root, path, included) if language == "mjcf" else []
     return ModelDocument(path, root, language, included, tuple(broken))
 
 
@@ -109,41 +110,32 @@ def sentence(findings: tuple[Finding, ...]) -> str:
     return "; ".join(shown) + (f"; and {count(more, 'other')}" if more else "")
 
 
-def _include(root: Element, path: Path, included: dict[Element, Path]) -> Iterator[Finding]:
-    """Puts the elements of included files in the place of each <include>, as MuJoCo does; paths count from
-    the model's own folder. Gives what cannot be included."""
-    seen = {path.resolve()}
-    waiting = list(root.iter("include"))
-    while waiting:
-        node = waiting.pop(0)
+def _include(root: Element, path: Path, included: dict[Element, Path]) -> list[Finding]:
+    """Puts the elements of included files in the place of each <include>; paths count from the model's own
+    folder. Gives what cannot be included."""
+    seen, found = {path.resolve()}, []
+
+    def refused(node: Element, why: str) -> Element | None:
+        found.append(Finding("include", "file", f'"{node.get("file", "")}" {why}'))
+        return None
+
+    def read(node: Element) -> Element | None:
         wanted = node.get("file", "")
         place = path.parent / wanted
-        above = node.getparent()
-        if above is None:
-            continue
+        line = f"(line {node.sourceline})"
         if not wanted or not is_file(place):
-            yield Finding("include", "file", f'"{wanted}" does not exist (line {node.sourceline})')
-            above.remove(node)
-            continue
+            return refused(node, f"does not exist {line}")
         if place.resolve() in seen or len(seen) > MOST_INCLUDES:
-            yield Finding("include", "file", f'"{wanted}" is included already (line {node.sourceline})')
-            above.remove(node)
-            continue
+            return refused(node, f"is included already {line}")
         seen.add(place.resolve())
         try:
             other = parse(content(place, LARGEST_TEXT))
         except FileTooLarge:
-            yield Finding("include", "file", f'"{wanted}" is longer than {LARGEST_TEXT >> 20} MB')
-            above.remove(node)
-            continue
+            return refused(node, f"is longer than {LARGEST_TEXT >> 20} MB")
         except Malformed as error:
-            yield Finding("include", "file", f'"{wanted}" is no XML: {error.place}')
-            above.remove(node)
-            continue
-        for one in other.iter():
-            included[one] = place
-        waiting += other.iter("include")
-        index = above.index(node)
-        above.remove(node)
-        for offset, child in enumerate(list(other)):
-            above.insert(index + offset, child)
+            return refused(node, f"is no XML: {error.place}")
+        included.update(dict.fromkeys(other.iter(), place))
+        return other
+
+    resolve(root, read)
+    return found

@@ -5,8 +5,9 @@ from typing import Any
 
 import mujoco
 
+from stages.mujoco.state import at_keyframe
 from stages.validate.coordinates import FREE, SLIDE, WIDTH
-from stages.validate.running import PASSIVE, at_keyframe, drawn, flags, with_options
+from stages.validate.running import PASSIVE, drawn, flags, with_options
 
 SECONDS = 0.5
 """The length of a run."""

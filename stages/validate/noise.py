@@ -6,11 +6,11 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from stages.mujoco.state import at_keyframe
+from stages.mujoco.trial import EFFORT, failure
+from stages.mujoco.warnings import listening
 from stages.robot.model import Array
-from stages.robot.mujoco_warnings import listening
-from stages.robot.trial_run import EFFORT, failure
 from stages.validate.coordinates import HINGE
-from stages.validate.running import at_keyframe
 
 HOLD = 0.1
 """In the second half of a run each control keeps a value for so long [s]: what is moved by it gets further

@@ -39,15 +39,6 @@ PASSIVE = ("PASSIVE", "SPRING", "DAMPER")
 newer ones."""
 
 
-def at_keyframe(model: Any, name: str = "home") -> Any:
-    """The data at a keyframe, with its controls; at qpos0 where there is none of this name."""
-    data = mujoco.MjData(model)
-    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, name)
-    if key >= 0:
-        mujoco.mj_resetDataKeyframe(model, data, key)
-    return data
-
-
 @dataclass(frozen=True, slots=True)
 class Touching:
     """Two bodies in contact, and how deep [m]; the world, 0, is always the other. `geom`: of the world, what

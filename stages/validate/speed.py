@@ -5,8 +5,9 @@ from pathlib import Path
 
 import mujoco
 
-from stages.robot.mujoco_warnings import listening
-from stages.validate.running import at_keyframe
+from stages.mujoco.compile import NotCompiled, compiled_file
+from stages.mujoco.state import at_keyframe
+from stages.mujoco.warnings import listening
 
 SECONDS = 0.5
 """So long it is measured, in pieces of `PIECE` steps."""
@@ -22,13 +23,13 @@ def steps_per_second(folder: Path, robot: str) -> float | None:
         return None
     try:
         with listening():
-            model = mujoco.MjModel.from_xml_path(str(path))
+            model = compiled_file(path)
             data = at_keyframe(model)
             mujoco.mj_step(model, data)
             steps, start = 0, time.thread_time()
             while (spent := time.thread_time() - start) < SECONDS:
                 mujoco.mj_step(model, data, PIECE)
                 steps += PIECE
-    except ValueError:
+    except NotCompiled:
         return None  # the checks say so
     return float(f"{steps / spent:.2g}") if model.nv else None

@@ -22,8 +22,8 @@ from stages.export import export
 from stages.fetch.urdf.gather import gather
 from stages.graph import build_robot
 from stages.mesh import make_geometry
+from stages.mujoco.warnings import listening
 from stages.robot.errors import LinkwrightError
-from stages.robot.mujoco_warnings import listening
 from tests.support.building import plan_of
 from tests.support.checked import checked
 from tests.support.urdfs import lost_names, parity, same_bounds

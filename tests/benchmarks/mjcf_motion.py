@@ -20,8 +20,8 @@ from typing import Any
 
 import mujoco
 
+from stages.mujoco.warnings import listening
 from stages.robot.errors import LinkwrightError
-from stages.robot.mujoco_warnings import listening
 from tests.support.mjcfs import built
 from tests.support.same_motion import LIMIT, Apart, farthest
 

@@ -97,23 +97,26 @@ class _FormatWork:
         return Documents(self.form, self._paths, self._files)
 
     def _of_mjcf(self) -> list[Surplus]:
-        from stages.export.amend.compiled import DoesNotCompile, fit, likely
+        from stages.export.amend.compiled import fit, likely
+        from stages.mujoco.compile import NotCompiled
 
         meshes = {path: data for path, data in self._files.items() if path.startswith("assets/")}
         try:
             return fit(self.documents, self._read(), self.changes, meshes)
         except Refused as refused:
             self.problems.append(refused.diagnostic)
-        except DoesNotCompile as error:
+        except NotCompiled as error:
             key = self._culprit(meshes)
             if key:
-                text = f"MuJoCo refuses it: {error}"
-                self.problems.append(Diagnostic("E-ELEMENT", text, key, likely(str(error))))
+                message = " ".join(str(error).split())
+                text = f"MuJoCo refuses it: {message}"
+                self.problems.append(Diagnostic("E-ELEMENT", text, key, likely(message)))
         return []
 
     def _culprit(self, meshes: Mapping[str, bytes]) -> str:
         """The key of the last entry without which the file compiles; "" where it never did."""
-        from stages.export.amend.compiled import DoesNotCompile, compiled
+        from stages.export.amend.compiled import compiled
+        from stages.mujoco.compile import NotCompiled
 
         for count in reversed(range(len(self.entries))):
             documents = self._read()
@@ -121,7 +124,7 @@ class _FormatWork:
                 entry.apply(documents)
             try:
                 compiled(documents, "scene", meshes)
-            except DoesNotCompile:
+            except NotCompiled:
                 continue
             return self.entries[count].key
         return ""

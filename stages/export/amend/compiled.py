@@ -11,9 +11,10 @@ import mujoco
 from stages.export.amend.documents import Documents, Refused
 from stages.formats.numbers import number
 from stages.formats.xml import Element, to_bytes
+from stages.mujoco.compile import compiled_text
+from stages.mujoco.includes import put_in_place
 from stages.robot.amendments import Amendment, Surplus
 from stages.robot.globs import did_you_mean
-from stages.robot.mujoco_warnings import listening
 
 _QPOS = {0: 7, 1: 4, 2: 1, 3: 1}
 """Numbers in qpos by the type of a joint: free, ball, slide, hinge."""
@@ -21,36 +22,24 @@ _QPOS = {0: 7, 1: 4, 2: 1, 3: 1}
 _QVEL = {0: 6, 1: 3, 2: 1, 3: 1}
 
 
-class DoesNotCompile(Exception):
-    """MuJoCo's message about a model."""
-
-
 def compiled(documents: Documents, role: str, meshes: Mapping[str, bytes]) -> Any:
-    """The model of one of the files without its keyframes; DoesNotCompile where MuJoCo refuses it. `meshes`:
+    """The model of one of the files without its keyframes; NotCompiled where MuJoCo refuses it. `meshes`:
     by path."""
     roots = {one.role: one.root for one in documents.every}
     root = deepcopy(roots[role])
     include = root.find("include")
     if role == "scene" and include is not None:
-        # What stands at the place of an include is what is in the file.
-        place = root.index(include)
-        root.remove(include)
-        for count, one in enumerate(list(deepcopy(roots["robot"]))):
-            root.insert(place + count, one)
+        put_in_place(include, list(deepcopy(roots["robot"])))
     for one in root.findall("keyframe"):
         root.remove(one)
-    try:
-        with listening():
-            return mujoco.MjSpec.from_string(to_bytes(root).decode(), assets=dict(meshes)).compile()
-    except (ValueError, RuntimeError, SyntaxError) as error:
-        raise DoesNotCompile(" ".join(str(error).split())) from None
+    return compiled_text(to_bytes(root), meshes)
 
 
 def fit(
     documents: Documents, before: Documents, changes: Sequence[Amendment], meshes: Mapping[str, bytes]
 ) -> list[Surplus]:
     """Gives the robot's keyframes values for the joints and actuators that were added to its file, and says
-    what each file has more than it had. DoesNotCompile where MuJoCo refuses a file; Refused where the scene
+    what each file has more than it had. NotCompiled where MuJoCo refuses a file; Refused where the scene
     has joints or actuators for which the keyframes, which are in the robot's file, have no values."""
     robot, scene = documents.every
     old = before.every[0].root

@@ -2,10 +2,8 @@
 
 from collections.abc import Mapping
 
-import mujoco
-
-from stages.robot.mujoco_warnings import listening
-from stages.robot.trial_run import OPEN, SECONDS, Trial, trial_run
+from stages.mujoco.compile import NotCompiled, compiled_text
+from stages.mujoco.trial import OPEN, SECONDS, Trial, trial_run
 
 
 def compiled_trial(mjcf: bytes, meshes: Mapping[str, bytes], margin: float) -> Trial | None:
@@ -14,8 +12,7 @@ def compiled_trial(mjcf: bytes, meshes: Mapping[str, bytes], margin: float) -> T
     less."""
     assets = {f"assets/{name}": data for name, data in meshes.items()}
     try:
-        with listening():
-            model = mujoco.MjSpec.from_string(mjcf.decode(), assets=assets).compile()
-    except (ValueError, RuntimeError):
+        model = compiled_text(mjcf, assets)
+    except NotCompiled:
         return None
     return trial_run(model, margin * SECONDS, OPEN / margin) if model.nv else None

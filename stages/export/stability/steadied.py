@@ -9,6 +9,7 @@ armature keeps it.
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
+from stages.mujoco.trial import Trial
 from stages.robot.actuation import Actuation, Armature
 from stages.robot.driven import as_driven
 from stages.robot.dynamics import SPEEDS, mass_matrix
@@ -17,7 +18,6 @@ from stages.robot.globs import listed
 from stages.robot.loops import POINTWISE
 from stages.robot.model import Dof, Robot
 from stages.robot.start_pose import home
-from stages.robot.trial_run import Trial
 from stages.robot.ways import Ways
 
 SHARES = (1 / 64, 1 / 16, 1 / 4, 1.0, 4.0)

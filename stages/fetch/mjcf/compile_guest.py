@@ -12,9 +12,10 @@ from stages.fetch.mjcf.compiled import convert
 from stages.fetch.mjcf.meshes import Meshes
 from stages.fetch.mjcf.textures import Textures
 from stages.formats import mjcf_bounds
+from stages.mujoco.compile import NotCompiled, refusals
+from stages.mujoco.warnings import listening
 from stages.robot import codec
 from stages.robot.errors import SourceError
-from stages.robot.mujoco_warnings import listening, unquoted
 
 _HINT = "MuJoCo's own viewer gives the same error (python -m mujoco.viewer --mjcf=...)"
 
@@ -44,13 +45,14 @@ def _compiled(path: Path) -> tuple[mujoco.MjModel, mujoco.MjSpec, list[str]]:
     """The model (visual geoms included), its spec, and MuJoCo's warnings."""
     with listening() as heard:
         try:
-            spec = mujoco.MjSpec.from_file(str(path))
-            spec.compiler.discardvisual = False
-            # <size nkey> reserves room: keyframes that nobody wrote, all at qpos0.
-            spec.nkey = 0
-            model = spec.compile()
-        except (ValueError, RuntimeError, MemoryError, mujoco.FatalError) as error:
-            msg = f"MuJoCo cannot compile it: {_in_one_line(unquoted(error), path)}"
+            with refusals():
+                spec = mujoco.MjSpec.from_file(str(path))
+                spec.compiler.discardvisual = False
+                # <size nkey> reserves room: keyframes that nobody wrote, all at qpos0.
+                spec.nkey = 0
+                model = spec.compile()
+        except NotCompiled as error:
+            msg = f"MuJoCo cannot compile it: {_in_one_line(str(error), path)}"
             raise SourceError(msg, path.name, _HINT) from None
     return model, spec, [_in_one_line(text, path) for text in sorted(set(heard))]
 

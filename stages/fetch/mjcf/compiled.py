@@ -18,10 +18,10 @@ from stages.fetch.mjcf.meshes import Meshes
 from stages.fetch.mjcf.textures import Textures
 from stages.fetch.mjcf.trees import robot_bodies
 from stages.fetch.mjcf.unsupported import in_the_scene, left_out
-from stages.formats.compiled_mjcf.bodies import pose_of
-from stages.formats.compiled_mjcf.elements import site_attributes
-from stages.formats.compiled_mjcf.fields import BODY, attributes
 from stages.formats.mjcf import Mjcf, MjcfBody, MjcfSite
+from stages.mujoco.bodies import pose_of
+from stages.mujoco.elements import site_attributes
+from stages.mujoco.fields import BODY, attributes
 from stages.robot.errors import SourceError
 from stages.robot.inertia import moved
 from stages.robot.model import Inertial, frozen

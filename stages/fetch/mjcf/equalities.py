@@ -8,11 +8,11 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.formats.compiled_mjcf.bodies import pose_of
-from stages.formats.compiled_mjcf.elements import OBJ
-from stages.formats.compiled_mjcf.fields import EQUALITY, attributes
 from stages.formats.mjcf import MjcfClosure, MjcfRelation
 from stages.formats.numbers import exact
+from stages.mujoco.bodies import pose_of
+from stages.mujoco.elements import OBJ
+from stages.mujoco.fields import EQUALITY, attributes
 from stages.robot.mjcf_extras import Attributes
 from stages.robot.model import frozen
 

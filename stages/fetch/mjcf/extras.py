@@ -12,11 +12,11 @@ import numpy as np
 from stages.fetch.mjcf.equalities import carried
 from stages.fetch.mjcf.geoms import touches
 from stages.fetch.mjcf.options import flags, options
-from stages.formats.compiled_mjcf import elements
-from stages.formats.compiled_mjcf.bodies import CompiledBodies, light_pose, pose_of
-from stages.formats.compiled_mjcf.elements import OBJ, name_of
-from stages.formats.compiled_mjcf.sensors import sensor
 from stages.formats.mjcf import MjcfPlaced
+from stages.mujoco import elements
+from stages.mujoco.bodies import CompiledBodies, light_pose, pose_of
+from stages.mujoco.elements import OBJ, name_of
+from stages.mujoco.sensors import sensor
 from stages.robot.mjcf_extras import Attributes, MjcfElement, MjcfExtras
 from stages.robot.model import frozen
 from stages.robot.names import free

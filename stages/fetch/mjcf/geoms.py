@@ -11,10 +11,10 @@ import numpy as np
 
 from stages.fetch.mjcf.meshes import Meshes
 from stages.fetch.mjcf.textures import Textures
-from stages.formats.compiled_mjcf.bodies import pose_of
-from stages.formats.compiled_mjcf.elements import geom, geom_attributes
-from stages.formats.compiled_mjcf.fields import bare
 from stages.formats.mjcf import MjcfGeom, MjcfGeomKind, MjcfPlaced
+from stages.mujoco.bodies import pose_of
+from stages.mujoco.elements import geom, geom_attributes
+from stages.mujoco.fields import bare
 from stages.robot.geom_form import ContactProperties, GeomForm
 from stages.robot.geometry import Colour
 from stages.robot.model import Array, frozen

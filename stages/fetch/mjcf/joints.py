@@ -8,9 +8,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.formats.compiled_mjcf.fields import joint_attributes
 from stages.formats.mjcf import MjcfJoint, MjcfJointType
 from stages.formats.numbers import exact
+from stages.mujoco.fields import joint_attributes
 from stages.robot.mjcf_extras import Attributes
 from stages.robot.model import Dynamics, Limits, Spring, frozen
 

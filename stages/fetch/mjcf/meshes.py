@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stages.formats import triangles
-from stages.formats.compiled_mjcf.bodies import pose_of
+from stages.mujoco.bodies import pose_of
 from stages.robot.geometry import NEUTRAL, Colour
 from stages.robot.model import Array, MeshRef
 

@@ -6,7 +6,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.formats.compiled_mjcf.fields import bare
+from stages.mujoco.fields import bare
 from stages.robot.scene import Setting
 
 _CHOICES = {

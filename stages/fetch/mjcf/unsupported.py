@@ -9,7 +9,7 @@ from stages.fetch.mjcf.geoms import GEOMS, is_extra, shows, touches
 from stages.fetch.mjcf.keyframes import left_of_keyframes
 from stages.fetch.mjcf.textures import Textures
 from stages.fetch.mjcf.unsupported_fields import Omission, of_elements, of_the_file, of_the_viewer
-from stages.formats.compiled_mjcf.bodies import WRITTEN
+from stages.mujoco.bodies import WRITTEN
 from stages.robot.errors import Diagnostic
 from stages.robot.globs import listed
 from stages.robot.plural import count

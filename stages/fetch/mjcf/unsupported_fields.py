@@ -13,7 +13,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.formats.compiled_mjcf.fields import ARRAYS, bare
+from stages.mujoco.fields import ARRAYS, bare
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +51,7 @@ _STRUCTURE: Mapping[str, Collection[str]] = {
     ),
     "sensor": ("type", "datatype", "needstage", "objtype", "reftype", "dim", "intprm", "plugin"),
 }
-"""Beside those of `compiled_mjcf.fields`: arrays that are carried over, that follow from others, or that
+"""Beside those of `stages.mujoco.fields`: arrays that are carried over, that follow from others, or that
 `unsupported` reports."""
 
 _PLACES = ("id", "adr", "num", "invweight0")

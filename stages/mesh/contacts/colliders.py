@@ -150,7 +150,7 @@ def measures_overlaps() -> bool:
 
 def _compiled(shapes: Sequence[Shape], files: Mapping[str, bytes]) -> Any:
     """The model of the colliders, each where it is in its link's frame."""
-    import mujoco
+    from stages.mujoco.compile import NotCompiled, compiled_text
 
     root = element(None, "mujoco")
     asset, world = element(root, "asset"), element(root, "worldbody")
@@ -163,9 +163,9 @@ def _compiled(shapes: Sequence[Shape], files: Mapping[str, bytes]) -> Any:
         _geom(world, shape, names)
     try:
         meshes = {file: files[file] for file in used}
-        return mujoco.MjSpec.from_string(to_bytes(root).decode(), assets=meshes).compile()
-    except ValueError as error:
-        msg = f"MuJoCo refuses the colliders: {str(error).strip()}"
+        return compiled_text(to_bytes(root), meshes)
+    except NotCompiled as error:
+        msg = f"MuJoCo refuses the colliders: {error}"
         raise MeshError(msg, "contact.self", "contact.self=none needs no analysis of contact") from None
 
 

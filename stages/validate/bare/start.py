@@ -9,18 +9,21 @@ import mujoco
 import numpy as np
 
 from stages.formats.mesh_points import STL_FACE, STL_HEADER
-from stages.formats.xml import Element, element, parse, to_bytes
+from stages.formats.xml import parse, to_bytes
+from stages.mujoco.compile import NotCompiled, refusals
+from stages.mujoco.state import at_keyframe
+from stages.mujoco.trial import trial_run
+from stages.mujoco.urdf import with_every_link
+from stages.mujoco.warnings import deprecations, listening
 from stages.robot.check import Check, CheckLevel, Finding
 from stages.robot.model import Array
-from stages.robot.mujoco_warnings import deprecations, listening, unquoted
 from stages.robot.plural import count
 from stages.robot.regular_files import is_file
-from stages.robot.trial_run import trial_run
 from stages.validate.asset_files import named_files
 from stages.validate.bare.mjcf_figures import body_name
 from stages.validate.documents import ModelDocument
 from stages.validate.findings import named, unstable
-from stages.validate.running import DEEP, Touching, at_keyframe, touching
+from stages.validate.running import DEEP, Touching, touching
 
 ROOM = 128 << 20
 """Memory [bytes] for contacts in the trial, where a file reserves more, or counts rows as old files do."""
@@ -54,9 +57,10 @@ def start(document: ModelDocument) -> Started:
     name = document.path.name
     with listening() as warnings, deprecations(warnings):
         try:
-            model = (_of_urdf(document) if urdf else _of_mjcf(document)).compile()
-        except (ValueError, RuntimeError, SyntaxError) as error:
-            message = unquoted(error).replace(str(document.path.resolve().parent), "").strip()
+            with refusals(document.path.parent):
+                model = (_of_urdf(document) if urdf else _of_mjcf(document)).compile()
+        except NotCompiled as error:
+            message = str(error)
             # A URDF may be right, and still not be for MuJoCo.
             level: CheckLevel = "warning" if urdf else "error"
             return Started(None, (Check(f"{name}: compiles", False, message, code="C-COMPILE", level=level),))
@@ -91,21 +95,16 @@ def _of_urdf(document: ModelDocument) -> Any:
     """The URDF as MuJoCo reads URDFs, without what is only seen: each mesh by its own path, without meshes
     that MuJoCo cannot read, with every link, and with joints that float fixed."""
     root = parse(document.path.read_bytes())
-    places = [one.path for one in named_files(document) if one.element.tag == "mesh"]
-    meshes = [mesh for mesh in root.iter("mesh") if mesh.get("filename", "").strip()]
-    for mesh, place in zip(meshes, places, strict=False):
-        if place is not None and is_file(place) and _is_read(place):
-            mesh.set("filename", str(place.resolve()))
-        else:
-            _drop(mesh)
-    for seen in list(root.iterfind("link/visual")):
-        seen.getparent().remove(seen)
-    for settings in root.findall("mujoco"):
-        root.remove(settings)
-    own = element(root, "mujoco")
-    element(own, "compiler", strippath="false", fusestatic="false")
-    for joint in root.iterfind("joint[@type='floating']"):
-        joint.set("type", "fixed")
+    meshes = (one for one in named_files(document) if one.element.tag == "mesh")
+    paths = {one.element.get("filename"): one.path for one in meshes}
+
+    def place_of(name: str) -> str | None:
+        if not name.strip():
+            return name
+        path = paths.get(name)
+        return str(path.resolve()) if path is not None and is_file(path) and _is_read(path) else None
+
+    with_every_link(root, place_of, visuals=False)
     return mujoco.MjSpec.from_string(to_bytes(root).decode())
 
 
@@ -118,12 +117,6 @@ def _is_read(mesh: Path) -> bool:
     size = mesh.stat().st_size - len(head)
     count = int.from_bytes(head[STL_HEADER:], "little")
     return count <= MOST_TRIANGLES and size >= count * STL_FACE.itemsize
-
-
-def _drop(mesh: Element) -> None:
-    around = mesh.getparent().getparent()
-    if around is not None and around.getparent() is not None:
-        around.getparent().remove(around)
 
 
 def _simulated(document: ModelDocument, model: Any) -> Iterator[Check]:

@@ -6,6 +6,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from stages.mujoco.state import keyframe_of
 from stages.robot.actuation import Actuator
 from stages.robot.check import Check, Finding
 from stages.robot.holding_control import control_at, state_at, torque_per_volt
@@ -86,7 +87,7 @@ def _ranges(model: Any, index: int, one: Actuator, element: str) -> Iterator[Fin
 def _at_rest(model: Any, index: int, one: Actuator, name: str, value: Value) -> Iterator[Finding]:
     """The control and the state at a keyframe, with the dof at `value`. Only `home` must be there: that
     others are is another check's."""
-    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, name)
+    key = keyframe_of(model, name)
     assert not isinstance(value, tuple), "an actuator drives one turn or slide"
     force = one.force_at(name)
     state = state_at(one, value, force)

@@ -6,6 +6,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from stages.mujoco.state import at_key, at_keyframe, keyframe_of
 from stages.robot.check import Check, Finding
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Configuration, Robot
@@ -38,7 +39,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         return
     yield from (_keyframe(compiled, name, pose) for name, pose in keyframes(compiled.robot).items())
     yield _at_rest(compiled)
-    if mujoco.mj_name2id(compiled.model, mujoco.mjtObj.mjOBJ_KEY, SAVED) >= 0:
+    if keyframe_of(compiled.model, SAVED) >= 0:
         yield _closed(compiled)
 
 
@@ -46,7 +47,7 @@ def _at_rest(compiled: CompiledModel) -> Check:
     """In each of the robot's keyframes nothing moves."""
     model, found = compiled.model, []
     for name in keyframes(compiled.robot):
-        key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, name)
+        key = keyframe_of(model, name)
         for at in np.flatnonzero(model.key_qvel[key]) if key >= 0 and not compiled.sets("qvel") else ():
             joint = model.joint(int(model.dof_jntid[at])).name
             message = f"moves {joint} at {shown(model.key_qvel[key][at])}, expected 0"
@@ -59,13 +60,12 @@ def _at_rest(compiled: CompiledModel) -> Check:
 def _keyframe(compiled: CompiledModel, name: str, pose: Configuration) -> Check:
     """The values and links of one keyframe against those that the robot says."""
     model = compiled.model
-    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, name)
+    key = keyframe_of(model, name)
     if key < 0:
         missing = Finding(named("key", name), "name", "there is no keyframe of this name")
         detail = f"there is no keyframe {name}"
         return compiled.result(f"keyframe {name}", False, detail, findings=(missing,))
-    data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, key)
+    data = at_key(model, key)
     mujoco.mj_kinematics(model, data)
     off = _difference(model, data, compiled.robot, pose)
     detail = f"values and links against {MEANINGS.get(name, OWN)}"
@@ -92,8 +92,7 @@ def _turned(name: str) -> Finding:
 
 
 def _closed(compiled: CompiledModel) -> Check:
-    model, data = compiled.model, mujoco.MjData(compiled.model)
-    mujoco.mj_resetDataKeyframe(model, data, mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, SAVED))
+    model, data = compiled.model, at_keyframe(compiled.model, SAVED)
     mujoco.mj_forward(model, data)
     detail = "loops and relations in the saved pose, distance from closed [m, rad]"
     found = open_equalities(model, data)

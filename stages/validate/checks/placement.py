@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 import mujoco
 import numpy as np
 
+from stages.mujoco.state import keyframe_of
 from stages.robot.check import Check, Finding
 from stages.robot.model import Array
 from stages.validate.compiled import CompiledModel
@@ -50,7 +51,7 @@ def _in_keyframes(compiled: CompiledModel, root: str, every: Sequence[tuple[str,
         return
     at, worst, findings = int(model.jnt_qposadr[joint]), 0.0, []
     for name, expected in every:
-        key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, name)
+        key = keyframe_of(model, name)
         if key < 0:
             continue
         numbers = model.key_qpos[key][at : at + 7]

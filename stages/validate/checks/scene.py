@@ -8,8 +8,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from stages.mujoco.compile import NotCompiled, compiled_file
+from stages.mujoco.warnings import deprecations
 from stages.robot.check import Check, Finding
-from stages.robot.mujoco_warnings import deprecations, listening
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import SAME
 from stages.validate.equalities import bodies, sites
@@ -89,10 +90,10 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
 
 
 def _compiled(path: Path) -> Any:
-    with listening(), deprecations([]):
+    with deprecations([]):
         try:
-            return mujoco.MjSpec.from_file(str(path.resolve())).compile()
-        except (ValueError, RuntimeError, SyntaxError):
+            return compiled_file(path)
+        except NotCompiled:
             return None
 
 

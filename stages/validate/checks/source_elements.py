@@ -8,9 +8,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.formats.compiled_mjcf import elements, fields
-from stages.formats.compiled_mjcf.bodies import CompiledBodies, light_pose, placed, pose_of
-from stages.formats.compiled_mjcf.sensors import sensor, sensor_attributes
+from stages.mujoco import elements, fields
+from stages.mujoco.bodies import CompiledBodies, light_pose, placed, pose_of
+from stages.mujoco.sensors import sensor, sensor_attributes
 from stages.robot.check import Check, Finding
 from stages.robot.mjcf_extras import Attributes, MjcfAttributes, MjcfElement, MjcfExtras
 from stages.robot.plural import count

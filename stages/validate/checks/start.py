@@ -13,6 +13,7 @@ from typing import Any, Literal
 import mujoco
 import numpy as np
 
+from stages.mujoco.state import at_keyframe, keyframe_of
 from stages.robot.check import Check, CheckLevel, Finding
 from stages.robot.geometry import Touch
 from stages.robot.scene import FLOOR
@@ -20,7 +21,7 @@ from stages.robot.start_pose import HOME, roots_in_source
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import of_the_scene
 from stages.validate.findings import named
-from stages.validate.running import DEEP, Touching, at_keyframe, touching
+from stages.validate.running import DEEP, Touching, touching
 from stages.validate.shapes import seen_and_solid
 
 CODE = "C-START"
@@ -58,7 +59,7 @@ class Overlap:
 def check(compiled: CompiledModel) -> Iterator[Check]:
     """An error at `home`; at qpos0 a warning, where there is a `home` to start from."""
     model = compiled.model
-    has_home = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, HOME) >= 0
+    has_home = keyframe_of(model, HOME) >= 0
     if not model.ngeom:
         return
     if has_home:

@@ -5,8 +5,8 @@ For 0.5 s each; with `validate=strict` for 2 s.
 
 from collections.abc import Iterator
 
+from stages.mujoco.trial import OPEN, trial_run
 from stages.robot.check import Check, CheckLevel
-from stages.robot.trial_run import OPEN, trial_run
 from stages.validate.compiled import CompiledModel
 from stages.validate.findings import unstable
 from stages.validate.running import with_options

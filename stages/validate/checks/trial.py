@@ -9,10 +9,11 @@ from typing import Any
 
 import mujoco
 
+from stages.mujoco.state import at_keyframe
+from stages.mujoco.trial import OPEN, Trial, trial_run
 from stages.robot.check import Check
-from stages.robot.trial_run import OPEN, Trial, trial_run
 from stages.validate.compiled import CompiledModel
-from stages.validate.running import at_keyframe, flags, touching, with_options
+from stages.validate.running import flags, touching, with_options
 
 CODE = "C-TRIAL"
 

@@ -7,8 +7,9 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 
+from stages.mujoco.compile import NotCompiled, refusals
+from stages.mujoco.warnings import deprecations
 from stages.robot.install import install
-from stages.robot.mujoco_warnings import deprecations
 from stages.validate.readiness.finished import Aside, Finished
 
 FACES = 200_000
@@ -98,11 +99,11 @@ def round_trip(finished: Finished) -> Iterator[str]:
     files = {path.name: path.read_bytes() for path in (finished.folder / "assets").glob("*")}
     try:
         # What it warns of is in C-COMPILE.
-        with deprecations([]):
+        with deprecations([]), refusals():
             spec = mujoco.MjSpec.from_file(str(finished.path.resolve()))
             first = spec.compile()
             second = mujoco.MjSpec.from_string(spec.to_xml(), assets=files).compile()
-    except (ValueError, RuntimeError) as error:
+    except NotCompiled as error:
         yield f"what MuJoCo writes of it does not compile: {error}"
         return
     for key in COUNTS:

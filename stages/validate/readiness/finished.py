@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 
 from stages.formats.xml import Element, Malformed, parse
+from stages.mujoco.state import at_keyframe
 from stages.robot.check import Check
 from stages.robot.geometry import Geometry
 from stages.robot.model import Robot
@@ -77,10 +78,7 @@ class Finished:
     @cached_property
     def home(self) -> Any:
         """MuJoCo's data at `home`, else at qpos0, with kinematics."""
-        data = mujoco.MjData(self.model)
-        key = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_KEY, "home")
-        if key >= 0:
-            mujoco.mj_resetDataKeyframe(self.model, data, key)
+        data = at_keyframe(self.model)
         mujoco.mj_kinematics(self.model, data)
         return data
 

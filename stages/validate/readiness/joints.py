@@ -6,6 +6,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from stages.mujoco.state import keyframe_of
 from stages.robot.plural import count
 from stages.validate.coordinates import BALL, FREE
 from stages.validate.following import equalities
@@ -98,7 +99,7 @@ def _free(finished: Finished) -> int:
 
 def keyframe(finished: Finished) -> Iterator[str]:
     model = finished.model
-    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
+    key = keyframe_of(model, "home")
     if key < 0:
         yield "write a keyframe home: keyframes"
         return

@@ -11,10 +11,10 @@ import pytest
 from stages.export import Exported, export
 from stages.export.mjcf.loops import held
 from stages.export.stability.steadied import steadied
+from stages.mujoco.trial import Trial, trial_run
 from stages.robot.actuation import Actuation, Armature
 from stages.robot.driven import as_driven
 from stages.robot.model import Dynamics, Robot
-from stages.robot.trial_run import Trial, trial_run
 from stages.validate import validate
 from tests.support.building import NO_MESHES, plan_of, robot_of, write
 from tests.support.cases import mostly_slow

@@ -6,8 +6,8 @@ import mujoco
 import pytest
 
 from stages.mesh import make_geometry
+from stages.mujoco.trial import Trial
 from stages.robot.check import Check
-from stages.robot.trial_run import Trial
 from stages.validate.bare import check_bare, start
 from stages.validate.bare.mjcf_figures import figures
 from stages.validate.mujoco_abilities import reads_mimic

@@ -8,8 +8,9 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from stages.mujoco.state import at_keyframe
+from stages.mujoco.warnings import listening
 from stages.robot.model import Array
-from stages.robot.mujoco_warnings import listening
 
 SECONDS = 2.0
 """The length of a trial run."""
@@ -48,10 +49,7 @@ def trial_run(
     """Simulates a model from its keyframe `home`, with the controls there, or from the positions `start`, at
     its own time step. It fails where MuJoCo warns, and where a loop opens by more than `opening` [m, rad], or
     twice what it is then."""
-    data = mujoco.MjData(model)
-    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
-    if key >= 0:
-        mujoco.mj_resetDataKeyframe(model, data, key)
+    data = at_keyframe(model)
     if start is not None:
         data.qpos[:] = start
     mujoco.mj_forward(model, data)

@@ -5,8 +5,8 @@ from typing import Any
 
 import mujoco
 
-from stages.formats.compiled_mjcf.elements import KINDS, OBJ, Name, name_of, named
-from stages.formats.compiled_mjcf.fields import SENSOR, attributes
+from stages.mujoco.elements import KINDS, OBJ, Name, name_of, named
+from stages.mujoco.fields import SENSOR, attributes
 from stages.robot.mjcf_extras import Attributes, MjcfElement
 
 _TAGS = {

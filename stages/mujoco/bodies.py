@@ -6,9 +6,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.formats.compiled_mjcf.elements import OBJ, camera, geom, light, name_of, site
-from stages.formats.compiled_mjcf.fields import BODY, attributes, joint_attributes
 from stages.formats.numbers import exact
+from stages.mujoco.elements import OBJ, camera, geom, light, name_of, site
+from stages.mujoco.fields import BODY, attributes, joint_attributes
 from stages.robot.arrays import Array
 from stages.robot.mjcf_extras import Attributes, MjcfElement
 from stages.robot.poses import from_parts, inverse, quat_from_rotation, rotation_from_quat

@@ -6,7 +6,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.formats.compiled_mjcf.fields import (
+from stages.formats.numbers import exact
+from stages.mujoco.fields import (
     ACTUATOR,
     CAMERA,
     CONTACT,
@@ -22,7 +23,6 @@ from stages.formats.compiled_mjcf.fields import (
     attributes,
     bare,
 )
-from stages.formats.numbers import exact
 from stages.robot.mjcf_extras import Attributes, MjcfElement
 from stages.robot.poses import rotation_from_quat
 
