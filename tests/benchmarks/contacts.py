@@ -22,6 +22,7 @@ from stages.validate.checks.false_contact import GIVEN
 from stages.validate.compiled import CompiledModel
 from stages.validate.contact_errors import PairErrors, contact_errors
 from stages.validate.shapes import seen_and_solid
+from tests.benchmarks.arm import write_arm
 from tests.benchmarks.dropped import DROPS, STEPS, forward, models, stepped
 from tests.benchmarks.walker import write_walker
 from tests.support.command import COMMAND, environment
@@ -140,7 +141,7 @@ def _names(model: Any, pair: PairErrors) -> str:
 
 
 def main() -> None:
-    every = [*filter(is_here, ROBOTS), "walker"]
+    every = [*filter(is_here, ROBOTS), "walker", "arm"]
     options = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     options.add_argument("--cache", type=Path)
     options.add_argument("robots", nargs="*", default=every, metavar="ROBOT")
@@ -149,6 +150,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         here = Path(folder)
         write_walker(here)
+        write_arm(here)
         print(f"{'robot':10} {'what':44} {'found':>9} {'goal':>8}")
         for name in given.robots:
             cache = given.cache.resolve() if given.cache else here / "caches" / name

@@ -17,6 +17,9 @@ from stages.robot.clearance import engine
 _THIN = 1e-6
 """A hull of less volume than its area times this [m] is flat."""
 
+_MOST_NEIGHBOURS = 254
+"""Coal counts a corner's neighbours with a byte (3.0.3), and raises an error where it has more."""
+
 _CLOUD = 30
 """Cells along the diagonal of a piece, of each of which one point stands for all."""
 
@@ -38,8 +41,7 @@ class Chunk:
     def of(surface: Surface, piece: Piece, group: int = -1) -> Chunk:
         """A primitive is compared as the polyhedron that stands for it."""
         solid = surface_of(piece)
-        convex = engine().convex(solid.vertices, solid.triangles)
-        return Chunk(surface, piece, convex, solid.volume(), group)
+        return Chunk(surface, piece, _in_engine(solid), solid.volume(), group)
 
     @staticmethod
     def around(surface: Surface, whole: Surface, max_vertices: int, group: int) -> Chunk | None:
@@ -88,7 +90,14 @@ def rough(points: Points) -> tuple[Any, float] | None:
     if hull is None:
         return None
     surface = _faced(hull, points)
-    return engine().convex(surface.vertices, surface.triangles), float(hull.volume)
+    return _in_engine(surface), float(hull.volume)
+
+
+def _in_engine(solid: Surface) -> Any:
+    """A convex solid as the engine keeps it, with fewer corners where one of them has too many neighbours."""
+    if np.bincount(solid.triangles.ravel()).max() > _MOST_NEIGHBOURS:
+        solid = capped_hull(solid, _MOST_NEIGHBOURS) or solid
+    return engine().convex(solid.vertices, solid.triangles)
 
 
 def whole_hull(points: Points) -> Surface | None:

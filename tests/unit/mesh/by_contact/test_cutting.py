@@ -10,11 +10,12 @@ from scipy.spatial import ConvexHull
 from stages.mesh.by_contact.cutting import cut
 from stages.mesh.by_contact.ends import fitted_end
 from stages.mesh.by_contact.outside import Outside
-from stages.mesh.by_contact.piece import hulled
+from stages.mesh.by_contact.piece import hulled, rough
 from stages.mesh.by_contact.planes import crossing, flat_faces, through
 from stages.mesh.by_contact.poses import near_pairs, relative
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.surface import Surface
+from stages.robot.clearance import engine
 from tests.support.robots import pose
 from tests.support.solids import of_mesh
 
@@ -146,3 +147,18 @@ def test_what_pieces_of_an_end_lack_is_measured():
     assert end.measures.extra == pytest.approx(0.0, abs=1e-4)
     assert end.measures.missing == pytest.approx(0.5, abs=1e-4)
     assert end.measures.bareness_max == pytest.approx(0.02, abs=2e-4)
+
+
+@pytest.mark.parametrize("corners", [254, 255, 1500])
+def test_a_corner_may_have_any_number_of_neighbours(corners):
+    """A cone and a cylinder, by how deep a cube is in them from below."""
+    cone = trimesh.creation.cone(0.05, 0.08, sections=corners)
+    cylinder = trimesh.creation.cylinder(0.05, 0.08, sections=corners)
+    cylinder.apply_translation((0, 0, 0.04))
+    cube, _ = rough(trimesh.creation.box((0.2, 0.2, 0.2)).vertices)
+    (pose_below,) = engine().poses(np.array([[[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, -0.09], [0, 0, 0, 1.0]]]))
+    for mesh in (cone, cylinder):
+        convex, volume = rough(mesh.vertices)
+        assert volume == pytest.approx(mesh.volume, rel=1e-9)
+        assert engine().depth(convex, cube, pose_below) == pytest.approx(0.01, abs=2e-5)
+    assert hulled(of_mesh(cone), 2000, 0).volume == pytest.approx(cone.volume, rel=1e-5)
