@@ -169,7 +169,7 @@ def test_a_change_of_what_only_an_mjcf_has_is_found(fault: str, tmp_path: Path) 
 
 def test_what_only_an_mjcf_has_survives_the_cache(tmp_path: Path) -> None:
     built(written(tmp_path, model(*CASES["loose"])), tmp_path / "out")
-    robot = described((tmp_path / "out/robot.json").read_bytes()).robot
+    robot = described((tmp_path / "out/robot.json").read_bytes()).written.robot
     data = codec.encode_robot(robot)
     assert codec.encode_robot(codec.decode_robot(data)) == data
 
