@@ -15,5 +15,8 @@ from stages.validate.keys import ValidateKeys
 def checked(folder: Path, robot: Robot, keys: ValidateKeys, **known: Any) -> tuple[Check, ...]:
     """The checks of the files in `folder`. `known`: as in `Written`; by default the URDF has what closed
     loops ask for, and in the MJCF links on fixed joints are part of others."""
-    forms = {"urdf_form": form_with(robot), "mjcf_form": mjcf_written.form_with(robot)}
-    return validate(folder, Written(robot, **{**forms, **known}), keys)
+    if "urdf_form" not in known:  # to find it takes seconds where loops are closed
+        known["urdf_form"] = form_with(robot)
+    if "mjcf_form" not in known:
+        known["mjcf_form"] = mjcf_written.form_with(robot)
+    return validate(folder, Written(robot, **known), keys)
