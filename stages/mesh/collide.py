@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from hashlib import sha256
@@ -17,7 +17,7 @@ from stages.mesh import collision
 from stages.mesh.across import MANY, across
 from stages.mesh.choices import Choice
 from stages.mesh.collision import Collision
-from stages.mesh.decompose import DecomposeOptions, Making, estimated_cost, search, side_by_side
+from stages.mesh.decompose import Making, side_by_side
 from stages.mesh.library import MeshLibrary
 from stages.mesh.link_mesh import Use
 from stages.mesh.pieces import placed
@@ -29,9 +29,6 @@ from stages.robot.model import Array, frozen
 
 if TYPE_CHECKING:
     from stages.mesh import Memo, Shown
-
-BUDGET: Mapping[str, float] = {"low": 30, "normal": 70, "high": 1200}
-"""CPU seconds of a robot's decompositions, as estimated beforehand, by `mesh.effort`."""
 
 _HERE = frozen(np.eye(4))
 
@@ -163,23 +160,21 @@ class _Made:
         return Collided(whole, self._first[name]) if self._first[name].pieces else None
 
     def improved(self, every: Sequence[Collided], shown: Shown | None) -> list[Collided]:
-        """The same with the second step of the makers, the worst first, as far as the effort goes."""
+        """The same with the second step of the makers, the worst first."""
         wanting: dict[str, Collided] = {}
         for one in every:
             if one.job.choice.how.improves and not one.collision.meets and one.collision.faces:
                 wanting.setdefault(one.job.identity(), one)
-        within = _affordable(wanting)
+        ranked = sorted(wanting, key=lambda name: (-_off(wanting[name].collision), name))
         makings: list[Making[Collision | DecompositionFailed]] = [
-            Making(wanting[name].job.name, partial(self._improve, wanting[name])) for name in within
+            Making(wanting[name].job.name, partial(self._improve, wanting[name])) for name in ranked
         ]
         found: dict[str, Collision] = {}
-        for name, result in zip(within, side_by_side(makings, shown), strict=True):
+        for name, result in zip(ranked, side_by_side(makings, shown), strict=True):
             if isinstance(result, DecompositionFailed):
                 found[name] = replace(wanting[name].collision, note=result.message, failed=True)
             else:
                 found[name] = result
-        for name in wanting.keys() - within.keys():
-            found[name] = wanting[name].collision.with_note("mesh.effort did not reach it")
         return [replace(one, collision=found.get(one.job.identity(), one.collision)) for one in every]
 
     def _improve(self, one: Collided, guest: Guest) -> Collision:
@@ -214,30 +209,6 @@ def _whole(group: Sequence[Collided]) -> ColliderJob:
 
 def _maker(job: ColliderJob) -> Any:
     return import_module(f"stages.mesh.colliders.{job.choice.maker}")
-
-
-def _affordable(wanting: Mapping[str, Collided]) -> dict[str, float]:
-    """Those that the effort reaches, by name, the worst first, and the cost of each [CPU s].
-
-    What the user chose by its own glob, or asked CoACD for, is always done.
-    """
-    ranked = sorted(wanting, key=lambda name: (-_off(wanting[name].collision), name))
-    found: dict[str, float] = {}
-    spent = 0.0
-    for name in ranked:
-        choice = wanting[name].job.choice
-        options = DecomposeOptions(
-            wanting[name].collision.tolerance or 1.0,
-            search=search(choice.settings.effort, choice.settings.coacd, hasty=choice.maker == "ladder"),
-        )
-        measures = wanting[name].collision.measures
-        closed = measures is None or measures.by == "boolean"
-        cost = estimated_cost(wanting[name].collision.faces, options, closed)
-        asked = choice.maker == "coacd" or choice.entry >= 0
-        if asked or spent + cost <= BUDGET[choice.settings.effort]:
-            found[name] = 0.0 if asked else cost
-            spent += found[name]
-    return found
 
 
 def _off(made: Collision) -> float:

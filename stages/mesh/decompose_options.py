@@ -10,9 +10,6 @@ from typing import Any
 from stages.robot.errors import ConfigError
 from stages.robot.globs import did_you_mean
 
-MOST_PIECES = 16
-"""How many pieces a part has at most, where nothing else is said."""
-
 _OF_TOLERANCE = 2.0
 """CoACD's threshold, where none is given, in tolerances: its measure is the largest distance anywhere, and
 what counts of a collider is that of 95 % of its surface."""
@@ -60,12 +57,11 @@ class Search:
     seed: int = 0
     real_metric: bool = False
 
-    def arguments(self, tolerance: float, coarser: float = 1.0) -> dict[str, Any]:
-        """The arguments of `coacd.run_coacd` for a tolerance [m] and a mesh that is closed by now; with a
-        threshold so many times as large, where none is given."""
+    def arguments(self, tolerance: float) -> dict[str, Any]:
+        """The arguments of `coacd.run_coacd` for a tolerance [m] and a closed mesh."""
         given = asdict(self)
         if self.threshold is None:
-            given.update(threshold=_OF_TOLERANCE * coarser * tolerance, real_metric=True)
+            given.update(threshold=_OF_TOLERANCE * tolerance, real_metric=True)
         return given | {"preprocess_mode": "on" if self.preprocess_mode == "on" else "off"}
 
 
@@ -77,11 +73,8 @@ EFFORTS: Mapping[str, Search] = {
 """How thoroughly each effort searches."""
 
 
-def search(effort: str, given: Mapping[str, Any], hasty: bool = False) -> Search:
-    """The parameters of an effort with those that the user gave; ConfigError where one is wrong.
-
-    A `hasty` one has half of the effort's iterations.
-    """
+def search(effort: str, given: Mapping[str, Any]) -> Search:
+    """The parameters of an effort with those that the user gave; ConfigError where one is wrong."""
     names = [one.name for one in fields(Search)]
     for name, value in given.items():
         where = f"mesh.coacd.{name}"
@@ -91,10 +84,7 @@ def search(effort: str, given: Mapping[str, Any], hasty: bool = False) -> Search
         problem = _problem(name, value)
         if problem:
             raise ConfigError(f"{value!r} is {problem}", where)
-    usual = EFFORTS[effort]
-    if hasty:
-        usual = replace(usual, mcts_iterations=usual.mcts_iterations // 2)
-    result = replace(usual, **given)
+    result = replace(EFFORTS[effort], **given)
     if result.threshold is not None and not result.real_metric and not 0.01 <= result.threshold <= 1.0:
         msg = f"{result.threshold:g} is not between 0.01 and 1"
         raise ConfigError(msg, "mesh.coacd.threshold", "with real_metric: true it is a length in metres")
@@ -120,18 +110,12 @@ def _problem(name: str, value: Any) -> str:
 
 @dataclass(frozen=True, slots=True)
 class DecomposeOptions:
-    """How a part is decomposed: the tolerance of its collider [m], at most how many pieces with how many
-    vertices each, CoACD's parameters, whether a part around a hole is first cut into sectors, and how many
-    times as large as usual CoACD's threshold is."""
+    """How CoACD decomposes a part: the tolerance of its collider [m] and the parameters."""
 
     tolerance: float
-    most_pieces: int = MOST_PIECES
-    most_vertices: int = 64
     search: Search = field(default_factory=Search)
-    sectors: bool = False
-    coarser: float = 1.0
 
     @property
     def arguments(self) -> dict[str, Any]:
         """The arguments of `coacd.run_coacd`."""
-        return self.search.arguments(self.tolerance, self.coarser)
+        return self.search.arguments(self.tolerance)

@@ -16,7 +16,7 @@ USED_BY: Mapping[str, Collection[str]] = {
     "fine": (BY_CONTACT,),
     "extra_volume": ("ladder",),
     "effort": ("ladder", "coacd"),
-    "coacd": ("ladder", "coacd"),
+    "coacd": ("coacd",),
 }
 """Key → the makers of colliders that read it; of the ladder, with a tolerance or a part that is named."""
 

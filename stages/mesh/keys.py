@@ -67,8 +67,8 @@ class MeshSection(Keys):
     no other part; null: the tolerance of the whole link, 1.5 % of its diagonal and at least 0.001."""
 
     effort: Literal["low", "normal", "high"] = "normal"
-    """How long decompositions may search: about 30, 70 and 1200 CPU seconds for a robot at most. It is
-    reckoned by what is known before, and the parts that are farthest off come first."""
+    """How thoroughly parts are cut into pieces: how many planes are tried for each cut, and how long CoACD
+    searches."""
 
     target: Literal["mujoco", "mjx"] = "mujoco"
     """The engine that the colliders are made for. mjx: without cylinders and ellipsoids, which MJX collides
@@ -80,8 +80,8 @@ class MeshSection(Keys):
     which primitives stay as they are; where a link has none, its visual ones; visual: its visual shapes."""
 
     coacd: CoacdParameters = Field(default_factory=dict)
-    """Parameters of CoACD, by its own names, wherever a part is decomposed. Without a `threshold` it is twice
-    the tolerance, in metres; pieces are merged by the volume that it adds, unless `merge` is true."""
+    """Parameters of CoACD, by its own names, for colliders that it makes. Without a `threshold` it is twice
+    the tolerance, in metres; pieces are joined as long as they are near enough, unless `merge` is true."""
 
     visual: VisualKeys = VisualKeys()
     """Visual meshes."""

@@ -83,7 +83,7 @@ def test_a_block_enters_a_clamp_and_stands_on_its_floor() -> None:
     assert (figures.rung, figures.meets) == ("pieces", True)
     place = end(part("clamp"), BOX, [0.0085, 0.009, 0.0085], [0, 0, 0.055], 0.6)
     assert place[2] == pytest.approx(0.01 + 0.0085, abs=figures.tolerance or 0)
-    assert end(part("clamp"), BOX, [0.0115, 0.009, 0.0085], [0, 0, 0.055], 0.6)[2] > 0.045
+    assert end(part("clamp"), BOX, [0.0125, 0.009, 0.0085], [0, 0, 0.055], 0.6)[2] > 0.045
 
 
 @pytest.mark.slow

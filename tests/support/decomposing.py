@@ -4,8 +4,13 @@ from contextlib import closing
 from typing import Any
 
 from stages.mesh import decompose as rooms
-from stages.mesh.decompose import DecomposeOptions, decomposer, pieces, read
+from stages.mesh.collider_settings import ColliderSettings
+from stages.mesh.convex_hull import convex_hull
+from stages.mesh.cut_pieces import PieceCutter
+from stages.mesh.decompose import DecomposeOptions, decomposer, read
+from stages.mesh.pieces import surface_of
 from stages.mesh.surface import Surface
+from stages.mesh.verdict import Judge
 from stages.robot.errors import DecompositionFailed
 
 
@@ -14,9 +19,24 @@ def decomposition(surface: Surface, options: DecomposeOptions, **of_guest: Any) 
         return rooms.decomposition(surface, options, guest)
 
 
-def decompose(surface: Surface, options: DecomposeOptions) -> tuple[Surface, ...]:
-    """The convex pieces of a surface, sorted. DecompositionFailed, with the reason, where there are none."""
+def decompose(surface: Surface, options: DecomposeOptions, most_vertices: int = 64) -> tuple[Surface, ...]:
+    """The convex pieces of a surface, joined, sorted. DecompositionFailed, with the reason, where there are
+    none."""
     made = read(decomposition(surface, options))
     if made.refused:
         raise DecompositionFailed(made.refused)
-    return pieces(made, options.most_pieces, options.most_vertices)
+    cutter = PieceCutter(judge(surface, options.tolerance), most_vertices)
+    hulls = [hull for piece in made.pieces if (hull := convex_hull(piece))]
+    return tuple(map(surface_of, cutter.join(cutter.parts_of(hulls))))
+
+
+def cut(surface: Surface, tolerance: float | None = None, most_vertices: int = 64) -> tuple[Surface, ...]:
+    """The convex pieces of a surface that is cut by planes."""
+    return tuple(map(surface_of, PieceCutter(judge(surface, tolerance), most_vertices).cut()))
+
+
+def judge(surface: Surface, tolerance: float | None = None) -> Judge:
+    """What pieces of a surface are judged by."""
+    made = Judge.of(surface, ColliderSettings(tolerance=tolerance))
+    assert isinstance(made, Judge)
+    return made

@@ -67,7 +67,7 @@ class Chunk:
     def cloud(self) -> Points:
         """(n, 3): points all over the triangles, as few as show their shape."""
         if not self._cloud:
-            self._cloud.append(_cloud_of(self.surface))
+            self._cloud.append(cloud_of(self.surface))
         return self._cloud[0]
 
 
@@ -121,7 +121,8 @@ def hulled(surface: Surface, max_vertices: int, group: int) -> Chunk | None:
     return None if whole is None else Chunk.around(surface, whole, max_vertices, group)
 
 
-def _cloud_of(surface: Surface) -> Points:
+def cloud_of(surface: Surface) -> Points:
+    """(n, 3): points all over the triangles of a surface, as few as show their shape."""
     points = surface.vertices
     low = points.min(axis=0)
     size = float(np.linalg.norm(np.ptp(points, axis=0))) / _CLOUD

@@ -37,8 +37,8 @@ def axes_of(surface: Surface) -> Points:
     return np.concatenate([np.eye(3), askew])
 
 
-def flat_faces(surface: Surface) -> list[Plane]:
-    """The planes of the largest flat faces of a surface, by area, beside them on both sides."""
+def flat_faces(surface: Surface, aside: float = _ASIDE) -> list[Plane]:
+    """The planes of the largest flat faces of a surface, by area, beside them on both sides, `aside` [m]."""
     normals = surface.normals()
     areas = np.linalg.norm(normals, axis=1)
     kept = areas > 1e-12
@@ -51,12 +51,12 @@ def flat_faces(surface: Surface) -> list[Plane]:
     sign = np.sign(normals[np.arange(len(normals)), first.argmax(axis=1)])
     normals = normals * sign[:, None]
     heights = np.einsum("ij,ij->i", normals, corners)
-    keys = np.column_stack([normals.round(2), (heights / (5 * _ASIDE)).round()]) + 0.0
+    keys = np.column_stack([normals.round(2), (heights / (5 * aside)).round()]) + 0.0
     _, found, group = np.unique(keys, axis=0, return_index=True, return_inverse=True)
     sums = np.bincount(group.ravel(), areas)
     largest = np.lexsort((found, -sums))[:_FACES]
     return [
-        (normals[found[k]], float(heights[found[k]]) + aside) for k in largest for aside in (-_ASIDE, _ASIDE)
+        (normals[found[k]], float(heights[found[k]]) + shift) for k in largest for shift in (-aside, aside)
     ]
 
 

@@ -8,14 +8,10 @@ from dataclasses import replace
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.colliders import hull
 from stages.mesh.collision import Collision
-from stages.mesh.decompose import (
-    MOST_PIECES,
-    DecomposeOptions,
-    decomposition,
-    pieces,
-    read,
-    search,
-)
+from stages.mesh.convex_hull import convex_hull
+from stages.mesh.cut_pieces import PieceCutter
+from stages.mesh.decompose import DecomposeOptions, decomposition, read, search
+from stages.mesh.decompose.prepare import NOT_CLOSED
 from stages.mesh.surface import Surface, joined
 from stages.mesh.verdict import Judge
 from stages.robot.guest import Guest
@@ -30,13 +26,19 @@ def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
 def improve(
     surfaces: Sequence[Surface], settings: ColliderSettings, made: Collision, guest: Guest
 ) -> Collision:
-    """At most 16 pieces. DecompositionFailed where the guest fails."""
+    """At most 16 pieces; what is not closed is cut by planes. DecompositionFailed where the guest fails."""
     judge = Judge.of(joined(surfaces), settings)
     if isinstance(judge, str):
         return made.with_note(judge)
-    options = DecomposeOptions(judge.tolerance, search=search(settings.effort, settings.coacd))
+    options = DecomposeOptions(judge.tolerance, search(settings.effort, settings.coacd))
     found = read(decomposition(judge.surface, options, guest))
-    if found.refused:
-        return made.with_note(found.refused)
-    convex = pieces(found, MOST_PIECES, settings.max_vertices)
-    return judge.collision(convex, judge.measure(convex), "pieces")
+    cutter = PieceCutter(judge, settings.max_vertices, settings.effort)
+    if found.refused == NOT_CLOSED:
+        pieces = cutter.cut()
+        note = f"{NOT_CLOSED}: cut by planes"
+    else:
+        pieces = cutter.join(cutter.parts_of([hull for one in found.pieces if (hull := convex_hull(one))]))
+        note = found.refused
+    if not pieces:
+        return made.with_note(note)
+    return judge.collision(pieces, judge.measure(pieces), "pieces").with_note(note)

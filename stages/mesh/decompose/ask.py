@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from stages.mesh.decompose import wire
-from stages.mesh.decompose.wire import refusal
+from stages.mesh.decompose.wire import Decomposition
 from stages.mesh.decompose_options import DecomposeOptions
 from stages.mesh.snapping import snapped
 from stages.mesh.surface import Surface
@@ -38,11 +38,11 @@ def decomposition(surface: Surface, options: DecomposeOptions, guest: Guest) -> 
     a result, with `refused`.
     """
     if not np.isfinite(surface.vertices).all():
-        return wire.write(refusal("a coordinate of the mesh is not a number"))
+        return wire.write(Decomposition((), "a coordinate of the mesh is not a number"))
     canonical = snapped(surface)
     if not len(canonical.triangles):
-        return wire.write(refusal("the mesh has no triangle"))
-    head = {"tolerance": options.tolerance, "arguments": options.arguments, "sectors": options.sectors}
+        return wire.write(Decomposition((), "the mesh has no triangle"))
+    head = {"tolerance": options.tolerance, "arguments": options.arguments}
     try:
         reply = guest.ask(wire.request(canonical, head))
         wire.read(reply)
@@ -71,7 +71,6 @@ def decomposition_key(surface: Surface, options: DecomposeOptions) -> dict[str, 
             name: value.hex() if isinstance(value, float) else value
             for name, value in options.arguments.items()
         },
-        "sectors": options.sectors,
         "libraries": _versions(),
     }
 

@@ -2,29 +2,24 @@
 
 CoACD takes minutes for a mesh as CAD gives it and seconds for the same shape of some thousand triangles; it
 needs it closed, so the simplification is that of manifold3d, which keeps it so. Bubbles inside a body are
-filled: nothing gets there. A body that lies across itself CoACD cuts without end: it is closed round anew.
+filled: nothing gets there. A body that lies across itself CoACD cuts without end.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from stages.mesh.decompose.remesh import closed_around
+from stages.mesh.convex_hull import convex_hull
 from stages.mesh.inside import Inside
 from stages.mesh.surface import Points, Surface, Triangles
 
-_PASSES = {"as it is": (0.1, 0.1, 0.1, 0.1), "remeshed": (0.1, 0.15, 0.2, 0.2)}
-"""How far each pass of simplification may move the surface, in tolerances. Around a mesh it may be further,
-since its pieces are drawn in again."""
+_PASSES = (0.1, 0.1, 0.1, 0.1)
+"""How far each pass of simplification may move the surface, in tolerances."""
 
 _FEW_FACES = 2500
 """So few triangles need no further pass. Two short passes leave fewer of them than a long one."""
-
-_PITCH_OF_TOLERANCE = 0.75
-_FINEST_OF_SIZE = 1 / 128
 
 _ACROSS = 0.005
 """The share of a body that it may go round more often than once."""
@@ -32,41 +27,25 @@ _ACROSS = 0.005
 _ALONG = 16
 """Points along each side of a body's box that tell how often it goes round them."""
 
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Prepared:
-    """A part as closed bodies, in the order of their size, and how they were made.
-
-    `around` [m]: how far the bodies reach beyond the part, where they were made around it.
-    """
-
-    bodies: tuple[Surface, ...]
-    way: str
-    around: float
+NOT_CLOSED = "the mesh is not closed, or lies across itself"
 
 
-def prepared(surface: Surface, tolerance: float) -> Prepared | str:
-    """The bodies of a part; where it has none, the reason in words."""
-    bodies = _bodies(surface, tolerance, "as it is")
-    if bodies is not None and not any(map(_lies_across_itself, bodies)):
-        return Prepared(bodies, "as it is", 0.0) if bodies else "the mesh has no inside"
-    size = float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
-    around = max(_PITCH_OF_TOLERANCE * tolerance, _FINEST_OF_SIZE * size)
-    bodies = _bodies(closed_around(surface, around), tolerance, "remeshed")
-    if bodies is None:
-        return "the mesh is not closed, and no closed surface around it could be made"
-    return Prepared(bodies, "remeshed", around) if bodies else "the mesh has no inside"
-
-
-def _bodies(surface: Surface, tolerance: float, way: str) -> tuple[Surface, ...] | None:
-    """The simplified bodies of a surface; None where it is not manifold."""
+def prepared(surface: Surface, tolerance: float) -> tuple[Surface, ...] | str:
+    """The bodies of a part, in the order of their size; where CoACD cannot have them, the reason in words."""
+    if convex_hull(surface.vertices) is None:
+        return "the mesh is flat"
     solid = solid_of(surface.vertices, surface.triangles)
     if solid is None:
-        return None
-    bodies = [
-        surface_of(body) for body in _simplified(solid, tolerance, way).decompose() if body.volume() > 0
-    ]
-    return tuple(sorted(bodies, key=lambda body: (-len(body.triangles), body.vertices.tobytes())))
+        return NOT_CLOSED
+    for share in _PASSES:
+        solid = solid.simplify(share * tolerance)
+        if solid.num_tri() <= _FEW_FACES:
+            break
+    bodies = [_surface_of(body) for body in solid.decompose() if body.volume() > 0]
+    if any(map(_lies_across_itself, bodies)):
+        return NOT_CLOSED
+    bodies.sort(key=lambda body: (-len(body.triangles), body.vertices.tobytes()))
+    return tuple(bodies) or "the mesh has no inside"
 
 
 def _lies_across_itself(body: Surface) -> bool:
@@ -84,21 +63,10 @@ def solid_of(vertices: Points, triangles: Triangles) -> Any:
     solid = manifold3d.Manifold(mesh)
     if solid.status() != manifold3d.Error.NoError or solid.is_empty():
         return None
-    if solid.volume() < 0:
-        return solid_of(vertices, triangles[:, ::-1])
-    return solid
+    return solid if solid.volume() >= 0 else solid_of(vertices, triangles[:, ::-1])
 
 
-def _simplified(solid: Any, tolerance: float, way: str) -> Any:
-    """The body with fewer triangles."""
-    for share in _PASSES[way]:
-        solid = solid.simplify(share * tolerance)
-        if solid.num_tri() <= _FEW_FACES:
-            break
-    return solid
-
-
-def surface_of(body: Any) -> Surface:
+def _surface_of(body: Any) -> Surface:
     """The surface of a body of manifold3d."""
     mesh = body.to_mesh64()
     vertices = np.array(mesh.vert_properties, dtype=np.float64)[:, :3]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,39 +16,13 @@ from stages.mesh.surface import Points, Surface, Triangles
 _LENGTH = struct.Struct("<Q")
 
 
-@dataclass(frozen=True, slots=True)
-class Joining:
-    """Two groups of pieces become one, and what that costs [m³]: how much more volume their common hull has
-    than they, and more where it stands out of the part too far.
-
-    A group is named by a number: the pieces come first, then the joinings in their order.
-    """
-
-    first: int
-    second: int
-    cost: float
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Decomposition:
-    """A part as convex pieces, finer than asked for, and how they may be joined down to one.
-
-    `pieces`: the corners (n, 3) of each [m]. `way`: how the mesh was made fit for it: "as it is" or
-    "remeshed". `volume` [m³] is the part's. `refused`: why there are no pieces, where that follows from the
-    mesh itself.
-    """
+    """A part as convex pieces: the corners (n, 3) of each [m]. `refused`: why there are none, where that
+    follows from the mesh itself."""
 
     pieces: tuple[Points, ...]
-    joinings: tuple[Joining, ...]
-    way: str
-    faces: int
-    volume: float
     refused: str = ""
-
-
-def refusal(reason: str) -> Decomposition:
-    """What is known of a mesh that has no pieces."""
-    return Decomposition((), (), "", 0, 0.0, reason)
 
 
 def pack(head: Mapping[str, Any], arrays: Sequence[npt.NDArray[Any]]) -> bytes:
@@ -86,14 +59,7 @@ def read_request(data: bytes) -> tuple[dict[str, Any], Points, Triangles]:
 
 
 def write(made: Decomposition) -> bytes:
-    head = {
-        "joinings": [[one.first, one.second, one.cost] for one in made.joinings],
-        "way": made.way,
-        "faces": made.faces,
-        "volume": made.volume,
-        "refused": made.refused,
-    }
-    return pack(head, [piece.astype("<f8") for piece in made.pieces])
+    return pack({"refused": made.refused}, [piece.astype("<f8") for piece in made.pieces])
 
 
 def read(data: bytes) -> Decomposition:
@@ -104,16 +70,9 @@ def read(data: bytes) -> Decomposition:
         points = np.frombuffer(body, "<f8").reshape(-1, 3)
         if min(lengths, default=0) < 0 or sum(lengths) != len(points) or not np.isfinite(points).all():
             raise ValueError("other lengths, or numbers that are none")
-        joinings = tuple(Joining(int(a), int(b), float(cost)) for a, b, cost in head["joinings"])
-        for count, one in enumerate(joinings, len(lengths)):
-            if not (0 <= one.first < one.second < count and math.isfinite(one.cost)):
-                raise ValueError("a joining of what is not there")
-        if len({number for one in joinings for number in (one.first, one.second)}) != 2 * len(joinings):
-            raise ValueError("a piece is joined twice")
         if not lengths and not head["refused"]:
             raise ValueError("no pieces and no reason")
         pieces = tuple(np.split(points, np.cumsum(lengths)[:-1])) if lengths else ()
-        figures = str(head["way"]), int(head["faces"]), float(head["volume"]), str(head["refused"])
-        return Decomposition(pieces, joinings, *figures)
+        return Decomposition(pieces, str(head["refused"]))
     except (KeyError, TypeError, AttributeError, OverflowError, struct.error, RecursionError) as error:
         raise ValueError(str(error)) from None

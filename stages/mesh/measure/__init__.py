@@ -7,6 +7,7 @@ from stages.mesh.measure.judge import FEW as FEW
 from stages.mesh.measure.judge import hopeless as hopeless
 from stages.mesh.measure.judge import measure as measure
 from stages.mesh.measure.judge import near as near
+from stages.mesh.measure.judge import outside_part as outside_part
 from stages.mesh.measure.samples import even as even
 from stages.mesh.measure.target import Target as Target
 from stages.mesh.measure.tree import BoxTree as BoxTree

@@ -77,16 +77,6 @@ def _below(target: Target, limit: float) -> float:
     return max(0.0, min(limit - WITHIN * target.diagonal, limit / (1 + _COARSE)))
 
 
-def outer_samples(pieces: Sequence[Piece], points: int) -> Points:
-    """Points (n, 3) spread evenly over the outer surface of pieces: those of so many on all of them."""
-    union = Union.of(sorted(pieces, key=_order))
-    samples = even(union.tree.corners, points)
-    some = samples.triangles
-    diagonal = float(np.linalg.norm(np.ptp(samples.points, axis=0)))
-    _, outer = _outer(diagonal, union, samples.points, union.owners[some], union.normals[some])
-    return np.asarray(samples.points[outer])
-
-
 def hopeless(target: Target, pieces: Sequence[Piece], tolerance: float, points: int = FEW) -> bool:
     """Whether a look at so many points says already that the pieces miss the tolerance [m]: a point of the
     part is further outside than that, one of the collider three times as far, or more of those as far than
@@ -102,7 +92,7 @@ def hopeless(target: Target, pieces: Sequence[Piece], tolerance: float, points: 
     samples = even(union.tree.corners, points)
     some = samples.triangles
     _, outer = _outer(target.diagonal, union, samples.points, union.owners[some], union.normals[some])
-    far, exact = _outside_part(target, samples.points[outer], tolerance)
+    far, exact = outside_part(target, samples.points[outer], tolerance)
     far = far[exact]
     beyond, count = int((far > tolerance).sum()), int(outer.sum())
     most = 0.05 * count + _SURE * (0.05 * 0.95 * count) ** 0.5
@@ -147,11 +137,11 @@ def _farthest(target: Target, union: Union, known: float) -> float:
         buried, outer = _outer(
             target.diagonal, union, points, union.owners[triangles], union.normals[triangles]
         )
-        far, exact = _outside_part(target, points, from_on)
+        far, exact = outside_part(target, points, from_on)
         return Value(far, outer & exact, np.maximum(buried, 0.0))
 
     corners = _outer_corners(target, union)
-    far, exact = _outside_part(target, corners, known)
+    far, exact = outside_part(target, corners, known)
     known = max(known, float(far[exact].max(initial=0.0)))
     return largest(union.tree, value, known, _within(target, known))
 
@@ -171,7 +161,7 @@ def _outer(
     return buried, outer
 
 
-def _outside_part(
+def outside_part(
     target: Target, points: Points, from_on: Numbers | float
 ) -> tuple[Numbers, npt.NDArray[np.bool_]]:
     """How far points are outside the part, and whether that is exact; see `Nearest`."""

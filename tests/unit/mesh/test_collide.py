@@ -11,17 +11,14 @@ import numpy as np
 import pytest
 import trimesh
 
-from stages.mesh import collide, make_geometry, tessellation
-from stages.mesh.choices import Choice
-from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.collision import Collision
+from stages.mesh import make_geometry, tessellation
 from stages.mesh.fit import capped_hull
 from stages.mesh.keys import MeshKeys
 from stages.mesh.library import MOVED, MeshLibrary
 from stages.robot import codec
 from stages.robot.bundle import Bundle
 from stages.robot.errors import DecompositionFailed, MeshError
-from stages.robot.geometry import Geometry, Measures
+from stages.robot.geometry import Geometry
 from stages.robot.model import Inertial, Link, MeshRef, Part, Primitive, Robot, frozen
 from tests.support.robots import robot_with
 from tests.support.solids import bodies_of
@@ -179,33 +176,6 @@ def test_colliders_of_a_file_are_made_of_its_own_shapes_or_of_what_is_seen() -> 
     assert [one.primitive.kind for one in declared.of("base", "collision") if one.primitive] == ["sphere"]
 
 
-def test_the_effort_bounds_the_work_and_says_what_it_did_not_reach(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(collide, "BUDGET", {"normal": 0.0})
-    geometry = made(BOTH, tolerance=0.0015)
-    assert rungs(geometry)["Arm <1>/Bracket <1>",] == "hull"
-    (problem,) = (one for one in geometry.diagnostics if one.code == "W-COLLIDER")
-    assert "Bracket" in problem.message
-    assert "mesh.effort did not reach it" in problem.message
-    assert problem.where == "base"
-
-
-def test_the_worst_parts_come_first(monkeypatch: pytest.MonkeyPatch) -> None:
-    """By the cost that is known before, never by a clock."""
-
-    def one(name: str, off: float, faces: int) -> collide.Collided:
-        measures = Measures(0.0, 0.0, "boolean", 0.001 * off, 0.0, 0.0, 0.0)
-        found = Collision((), faces, measures, "hull", 0.001, meets=False)
-        choice = Choice("ladder", ColliderSettings())
-        return collide.Collided(collide.ColliderJob("base", name, choice, (), ()), found)
-
-    wanting = {name: one(name, off, 1000) for name, off in (("near", 1.1), ("far", 9.0), ("middle", 3.0))}
-    assert list(collide._affordable(wanting)) == ["far", "middle", "near"]
-    wanting["large"] = one("large", 20.0, 10**6)
-    cost = sum(collide._affordable(wanting).values())
-    monkeypatch.setattr(collide, "BUDGET", {"normal": cost - 0.1})
-    assert list(collide._affordable(wanting)) == ["large", "far", "middle"]
-
-
 def test_each_part_is_made_once_however_often_it_is_used() -> None:
     calls: list[Any] = []
 
@@ -253,19 +223,17 @@ def test_the_figures_of_a_part_without_an_inside_survive_the_cache() -> None:
 
 
 def test_a_guest_that_fails_leaves_the_hull_and_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
-    from stages.mesh.colliders import coacd, ladder
+    from stages.mesh.colliders import coacd
 
     def fails(*_: Any) -> bytes:
         raise DecompositionFailed("the decomposition took longer than 60 s")
 
-    for module in (coacd, ladder):
-        monkeypatch.setattr(module, "decomposition", fails)
-    for collider in ("ladder", "coacd"):
-        geometry = made(BOTH, collider=collider, tolerance=0.0015)
-        assert rungs(geometry)["Arm <1>/Bracket <1>",] == "hull"
-        texts = [one.message for one in geometry.diagnostics if one.code == "W-COLLIDER"]
-        assert any("Bracket" in text and "took longer than 60 s" in text for text in texts)
-        assert not geometry.lasts
+    monkeypatch.setattr(coacd, "decomposition", fails)
+    geometry = made(BOTH, collider="coacd", tolerance=0.0015)
+    assert rungs(geometry)["Arm <1>/Bracket <1>",] == "hull"
+    texts = [one.message for one in geometry.diagnostics if one.code == "W-COLLIDER"]
+    assert any("Bracket" in text and "took longer than 60 s" in text for text in texts)
+    assert not geometry.lasts
 
 
 def test_the_files_are_those_of_the_pieces() -> None:

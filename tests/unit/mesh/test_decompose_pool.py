@@ -51,7 +51,7 @@ from stages.mesh.decompose import wire
 def answer(request):
     open(f"{}/{{os.getpid()}}.pid", "w").close()
 """
-REFUSES = "return wire.write(wire.refusal('no'))"
+REFUSES = "return wire.write(wire.Decomposition((), 'no'))"
 
 
 def test_guests_make_the_same_in_any_order_whatever_they_made_before() -> None:
