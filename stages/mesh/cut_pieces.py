@@ -40,7 +40,7 @@ _MOST_CUT = 40
 _POINTS, _ROUGHLY = 400, 150
 """On a piece, and on one that is only looked at."""
 
-_COUNTS = 0.6
+_COUNTS = 0.3
 """What stands out by so many tolerances counts, by what is more."""
 
 _FEW, _FAR = 0.04, 2.7
@@ -155,7 +155,7 @@ class PieceCutter:
         hulls = [convex_hull(soup.vertices) for soup in soups]
         return [self._part(soup, hull) for soup, hull in zip(soups, hulls, strict=True) if hull is not None]
 
-    def _alone(self, part: _Part, others: Sequence[_Part], from_on: float = 0.5) -> npt.NDArray[np.bool_]:
+    def _alone(self, part: _Part, others: Sequence[_Part], from_on: float = _COUNTS) -> npt.NDArray[np.bool_]:
         """Which points of a piece are on the outer surface of all, and out of the part by at least so many
         tolerances."""
         found = part.far >= from_on
