@@ -19,9 +19,9 @@ from stages.mesh.by_contact.cutting import cut
 from stages.mesh.by_contact.piece import cloud_of, whole_hull
 from stages.mesh.convex_hull import convex_hull
 from stages.mesh.field import Field
-from stages.mesh.fit.capped import containing_hull
 from stages.mesh.measure import even
 from stages.mesh.pieces import Piece, beyond, half_spaces, surface_of, vertices
+from stages.mesh.seams import containing_hull
 from stages.mesh.snapping import snapped
 from stages.mesh.surface import Points, Surface, joined
 from stages.mesh.verdict import Judge, miss

@@ -10,8 +10,7 @@ from stages.mesh.colliders import hull
 from stages.mesh.collision import Collision
 from stages.mesh.convex_hull import convex_hull
 from stages.mesh.cut_pieces import PieceCutter
-from stages.mesh.decompose import DecomposeOptions, decomposition, read, search
-from stages.mesh.decompose.prepare import NOT_CLOSED
+from stages.mesh.decompose import NOT_CLOSED, DecomposeOptions, decomposition, read, search
 from stages.mesh.surface import Surface, joined
 from stages.mesh.verdict import Judge
 from stages.robot.guest import Guest

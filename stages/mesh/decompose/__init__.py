@@ -16,6 +16,7 @@ from stages.mesh.decompose.ask import decomposition as decomposition
 from stages.mesh.decompose.ask import decomposition_key as decomposition_key
 from stages.mesh.decompose.pool import Making as Making
 from stages.mesh.decompose.pool import side_by_side as side_by_side
+from stages.mesh.decompose.prepare import NOT_CLOSED as NOT_CLOSED
 from stages.mesh.decompose.wire import Decomposition as Decomposition
 from stages.mesh.decompose.wire import read as read
 from stages.mesh.decompose_options import EFFORTS as EFFORTS

@@ -13,7 +13,7 @@ from stages.mesh.convex_hull import convex_hull
 from stages.mesh.decompose import wire
 from stages.mesh.decompose.prepare import NOT_CLOSED, prepared
 from stages.mesh.decompose.wire import Decomposition
-from stages.mesh.fit.capped import grown
+from stages.mesh.seams import grown
 from stages.mesh.snapping import grid, on_grid
 from stages.mesh.surface import Points, Surface
 

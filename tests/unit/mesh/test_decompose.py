@@ -19,7 +19,7 @@ from stages.mesh.decompose import (
     wire,
 )
 from stages.mesh.decompose.prepare import NOT_CLOSED, prepared
-from stages.mesh.fit.capped import containing_hull, grown
+from stages.mesh.seams import containing_hull, grown
 from stages.mesh.surface import Surface, weld
 from stages.robot.errors import ConfigError, DecompositionFailed, MeshError
 from stages.robot.guest import Bounds
