@@ -1,4 +1,10 @@
-"""What is inside of a surface."""
+"""What is inside of a surface.
+
+Libraries were compared on 20,000 points of parts with 15,000 to 32,000 triangles: `igl.fast_winding_number`
+gives these answers and is slower, embree is 3 to 8 times as fast and wrong on 0.6 to 7 % of the points of
+open shells, and `igl.signed_distance` is wrong by up to 26 mm there; the distances of
+`measure.tree.Nearest` equal igl's.
+"""
 
 from dataclasses import dataclass, field
 
