@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from stages.mesh.by_contact import fitting
-from stages.mesh.by_contact.fitting import EndToFit, FittedEnd, end_fitter
+from stages.mesh.by_contact.fitting import EndFitter, EndToFit, FittedEnd, end_fitter
 from stages.mesh.by_contact.piece import hulled
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.fit import fittest
@@ -36,6 +36,11 @@ def end(*sizes: float) -> EndToFit:
 ENDS = [end(0.08, 0.02, 0.05), end(0.05, 0.03, 0.09), end(0.06, 0.02, 0.06)]
 
 
+def asked(fitter: EndFitter, one: EndToFit) -> FittedEnd:
+    """Fitted by the second process, of which one thread asks at a time."""
+    return fitter._pool.submit(fitter._asked, one).result()
+
+
 def plain(fitted: list[FittedEnd]) -> list[Any]:
     def of(surface: Surface) -> tuple[bytes, bytes]:
         return surface.vertices.tobytes(), surface.triangles.tobytes()
@@ -52,18 +57,9 @@ def alone() -> list[FittedEnd]:
 
 
 def test_two_processes_give_what_one_gives(alone: list[FittedEnd], monkeypatch: pytest.MonkeyPatch) -> None:
-    asked = []
-
-    def noted(self: fitting.EndFitter, one: EndToFit) -> FittedEnd:
-        asked.append(one)
-        return ask(self, one)
-
-    ask = fitting.EndFitter._asked
-    monkeypatch.setattr(fitting.EndFitter, "_asked", noted)
     monkeypatch.setattr(EndToFit, "fitted", lambda one: pytest.fail("not by this process"))
     with end_fitter(2) as fitter:
-        asking = [fitter._asked(one) for one in ENDS]
-    assert asked == ENDS
+        asking = [asked(fitter, one) for one in ENDS]
     assert plain(asking) == plain(alone)
     assert all(len(made) == 3 for made, _ in alone)
     monkeypatch.undo()
@@ -76,7 +72,7 @@ def test_an_end_that_needs_no_cut_keeps_its_pieces() -> None:
     block = hulled(welded(trimesh.creation.box((0.04, 0.05, 0.06))), 32, 0)
     assert block is not None
     with end_fitter(2) as fitter:
-        made, _ = fitter._asked(EndToFit(block.surface, ((block,),), SETTINGS))
+        made, _ = asked(fitter, EndToFit(block.surface, ((block,),), SETTINGS))
     assert made == [block]
 
 
@@ -124,7 +120,7 @@ def test_a_primitive_stays_a_primitive() -> None:
     assert sphere is not None
     start = type(hull).of(ball, sphere, 0)
     with end_fitter(2) as fitter:
-        made, fit = fitter._asked(EndToFit(ball, ((start,),), SETTINGS))
+        made, fit = asked(fitter, EndToFit(ball, ((start,),), SETTINGS))
     assert [chunk.piece for chunk in made] == [sphere]
     assert fit.meets
     assert np.isclose(made[0].volume, surface_of(sphere).volume(), rtol=1e-12)
