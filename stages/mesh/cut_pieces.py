@@ -1,6 +1,7 @@
 """Convex pieces of a part: it is cut by planes until little stands out of it, then pieces are joined again.
 
-Each side of a cut takes the hull of its triangles: a surface with holes needs no repair, nothing is bare.
+Each side of a cut takes the hull of its triangles: a surface with holes needs no repair, and none of it is
+bare. Deep in a solid, where three cuts meet, gaps may stay: nothing gets there.
 Measured on whole robots with a tolerance of 2 mm (the sample, so101, open_duck): 91, 89 and 278 pieces in
 76, 189 and 190 CPU s on a busy machine. CoACD 1.0.14 with a closed surface round open meshes, sectors of
 rings and second searches made 91, 72 and 272 in 64, 153 and 133. A mesh of so101 that it left at its hull,

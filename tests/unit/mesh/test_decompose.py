@@ -132,7 +132,7 @@ def test_a_body_that_is_inside_out_and_a_bubble_within_are_made_good() -> None:
         np.concatenate([outer.triangles, inner.triangles[:, ::-1] + len(outer.vertices)]),
     )
     for surface in (outer.flipped(), hollow):
-        (piece,) = decompose(surface, OPTIONS)
+        (piece,) = decompose(surface, OPTIONS, 256)
         assert piece.volume() == pytest.approx(outer.volume(), rel=0.02)
 
 
