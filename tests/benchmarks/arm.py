@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from tests.fake_onshape import outlines, solids
-from tests.fake_onshape.bundle import bundle_bytes
+from tests.fake_onshape.bundle import write_robot
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.frames import frame
 from tests.fake_onshape.quadruped import ABS, ALUMINIUM, pitch
@@ -76,6 +76,4 @@ joints:
 
 def write_arm(folder: Path) -> None:
     """Writes the document's bundle and the robot `arm`, as a user has them."""
-    (folder / "arm.zip").write_bytes(bundle_bytes(arm_document()))
-    (folder / "robot").mkdir(exist_ok=True)
-    (folder / "robot" / "arm.yaml").write_text(YAML)
+    write_robot(folder, "arm", arm_document(), YAML)

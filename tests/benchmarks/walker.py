@@ -8,7 +8,7 @@ import math
 from pathlib import Path
 
 from tests.fake_onshape import outlines, solids
-from tests.fake_onshape.bundle import bundle_bytes
+from tests.fake_onshape.bundle import write_robot
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.frames import frame
 from tests.fake_onshape.quadruped import ABS, ALUMINIUM, BEND, LEGS, RUBBER, pitch, roll
@@ -129,6 +129,4 @@ joints:
 
 def write_walker(folder: Path) -> None:
     """Writes the document's bundle and the robot `walker`, as a user has them."""
-    (folder / "walker.zip").write_bytes(bundle_bytes(walker_document()))
-    (folder / "robot").mkdir(exist_ok=True)
-    (folder / "robot" / "walker.yaml").write_text(YAML)
+    write_robot(folder, "walker", walker_document(), YAML)

@@ -116,3 +116,10 @@ def _zip(entries):
             entry.create_system = 3
             archive.writestr(entry, body, zipfile.ZIP_DEFLATED, 9)
     return buffer.getvalue()
+
+
+def write_robot(folder, name, document, yaml):
+    """Writes a document's bundle `name`.zip and the robot `name`, as a user has them."""
+    (folder / f"{name}.zip").write_bytes(bundle_bytes(document))
+    (folder / "robot").mkdir(exist_ok=True)
+    (folder / "robot" / f"{name}.yaml").write_text(yaml)

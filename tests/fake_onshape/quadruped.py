@@ -8,7 +8,7 @@ import math
 from pathlib import Path
 
 from tests.fake_onshape import solids
-from tests.fake_onshape.bundle import bundle_bytes
+from tests.fake_onshape.bundle import write_robot
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.frames import frame, turn
 
@@ -87,7 +87,5 @@ joints:
 def write_quadruped(folder: Path) -> Document:
     """Writes the document's bundle and the robot `quadruped`, as a user has them."""
     document = quadruped_document()
-    (folder / "quadruped.zip").write_bytes(bundle_bytes(document))
-    (folder / "robot").mkdir()
-    (folder / "robot" / "quadruped.yaml").write_text(YAML)
+    write_robot(folder, "quadruped", document, YAML)
     return document
