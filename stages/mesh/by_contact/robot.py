@@ -51,6 +51,10 @@ _MOST_PLACES = 64 * 512
 """Links times poses: a robot of very many links gets fewer poses."""
 
 
+WORTH_A_PROCESS = 2000
+"""Ends of robots with fewer triangles are fitted before a second process has started."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Solution:
     """By link the pieces of each group; the pairs that were false with one hull a link, and those that are
@@ -65,7 +69,8 @@ class Solution:
 
 def solved(request: ContactRequest, bodies: Sequence[Touchable]) -> Solution:
     """The pieces of the bodies (sorted by link)."""
-    with end_fitter() as fitter:
+    triangles = sum(len(surface.triangles) for body in bodies for group in body.groups for surface in group)
+    with end_fitter(1 if triangles < WORTH_A_PROCESS else None) as fitter:
         return _solved(request, bodies, fitter)
 
 

@@ -9,6 +9,7 @@ import trimesh
 
 from pipeline.config.plan import Plan
 from stages.mesh import make_geometry
+from stages.mesh.by_contact import robot as by_contact
 from stages.robot import codec, process_usage
 from stages.robot.bundle import Bundle
 from stages.robot.geometry import Geometry
@@ -45,6 +46,7 @@ def geometry(
     robot: Robot, bundle: Bundle, plan: Plan, workers: int, monkeypatch: pytest.MonkeyPatch
 ) -> Geometry:
     monkeypatch.setattr(process_usage, "processors", lambda: workers)
+    monkeypatch.setattr(by_contact, "WORTH_A_PROCESS", 0)
     return make_geometry(robot, bundle, plan, lambda kind, key, make: make())
 
 
