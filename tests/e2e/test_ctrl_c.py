@@ -14,8 +14,18 @@ from tests.support.command import environment
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
 
-BEGIN = "import os, sys\nfrom linkwright.__main__ import main\nos.write({0}, b'x')\nsys.exit(main())\n"
-"""The command, which says when it begins: before, there is only Python, which ends in its own way."""
+BEGIN = """
+import os, sys
+from linkwright import shadows
+from linkwright.__main__ import main
+first = shadows.shadows
+def begin():
+    os.write({0}, b"x")
+    return first()
+shadows.shadows = begin
+sys.exit(main())
+"""
+"""The command, which says when it has begun: before, there is only Python, which ends in its own way."""
 
 LINE = ("source=sample", "mesh=hull")
 TRIES = 200
