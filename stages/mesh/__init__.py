@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 49
+VERSION = 50
 """Grows with every change of what this stage makes of the same input."""
 
 

@@ -32,7 +32,7 @@ def across(surfaces: Sequence[Surface], pieces: Sequence[Piece], settings: Colli
     if isinstance(judge, str):
         return Collision(meets=False)
     cutter = PieceCutter(judge, settings.max_vertices)
-    fewer = cutter.join(cutter.parts_of(pieces), len(pieces))
+    fewer = cutter.join(cutter.parts_of(pieces), len(pieces)).pieces
     if len(fewer) > _WORTH * len(pieces):
         return Collision(meets=False)
     measures = judge.measure(fewer)

@@ -27,12 +27,12 @@ def decompose(surface: Surface, options: DecomposeOptions, most_vertices: int = 
         raise DecompositionFailed(made.refused)
     cutter = PieceCutter(judge(surface, options.tolerance), most_vertices)
     hulls = [hull for piece in made.pieces if (hull := convex_hull(piece))]
-    return tuple(map(surface_of, cutter.join(cutter.parts_of(hulls))))
+    return tuple(map(surface_of, cutter.join(cutter.parts_of(hulls)).pieces))
 
 
 def cut(surface: Surface, tolerance: float | None = None, most_vertices: int = 64) -> tuple[Surface, ...]:
     """The convex pieces of a surface that is cut by planes."""
-    return tuple(map(surface_of, PieceCutter(judge(surface, tolerance), most_vertices).cut()))
+    return tuple(map(surface_of, PieceCutter(judge(surface, tolerance), most_vertices).cut().pieces))
 
 
 def judge(surface: Surface, tolerance: float | None = None) -> Judge:

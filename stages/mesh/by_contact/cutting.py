@@ -2,9 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
+from stages.mesh.booleans import body_of, surface_of_body
 from stages.mesh.surface import Points, Surface, compacted
+
+
+def slicer(surface: Surface) -> Callable[[Points, float], list[Surface]]:
+    """Cuts a surface by a plane, normal·x = height, into what is on either side, as far as there is anything.
+    What is closed stays so: where later planes meet inside of a solid, that belongs to a piece."""
+    body = body_of(surface)
+    if body is None:
+        return lambda normal, height: [side for side in cut(surface, normal, height) if len(side.triangles)]
+    return lambda normal, height: [
+        surface_of_body(side) for side in body.split_by_plane(normal, height) if not side.is_empty()
+    ]
 
 
 def cut(surface: Surface, normal: Points, height: float) -> tuple[Surface, Surface]:

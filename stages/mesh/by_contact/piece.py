@@ -121,11 +121,12 @@ def hulled(surface: Surface, max_vertices: int, group: int) -> Chunk | None:
     return None if whole is None else Chunk.around(surface, whole, max_vertices, group)
 
 
-def cloud_of(surface: Surface) -> Points:
-    """(n, 3): points all over the triangles of a surface, as few as show their shape."""
+def cloud_of(surface: Surface, along: int = _CLOUD) -> Points:
+    """(n, 3): points all over the triangles of a surface, at most one in each of the cells of which there are
+    so many `along` its diagonal."""
     points = surface.vertices
     low = points.min(axis=0)
-    size = float(np.linalg.norm(np.ptp(points, axis=0))) / _CLOUD
+    size = float(np.linalg.norm(np.ptp(points, axis=0))) / along
     # A large triangle has points inside, too.
     large = surface.corners[np.linalg.norm(surface.normals(), axis=1) > 2 * size * size]
     inner = [np.einsum("mij,i->mj", large, np.array(weights)) for weights in _WEIGHTS]

@@ -33,10 +33,11 @@ def improve(
     found = read(decomposition(judge.surface, options, guest))
     cutter = PieceCutter(judge, settings.max_vertices, settings.effort)
     if found.refused == NOT_CLOSED:
-        pieces = cutter.cut()
+        pieces = cutter.cut().pieces
         note = f"{NOT_CLOSED}: cut by planes"
     else:
-        pieces = cutter.join(cutter.parts_of([hull for one in found.pieces if (hull := convex_hull(one))]))
+        hulls = [hull for one in found.pieces if (hull := convex_hull(one))]
+        pieces = cutter.join(cutter.parts_of(hulls)).pieces
         note = found.refused
     if not pieces:
         return made.with_note(note)

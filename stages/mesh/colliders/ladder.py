@@ -9,7 +9,7 @@ from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.colliders import hull
 from stages.mesh.collision import Collision
 from stages.mesh.convex_hull import convex_hull
-from stages.mesh.cut_pieces import PieceCutter
+from stages.mesh.cut_pieces import Cut, PieceCutter
 from stages.mesh.fit import CHEAPEST, capped_hull, fits
 from stages.mesh.pieces import Piece, surface_of
 from stages.mesh.plainer import plainer
@@ -68,16 +68,15 @@ def improve(
     judge = Judge.of(joined(surfaces), settings)
     if isinstance(judge, str) or made.measures is None:
         return made
-    pieces = PieceCutter(judge, settings.max_vertices, settings.effort).cut()
-    return _of_pieces(judge, pieces, made) if pieces else made
+    cut = PieceCutter(judge, settings.max_vertices, settings.effort).cut()
+    return _of_pieces(judge, cut, made) if cut.pieces else made
 
 
-def _of_pieces(judge: Judge, pieces: Sequence[Piece], hull: Collision) -> Collision:
+def _of_pieces(judge: Judge, cut: Cut, hull: Collision) -> Collision:
     """The collider of these pieces, with primitives where they are as near; where they miss the tolerance,
     only if they are so much nearer than the `hull` that they are worth what they cost a simulation; else the
     hull, which says how near they would be."""
-    near = judge.near(pieces)
-    taken = plainer(judge, [*map(surface_of, pieces)]) if near else pieces
+    taken = plainer(judge, [*map(surface_of, cut.pieces)]) if cut.near else cut.pieces
     measures = judge.measure(taken)
     off = miss(measures, judge.tolerance)
     if off <= 1 or hull.measures is None:
@@ -85,7 +84,7 @@ def _of_pieces(judge: Judge, pieces: Sequence[Piece], hull: Collision) -> Collis
     times = miss(hull.measures, judge.tolerance) / off
     if times >= _WORTH:
         return judge.collision(taken, measures, "pieces", meets=False)
-    return hull.with_note(f"{len(pieces)} convex pieces, make: coacd, are {times:.2g} times as near")
+    return hull.with_note(f"{len(cut.pieces)} convex pieces are {times:.2g} times as near")
 
 
 def together(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:

@@ -7,13 +7,12 @@ filled: nothing gets there. A body that lies across itself CoACD cuts without en
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from stages.mesh.booleans import body_of, surface_of_body
 from stages.mesh.convex_hull import convex_hull
 from stages.mesh.inside import Inside
-from stages.mesh.surface import Points, Surface, Triangles
+from stages.mesh.surface import Surface
 
 _PASSES = (0.1, 0.1, 0.1, 0.1)
 """How far each pass of simplification may move the surface, in tolerances."""
@@ -34,14 +33,16 @@ def prepared(surface: Surface, tolerance: float) -> tuple[Surface, ...] | str:
     """The bodies of a part, in the order of their size; where CoACD cannot have them, the reason in words."""
     if convex_hull(surface.vertices) is None:
         return "the mesh is flat"
-    solid = solid_of(surface.vertices, surface.triangles)
+    solid = body_of(surface)
+    if solid is not None and solid.volume() < 0:
+        solid = body_of(surface.flipped())
     if solid is None:
         return NOT_CLOSED
     for share in _PASSES:
         solid = solid.simplify(share * tolerance)
         if solid.num_tri() <= _FEW_FACES:
             break
-    bodies = [_surface_of(body) for body in solid.decompose() if body.volume() > 0]
+    bodies = [surface_of_body(body) for body in solid.decompose() if body.volume() > 0]
     if any(map(_lies_across_itself, bodies)):
         return NOT_CLOSED
     bodies.sort(key=lambda body: (-len(body.triangles), body.vertices.tobytes()))
@@ -53,21 +54,3 @@ def _lies_across_itself(body: Surface) -> bool:
     places = (np.indices((_ALONG,) * 3).reshape(3, -1).T + 0.5) / _ALONG
     times = Inside.of(body).times_around(low + (high - low) * places)
     return int((times > 1).sum() + (times < 0).sum()) > _ACROSS * int((times != 0).sum())
-
-
-def solid_of(vertices: Points, triangles: Triangles) -> Any:
-    """The manifold3d body of a mesh, turned outside out; None where it is not manifold, or is empty."""
-    import manifold3d
-
-    mesh = manifold3d.Mesh64(np.ascontiguousarray(vertices), np.ascontiguousarray(triangles, dtype=np.uint64))
-    solid = manifold3d.Manifold(mesh)
-    if solid.status() != manifold3d.Error.NoError or solid.is_empty():
-        return None
-    return solid if solid.volume() >= 0 else solid_of(vertices, triangles[:, ::-1])
-
-
-def _surface_of(body: Any) -> Surface:
-    """The surface of a body of manifold3d."""
-    mesh = body.to_mesh64()
-    vertices = np.array(mesh.vert_properties, dtype=np.float64)[:, :3]
-    return Surface(vertices, np.array(mesh.tri_verts).astype(np.int64))

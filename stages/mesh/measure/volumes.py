@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from stages.mesh.booleans import body_of
 from stages.mesh.inside import Inside
 from stages.mesh.measure.tree import Numbers, split
 from stages.mesh.measure.union import Union
@@ -38,7 +39,7 @@ class Solid:
     @staticmethod
     def of(surfaces: Sequence[Surface]) -> "Solid | None":
         """The union of surfaces; None where the library takes one of them for no manifold, or as empty."""
-        bodies = [_body(surface) for surface in surfaces]
+        bodies = [body_of(surface) for surface in surfaces]
         if not bodies or any(body is None for body in bodies):
             return None
         body = _together(bodies)
@@ -47,7 +48,7 @@ class Solid:
 
     def shares(self, union: Union) -> Shares | None:
         """By boolean operations; None where a piece is no manifold."""
-        pieces = [_body(surface) for surface in union.surfaces]
+        pieces = [body_of(surface) for surface in union.surfaces]
         if any(piece is None for piece in pieces):
             return None
         collider = _together(pieces)
@@ -95,18 +96,6 @@ class Cloud:
         out = ((points < self.low) | (points > self.high)).any(axis=1)
         covered = union.depth(points[out]) > 0
         return float(covered.sum()) / _POINTS * float(np.prod(high - low))
-
-
-def _body(surface: Surface) -> Any | None:
-    """The surface for the boolean library; None where that refuses it."""
-    import manifold3d
-
-    mesh = manifold3d.Mesh64(
-        np.ascontiguousarray(surface.vertices, dtype=np.float64),
-        np.ascontiguousarray(surface.triangles, dtype=np.uint64),
-    )
-    body = manifold3d.Manifold(mesh)
-    return None if body.status() != manifold3d.Error.NoError or body.is_empty() else body
 
 
 def _together(bodies: Sequence[Any]) -> Any:

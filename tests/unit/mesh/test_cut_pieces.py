@@ -47,12 +47,11 @@ def test_a_flanged_tube_keeps_its_bore_and_the_corner_of_its_flange() -> None:
     found = cut(FLANGED, tolerance)
     assert len(found) <= 16
     whole = union(found)
-    # Inside the solid, where three cuts meet, a gap may stay; none of the surface is bare.
-    assert (body(FLANGED) - whole).volume() < 0.02 * FLANGED.volume()
+    assert (body(FLANGED) - whole).volume() < 1e-3 * FLANGED.volume()
     assert judge(FLANGED, tolerance).measure(found).bareness_max < 1e-5
     bore, around, outer = (
         manifold3d.Manifold.cylinder(0.05, radius, circular_segments=64).translate([0, 0, 0.0085])
-        for radius in (0.022 - 2.5 * tolerance, 0.028 + tolerance, 0.04)
+        for radius in (0.022 - 2 * tolerance, 0.028 + tolerance, 0.04)
     )
     assert (whole ^ bore).volume() < 1e-9 * FLANGED.volume()
     assert (whole ^ (outer - around)).volume() < 0.02 * FLANGED.volume()
@@ -75,8 +74,9 @@ def test_no_fewer_of_the_pieces_would_do() -> None:
     part = judge(RING, 0.001)
     cutter = PieceCutter(part, 64)
     found = cutter.cut()
-    assert part.near(found)
-    assert len(cutter.join(cutter.parts_of(found))) == len(found)
+    assert found.near
+    assert part.near(found.pieces)
+    assert len(cutter.join(cutter.parts_of(found.pieces)).pieces) == len(found.pieces)
 
 
 @pytest.mark.slow
@@ -100,7 +100,7 @@ def test_pieces_are_not_joined_across_a_hole_however_little_volume_that_adds() -
         )
     ]
     cutter = PieceCutter(judge(joined(*bars), 0.001), 64)
-    found = [surface_of(piece) for piece in cutter.join(cutter.parts_of(bars))]
+    found = [surface_of(piece) for piece in cutter.join(cutter.parts_of(bars)).pieces]
     assert 1 < len(found) <= 4
     pin = manifold3d.Manifold.cube([0.003, 0.003, 0.003], center=True)
     assert (union(found) ^ pin).volume() < 1e-15
