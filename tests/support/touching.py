@@ -145,17 +145,13 @@ def _ball_and_box(ball, at, box, bt) -> float:
 def _boxes(a, at, b, bt) -> float:
     """By the separating axes of two boxes (Gottschalk, Lin and Manocha, 1996): normals, and products of
     edges."""
-    axes = [*at[:3, :3].T, *bt[:3, :3].T]
-    axes += [np.cross(u, v) for u in at[:3, :3].T for v in bt[:3, :3].T]
-    worst = -np.inf
-    for axis in axes:
-        length = np.linalg.norm(axis)
-        if length < 1e-9:
-            continue
-        axis = axis / length
-        reach = sum(
-            float(np.abs(pose[:3, :3].T @ axis) @ np.array(shape.size)) / 2
-            for shape, pose in ((a, at), (b, bt))
-        )
-        worst = max(worst, abs(float((at[:3, 3] - bt[:3, 3]) @ axis)) - reach)
-    return worst
+    rotations = at[:3, :3], bt[:3, :3]
+    edges = np.cross(rotations[0].T[:, None], rotations[1].T[None]).reshape(-1, 3)
+    lengths = np.linalg.norm(edges, axis=1)
+    crossing = lengths > 1e-9
+    axes = np.concatenate([rotations[0].T, rotations[1].T, edges[crossing] / lengths[crossing, None]])
+    reach = sum(
+        np.abs(axes @ turned) @ np.array(shape.size) / 2
+        for shape, turned in zip((a, b), rotations, strict=True)
+    )
+    return float((np.abs(axes @ (at[:3, 3] - bt[:3, 3])) - reach).max())
