@@ -251,8 +251,10 @@ def test_a_message_quotes_nothing_of_a_file_that_does_not_parse(tmp_path, way, s
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("guests_at_home")
 @pytest.mark.parametrize("way", WAYS)
 def test_nor_of_any_other(tmp_path, way):
+    """What guests say comes from a process of their own in the tests above."""
     leaks = {}
     for number, shape in enumerate(SHAPES):
         (tmp_path / str(number)).mkdir()
