@@ -7,6 +7,7 @@ import os
 import subprocess
 
 import pytest
+from trimesh.creation import icosphere
 
 from pipeline import disk_space
 from pipeline.build import build
@@ -213,20 +214,34 @@ def test_a_sweep_on_a_full_disk_reports_it_and_shows_how_its_jobs_ended(
         assert "2 of 2 jobs built and valid" in out
 
 
+LINK = """<link name="{0}"><inertial><mass value="1"/>
+  <inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
+  <visual><geometry><mesh filename="ball.stl"/></geometry></visual>
+  <collision><geometry><mesh filename="ball.stl"/></geometry></collision></link>"""
+ARM = f"""<robot name="arm">{LINK.format("base")}{LINK.format("hand")}
+<joint name="wrist" type="revolute"><parent link="base"/><child link="hand"/><origin xyz="0 0 0.5"/>
+  <axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="5" velocity="2"/></joint></robot>"""
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("arguments", [["cache.mode=use"], ["cache.mode=bypass"], ["-m", "root=auto,free"]])
 def test_the_command_on_disks_of_all_sizes_ends_well_or_with_one_message(tmp_path, arguments):
-    # Hulls, which are quickly made: what fills the disk is the same.
-    arguments = [*arguments, "robot=sample", "mesh=hull"]
+    # A small robot, which is quickly made: the files that fill the disk are the same.
+    (tmp_path / "arm.urdf").write_text(ARM)
+    (tmp_path / "ball.stl").write_bytes(icosphere(subdivisions=3, radius=0.1).export(file_type="stl"))
+    arguments = [*arguments, "source=urdf", f"source.path={tmp_path / 'arm.urdf'}", "mesh=hull"]
+
+    def environ(here):
+        return environment(here, seeded=False, TMPDIR=str(here))
+
     with disk(tmp_path / "small", 100_000):
         here = tmp_path / "small"
-        environ = environment(here, TMPDIR=str(here))
-        assert linkwright(here, *arguments, environ=environ).returncode == 0
+        assert linkwright(here, *arguments, environ=environ(here)).returncode == 0
         used = int(subprocess.check_output(["du", "-sk", str(here)], text=True).split()[0])
     statuses = []
     for kilobytes in [4, 24, *range(60, used, used // 5), 100_000]:
         with disk(tmp_path / "small", kilobytes):
-            done = linkwright(here, *arguments, environ=environ)
+            done = linkwright(here, *arguments, environ=environ(here))
             statuses.append(done.returncode)
             assert done.returncode in (0, 1), done.stderr
             assert "Traceback" not in done.stderr
@@ -234,6 +249,6 @@ def test_the_command_on_disks_of_all_sizes_ends_well_or_with_one_message(tmp_pat
                 assert "disk is full" in done.stderr + done.stdout, (kilobytes, done.stderr)
                 assert done.stderr.count("error:") <= 1
             subprocess.run(["mount", "-o", "remount,size=100000k", str(here)], check=True)
-            assert linkwright(here, *arguments, environ=environ).returncode == 0
+            assert linkwright(here, *arguments, environ=environ(here)).returncode == 0
     assert statuses[0] == 1
     assert statuses[-1] == 0
