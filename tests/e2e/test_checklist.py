@@ -67,7 +67,7 @@ UNSTABLE = {"C-TRIAL", "C-TIME-STEP"}
 
 
 @pytest.mark.slow
-@settings(max_examples=20, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+@settings(max_examples=10, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 @given(st.booleans().flatmap(lambda loops: documents(everything=True, loops=loops)))
 def test_random_documents_meet_the_points_of_files(document: Document) -> None:
     with TemporaryDirectory() as place:

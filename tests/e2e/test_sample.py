@@ -124,7 +124,7 @@ def test_over_http_the_same_bytes_come_with_one_plus_two_p_calls(
     assert robot_files(tmp_path / "outputs" / "sample") == plain
 
 
-@pytest.mark.parametrize("kills", [2, pytest.param(20, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("kills", [2, pytest.param(10, marks=pytest.mark.slow)])
 def test_killed_at_any_moment_the_next_build_is_whole(
     plain: dict[str, bytes], tmp_path: Path, kills: int
 ) -> None:

@@ -69,7 +69,7 @@ def test_a_few_documents_come_back(document: Document, root: int, seed: int) -> 
 
 
 @pytest.mark.slow
-@settings(max_examples=40, deadline=None, **SLOWLY)
+@settings(max_examples=20, deadline=None, **SLOWLY)
 @given(
     st.tuples(st.booleans(), st.booleans()).flatmap(
         lambda both: documents(loops=both[0], everything=both[1])

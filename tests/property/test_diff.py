@@ -75,7 +75,7 @@ def test_a_few_pairs_of_robots_differ_as_they_should(first: Drawn, second: Drawn
 
 
 @pytest.mark.slow
-@settings(max_examples=150, deadline=None, **SLOWLY)
+@settings(max_examples=60, deadline=None, **SLOWLY)
 @given(ROBOTS, ROBOTS)
 def test_pairs_of_robots_differ_as_they_should(first: Drawn, second: Drawn) -> None:
     differs_as_it_should(first, second)

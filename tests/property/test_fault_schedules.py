@@ -34,7 +34,7 @@ def server():
 
 
 @pytest.mark.slow
-@settings(max_examples=200, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=80, suppress_health_check=[HealthCheck.too_slow])
 @given(runs=SCHEDULES, kind=st.sampled_from("mw"))
 def test_after_any_faults_a_clean_run_is_right(server, right, runs, kind):
     server.reset()

@@ -167,7 +167,7 @@ def test_a_zero_and_a_direction_change_no_physics(document: Document, seed: int,
 
 
 @pytest.mark.slow
-@settings(max_examples=60, **slowly)
+@settings(max_examples=25, **slowly)
 @given(documents(everything=True, loops=True), st.integers(0, 1000), zeros)
 def test_a_zero_and_a_direction_change_no_physics_of_loops(document: Document, seed: int, zero: str) -> None:
     alike(document, seed, zero)

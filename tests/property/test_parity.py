@@ -213,7 +213,7 @@ def test_everything_that_can_be_drawn(
 
 
 @pytest.mark.slow
-@settings(max_examples=120, **slowly)
+@settings(max_examples=60, **slowly)
 @given(
     st.booleans().flatmap(lambda loops: documents(everything=True, loops=loops)),
     places,

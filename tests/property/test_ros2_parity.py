@@ -49,7 +49,7 @@ def test_the_package_is_the_document(document: Document, seed: int) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=30, **slowly)
+@settings(max_examples=15, **slowly)
 @given(st.booleans().flatmap(lambda loops: documents(everything=True, loops=loops)), st.integers(0, 5))
 def test_the_package_is_the_document_many_times(document: Document, seed: int) -> None:
     agree(document, seed)

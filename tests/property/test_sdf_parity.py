@@ -60,7 +60,7 @@ def test_the_sdf_has_the_loops_of_the_document(document: Document, root: int, se
 
 
 @pytest.mark.slow
-@settings(max_examples=40, **SLOWLY)
+@settings(max_examples=20, **SLOWLY)
 @given(st.booleans().flatmap(lambda loops: documents(everything=True, loops=loops)), PLACES, PLACES)
 def test_the_sdf_is_the_document_many_times(document: Document, root: int, seed: int) -> None:
     agree(document, root, seed)

@@ -46,7 +46,7 @@ def test_a_few_looped_documents_hold(document: Document, timestep: float) -> Non
 
 
 @pytest.mark.slow
-@settings(max_examples=100, **slowly)
+@settings(max_examples=40, **slowly)
 @given(
     st.booleans().flatmap(lambda everything: documents(loops=True, everything=everything)),
     st.sampled_from([0.001, 0.002, 0.005]),

@@ -153,7 +153,7 @@ def test_of_a_few_random_documents(document: Document, base: str) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=70, **slowly)
+@settings(max_examples=30, **slowly)
 @given(documents(loops=True, everything=True), st.sampled_from(["auto", "free"]))
 def test_of_many_random_documents(document: Document, base: str) -> None:
     robot = robot_of(document)
