@@ -186,16 +186,20 @@ def test_a_thousand_links_take_seconds_and_little_memory(
         assert described((tmp_path / name / "robot.json").read_bytes()).written.robot.name == robot.name
     places = [str(tmp_path / one) for one in ("large", "warm")]
     command = [sys.executable, "-m", "tests.support.measured_checks", *places]
-    # What else the machine does is in the processor's time too, least in the least of three runs.
-    runs = [_run(command) for _ in range(3)]
-    figures = min(runs, key=lambda run: run["seconds"])
+    # What else the machine does is in the processor's time too: of three runs one must be quick enough.
+    runs = (_run(command) for _ in range(3))
+    figures = next((run for run in runs if _is_quick(run, make)), None) or _run(command)
     # MuJoCo reads no MJCF of bodies in bodies 1,000 deep; the URDF is compared whole.
     assert all(one.endswith(("XML", "compiles")) for one in figures["failed"]), figures
     # On a fast, quiet machine it is 3 s for both; of the chain's, MuJoCo's own compiler takes more than two.
     # Twice as much is a slow machine; pairs of links would take minutes.
-    assert figures["seconds"] - figures["compiles"] < (3.0 if make is chain else 6.0)
-    assert figures["seconds"] < 8.0
+    assert _is_quick(figures, make), figures
     assert figures["memory"] < 0.5e9
+
+
+def _is_quick(figures: dict[str, Any], make: Callable[[int], Robot]) -> bool:
+    own = figures["seconds"] - figures["compiles"]
+    return bool(own < (3.0 if make is chain else 6.0) and figures["seconds"] < 8.0)
 
 
 def _run(command: list[str]) -> dict[str, Any]:
