@@ -173,7 +173,7 @@ def light(compiled, most):
 
 def test_a_build_runs_them_from_the_working_folder(tmp_path):
     (tmp_path / "my_own_checks.py").write_text(OWN)
-    words = [str(COMMAND), "robot=sample", "mesh=primitives", "output=out", "export=mjcf"]
+    words = [str(COMMAND), "robot=sample", "mesh=visual", "output=out", "export=mjcf"]
     own = ["validate.checks=[{_target_: my_own_checks.light, most: 0.5}]"]
     refused = subprocess.run([*words, *own], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert refused.returncode == 2
