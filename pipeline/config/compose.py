@@ -25,7 +25,7 @@ from pipeline.config import hosts, interpolated
 from pipeline.config.choices import resolved_tree
 from pipeline.config.hydra_errors import explained
 from pipeline.config.hydra_files import guarded
-from pipeline.config.hydra_loader import PRIMARY, aside, composed, use_loader
+from pipeline.config.hydra_loader import PRIMARY, aside, composed, swift, use_loader
 from pipeline.config.hydra_node import HydraNode, hydra_text, searching
 from pipeline.config.hydra_reading import Reading
 from pipeline.config.messages import fitting
@@ -105,6 +105,7 @@ def session(
         aside(),
         initialize_config_module("conf", job_name="linkwright", **HYDRA),
         guarded(),
+        swift(),
         catch_warnings(),
     ):
         # Hydra's advice to program authors, for example about a file with the name of a launcher.

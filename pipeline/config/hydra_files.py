@@ -62,12 +62,16 @@ class Guarded(ConfigSource):
         place = self.at(config_path)
         return place is not None and (place.is_dir() if self.installed(place) else observed.is_folder(place))
 
+    def file(self, config_path: str) -> Path | None:
+        """The place of a file; None where it is outside."""
+        return self.at(self._normalize_file_name(config_path))
+
     def is_config(self, config_path: str) -> bool:
-        place = self.at(self._normalize_file_name(config_path))
+        place = self.file(config_path)
         return place is not None and (place.is_file() if self.installed(place) else observed.is_file(place))
 
     def load_config(self, config_path: str) -> ConfigResult:
-        place = self.at(self._normalize_file_name(config_path))
+        place = self.file(config_path)
         if place is None or not place.exists():
             msg = f"no such file: {config_path}"
             raise ConfigLoadError(msg)

@@ -1,7 +1,6 @@
 """The node `hydra` of a tree: launchers, the folders of a sweep, and keys that a file must not set."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from functools import lru_cache
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +9,7 @@ from omegaconf import DictConfig, open_dict
 
 from pipeline import pasted
 from pipeline.config.hydra_errors import explained
-from pipeline.config.hydra_loader import composed
+from pipeline.config.hydra_loader import SEARCHPATH, composed
 from pipeline.config.overrides import Override
 from pipeline.config.partial import Draft
 from pipeline.config.plain import as_written, at
@@ -71,15 +70,15 @@ class HydraNode:
         """
         launcher = str(config.hydra.runtime.choices.get(GROUP))
         changed = self._set_by_files(config, launcher, draft) if self._presets.own else {}
-        typed = [key for key in FOLDERS if self.given([f"hydra.{key}"])]
-        folders: dict[str, str] = {}
-        if job is not None:
+        named = (key for key in FOLDERS if key in changed or self.given([f"hydra.{key}"]))
+        folders: dict[str, str | None] = dict.fromkeys(named)
+        if job is not None and folders:
             with open_dict(config):
                 config.name = name
                 config.hydra.job.num, config.hydra.job.id = job[0], str(job[0])
                 config.hydra.job.override_dirname = job[1].replace(" ", ",")
             HydraConfig.instance().set_config(config)
-            for key in {*typed, *changed} & {*FOLDERS}:
+            for key in folders:
                 folders[key] = str(at(config, ("hydra", *key.split(".")), draft.problems))
         prefix = f"{LAUNCHER}."
         numbers = {key.removeprefix(prefix): one for key, one in changed.items() if key.startswith(prefix)}
@@ -89,7 +88,7 @@ class HydraNode:
     def _set_by_files(self, config: DictConfig, launcher: str, draft: Draft) -> dict[str, Any]:
         """The settings of Hydra in files, without those that files must not set."""
         try:
-            ours = self._without_files(launcher)
+            ours = as_written(self.ours(launcher).hydra)
         except Exception as error:
             draft.add(self._of_ones_own(launcher) or explained(error, self._presets))
             return {}
@@ -99,13 +98,6 @@ class HydraNode:
         known = {problem.where for problem in draft.problems}
         draft.problems += [problem for problem in problems if problem.where not in known]
         return changed
-
-    def _without_files(self, launcher: str) -> dict[str, Any]:
-        """The node that the command line alone leads to, as written."""
-        if self.typed or self._presets.given:
-            return as_written(self.ours(launcher).hydra)
-        node = dict(_of_conf(launcher))
-        return {**node, "runtime": {**node["runtime"], "cwd": str(Path.cwd())}}
 
     def _of_ones_own(self, launcher: str) -> Diagnostic | None:
         """The problem of a launcher that exists only in the working folder."""
@@ -117,16 +109,10 @@ class HydraNode:
         return Diagnostic(CODE, text, f"{GROUP}={launcher}", f"if you trust it: {pasted.line(command)}")
 
 
-@lru_cache(maxsize=16)
-def _of_conf(launcher: str) -> Mapping[str, Any]:
-    """The node that `conf` alone leads to, with this launcher: the same for all builds of a process."""
-    return as_written(composed([f"{GROUP}={launcher}"])[0].hydra)
-
-
 def searching(folders: Iterable[Path]) -> list[str]:
     """The override that adds these folders to Hydra's search path."""
     named = ",".join(hydra_text(f"file://{folder}") for folder in folders)
-    return [f"hydra.searchpath=[{named}]"] if named else []
+    return [f"{SEARCHPATH}[{named}]"] if named else []
 
 
 def hydra_text(text: str) -> str:

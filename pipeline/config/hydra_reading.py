@@ -5,10 +5,10 @@ from collections.abc import Iterable
 from typing import Any
 
 from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
-from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import Glob, QuotedString
 from hydra.errors import HydraException
 
+from pipeline.config.hydra_loader import parsed
 from pipeline.config.hydra_node import hydra_text
 from pipeline.config.hydra_words import READING, in_words
 from pipeline.config.overrides import Override
@@ -20,13 +20,12 @@ class Reading:
 
     def __init__(self, presets: Presets) -> None:
         self._presets = presets
-        self._parser = OverridesParser.create()
 
     def values(self, text: str) -> list[str]:
         """The values of an override, several in a sweep; ValueError, with the problem and perhaps a hint,
         where it cannot be read."""
         try:
-            override = self._parser.parse_override(text)
+            override = parsed(text)
         except HydraException as error:
             text = str(error).splitlines()[0]
             words = in_words(text, READING)
@@ -55,12 +54,12 @@ class Reading:
 
     def data(self, text: str) -> Any:
         """The value of an override that is not swept, as plain data."""
-        return _plain(self._parser.parse_override(text).value())
+        return _plain(parsed(text).value())
 
     def given(self, overrides: Iterable[str], keys: Iterable[str]) -> set[str]:
         """Those of the `keys` that the overrides set."""
         found, keys = set(), list(keys)
-        for override in map(self._parser.parse_override, overrides):
+        for override in map(parsed, overrides):
             value = None if override.is_delete() else override.value()
             for key in keys:
                 below = key.removeprefix(override.key_or_group)
@@ -72,7 +71,7 @@ class Reading:
     def addresses(self, overrides: Iterable[Override]) -> set[str]:
         """The addresses that the overrides give as `source.url`, also those of a sweep."""
         found: set[str] = set()
-        for override in map(self._parser.parse_override, [one.hydra for one in overrides]):
+        for override in map(parsed, [one.hydra for one in overrides]):
             key = override.key_or_group
             if override.is_delete() or key not in ("source", "source.url"):
                 continue
@@ -85,9 +84,8 @@ class Reading:
 
     def jobs(self, overrides: Iterable[Override]) -> list[list[str]]:
         """The overrides of each job, split and ordered as by Hydra's sweeper."""
-        wanted = [override.hydra for override in overrides if not override.for_hydra_itself]
-        parsed = self._parser.parse_overrides(wanted)
-        return [list(job) for batch in BasicSweeper.split_arguments(parsed, None) for job in batch]
+        wanted = [parsed(override.hydra) for override in overrides if not override.for_hydra_itself]
+        return [list(job) for batch in BasicSweeper.split_arguments(wanted, None) for job in batch]
 
 
 def _plain(value: Any) -> Any:

@@ -2,6 +2,7 @@
 
 import pytest
 from hydra import compose, initialize_config_module
+from hydra._internal import defaults_list
 from hydra.core.global_hydra import GlobalHydra
 from hydra.types import RunMode
 from omegaconf import OmegaConf
@@ -78,3 +79,31 @@ def test_a_file_that_changes_is_read_again(here):
     for name in ("one", "two"):
         write(here, my_arm=MY_ARM + f"name: {name}\n")
         assert compose_plan(["robot=my_arm"], cwd=here).plan.name == name
+
+
+def test_values_of_a_tree_are_not_those_of_the_next(here):
+    with session(cwd=here):
+        plain = OmegaConf.to_container(composed(["robot=sample"])[0])
+        composed(
+            ["robot=sample", "++joints={elbow:{damping:2}}", "++mesh.tolerance=1", "++hydra.verbose=true"]
+        )
+        composed(["robot=sample", "~joints"])
+        assert OmegaConf.to_container(composed(["robot=sample"])[0]) == plain
+
+
+def test_jobs_with_the_same_options_have_one_defaults_list(here, monkeypatch):
+    listed = []
+    make = defaults_list.create_defaults_list
+
+    def counted(*args, **more):
+        listed.append(args)
+        return make(*args, **more)
+
+    monkeypatch.setattr(defaults_list, "create_defaults_list", counted)
+    with session(cwd=here) as composer:
+        for mesh in ("hull", "raw", "hull"):
+            for tolerance in ("0.1", "0.2"):
+                overrides = ["robot=my_arm", f"mesh={mesh}", f"++mesh.tolerance={tolerance}"]
+                section = composer.compose(overrides).plan.mesh
+                assert (section.collider, section.tolerance) == (mesh, float(tolerance))
+    assert len([args for args in listed if "mesh=hull" in str(args)]) == 1
