@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from stages.validate.keys import ValidateKeys
     from stages.validate.own import OwnCheck
 
-VERSION = 51
+VERSION = 52
 """Grows with every change of what this stage makes of the same input."""
 
 ENGINES = ("mujoco_engine",)
@@ -63,9 +63,13 @@ CHECKS: "dict[str, tuple[FileKind, ...]]" = {
 the robot is the MJCF's, so that what is true of the one needs no second look. Where the first check finds
 that a link or joint is missing, the others, which look for each by its name, are left out."""
 
-READ_BACK = (("srdf", ".srdf"), ("sdf", ".sdf"), ("usd", ".usda"))
-"""Formats that no engine reads, with the endings of their files: rooms of this stage, each with a module
-`read_back` that has the checks."""
+READ_BACK = {
+    ".srdf": "srdf.read_back",
+    ".sdf": "read.sdf",
+    ".usda": "read.usd",
+}
+"""Formats that no engine reads, by the endings of their files: modules of this stage, each with a `CODE` and
+a function `check_file`."""
 
 
 def validate(

@@ -24,10 +24,12 @@ def differences(found: Lump, expected: Lump, allowed: float = 0.0) -> dict[str, 
     }
 
 
-def expected_lump(link: Link) -> Lump:
+def expected_lump(link: Link, least: Inertial | None = None) -> Lump:
     """A link's mass properties, in its own frame: those that the user gave, else the sum of its parts; of a
-    link that CAD does not have, its own."""
+    link that CAD does not have, its own. `least`: those of a link without mass."""
     own: Inertial | None = link.given or (None if link.parts else link.inertial)
+    if least is not None and not link.inertial.mass > 0:
+        own = least
     if own is not None:
         return own.mass, own.com, own.inertia
     parts = ((part.inertial, part.link_from_part) for part in link.parts)

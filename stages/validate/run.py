@@ -73,14 +73,14 @@ def kinds_of(path: Path) -> set[FileKind]:
 
 
 def check_read_back(
-    folder: Path, written: Written, formats: Sequence[tuple[str, str]], *, quick: bool
+    folder: Path, written: Written, formats: Mapping[str, str], *, quick: bool
 ) -> Iterator[Check]:
-    """The results of the files in `folder` that no engine reads, of these formats with their endings.
-    `quick`: only whether each can be read."""
-    for name, ending in formats:
+    """The results of the files in `folder` that no engine reads. `formats`: modules of this stage, by the
+    endings of their files; `quick`: only whether each can be read."""
+    for ending, name in formats.items():
         path = folder / f"{written.robot.name}{ending}"
         if path.exists():
-            reader = import_module(f"stages.validate.{name}.read_back")
+            reader = import_module(f"stages.validate.{name}")
             read = partial(reader.check_file, path, written, quick=quick)
             found = guarded(f"{path.name}: checks", read)
             yield from (replace(one, code=reader.CODE) for one in found)

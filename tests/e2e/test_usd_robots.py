@@ -20,7 +20,7 @@ from tests.support.usd_parity import UsdParity
 @pytest.mark.parametrize("name", FILES)
 def test_a_real_robot_is_one_in_three_files(name: str, tmp_path: Path) -> None:
     assert pxr.Usd
-    from stages.validate.usd.read_back import check_file
+    from stages.validate.read.usd import check_file
 
     plan = plan_of(
         source={"kind": "urdf", "path": str(ROBOTS / FILES[name])},

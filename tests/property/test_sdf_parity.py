@@ -13,7 +13,7 @@ from pipeline.config.plan import Plan
 from stages.robot.kinematics import link_poses
 from stages.robot.model import JointType, Robot
 from stages.robot.poses import at_rest
-from stages.validate.sdf.read_back import check_file
+from stages.validate.read.sdf import check_file
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.fake_onshape.sample import sample_document

@@ -1,4 +1,5 @@
-"""A new source, format or check is one folder or file and one line in a table: each test adds one to a copy.
+"""A new source, format, proof of a format or check is one folder or file and one line in a table: each test
+adds one to a copy.
 
 Besides the code, a source and a format need one YAML in `conf` and its golden.
 """
@@ -228,3 +229,183 @@ def check(compiled):
     light = [check for check in report["checks"] if check["name"].endswith(": light")]
     assert [check["name"] for check in light] == [f"{file}: light" for file in ("sample.xml", "sample.urdf")]
     assert all(check["passed"] and 0 < check["value"] < 10 for check in light)
+
+
+READER = """\
+\"\"\"The robot of a toy file: a JSON of links, joints, relations and loops.\"\"\"
+
+import json
+from functools import partial
+
+import numpy as np
+
+from stages.robot.poses import inverse, motion
+from stages.validate.read.robot import ReadJoint, ReadMimic, ReadPlace, ReadRobot, Poses, Unreadable, Words
+from stages.validate.read.run import checks_by
+
+CODE = "C-TOY"
+
+
+class ReadToy(ReadRobot):
+    words = Words(
+        mass="mass",
+        com="com",
+        inertia="inertia ",
+        axis="axis",
+        place=("place", "place"),
+        mimic=("factor", "offset"),
+        numbers={},
+    )
+
+    def __init__(self, path, written):
+        try:
+            self.toy = json.loads(path.read_bytes())
+        except ValueError as error:
+            raise Unreadable(f"it is no JSON: {error}") from None
+        self.file, self.robot, self.still = path.name, written.robot, {}
+        self.standing = {dof.name: dof.saved for dof in written.robot.dofs}
+
+    def found(self):
+        return {"link": self.toy["links"].keys(), "joint": self.toy["joints"].keys()}
+
+    def expected(self):
+        robot = self.robot
+        return {
+            "link": {link.name for link in robot.links},
+            "joint": {joint.name for joint in robot.joints},
+        }
+
+    def lump(self, link):
+        own = self.toy["links"][link]
+        return own["mass"], np.array(own["com"]), np.array(own["inertia"])
+
+    def poses(self, q):
+        found = {self.robot.root.name: np.eye(4)}
+        for joint in self.toy["joints"].values():
+            pose = found[joint["parent"]] @ np.array(joint["place"])
+            found[joint["child"]] = pose @ self._chain(joint["dofs"], q)
+        return Poses(found, {})
+
+    def _chain(self, dofs, q):
+        pose = np.eye(4)
+        for dof in dofs:
+            moved = motion(dof["kind"], np.array(dof["axis"]), q[dof["name"]])
+            pose = pose @ np.array(dof["origin"]) @ moved
+        return pose
+
+    def parent(self, link):
+        return next((one["parent"] for one in self.toy["joints"].values() if one["child"] == link), "")
+
+    def joints(self):
+        for joint in self.robot.joints:
+            dofs = {dof["name"]: dof for dof in self.toy["joints"][joint.name]["dofs"]}
+            for dof in joint.dofs:
+                own = dofs[dof.name]
+                scalar = dof.kind in ("turn", "slide")
+                low, high = own["limits"]
+                numbers = {"lower": low, "upper": high, "damping": own["damping"]} if scalar else {}
+                element = self.element("joint", dof.name)
+                yield ReadJoint(dof.name, element, own["kind"], (dof.kind,), dof, numbers)
+
+    def mimics(self):
+        return (ReadMimic(*row) for row in self.toy["relations"])
+
+    def places(self, loop, q):
+        own = self.toy["loops"][loop.name]
+        for link, end, frame in (("a", own["a"], loop.a_from_frame), ("b", own["b"], loop.b_from_frame)):
+            yield ReadPlace(f'loop "{loop.name}"', (link, link), np.array(end), frame)
+
+
+check_file = partial(checks_by, ReadToy)
+"""
+
+PROOF = """\
+import json, sys
+from pathlib import Path
+from stages.formats.described import described
+from stages.validate import READ_BACK
+from stages.validate.run import check_read_back
+
+folder = Path(sys.argv[1])
+written = described((folder / "robot.json").read_bytes()).written
+robot = written.robot
+toy = {
+    "links": {
+        link.name: {
+            "mass": link.inertial.mass,
+            "com": link.inertial.com.tolist(),
+            "inertia": link.inertial.inertia.tolist(),
+        }
+        for link in robot.links
+    },
+    "joints": {
+        joint.name: {
+            "parent": joint.parent,
+            "child": joint.child,
+            "place": joint.parent_from_joint.tolist(),
+            "dofs": [
+                {
+                    "name": dof.name,
+                    "kind": dof.kind,
+                    "axis": dof.axis.tolist(),
+                    "origin": dof.origin.tolist(),
+                    "limits": dof.limits.interval,
+                    "damping": dof.dynamics.damping or 0.0,
+                }
+                for dof in joint.dofs
+            ],
+        }
+        for joint in robot.joints
+    },
+    "relations": [[one.follower, one.driver, one.multiplier, one.offset] for one in robot.relations],
+    "loops": {
+        loop.name: {"a": loop.a_from_frame.tolist(), "b": loop.b_from_frame.tolist()} for loop in robot.loops
+    },
+}
+
+
+def failed(text):
+    (folder / f"{robot.name}.toy").write_text(text)
+    found = check_read_back(folder, written, {".toy": READ_BACK[".toy"]}, quick=False)
+    return [check.name.partition(": ")[2] for check in found if not check.passed]
+
+
+def changed(*path):
+    other = json.loads(json.dumps(toy))
+    *above, last = path
+    place = other
+    for key in above:
+        place = place[key]
+    place[last] += 0.01
+    return failed(json.dumps(other))
+
+
+moved = next(joint for joint in robot.joints if joint.dofs and joint.dofs[0].kind == "turn")
+link, joint, loop = robot.links[1].name, ("joints", moved.name), robot.loops[0].name
+print(json.dumps({
+    "none": failed(json.dumps(toy)),
+    "text": failed("nothing"),
+    "mass": changed("links", link, "mass"),
+    "place": changed(*joint, "place", 0, 3),
+    "damping": changed(*joint, "dofs", 0, "damping"),
+    "loop": changed("loops", loop, "a", 0, 3),
+}))
+"""
+
+
+def test_the_proof_of_a_format_is_a_reader_and_a_line(tree: Tree) -> None:
+    """The reader says what a file has, and is below 200 lines; what it must have is compared already."""
+    assert len(READER.splitlines()) < 200
+    tree.add("stages/validate/read/toy.py", READER)
+    tree.add_line("stages/validate/__init__.py", '    ".sdf": "read.sdf",', '    ".toy": "read.toy",')
+    folder = tree.build("source=sample", "mesh=visual")
+    tree.add("proof.py", PROOF)
+    said = json.loads(tree.run("proof.py", str(folder)))
+    assert said == {
+        "none": [],
+        "text": ["reads"],
+        "mass": ["mass"],
+        "place": ["poses", "motion"],
+        "damping": ["joints"],
+        "loop": ["loops"],
+    }

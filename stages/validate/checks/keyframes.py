@@ -21,9 +21,10 @@ from stages.validate.coordinates import (
     link_pose,
     root_pose,
 )
-from stages.validate.culprits import culprits
 from stages.validate.equalities import CLOSED, open_equalities, violation
 from stages.validate.findings import few, named, shown, worst_first
+from stages.validate.read.compiled import read_compiled
+from stages.validate.same.motion import found_differences
 
 CODE = "C-KEYFRAME"
 
@@ -84,7 +85,7 @@ def _findings(compiled: CompiledModel, key: int, name: str, pose: Configuration)
         if not abs(found - value) <= SAME:
             message = f"puts {joint} at {shown(found)}, expected {shown(value)}"
             off.append((abs(found - value), Finding(named("key", name), "qpos", message)))
-    return worst_first(off) or culprits(compiled) or (_turned(name),)
+    return worst_first(off) or found_differences(read_compiled(compiled)) or (_turned(name),)
 
 
 def _turned(name: str) -> Finding:

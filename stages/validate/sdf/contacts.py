@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from functools import reduce
 from itertools import combinations
 from operator import or_
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,7 +14,9 @@ from stages.robot.check import Check, Finding
 from stages.robot.geometry import Geometry
 from stages.robot.plural import count
 from stages.validate.findings import differs, named
-from stages.validate.sdf.known import ReadSdf
+
+if TYPE_CHECKING:
+    from stages.validate.read.sdf import ReadSdf
 
 ALL, DEFAULT = 0xFFFF, 0xFF
 """The bits of a mask that Gazebo keeps, and the mask of a collider that has none in the file."""
@@ -25,7 +28,7 @@ links of the SDF do not collide with each other at all (I-SDF-SELF)."""
 MASK = "surface contact collide_bitmask"
 
 
-def contacts(read: ReadSdf, geometry: Geometry | None) -> Iterator[Check]:
+def contacts(read: "ReadSdf", geometry: Geometry | None) -> Iterator[Check]:
     """The links collide with each other as in the robot, and every collider with what has no mask."""
     if geometry is None:
         return
@@ -46,7 +49,7 @@ def _outside(link: SdfLink) -> Iterator[Finding]:
             yield Finding(named("link", link.name), f"collision {number} {MASK}", words)
 
 
-def _together(read: ReadSdf, geometry: Geometry) -> Iterator[Finding]:
+def _together(read: "ReadSdf", geometry: Geometry) -> Iterator[Finding]:
     """What collides of the robot's links that must not, or does not and must."""
     model, joined = read.model, _joined(read)
     links = {name: model.links[own] for name, own in read.names.links.items()}
@@ -91,7 +94,7 @@ def _pair(links: Sequence[SdfLink], apart: Sequence[tuple[int, int]] | None, ful
         )
 
 
-def _joined(read: ReadSdf) -> set[frozenset[str]]:
+def _joined(read: "ReadSdf") -> set[frozenset[str]]:
     """The robot's links that a joint of the tree joins: the first joint that a link hangs on."""
     name = {own: link for link, own in read.names.links.items()}
     tree: dict[str, str] = {}

@@ -2,17 +2,19 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stages.formats.sdf.shapes import SdfShape
+from stages.formats.xml import parse
 from stages.robot.check import Check, Finding
 from stages.robot.geometry import Geometry, Shape
 from stages.robot.plural import count
 from stages.robot.scene import Scene
 from stages.validate.coordinates import SAME
-from stages.validate.findings import differs, named, place_differs, shown
-from stages.validate.sdf.known import ReadSdf
+from stages.validate.findings import differs, few, named, place_differs, shown
 from stages.validate.solids import (
     COLOUR,
     ShapeWords,
@@ -23,11 +25,26 @@ from stages.validate.solids import (
     solids_by_link,
 )
 
+if TYPE_CHECKING:
+    from stages.validate.read.sdf import ReadSdf
+
 WORDS = ShapeWords("mesh uri", "mesh scale", ("pose", "pose"), "material diffuse")
 """What an SDF calls what a shape is."""
 
 
-def of_model(read: ReadSdf, scene: Scene | None) -> Iterator[Check]:
+def missing_meshes(path: Path) -> Check:
+    """Every mesh that the file names is there."""
+    found = []
+    texts = {node.text or "" for node in parse(path.read_bytes()).iterfind(".//mesh/uri")}
+    for text in sorted(texts):
+        inside = text.partition("://")[2].partition("/")[2] if "://" in text else text
+        if not (path.parent / inside).is_file():
+            found.append(Finding("mesh", "uri", f'"{text}" does not exist'))
+    detail = f"missing: {', '.join(one.message for one in found[:3])}" if found else "every mesh is there"
+    return Check(f"{path.name}: meshes", not found, detail, float(len(found)), 0.0, findings=few(found))
+
+
+def of_model(read: "ReadSdf", scene: Scene | None) -> Iterator[Check]:
     """Its name, that gravity and forces move its links, and that it stands where the scene has the robot. At
     what height a free robot touches the ground depends on its joints, which need not stand as at qpos0."""
     model, element = read.model, named("model", read.model.name)
@@ -49,7 +66,7 @@ def of_model(read: ReadSdf, scene: Scene | None) -> Iterator[Check]:
     yield read.within("model", float(len(found)), 0.0, detail, found)
 
 
-def shapes(read: ReadSdf, geometry: Geometry | None) -> Iterator[Check]:
+def shapes(read: "ReadSdf", geometry: Geometry | None) -> Iterator[Check]:
     """Each link has the shapes of the robot, where these are known: as many, of their files and sizes, where
     they must be, and as slippery; and what is between the dofs of a joint has none."""
     if geometry is None:

@@ -11,7 +11,7 @@ from stages.formats.written import Written
 from stages.mesh.primitives import shapes as primitive_shapes
 from stages.robot.geometry import Exclude, Geometry
 from stages.robot.model import Robot
-from stages.validate.sdf.read_back import check_file
+from stages.validate.read.sdf import check_file
 from tests.support.building import plan_of
 from tests.support.robots import joint, robot_with
 from tests.support.sdf import Sdf

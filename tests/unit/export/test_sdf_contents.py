@@ -19,7 +19,7 @@ from stages.robot.geom_form import ContactProperties
 from stages.robot.geometry import Geometry, Shape
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Frame, Primitive, Robot, frozen
-from stages.validate.sdf.read_back import check_file
+from stages.validate.read.sdf import check_file
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.robots import at, joint, loop, robot_with
 from tests.support.sdf import Sdf, transform

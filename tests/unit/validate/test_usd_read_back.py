@@ -24,7 +24,7 @@ def text_of(robot: Robot) -> str:
 
 def checked(robot: Robot, text: str, folder: Path, *, quick: bool = False) -> list[Check]:
     assert pxr.Usd
-    from stages.validate.usd.read_back import check_file
+    from stages.validate.read.usd import check_file
 
     (folder / "robot.usda").write_text(text)
     (folder / "robot_meshes.usd").write_text("#usda 1.0\n")
@@ -109,14 +109,14 @@ def good() -> Robot:
 
 
 FAULTS = {
-    "mass": ("float physics:mass = 1.1", "float physics:mass = 1.2", "masses"),
-    "inertia": ("float3 physics:diagonalInertia = (", "float3 physics:diagonalInertia = (1", "masses"),
+    "mass": ("float physics:mass = 1.1", "float physics:mass = 1.2", "mass"),
+    "inertia": ("float3 physics:diagonalInertia = (", "float3 physics:diagonalInertia = (1", "inertia"),
     "limit": ("physics:upperLimit = 0.5", "physics:upperLimit = 0.6", "joints"),
     "type": ('PhysicsRevoluteJoint "elbow"', 'PhysicsPrismaticJoint "elbow"', "joints"),
     "stance": ("xformOp:translate = (0, 0, 0)", "xformOp:translate = (0, 0, 0.1)", "home"),
     "inside": ("physics:excludeFromArticulation = 1", "physics:excludeFromArticulation = 0", "loops"),
-    "name": ('PrismaticJoint "slide"', 'PrismaticJoint "slid"', "bodies and joints"),
-    "body": ('Xform "hand"', 'Xform "hnd"', "bodies and joints"),
+    "name": ('PrismaticJoint "slide"', 'PrismaticJoint "slid"', "links and joints"),
+    "body": ('Xform "hand"', 'Xform "hnd"', "links and joints"),
 }
 
 

@@ -160,7 +160,7 @@ def test_relations_of_a_urdf_are_read_from_its_text_where_mujoco_reads_none(
     shutil.copytree(folder, tmp_path / "old")
     file = tmp_path / "old" / "robot.urdf"
     text = file.read_text()
-    monkeypatch.setattr("stages.validate.checks.relations.reads_mimic", lambda: False)
+    monkeypatch.setattr("stages.validate.read.urdf.reads_mimic", lambda: False)
     assert failed_of(robot, tmp_path / "old") == []
     for fault in ("mimic dropped", "mimic turned round"):
         file.write_text(FAULTS[fault][1](text))
@@ -180,7 +180,7 @@ def test_an_inertia_of_a_urdf_is_judged_as_finely_as_mujoco_finds_axes(
     exact = ["robot.xml: inertia"]
     if not ability.axes_error(1e-4):
         assert failed_of(robot, tmp_path / "off") == [*exact, "robot.urdf: inertia"]
-    monkeypatch.setattr("stages.validate.checks.masses.axes_error", lambda size: 1e-6)
+    monkeypatch.setattr("stages.validate.read.urdf.axes_error", lambda size: 1e-6)
     assert failed_of(robot, tmp_path / "off") == exact
 
 

@@ -1,0 +1,100 @@
+"""The robot of a file that MuJoCo compiled."""
+
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from stages.robot.check import Check
+from stages.robot.kinematics import rest_configuration
+from stages.robot.model import Array, Configuration, Dof, Loop
+from stages.robot.poses import inverse
+from stages.validate.compiled import CompiledModel
+from stages.validate.coordinates import (
+    body_from_link,
+    body_index,
+    frame_pose,
+    joint_index,
+    link_pose,
+    root_pose,
+    set_values,
+    site_index,
+)
+from stages.validate.lumps import Lump, moved_lump
+from stages.validate.mujoco_poses import placed
+from stages.validate.read.robot import Poses, ReadPlace, ReadRobot
+
+
+class ReadCompiled(ReadRobot):
+    """`model`: the compiled one, of the file that `compiled` has."""
+
+    def __init__(self, compiled: CompiledModel) -> None:
+        self.compiled, self.model = compiled, compiled.model
+        self.file, self.robot, self.still = compiled.path.name, compiled.robot, {}
+        loops = {dof.name: dof.saved for loop in self.robot.loops for dof in loop.dofs}
+        self.standing = {**loops, **rest_configuration(self.robot)}
+
+    def posed(self, q: Configuration) -> Any:
+        """MuJoCo's data at these values."""
+        data = mujoco.MjData(self.model)
+        set_values(self.model, data, self.robot, q, self.compiled.urdf)
+        return data
+
+    def frame_name(self, frame: str) -> str:
+        return frame
+
+    def poses(self, q: Configuration) -> Poses:
+        robot, model, data = self.robot, self.model, self.posed(q)
+        root_from_world = inverse(root_pose(model, data, robot))
+        return Poses(
+            {link.name: root_from_world @ link_pose(model, data, robot, link.name) for link in robot.links},
+            {
+                frame.name: root_from_world
+                @ frame_pose(model, data, self.frame_name(frame.name), self.compiled.urdf)
+                for frame in robot.frames
+            },
+        )
+
+    def parent(self, link: str) -> str:
+        model, own = self.model, {one.name for one in self.robot.links}
+        body = body_index(model, link)
+        if body < 0:
+            site = site_index(model, link)
+            holder = int(model.site_bodyid[site]) if site >= 0 else 0
+        else:
+            holder = int(model.body_parentid[body])
+        while holder > 0 and model.body(holder).name not in own:
+            holder = int(model.body_parentid[holder])
+        name = str(model.body(holder).name)
+        return name if name in own else ""
+
+    def axis(self, dof: Dof) -> Array | None:
+        return np.array(self.model.jnt_axis[joint_index(self.model, dof.name)])
+
+    def places(self, loop: Loop, q: Configuration) -> Iterator[ReadPlace]:
+        yield from ()
+
+    def lump_of(self, body: int, link_from_body: Array) -> Lump:
+        """The mass properties of a body, in the frame of a link."""
+        model = self.model
+        axes = placed(model.body_iquat[body], model.body_ipos[body])
+        tensor = axes[:3, :3] @ np.diag(model.body_inertia[body]) @ axes[:3, :3].T
+        return moved_lump(float(model.body_mass[body]), axes[:3, 3], tensor, link_from_body)
+
+    def lump(self, link: str) -> Lump:
+        place = inverse(body_from_link(self.robot, link))
+        return self.lump_of(body_index(self.model, link), place)
+
+
+def read_compiled(compiled: CompiledModel) -> ReadCompiled:
+    """The reader of an MJCF, or of a URDF."""
+    from stages.validate.read.mjcf import ReadMjcf
+    from stages.validate.read.urdf import ReadUrdf
+
+    return ReadUrdf(compiled) if compiled.urdf else ReadMjcf(compiled)
+
+
+def compared(compare: Callable[[ReadRobot], Iterable[Check]]) -> Callable[[CompiledModel], Iterable[Check]]:
+    """A comparer as a check of a compiled model."""
+    return lambda compiled: compare(read_compiled(compiled))

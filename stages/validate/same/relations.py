@@ -1,0 +1,59 @@
+"""Each relation of two joints is there, with its numbers, and no other."""
+
+from collections.abc import Iterator
+
+from stages.robot.check import Check, Finding
+from stages.robot.model import Relation
+from stages.robot.plural import count
+from stages.validate.coordinates import SAME
+from stages.validate.findings import differs, named
+from stages.validate.read.robot import ReadMimic, ReadRobot
+
+
+def relations(read: ReadRobot) -> Iterator[Check]:
+    """One result."""
+    mimics = sorted(read.mimics(), key=lambda mimic: not mimic.active)
+    wrong: dict[str, Finding] = {}
+    for relation in read.robot.relations:
+        finding = _difference(read, relation, mimics)
+        wrong |= {relation.name: finding} if finding else {}
+    for mimic in mimics:
+        if mimic.active:
+            message = f"follows {mimic.driver or 'nothing'}, which the robot does not have it do"
+            wrong[mimic.follower] = Finding(named("joint", mimic.follower), read.words.mimic[0], message)
+    number = count(len(read.robot.relations), "relation")
+    detail = f"differ: {', '.join(wrong)}" if wrong else f"{number} with the numbers of the robot"
+    yield read.within("relations", float(len(wrong)), 0.0, detail, wrong.values())
+
+
+def _difference(read: ReadRobot, relation: Relation, mimics: list[ReadMimic]) -> Finding | None:
+    """What is wrong with a relation, which a file may solve for either of its dofs. Takes it out of the
+    `mimics`."""
+    element = read.element("relation", relation.name)
+    factor, offset = relation.multiplier, relation.offset
+    mimic = _taken(mimics, relation.follower, relation.driver)
+    if mimic is None and factor:
+        mimic = _taken(mimics, relation.driver, relation.follower)
+        factor, offset = 1 / factor, -offset / factor
+    if mimic is None:
+        message = f"nothing says that {relation.follower} follows {relation.driver}"
+        return Finding(element, read.words.mimic[0], message)
+    if not mimic.active:
+        return Finding(element, "active", f"is false, so that {relation.follower} does not follow")
+    allowed = SAME * max(1.0, abs(factor), abs(offset))
+    found, wanted = (mimic.multiplier, mimic.offset), (factor, offset)
+    off = [not abs(one - other) <= allowed for one, other in zip(found, wanted, strict=True)]
+    if not any(off):
+        return None
+    if read.words.mimic[0] == read.words.mimic[1]:
+        return differs(element, read.words.mimic[0], found[::-1], wanted[::-1])
+    at = off.index(True)
+    return differs(element, read.words.mimic[at], found[at], wanted[at])
+
+
+def _taken(mimics: list[ReadMimic], follower: str, driver: str) -> ReadMimic | None:
+    for mimic in mimics:
+        if (mimic.follower, mimic.driver) == (follower, driver):
+            mimics.remove(mimic)
+            return mimic
+    return None
