@@ -29,7 +29,6 @@ CHECKS: "dict[str, tuple[FileKind, ...]]" = {
     "parity": ("mjcf", "urdf"),
     "relations": ("mjcf", "urdf"),
     "loops": ("mjcf", "urdf"),
-    "loop_ends": ("urdf",),
     "keyframes": ("mjcf", "scene"),
     "actuators": ("mjcf", "scene"),
     "gravity_compensation": ("mjcf",),

@@ -1,5 +1,5 @@
 """An MJCF closes the robot's loops: the right equalities, between the right bodies, at the right frames. A
-URDF closes some by its relations alone."""
+URDF, which closes some by its relations alone, has a link for each of the two frames that must meet."""
 
 import math
 from collections import Counter
@@ -11,27 +11,16 @@ import numpy as np
 
 from stages.robot.check import Check, Finding
 from stages.robot.dof_ranges import ranges
-from stages.robot.kinematics import chain, link_poses
 from stages.robot.loops import CLOSED, gap
 from stages.robot.mjcf_extras import NO_EXTRAS
-from stages.robot.model import Array, Loop, Value
+from stages.robot.model import Loop, Value
 from stages.robot.plural import count
-from stages.robot.poses import inverse
 from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import (
-    BY_EQUALITY,
-    SAME,
-    body_index,
-    distance,
-    every_saved,
-    link_pose,
-    root_pose,
-    set_values,
-    site_pose,
-    spread,
-)
-from stages.validate.equalities import bodies, ends, equality_index, held_differences, sites
-from stages.validate.findings import apart, few, named, shown, worst_first
+from stages.validate.coordinates import every_saved, link_pose, set_values
+from stages.validate.equalities import bodies, ends, held_differences
+from stages.validate.findings import few, named, shown
+from stages.validate.read.compiled import read_compiled
+from stages.validate.same.loops import loops
 
 CODE = "C-LOOP"
 
@@ -47,6 +36,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     if compiled.urdf:
         if compiled.written.urdf_form.closed:
             yield _closed_by_relations(compiled)
+        yield from loops(read_compiled(compiled), "frames of loops")
         return
     robot, model = compiled.robot, compiled.model
     found = Counter(
@@ -63,7 +53,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     findings = few(_equalities(compiled)) if wrong else ()
     yield compiled.within("loops", float(wrong), 0.0, detail, findings)
     if robot.loops and not wrong:
-        yield _frames_of_loops(compiled)
+        yield from loops(read_compiled(compiled), "frames of loops")
         yield _held_fast(compiled)
 
 
@@ -126,7 +116,7 @@ def _closed_by_relations(compiled: CompiledModel) -> Check:
     robot, model = compiled.robot, compiled.model
     data = mujoco.MjData(model)
     limits = ranges(robot)
-    loops = [loop for loop in robot.loops if loop.name in compiled.written.urdf_form.closed]
+    closed = [loop for loop in robot.loops if loop.name in compiled.written.urdf_form.closed]
     worst, where = 0.0, ""
     for share in np.linspace(0.0, 1.0, POSES):
         q = every_saved(robot)
@@ -138,8 +128,8 @@ def _closed_by_relations(compiled: CompiledModel) -> Check:
             q[relation.follower] = relation.multiplier * driver + relation.offset
         set_values(model, data, robot, q, urdf=True)
         poses = {link.name: link_pose(model, data, robot, link.name) for link in robot.links}
-        worst, where = max((worst, where), *((gap(loop, poses), loop.name) for loop in loops))
-    allowed = max(CLOSED, *(2 * loop.residual for loop in loops))
+        worst, where = max((worst, where), *((gap(loop, poses), loop.name) for loop in closed))
+    allowed = max(CLOSED, *(2 * loop.residual for loop in closed))
     detail = f"loops that mimic joints close, over the range of their drivers [m, rad]; worst: {where}"
     found = [
         Finding(named("joint", one.follower), "mimic", f"{where} is open by {shown(worst)} m or rad")
@@ -155,57 +145,3 @@ def _between(ends: tuple[float, float], near: Value, share: float) -> Value:
         end if math.isfinite(end) else near + side for end, side in zip(ends, (-0.5, 0.5), strict=True)
     )
     return low + share * (high - low)
-
-
-def _frames_of_loops(compiled: CompiledModel) -> Check:
-    """Each loop's frames, at a configuration at which nothing is closed, relative to the root."""
-    robot, model = compiled.robot, compiled.model
-    data = mujoco.MjData(model)
-    q = spread(robot, 0)
-    set_values(model, data, robot, q, urdf=False)
-    root_from_world = inverse(root_pose(model, data, robot))
-    poses = link_poses(robot, q)
-    worst, where = 0.0, ""
-    off: list[tuple[float, Finding]] = []
-    for loop in robot.loops:
-        index = equality_index(model, loop)
-        found = {
-            int(model.site_bodyid[site]): root_from_world @ site_pose(model, data, site)
-            for site in (sites(model, index) if index >= 0 else ())
-        }
-        for body, pose in _frames(model, loop, poses, chain(loop.dofs, q)):
-            value = distance(found.get(body, np.full((4, 4), np.nan)), pose)
-            if not value < worst:
-                worst, where = value, loop.name
-            if not value <= SAME:
-                off.append((value, _frame_finding(model, index, body, found.get(body), pose)))
-    detail = f"frames of each loop against the robot's own kinematics [m, rad]; worst: {where}"
-    return compiled.within("frames of loops", worst, SAME, detail, worst_first(off))
-
-
-def _frame_finding(model: Any, index: int, body: int, found: Array | None, expected: Array) -> Finding:
-    """On the site that a loop has on a body. Both poses are relative to the root."""
-    own = [site for site in (sites(model, index) if index >= 0 else ()) if model.site_bodyid[site] == body]
-    if found is None or not own:
-        return Finding(named("body", model.body(body).name), "site", "has none of a loop that closes on it")
-    offset, angle = apart(found, expected)
-    site = named("site", model.site(own[0]).name)
-    attribute = "pos" if offset > SAME else "quat"
-    return Finding(site, attribute, f"is off by [m, rad]: {shown([offset, angle])}")
-
-
-def _frames(
-    model: Any, loop: Loop, poses: dict[str, Array], second_from_first: Array
-) -> Iterator[tuple[int, Array]]:
-    """(body, root_from_frame) of the loop's two frames; one of them is the carrier's, if there is one."""
-    first = poses[loop.link_a] @ loop.a_from_frame
-    second = poses[loop.link_b] @ loop.b_from_frame
-    a, b = body_index(model, loop.link_a), body_index(model, loop.link_b)
-    if loop.type in BY_EQUALITY:
-        yield from ((a, first), (b, second))
-        return
-    carrier, carried = ends(model, loop)
-    if carried == a:
-        yield from ((a, first), (carrier, second @ second_from_first))
-    else:
-        yield from ((b, second), (carrier, first @ inverse(second_from_first)))

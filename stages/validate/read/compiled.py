@@ -1,6 +1,6 @@
 """The robot of a file that MuJoCo compiled."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import mujoco
@@ -8,7 +8,7 @@ import numpy as np
 
 from stages.robot.check import Check
 from stages.robot.kinematics import rest_configuration
-from stages.robot.model import Array, Configuration, Dof, Loop
+from stages.robot.model import Array, Configuration, Dof
 from stages.robot.poses import inverse
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import (
@@ -23,7 +23,7 @@ from stages.validate.coordinates import (
 )
 from stages.validate.lumps import Lump, moved_lump
 from stages.validate.mujoco_poses import placed
-from stages.validate.read.robot import Poses, ReadPlace, ReadRobot
+from stages.validate.read.robot import Poses, ReadRobot
 
 
 class ReadCompiled(ReadRobot):
@@ -32,14 +32,17 @@ class ReadCompiled(ReadRobot):
     def __init__(self, compiled: CompiledModel) -> None:
         self.compiled, self.model = compiled, compiled.model
         self.file, self.robot, self.still = compiled.path.name, compiled.robot, {}
+        self._posed: tuple[Configuration, Any] | None = None
         loops = {dof.name: dof.saved for loop in self.robot.loops for dof in loop.dofs}
         self.standing = {**loops, **rest_configuration(self.robot)}
 
     def posed(self, q: Configuration) -> Any:
         """MuJoCo's data at these values."""
-        data = mujoco.MjData(self.model)
-        set_values(self.model, data, self.robot, q, self.compiled.urdf)
-        return data
+        if self._posed is None or self._posed[0] is not q:
+            data = mujoco.MjData(self.model)
+            set_values(self.model, data, self.robot, q, self.compiled.urdf)
+            self._posed = q, data
+        return self._posed[1]
 
     def frame_name(self, frame: str) -> str:
         return frame
@@ -71,9 +74,6 @@ class ReadCompiled(ReadRobot):
 
     def axis(self, dof: Dof) -> Array | None:
         return np.array(self.model.jnt_axis[joint_index(self.model, dof.name)])
-
-    def places(self, loop: Loop, q: Configuration) -> Iterator[ReadPlace]:
-        yield from ()
 
     def lump_of(self, body: int, link_from_body: Array) -> Lump:
         """The mass properties of a body, in the frame of a link."""

@@ -7,16 +7,25 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from stages.robot.kinematics import chain, link_poses
 from stages.robot.mjcf_extras import NO_EXTRAS
-from stages.robot.model import Dof, Joint, Spring
+from stages.robot.model import Array, Configuration, Dof, Joint, Loop, Spring
+from stages.robot.poses import inverse
 from stages.robot.start_pose import starting_point
 from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import joint_index, joints_of
-from stages.validate.equalities import carriers
+from stages.validate.coordinates import (
+    BY_EQUALITY,
+    body_index,
+    joint_index,
+    joints_of,
+    root_pose,
+    site_pose,
+)
+from stages.validate.equalities import carriers, ends, equality_index, sites
 from stages.validate.findings import link, named
 from stages.validate.lumps import Lump, merged
 from stages.validate.read.compiled import ReadCompiled
-from stages.validate.read.robot import Numbers, ReadJoint, ReadMimic, Tag, Words
+from stages.validate.read.robot import Numbers, ReadJoint, ReadMimic, ReadPlace, Tag, Words
 
 WORDS = Words(
     mass="inertial mass",
@@ -123,9 +132,40 @@ class ReadMjcf(ReadCompiled):
                 numbers[quantity], wanted[quantity] = (tuple(map(float, np.ravel(one))) for one in both)
         return numbers, wanted
 
+    def places(self, loop: Loop, q: Configuration) -> Iterator[ReadPlace]:
+        """The sites that its equality holds together, relative to the root; one of them is the carrier's, if
+        there is one."""
+        model, data, index = self.model, self.posed(q), equality_index(self.model, loop)
+        root_from_world = inverse(root_pose(model, data, self.robot))
+        found = {int(model.site_bodyid[site]): site for site in (sites(model, index) if index >= 0 else ())}
+        for body, expected in _frames(model, loop, link_poses(self.robot, q), chain(loop.dofs, q)):
+            site = found.get(body)
+            if site is None:
+                yield ReadPlace(named("body", model.body(body).name), ("site", "site"), None, expected)
+            else:
+                pose = root_from_world @ site_pose(model, data, site)
+                yield ReadPlace(named("site", model.site(site).name), WORDS.place, pose, expected)
+
     def mimics(self) -> Iterator[ReadMimic]:
         number = self.model.neq - self.compiled.surplus.equalities
         return coupled(self.model, number, self.compiled.sets("active"))
+
+
+def _frames(
+    model: Any, loop: Loop, poses: Mapping[str, Array], second_from_first: Array
+) -> Iterator[tuple[int, Array]]:
+    """(body, root_from_frame) of the two frames of a loop."""
+    first = poses[loop.link_a] @ loop.a_from_frame
+    second = poses[loop.link_b] @ loop.b_from_frame
+    a, b = body_index(model, loop.link_a), body_index(model, loop.link_b)
+    if loop.type in BY_EQUALITY:
+        yield from ((a, first), (b, second))
+        return
+    carrier, carried = ends(model, loop)
+    if carried == a:
+        yield from ((a, first), (carrier, second @ second_from_first))
+    else:
+        yield from ((b, second), (carrier, first @ inverse(second_from_first)))
 
 
 def coupled(model: Any, number: int, active: bool) -> Iterator[ReadMimic]:

@@ -132,10 +132,6 @@ class ReadRobot(Protocol):
         """The joint of each dof, and of each joint without any, of loops too where the format has these."""
         ...
 
-    def mimics(self) -> Iterable[ReadMimic]:
-        """What follows what."""
-        ...
-
     def places(self, loop: Loop, q: Configuration) -> Iterable[ReadPlace]:
         """What the file has of a loop at these values, as far as its joints are not the robot's."""
         ...
@@ -159,6 +155,10 @@ class ReadRobot(Protocol):
     def placed(self, joint: Joint) -> str:
         """The element that says where the child of a joint stands."""
         return self.element("joint", joint.dofs[0].name if joint.dofs else joint.name)
+
+    def mimics(self) -> Iterable[ReadMimic] | None:
+        """What follows what; None where checks of the format alone compare that."""
+        return None
 
     def axis(self, dof: Dof) -> Array | None:
         """The axis (3,) of a turn or slide in the axes of its child; None where the file has others."""

@@ -8,14 +8,15 @@ import mujoco
 
 from stages.formats.xml import parse
 from stages.robot.check import Finding
-from stages.robot.model import Configuration
+from stages.robot.model import Configuration, Loop
+from stages.robot.poses import inverse
 from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import joint_index, joints_of
+from stages.validate.coordinates import body_index, joint_index, joints_of, link_pose, pose_of
 from stages.validate.findings import named
 from stages.validate.mujoco_abilities import axes_error, mimics, reads_mimic
 from stages.validate.read.compiled import ReadCompiled
 from stages.validate.read.mjcf import coupled, type_name
-from stages.validate.read.robot import Numbers, ReadJoint, ReadMimic, Tag, Words
+from stages.validate.read.robot import Numbers, ReadJoint, ReadMimic, ReadPlace, Tag, Words
 
 WORDS = Words(
     mass="inertial mass",
@@ -101,6 +102,15 @@ class ReadUrdf(ReadCompiled):
                 numbers["velocity"] = _number(velocities.get(name))
             found, types = type_name(model.jnt_type[index]), (type_name(kind),)
             yield ReadJoint(name, named("joint", name), found, types, dof, numbers, wanted)
+
+    def places(self, loop: Loop, q: Configuration) -> Iterator[ReadPlace]:
+        """A URDF cannot close a loop: it has a link for each of the two frames that must meet."""
+        model, data, robot = self.model, self.posed(q), self.robot
+        both = (loop.link_a, loop.a_from_frame), (loop.link_b, loop.b_from_frame)
+        for name, (link, expected) in zip(self._names.ends[loop.name], both, strict=True):
+            index, element = body_index(model, name), named("joint", self._names.holders[name])
+            pose = inverse(link_pose(model, data, robot, link)) @ pose_of(data, index)
+            yield ReadPlace(element, WORDS.place, pose if index >= 0 else None, expected)
 
     def mimics(self) -> Iterator[ReadMimic]:
         model = self.model

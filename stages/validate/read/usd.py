@@ -25,7 +25,6 @@ from stages.validate.read.robot import (
     Poses,
     Precision,
     ReadJoint,
-    ReadMimic,
     ReadPlace,
     ReadRobot,
     Tag,
@@ -159,9 +158,6 @@ class ReadUsd(ReadRobot):
                 ends = ("cone",) if type_ == "Spherical" else ("lower", "upper")
                 numbers = {} if dof is None else dict(zip(ends, own.ends[-len(ends) :], strict=True))
                 yield ReadJoint(name, element, own.type, (type_,), dof, numbers)
-
-    def mimics(self) -> Iterable[ReadMimic]:
-        return ()
 
     def places(self, loop: Loop, q: Configuration) -> Iterator[ReadPlace]:
         """Each loop is one joint outside the articulation, along which the links are where the mate puts

@@ -12,7 +12,10 @@ from stages.validate.read.robot import ReadMimic, ReadRobot
 
 def relations(read: ReadRobot) -> Iterator[Check]:
     """One result."""
-    mimics = sorted(read.mimics(), key=lambda mimic: not mimic.active)
+    found = read.mimics()
+    if found is None:
+        return
+    mimics = sorted(found, key=lambda mimic: not mimic.active)
     wrong: dict[str, Finding] = {}
     for relation in read.robot.relations:
         finding = _difference(read, relation, mimics)
