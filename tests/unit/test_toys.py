@@ -240,14 +240,22 @@ from functools import partial
 import numpy as np
 
 from stages.robot.poses import inverse, motion
-from stages.validate.read.robot import ReadJoint, ReadMimic, ReadPlace, ReadRobot, Poses, Unreadable, Words
+from stages.validate.same.found import (
+    FormatWords,
+    FoundMimic,
+    FoundPlace,
+    Poses,
+    ReadRobot,
+    UnreadableFile,
+    FoundJoint,
+)
 from stages.validate.read.run import checks_by
 
 CODE = "C-TOY"
 
 
 class ReadToy(ReadRobot):
-    words = Words(
+    words = FormatWords(
         mass="mass",
         com="com",
         inertia="inertia ",
@@ -261,7 +269,7 @@ class ReadToy(ReadRobot):
         try:
             self.toy = json.loads(path.read_bytes())
         except ValueError as error:
-            raise Unreadable(f"it is no JSON: {error}") from None
+            raise UnreadableFile(f"it is no JSON: {error}") from None
         self.file, self.robot, self.still = path.name, written.robot, {}
         self.standing = {dof.name: dof.saved for dof in written.robot.dofs}
 
@@ -305,15 +313,15 @@ class ReadToy(ReadRobot):
                 low, high = own["limits"]
                 numbers = {"lower": low, "upper": high, "damping": own["damping"]} if scalar else {}
                 element = self.element("joint", dof.name)
-                yield ReadJoint(dof.name, element, own["kind"], (dof.kind,), dof, numbers)
+                yield FoundJoint(dof.name, element, own["kind"], (dof.kind,), dof, numbers)
 
     def mimics(self):
-        return (ReadMimic(*row) for row in self.toy["relations"])
+        return (FoundMimic(*row) for row in self.toy["relations"])
 
     def places(self, loop, q):
         own = self.toy["loops"][loop.name]
         for link, end, frame in (("a", own["a"], loop.a_from_frame), ("b", own["b"], loop.b_from_frame)):
-            yield ReadPlace(f'loop "{loop.name}"', (link, link), np.array(end), frame)
+            yield FoundPlace(f'loop "{loop.name}"', (link, link), np.array(end), frame)
 
 
 check_file = partial(checks_by, ReadToy)

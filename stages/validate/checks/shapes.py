@@ -1,6 +1,7 @@
 """Each body has the shapes of its links: as many, where they shall be, and of their size."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import PurePosixPath
 from typing import Any
 
@@ -9,13 +10,23 @@ import numpy as np
 
 from stages.robot.check import Check, Finding
 from stages.robot.geometry import Role, Shape
-from stages.robot.model import Array, Primitive
+from stages.robot.model import Array
 from stages.robot.plural import count
-from stages.robot.poses import UNMOVED, inverse
+from stages.robot.poses import inverse
 from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import body_from_link, body_index, distance, placed_by_site
+from stages.validate.coordinates import body_from_link, body_index, placed_by_site
 from stages.validate.findings import differs, named
 from stages.validate.mujoco_poses import placed
+from stages.validate.same.shapes import (
+    ROLES,
+    ShapeWords,
+    WrittenShape,
+    bounds_differ,
+    form_differs,
+    look_differs,
+    solid_of,
+    solids_by_link,
+)
 from stages.validate.shapes import (
     BOX,
     CAPSULE,
@@ -28,9 +39,11 @@ from stages.validate.shapes import (
     seen_and_solid,
     vertices,
 )
-from stages.validate.solids import same_colour
 
 CODE = "C-SHAPE"
+
+WORDS = ShapeWords("type", "mesh", "mesh", ("pos", "quat"), "material")
+"""What an MJCF calls what a geom is."""
 
 SAME = 1e-6
 """Places [m, rad] and sizes [m] of shapes are to be the same within this."""
@@ -38,56 +51,64 @@ SAME = 1e-6
 AREA = 1e-3
 """Areas of meshes, relatively: a file has single precision."""
 
-WITHIN = 2e-5
-"""Bounds of meshes [m], and relatively beyond a metre: both are written in single precision."""
-
-ROLES: tuple[Role, Role] = ("visual", "collision")
-
 GROUPS: dict[Role, int] = {"visual": 2, "collision": 3}
 """Viewers show groups 0 to 2."""
 
 UNPAINTED = (0.5, 0.5, 0.5, 1.0)
 """MuJoCo's colour of a geom without one."""
 
-KINDS = {
-    "box": BOX,
-    "sphere": SPHERE,
-    "cylinder": CYLINDER,
-    "capsule": CAPSULE,
-    "ellipsoid": ELLIPSOID,
-}
+KINDS = {BOX: "box", SPHERE: "sphere", CYLINDER: "cylinder", CAPSULE: "capsule", ELLIPSOID: "ellipsoid"}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GeomShape:
+    """A geom as a `ReadShape`: MuJoCo does not say the file and the scale of a mesh, but its points: `bounds`
+    and `area`, as in `geometry.Shape`."""
+
+    kind: str
+    size: tuple[float, ...]
+    link_from_shape: Array
+    colour: tuple[float, ...]
+    texture: str
+    bounds: tuple[float, ...] = ()
+    area: float = 0.0
+    filename: str | None = None
+    scale: tuple[float, ...] = (1.0, 1.0, 1.0)
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     """Of a robot whose shapes are known."""
-    if compiled.geometry is None or not compiled.geometry.shapes:
+    geometry, model = compiled.written.geometry, compiled.model
+    if geometry is None or not geometry.shapes:
         return
-    every = seen_and_solid(compiled.model)
-    shapes = compiled.geometry.by_link()
+    every, expected = seen_and_solid(model), solids_by_link(geometry, _solids, compiled.held)
     wrong: list[Finding] = []
     more: list[Finding] = []
     for link in compiled.robot.links:
-        body = body_index(compiled.model, link.name)
-        places = [pose for holder, pose in compiled.held.values() if holder == link.name] or [UNMOVED]
-        own_place = body_from_link(compiled.robot, link.name)
-        places = [own_place @ pose for pose in places]
-        if body == 0:
-            places = [placed_by_site(compiled.model, link.name) @ pose for pose in places]
+        body, place = body_index(model, link.name), body_from_link(compiled.robot, link.name)
+        place = placed_by_site(model, link.name) @ place if body == 0 else place
         for role, geoms in zip(ROLES, every.get(body, ((), ())), strict=True):
-            own = shapes[link.name, role]
-            added = _added(compiled, own, geoms, places)
-            more += [_more(compiled.model, link.name, role, geom) for geom in added]
+            wanted = [
+                replace(one, link_from_shape=place @ one.link_from_shape)
+                for one in expected.get((link.name, role), ())
+            ]
+            added = _added(compiled, wanted, geoms)
+            more += [_more(model, link.name, role, geom) for geom in added]
             kept = [geom for geom in geoms if geom not in added]
-            wrong += _differences(compiled.model, link.name, role, own, kept, places)
-            wrong += _looks(compiled, link.name, role, own, kept)
-    total = len(compiled.geometry.shapes)
-    detail = f"{count(total, 'shape')} in place, of their size and colour"
+            wrong += _differences(compiled, link.name, role, wanted, kept)
+    total = count(len(geometry.shapes), "shape")
+    detail = f"{total} in place, of their size and colour"
     if wrong or more:
-        says = [f"{len(wrong)} of {count(total, 'shape')} not as the robot has them"] if wrong else []
+        says = [f"{len(wrong)} of {total} not as the robot has them"] if wrong else []
         says += [f"{len(more)} more than the robot has: {more[0].element}"] if more else []
         detail = "; ".join(says)
-    number = float(len(wrong) + len(more))
-    yield compiled.within("shapes", number, 0.0, detail, (*more, *wrong))
+    yield compiled.within("shapes", float(len(wrong) + len(more)), 0.0, detail, (*more, *wrong))
+
+
+def _solids(shape: Shape) -> Iterator[WrittenShape]:
+    """An ellipsoid is one in an MJCF."""
+    own = shape if shape.ellipsoid is None else replace(shape, primitive=shape.ellipsoid, file=None)
+    yield solid_of(own)
 
 
 def _more(model: Any, link: str, role: Role, geom: int) -> Finding:
@@ -95,131 +116,82 @@ def _more(model: Any, link: str, role: Role, geom: int) -> Finding:
     return Finding(named_geom(model, geom, link), "geom", text)
 
 
-def _added(
-    compiled: CompiledModel, shapes: Sequence[Shape], geoms: Sequence[int], places: Sequence[Array]
-) -> list[int]:
+def _added(compiled: CompiledModel, wanted: Sequence[WrittenShape], geoms: Sequence[int]) -> list[int]:
     """The geoms that a body has more than the robot, wherever in their order they stand: those without which
     the others fit. None where the user's own XML changes the file: what that adds comes last."""
-    more = len(geoms) - len(shapes)
+    more = len(geoms) - len(wanted)
     if more <= 0 or compiled.written.amendments.of(compiled.path.name):
         return []
     added: list[int] = []
     at = 0
     for geom in geoms:
-        fits = at < len(shapes) and not _wrong(compiled.model, shapes[at], geom, places)
-        if fits or len(added) == more or not _fits_later(compiled, shapes, geoms, places, geom, at):
+
+        def fits(other: int, place: int = at) -> bool:
+            return place < len(wanted) and not any(_form(compiled.model, "", wanted[place], other))
+
+        later = at >= len(wanted) or any(fits(other) for other in geoms if other > geom)
+        if fits(geom) or len(added) == more or not later:
             at += 1
         else:
             added.append(geom)
     return added
 
 
-def _fits_later(
-    compiled: CompiledModel,
-    shapes: Sequence[Shape],
-    geoms: Sequence[int],
-    places: Sequence[Array],
-    geom: int,
-    at: int,
-) -> bool:
-    """Whether the shape at this place is that of a later geom, or there is none left."""
-    rest = [one for one in geoms if one > geom]
-    if at >= len(shapes):
-        return True
-    return any(not _wrong(compiled.model, shapes[at], one, places) for one in rest)
-
-
-def _wrong(model: Any, shape: Shape, geom: int, places: Sequence[Array]) -> tuple[str, str] | None:
-    primitive = shape.ellipsoid or shape.primitive
-    if primitive is None:
-        return _of_mesh(model, shape, geom, places)
-    return _of_primitive(model, primitive, geom, places)
-
-
 def _differences(
-    model: Any, link: str, role: Role, shapes: Sequence[Shape], geoms: Sequence[int], places: Sequence[Array]
+    compiled: CompiledModel, link: str, role: Role, wanted: Sequence[WrittenShape], geoms: Sequence[int]
 ) -> Iterator[Finding]:
     """What the user's own XML adds to a body comes after what is the robot's own."""
-    if len(geoms) < len(shapes):
-        text = f"{link} has {count(len(geoms), f'{role} shape')} of {len(shapes)}"
+    model = compiled.model
+    if len(geoms) < len(wanted):
+        text = f"{link} has {count(len(geoms), f'{role} shape')} of {len(wanted)}"
         yield Finding(named("body", link), "geom", text)
         return
-    for shape, geom in zip(shapes, geoms, strict=False):
-        wrong = _wrong(model, shape, geom, places)
-        if wrong:
-            attribute, text = wrong
-            element = named_geom(model, geom, link)
-            yield Finding(element, attribute, f"{element} of {link} {text}")
+    for one, geom in zip(wanted, geoms, strict=False):
+        element, group = named_geom(model, geom, link), int(model.geom_group[geom])
+        yield from _form(model, element, one, geom)
+        if group != GROUPS[role] and not compiled.sets("group"):
+            yield differs(element, "group", group, GROUPS[role])
+        if role == "visual" and not compiled.recolours:
+            yield from look_differs(element, WORDS.colour, _read(model, geom), one)
 
 
-def _of_mesh(model: Any, shape: Shape, geom: int, places: Sequence[Array]) -> tuple[str, str] | None:
-    if model.geom_type[geom] != MESH:
-        return "type", f"is no mesh, and shall be {shape.file}"
+def _form(model: Any, element: str, wanted: WrittenShape, geom: int) -> Iterator[Finding]:
+    shape = _read(model, geom)
+    found = list(form_differs(element, "", shape, wanted, WORDS, SAME))
+    yield from found
+    if found or wanted.kind != "mesh":
+        return
+    if abs(shape.area - wanted.area) > AREA * wanted.area:
+        times = (shape.area / wanted.area) ** 0.5 if wanted.area else float("inf")
+        text = f"has an area of {shape.area:.4g} m², not {wanted.area:.4g}: {times:.4g} times as long"
+        yield Finding(element, WORDS.file, text)
+    elif wanted.bounds:
+        yield from bounds_differ(element, WORDS.file, shape.bounds, wanted)
+
+
+def _read(model: Any, geom: int) -> GeomShape:
+    kind, place = int(model.geom_type[geom]), placed(model.geom_quat[geom], model.geom_pos[geom])
+    look = _look(model, geom)
+    if kind != MESH:
+        half = tuple(map(float, model.geom_size[geom]))
+        full = tuple(2 * length for length in half)
+        sizes = {BOX: full, ELLIPSOID: full, SPHERE: half[:1]}
+        return GeomShape(KINDS[kind], sizes.get(kind, (half[0], full[1])), place, *look)
     mesh = int(model.geom_dataid[geom])
     # MuJoCo moves each mesh to its own centre and axes, and the geom with it.
     own = placed(model.mesh_quat[mesh], model.mesh_pos[mesh])
-    place = placed(model.geom_quat[geom], model.geom_pos[geom]) @ inverse(own)
-    off = min(distance(place, expected) for expected in places)
-    if off > SAME:
-        return "pos", f"is {off:.3g} m or rad from its link's frame, where its mesh belongs"
-    found = area(model, geom)
-    if abs(found - shape.area) > AREA * shape.area:
-        times = (found / shape.area) ** 0.5 if shape.area else float("inf")
-        return "mesh", f"has an area of {found:.4g} m², not {shape.area:.4g}: {times:.4g} times as long"
-    if shape.bounds:
-        corners = vertices(model, geom) @ own[:3, :3].T + own[:3, 3]
-        moved = np.abs([*corners.min(axis=0), *corners.max(axis=0)] - np.array(shape.bounds))
-        if moved.max() > WITHIN * max(1.0, float(np.abs(shape.bounds).max())):
-            return "mesh", f"has its points elsewhere: its bounds are {1e3 * moved.max():.3g} mm off"
-    return None
+    corners = vertices(model, geom) @ own[:3, :3].T + own[:3, 3]
+    bounds = (*map(float, corners.min(axis=0)), *map(float, corners.max(axis=0)))
+    return GeomShape("mesh", (), place @ inverse(own), *look, bounds, area(model, geom))
 
 
-def _of_primitive(
-    model: Any, primitive: Primitive, geom: int, places: Sequence[Array]
-) -> tuple[str, str] | None:
-    if model.geom_type[geom] != KINDS[primitive.kind]:
-        return "type", f"is no {primitive.kind}"
-    sizes = primitive.size
-    wanted = (
-        [length / 2 for length in sizes]
-        if primitive.kind in ("box", "ellipsoid")
-        else [sizes[0], *(x / 2 for x in sizes[1:])]
-    )
-    off = float(np.abs(model.geom_size[geom][: len(wanted)] - wanted).max())
-    if off > SAME:
-        return "size", f"is {1e3 * off:.3g} mm off in size"
-    place = placed(model.geom_quat[geom], model.geom_pos[geom])
-    off = min(distance(place, expected @ primitive.link_from_shape) for expected in places)
-    return ("pos", f"is {off:.3g} m or rad from its place") if off > SAME else None
-
-
-def _looks(
-    compiled: CompiledModel, link: str, role: Role, shapes: Sequence[Shape], geoms: Sequence[int]
-) -> Iterator[Finding]:
-    """The colours of what is seen, and the group by which viewers show or hide it."""
-    model = compiled.model
-    if len(geoms) < len(shapes):
-        return
-    for shape, geom in zip(shapes, geoms, strict=False):
-        element, group = named_geom(model, geom, link), int(model.geom_group[geom])
-        if group != GROUPS[role] and not compiled.sets("group"):
-            yield differs(element, "group", group, GROUPS[role])
-        if shape.colour is None or role == "collision" or compiled.recolours:
-            continue
-        colour, image = _look(model, geom)
-        if image != (shape.texture or ""):
-            yield differs(element, "material", image or "no image", shape.texture or "no image")
-        elif not same_colour(colour, shape.colour):
-            yield differs(element, "material", colour, shape.colour)
-
-
-def _look(model: Any, geom: int) -> tuple[Array, str]:
+def _look(model: Any, geom: int) -> tuple[tuple[float, ...], str]:
     """The colour of a geom, and the name of its image's file, "" for none: those of its material, but for a
     colour of its own."""
     own, material = model.geom_rgba[geom], int(model.geom_matid[geom])
     if material < 0:
-        return own, ""
-    colour = model.mat_rgba[material] if np.allclose(own, UNPAINTED) else own
+        return tuple(own), ""
+    colour = tuple(model.mat_rgba[material] if np.allclose(own, UNPAINTED) else own)
     texture = int(model.mat_texid[material][mujoco.mjtTextureRole.mjTEXROLE_RGB])
     if texture < 0:
         return colour, ""

@@ -17,11 +17,11 @@ from stages.robot.geometry import Role, Shape
 from stages.robot.plural import count
 from stages.validate.compiled import CompiledModel
 from stages.validate.findings import differs, few, link
-from stages.validate.solids import ShapeWords, WrittenShape, differences, solid_of, solids_by_link
+from stages.validate.same.shapes import ShapeWords, WrittenShape, differences, solid_of, solids_by_link
 
 CODE = "C-SHAPE"
 
-WORDS = ShapeWords("mesh filename", "mesh scale", ("origin xyz", "origin rpy"), "material")
+WORDS = ShapeWords("geometry", "mesh filename", "mesh scale", ("origin xyz", "origin rpy"), "material")
 """What a URDF calls what a shape is."""
 
 

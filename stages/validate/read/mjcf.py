@@ -24,10 +24,10 @@ from stages.validate.coordinates import (
 from stages.validate.equalities import carriers, ends, equality_index, sites
 from stages.validate.findings import link, named
 from stages.validate.lumps import Lump, merged
-from stages.validate.read.compiled import ReadCompiled
-from stages.validate.read.robot import Numbers, ReadJoint, ReadMimic, ReadPlace, Tag, Words
+from stages.validate.read.mujoco import ReadCompiled
+from stages.validate.same.found import FormatWords, FoundJoint, FoundMimic, FoundPlace, Numbers, Tag
 
-WORDS = Words(
+WORDS = FormatWords(
     mass="inertial mass",
     com="inertial pos",
     inertia="inertial fullinertia",
@@ -81,13 +81,13 @@ class ReadMjcf(ReadCompiled):
         carried = [self.lump_of(body, pose) for body, pose in self._shares.get(link, [])]
         return merged([super().lump(link), *carried])
 
-    def joints(self) -> Iterator[ReadJoint]:
+    def joints(self) -> Iterator[FoundJoint]:
         extras = (self.robot.mjcf or NO_EXTRAS).attributes_of("joint")
         for name, kind, dof in joints_of(self.robot, urdf=False):
             index, element = joint_index(self.model, name), named("joint", name)
             numbers, wanted = self._numbers(index, dof, extras.get(name, {}))
             found, types = type_name(self.model.jnt_type[index]), (type_name(kind),)
-            yield ReadJoint(name, element, found, types, dof, numbers, wanted)
+            yield FoundJoint(name, element, found, types, dof, numbers, wanted)
 
     def _numbers(self, index: int, dof: Dof, more: Mapping[str, str]) -> tuple[Numbers, Numbers]:
         """What a joint says, and what it must say. `more`: what an MJCF source says of it; what the user's
@@ -132,7 +132,7 @@ class ReadMjcf(ReadCompiled):
                 numbers[quantity], wanted[quantity] = (tuple(map(float, np.ravel(one))) for one in both)
         return numbers, wanted
 
-    def places(self, loop: Loop, q: Configuration) -> Iterator[ReadPlace]:
+    def places(self, loop: Loop, q: Configuration) -> Iterator[FoundPlace]:
         """The sites that its equality holds together, relative to the root; one of them is the carrier's, if
         there is one."""
         model, data, index = self.model, self.posed(q), equality_index(self.model, loop)
@@ -141,12 +141,12 @@ class ReadMjcf(ReadCompiled):
         for body, expected in _frames(model, loop, link_poses(self.robot, q), chain(loop.dofs, q)):
             site = found.get(body)
             if site is None:
-                yield ReadPlace(named("body", model.body(body).name), ("site", "site"), None, expected)
+                yield FoundPlace(named("body", model.body(body).name), ("site", "site"), None, expected)
             else:
                 pose = root_from_world @ site_pose(model, data, site)
-                yield ReadPlace(named("site", model.site(site).name), WORDS.place, pose, expected)
+                yield FoundPlace(named("site", model.site(site).name), WORDS.place, pose, expected)
 
-    def mimics(self) -> Iterator[ReadMimic]:
+    def mimics(self) -> Iterator[FoundMimic]:
         number = self.model.neq - self.compiled.surplus.equalities
         return coupled(self.model, number, self.compiled.sets("active"))
 
@@ -168,7 +168,7 @@ def _frames(
         yield from ((b, second), (carrier, first @ inverse(second_from_first)))
 
 
-def coupled(model: Any, number: int, active: bool) -> Iterator[ReadMimic]:
+def coupled(model: Any, number: int, active: bool) -> Iterator[FoundMimic]:
     """The equalities of two joints among the first ones; one of higher order has no multiplier. `active`:
     whether all count as active."""
     for row in np.flatnonzero(model.eq_type[:number] == mujoco.mjtEq.mjEQ_JOINT):
@@ -178,7 +178,7 @@ def coupled(model: Any, number: int, active: bool) -> Iterator[ReadMimic]:
         follower, driver = (model.joint(joint).name if joint >= 0 else "" for joint in both)
         factor = float(data[1]) if not data[2:].any() else math.nan
         offset = float(data[0]) + zeros[0] - float(data[1]) * zeros[1]
-        yield ReadMimic(follower, driver, factor, offset, bool(model.eq_active0[row]) or active)
+        yield FoundMimic(follower, driver, factor, offset, bool(model.eq_active0[row]) or active)
 
 
 def _ends(limited: Any, ends: Any) -> tuple[float, ...]:

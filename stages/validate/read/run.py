@@ -5,7 +5,7 @@ from pathlib import Path
 
 from stages.formats.written import Written
 from stages.robot.check import Check
-from stages.validate.read.robot import ReadRobot, Unreadable
+from stages.validate.same.found import ReadRobot, UnreadableFile
 from stages.validate.same.joints import joints
 from stages.validate.same.loops import loops
 from stages.validate.same.masses import masses
@@ -24,7 +24,7 @@ def checks_by(
     that look for each by its name are left out."""
     try:
         read = reader(path, written)
-    except Unreadable as error:
+    except UnreadableFile as error:
         yield Check(f"{path.name}: reads", False, str(error))
         return
     yield Check(f"{path.name}: reads", True, "no errors")

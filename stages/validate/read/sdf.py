@@ -9,7 +9,7 @@ import numpy as np
 
 from stages.formats.sdf.elements import SdfError
 from stages.formats.sdf.kinematics import child_pose, moved_links
-from stages.formats.sdf.model import ReadJoint as SdfJoint
+from stages.formats.sdf.model import ReadJoint
 from stages.formats.sdf.names import sdf_names
 from stages.formats.sdf.parse import parse_sdf
 from stages.formats.written import Written
@@ -17,24 +17,25 @@ from stages.robot.check import Check, Finding
 from stages.robot.kinematics import chain, link_poses
 from stages.robot.loops import across, closing
 from stages.robot.model import Array, Configuration, Dof, Joint, Loop, Value
+from stages.robot.plural import count
 from stages.robot.poses import at_rest, inverse, motion, quat_from_rotation
 from stages.robot.start_pose import starting_point
 from stages.validate.coordinates import distance
 from stages.validate.findings import differs, named
 from stages.validate.lumps import Lump
-from stages.validate.read.robot import (
+from stages.validate.read.run import checks_by
+from stages.validate.same.found import (
+    FormatWords,
+    FoundJoint,
+    FoundMimic,
+    FoundPlace,
     Names,
     Numbers,
     Poses,
-    ReadJoint,
-    ReadMimic,
-    ReadPlace,
     ReadRobot,
     Tag,
-    Unreadable,
-    Words,
+    UnreadableFile,
 )
-from stages.validate.read.run import checks_by
 from stages.validate.sdf.contacts import contacts
 from stages.validate.sdf.shapes import missing_meshes, of_model, shapes
 
@@ -43,7 +44,7 @@ CODE = "C-SDF"
 TYPES = {"turn": ("revolute", "continuous"), "slide": ("prismatic",), "ball": ("ball",)}
 """What a dof is in an SDF."""
 
-WORDS = Words(
+WORDS = FormatWords(
     mass="inertial mass",
     com="inertial pose",
     inertia="inertial inertia i",
@@ -70,7 +71,7 @@ class ReadSdf(ReadRobot):
         try:
             self.model = parse_sdf(path.read_bytes())
         except SdfError as error:
-            raise Unreadable(str(error)) from None
+            raise UnreadableFile(str(error)) from None
         self.file, self.path, self.written, self.robot = path.name, path, written, written.robot
         self.names = sdf_names(self.robot)
 
@@ -159,7 +160,7 @@ class ReadSdf(ReadRobot):
             own = above[own]
         return names.get(own, "")
 
-    def joints(self) -> Iterator[ReadJoint]:
+    def joints(self) -> Iterator[FoundJoint]:
         for one in self._chains():
             for dof, name in zip(one.dofs or (None,), _own_names(one), strict=True):
                 own = self.model.joints[self.names.joints[name]]
@@ -167,9 +168,9 @@ class ReadSdf(ReadRobot):
                 numbers, wanted = self._numbers(own, dof)
                 if "lower" in wanted and not np.isinf([wanted["lower"], wanted["upper"]]).all():
                     types = types[:1]  # readers leave out the limits of a continuous one
-                yield ReadJoint(name, named("joint", own.name), own.type, types, dof, numbers, wanted)
+                yield FoundJoint(name, named("joint", own.name), own.type, types, dof, numbers, wanted)
 
-    def _numbers(self, joint: SdfJoint, dof: Dof | None) -> tuple[Numbers, Numbers]:
+    def _numbers(self, joint: ReadJoint, dof: Dof | None) -> tuple[Numbers, Numbers]:
         """What a joint says, and its limits from where it stands. SDF has nothing of a ball."""
         if dof is None or dof.kind == "ball":
             return {}, {}
@@ -186,7 +187,7 @@ class ReadSdf(ReadRobot):
         }
         return numbers, {"lower": low - zero, "upper": high - zero}
 
-    def mimics(self) -> Iterator[ReadMimic]:
+    def mimics(self) -> Iterator[FoundMimic]:
         names = {own: name for name, own in self.names.joints.items()}
         for joint in self.model.joints.values():
             mimic = joint.mimic
@@ -196,9 +197,9 @@ class ReadSdf(ReadRobot):
             zeros = [self.standing.get(one, 0.0) for one in (follower, driver)]
             first, second = (0.0 if isinstance(one, tuple) else one for one in zeros)
             offset = mimic.offset - mimic.multiplier * (mimic.reference + second) + first
-            yield ReadMimic(follower, driver, mimic.multiplier, offset)
+            yield FoundMimic(follower, driver, mimic.multiplier, offset)
 
-    def places(self, loop: Loop, q: Configuration) -> Iterator[ReadPlace]:
+    def places(self, loop: Loop, q: Configuration) -> Iterator[FoundPlace]:
         """The link at the end of a loop's joints, from where the robot's chain implies it."""
         poses, turned = link_poses(self.robot, q), chain(loop.dofs, q)
         first, second = (self.names.links[name] for name in (loop.link_a, loop.link_b))
@@ -216,19 +217,26 @@ class ReadSdf(ReadRobot):
             for joint, dof in zip_longest(joints, dofs):
                 moved = None if dof is None else self._motion(dof, q[dof.name], backwards=backwards)
                 found = child_pose(self.model, joint, found, moved)
-        yield ReadPlace(element, ("pose, axis", "pose, axis"), found, implied)
+        yield FoundPlace(element, ("pose, axis", "pose, axis"), found, implied)
 
     def first_checks(self) -> Iterator[Check]:
         yield missing_meshes(self.path)
 
     def own_checks(self) -> Iterator[Check]:
         """How the model stands, its shapes, and what collides."""
-        yield from of_model(self, self.written.scene)
-        looks = list(shapes(self, self.written.geometry))
-        yield from looks
+        model, links, geometry = self.model, self.names.links, self.written.geometry
+        found = of_model(model, self.robot, links[self.robot.root.name], self.written.scene)
+        yield self.found_none("model", "name, place and gravity of the model", found)
+        if geometry is None:
+            return
+        total = f"{count(len(geometry.shapes), 'shape')} of the robot"
+        detail = f"{total}, with their files, sizes, places and colours"
+        looks = self.found_none("shapes", detail, shapes(model, links, geometry))
+        yield looks
         # Masks are those of the robot's colliders only where there are as many.
-        if all(check.passed for check in looks):
-            yield from contacts(self, self.written.geometry)
+        if looks.passed:
+            detail = f"what collides of {total}"
+            yield self.found_none("contacts", detail, contacts(model, links, geometry))
 
 
 check_file = partial(checks_by, ReadSdf)

@@ -14,11 +14,11 @@ from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import body_index, joint_index, joints_of, link_pose, pose_of
 from stages.validate.findings import named
 from stages.validate.mujoco_abilities import axes_error, mimics, reads_mimic
-from stages.validate.read.compiled import ReadCompiled
 from stages.validate.read.mjcf import coupled, type_name
-from stages.validate.read.robot import Numbers, ReadJoint, ReadMimic, ReadPlace, Tag, Words
+from stages.validate.read.mujoco import ReadCompiled
+from stages.validate.same.found import FormatWords, FoundJoint, FoundMimic, FoundPlace, Numbers, Tag
 
-WORDS = Words(
+WORDS = FormatWords(
     mass="inertial mass",
     com="inertial origin",
     inertia="inertial inertia i",
@@ -79,7 +79,7 @@ class ReadUrdf(ReadCompiled):
     def axes_error(self, size: float) -> float:
         return axes_error(size)
 
-    def joints(self) -> Iterator[ReadJoint]:
+    def joints(self) -> Iterator[FoundJoint]:
         limits = parse(self._text).iterfind("joint/limit")
         velocities = {one.getparent().get("name", ""): one.get("velocity", "") for one in limits}
         model = self.model
@@ -101,25 +101,25 @@ class ReadUrdf(ReadCompiled):
                 numbers["friction"] = float(model.dof_frictionloss[model.jnt_dofadr[index]])
                 numbers["velocity"] = _number(velocities.get(name))
             found, types = type_name(model.jnt_type[index]), (type_name(kind),)
-            yield ReadJoint(name, named("joint", name), found, types, dof, numbers, wanted)
+            yield FoundJoint(name, named("joint", name), found, types, dof, numbers, wanted)
 
-    def places(self, loop: Loop, q: Configuration) -> Iterator[ReadPlace]:
+    def places(self, loop: Loop, q: Configuration) -> Iterator[FoundPlace]:
         """A URDF cannot close a loop: it has a link for each of the two frames that must meet."""
         model, data, robot = self.model, self.posed(q), self.robot
         both = (loop.link_a, loop.a_from_frame), (loop.link_b, loop.b_from_frame)
         for name, (link, expected) in zip(self._names.ends[loop.name], both, strict=True):
             index, element = body_index(model, name), named("joint", self._names.holders[name])
             pose = inverse(link_pose(model, data, robot, link)) @ pose_of(data, index)
-            yield ReadPlace(element, WORDS.place, pose if index >= 0 else None, expected)
+            yield FoundPlace(element, WORDS.place, pose if index >= 0 else None, expected)
 
-    def mimics(self) -> Iterator[ReadMimic]:
+    def mimics(self) -> Iterator[FoundMimic]:
         model = self.model
         if reads_mimic():
             yield from coupled(model, model.neq - self.compiled.surplus.equalities, False)
             return
         for both, data in mimics(model, self._text).items():
             follower, driver = (model.joint(joint).name if joint >= 0 else "" for joint in both)
-            yield ReadMimic(follower, driver, float(data[1]), float(data[0]))
+            yield FoundMimic(follower, driver, float(data[1]), float(data[0]))
 
 
 def _number(text: str | None) -> float:

@@ -1,6 +1,6 @@
 """The robot of a USD, read by usd-core: its joints say where their frames are."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
@@ -20,18 +20,18 @@ from stages.robot.start_pose import HOME, home
 from stages.validate.coordinates import SAME, distance
 from stages.validate.findings import named, shown
 from stages.validate.lumps import Lump
-from stages.validate.read.robot import (
+from stages.validate.read.run import checks_by
+from stages.validate.same.found import (
+    FormatWords,
+    FoundJoint,
+    FoundPlace,
     Names,
     Poses,
     Precision,
-    ReadJoint,
-    ReadPlace,
     ReadRobot,
     Tag,
-    Unreadable,
-    Words,
+    UnreadableFile,
 )
-from stages.validate.read.run import checks_by
 from stages.validate.usd.driving import driving
 from stages.validate.usd.model import moving, placed, rooted, shapes, units
 from stages.validate.usd.places import places
@@ -49,7 +49,7 @@ the nearest w stands for 2.98e-8 rad."""
 
 TYPES = {"turn": "Revolute", "slide": "Prismatic", "ball": "Spherical"}
 
-WORDS = Words(
+WORDS = FormatWords(
     mass="physics:mass",
     com="physics:centerOfMass",
     inertia="",
@@ -77,7 +77,7 @@ class ReadUsd(ReadRobot):
         try:
             self.usd = read_usd(path)
         except UsdError as error:
-            raise Unreadable(str(error)) from None
+            raise UnreadableFile(str(error)) from None
         self.file, self.path, self.written, self.robot = path.name, path, written, written.robot
         self.names, self.standing = usd_names(self.robot), home(self.robot)
         self.still = {dof.name: self.standing[dof.name] for dof in self.robot.dofs if dof.kind == "free"}
@@ -148,7 +148,7 @@ class ReadUsd(ReadRobot):
             own, steps = above[own][1].first, steps + 1
         return names.get(own, "") if steps else ""
 
-    def joints(self) -> Iterator[ReadJoint]:
+    def joints(self) -> Iterator[FoundJoint]:
         """Those of the tree."""
         for one in self.robot.joints:
             for dof in () if one.type == "free" else one.dofs or (None,):
@@ -157,9 +157,9 @@ class ReadUsd(ReadRobot):
                 type_ = "Fixed" if dof is None else TYPES[dof.kind]
                 ends = ("cone",) if type_ == "Spherical" else ("lower", "upper")
                 numbers = {} if dof is None else dict(zip(ends, own.ends[-len(ends) :], strict=True))
-                yield ReadJoint(name, element, own.type, (type_,), dof, numbers)
+                yield FoundJoint(name, element, own.type, (type_,), dof, numbers)
 
-    def places(self, loop: Loop, q: Configuration) -> Iterator[ReadPlace]:
+    def places(self, loop: Loop, q: Configuration) -> Iterator[FoundPlace]:
         """Each loop is one joint outside the articulation, along which the links are where the mate puts
         them; or, at the end of links between, its last one. Of a ball the value is the one where it turns
         nothing: its joint holds the same whatever its axes."""
@@ -177,7 +177,7 @@ class ReadUsd(ReadRobot):
                 moved = moved @ motion(dof.kind, joint.axis if joint.type else dof.axis, q[dof.name])
             found = joint.first_from_joint @ moved @ inverse(joint.second_from_joint)
             wanted = loop.b_from_frame @ chain(loop.dofs, q) @ inverse(loop.a_from_frame)
-        yield ReadPlace(named("def", own or loop.name), attributes, found, wanted)
+        yield FoundPlace(named("def", own or loop.name), attributes, found, wanted)
 
     def _frees(self, joint: ReadUsdJoint, loop: Loop) -> bool:
         """Whether a general joint leaves free what the loop does, within its limits."""
@@ -189,7 +189,7 @@ class ReadUsd(ReadRobot):
         )
 
     def first_checks(self) -> Iterator[Check]:
-        yield self._check("units", "metres, kilograms, and z upwards", units(self.usd))
+        yield self.found_none("units", "metres, kilograms, and z upwards", units(self.usd))
 
     def own_checks(self) -> Iterator[Check]:
         """What only a USD has."""
@@ -204,20 +204,16 @@ class ReadUsd(ReadRobot):
             *moving(usd, robot, names, written.geometry),
         )
         detail = "articulation, place, self-collision and pairs of bodies that do not collide"
-        yield self._check("model", detail, of_model)
+        yield self.found_none("model", detail, of_model)
         drives = drives_of(robot, written.actuation, self.standing)
         detail = "resistance, largest speed, state, drive and relations of each joint"
-        yield self._check("drives", detail, driving(usd, robot, names, drives, self.standing))
+        yield self.found_none("drives", detail, driving(usd, robot, names, drives, self.standing))
         detail = "frames and cameras on their bodies"
-        yield self._check("frames", detail, places(usd, robot, names, written.sensing))
+        yield self.found_none("frames", detail, places(usd, robot, names, written.sensing))
         if written.geometry is not None:
             total = count(len(written.geometry.shapes), "shape")
             detail = f"{total} of the robot, with their sizes and places, and what collides"
-            yield self._check("shapes", detail, shapes(usd, names, written.geometry, self.path.parent))
-
-    def _check(self, name: str, detail: str, findings: Iterable[Finding]) -> Check:
-        found = list(findings)
-        return self.within(name, float(len(found)), 0.0, detail, found)
+            yield self.found_none("shapes", detail, shapes(usd, names, written.geometry, self.path.parent))
 
     def _stance(self) -> Check:
         """Bodies as they stand, without their joints, are where the robot is at `home`."""

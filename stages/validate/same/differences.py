@@ -13,24 +13,24 @@ from stages.robot.model import Array, Dof, Joint
 from stages.robot.poses import inverse
 from stages.validate.coordinates import SAME, distance
 from stages.validate.findings import apart, differs, few, place_differs
-from stages.validate.read.robot import Poses, ReadRobot
+from stages.validate.same.found import Poses, ReadRobot
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Look:
+class PosePair:
     """Poses at the same values: those of the file, and those of the robot."""
 
     found: Poses
     expected: Poses
 
 
-def differences(read: ReadRobot, looks: Sequence[Look]) -> tuple[Finding, ...]:
+def differences(read: ReadRobot, looks: Sequence[PosePair]) -> tuple[Finding, ...]:
     """Findings on joints, links and frames whose pose on what carries them is not the robot's, parents
     first. `looks`: first where the file stands, or at zero, then at values spread over those of the dofs."""
     return few([*_joints(read, looks), *_frames(read, looks[0].found)])
 
 
-def _joints(read: ReadRobot, looks: Sequence[Look]) -> Iterator[Finding]:
+def _joints(read: ReadRobot, looks: Sequence[PosePair]) -> Iterator[Finding]:
     for joint in read.robot.joints:
         pairs = [tuple(_on_parent(joint, poses) for poses in (look.found, look.expected)) for look in looks]
         if all(distance(*pair) <= read.precision.pose for pair in pairs):

@@ -8,7 +8,7 @@ import numpy as np
 from stages.robot.check import Check, Finding
 from stages.robot.model import Array, Dof, Limits
 from stages.validate.findings import differs
-from stages.validate.read.robot import Numbers, ReadJoint, ReadRobot
+from stages.validate.same.found import FoundJoint, Numbers, ReadRobot
 
 OPEN = 1e6
 """The end of a range from here on stands for no limit [rad, m]."""
@@ -31,7 +31,7 @@ def joints(read: ReadRobot) -> Iterator[Check]:
     yield read.within("joints", float(len(wrong)), 0.0, detail, findings)
 
 
-def _differences(read: ReadRobot, joint: ReadJoint) -> Iterator[Finding]:
+def _differences(read: ReadRobot, joint: FoundJoint) -> Iterator[Finding]:
     if joint.type not in joint.types:
         yield differs(joint.element, "type", joint.type, " or ".join(joint.types))
         return

@@ -7,7 +7,7 @@ import numpy as np
 from stages.robot.check import Check, Finding
 from stages.validate.coordinates import distance, spread
 from stages.validate.findings import place_differs, worst_first
-from stages.validate.read.robot import ReadPlace, ReadRobot
+from stages.validate.same.found import FoundPlace, ReadRobot
 
 
 def loops(read: ReadRobot, name: str = "loops") -> Iterator[Check]:
@@ -28,7 +28,7 @@ def loops(read: ReadRobot, name: str = "loops") -> Iterator[Check]:
         yield read.within(name, worst, read.precision.pose, detail, worst_first(off.values()))
 
 
-def _findings(place: ReadPlace, loop: str, least: float) -> tuple[Finding, ...]:
+def _findings(place: FoundPlace, loop: str, least: float) -> tuple[Finding, ...]:
     if place.found is None:
         message = f"does not close the loop {loop} as the robot has it"
         return (Finding(place.element, place.attributes[0], message),)

@@ -11,7 +11,7 @@ import numpy as np
 from stages.robot.check import Check, Finding
 from stages.validate.findings import differs, worst_first
 from stages.validate.lumps import UNITS, Lump, differences, expected_lump
-from stages.validate.read.robot import ReadRobot, Words
+from stages.validate.same.found import FormatWords, ReadRobot
 
 
 def masses(read: ReadRobot) -> Iterator[Check]:
@@ -42,7 +42,9 @@ def masses(read: ReadRobot) -> Iterator[Check]:
         yield read.within(key, worst[key], exact, detail, worst_first(findings[key]))
 
 
-def _finding(element: str, key: str, found: Lump, expected: Lump, words: Words, exact: float) -> Finding:
+def _finding(
+    element: str, key: str, found: Lump, expected: Lump, words: FormatWords, exact: float
+) -> Finding:
     if key == "mass":
         return differs(element, words.mass, found[0], expected[0], "kg")
     if key == "centre of mass":

@@ -14,8 +14,8 @@ from stages.robot.model import Array
 from stages.robot.poses import inverse
 from stages.validate.coordinates import CAD_ERROR, distance, every_saved, spread
 from stages.validate.findings import shown
-from stages.validate.read.robot import Poses, ReadRobot
-from stages.validate.same.differences import Look, differences
+from stages.validate.same.differences import PosePair, differences
+from stages.validate.same.found import Poses, ReadRobot
 
 
 def poses(read: ReadRobot) -> Iterator[Check]:
@@ -62,17 +62,17 @@ def found_differences(read: ReadRobot) -> tuple[Finding, ...]:
     return differences(read, looks(read))
 
 
-def looks(read: ReadRobot) -> list[Look]:
+def looks(read: ReadRobot) -> list[PosePair]:
     """The poses of the file and those of the robot: first where the file stands, or at zero."""
     robot, found = read.robot, []
     for q in (read.standing, *({**spread(robot, turn), **read.still} for turn in range(3))):
         links = link_poses(robot, q)
         frames = {frame.name: links[frame.link] @ frame.link_from_frame for frame in robot.frames}
-        found.append(Look(read.poses(q), Poses(links, frames)))
+        found.append(PosePair(read.poses(q), Poses(links, frames)))
     return found
 
 
-def _off(read: ReadRobot, look: Look) -> Iterator[tuple[str, float]]:
+def _off(read: ReadRobot, look: PosePair) -> Iterator[tuple[str, float]]:
     size = _size(look.expected.links) if read.precision.sized else 1.0
     for own, wanted in ((look.found.links, look.expected.links), (look.found.frames, look.expected.frames)):
         yield from ((name, distance(own[name], pose) / size) for name, pose in wanted.items() if name in own)

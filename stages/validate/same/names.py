@@ -3,7 +3,7 @@
 from stages.robot.check import Check, Finding
 from stages.robot.plural import count
 from stages.validate.findings import named
-from stages.validate.read.robot import ReadRobot
+from stages.validate.same.found import ReadRobot
 
 
 def names(read: ReadRobot) -> Check:

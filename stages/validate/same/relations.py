@@ -7,7 +7,7 @@ from stages.robot.model import Relation
 from stages.robot.plural import count
 from stages.validate.coordinates import SAME
 from stages.validate.findings import differs, named
-from stages.validate.read.robot import ReadMimic, ReadRobot
+from stages.validate.same.found import FoundMimic, ReadRobot
 
 
 def relations(read: ReadRobot) -> Iterator[Check]:
@@ -29,7 +29,7 @@ def relations(read: ReadRobot) -> Iterator[Check]:
     yield read.within("relations", float(len(wrong)), 0.0, detail, wrong.values())
 
 
-def _difference(read: ReadRobot, relation: Relation, mimics: list[ReadMimic]) -> Finding | None:
+def _difference(read: ReadRobot, relation: Relation, mimics: list[FoundMimic]) -> Finding | None:
     """What is wrong with a relation, which a file may solve for either of its dofs. Takes it out of the
     `mimics`."""
     element = read.element("relation", relation.name)
@@ -54,7 +54,7 @@ def _difference(read: ReadRobot, relation: Relation, mimics: list[ReadMimic]) ->
     return differs(element, read.words.mimic[at], found[at], wanted[at])
 
 
-def _taken(mimics: list[ReadMimic], follower: str, driver: str) -> ReadMimic | None:
+def _taken(mimics: list[FoundMimic], follower: str, driver: str) -> FoundMimic | None:
     for mimic in mimics:
         if (mimic.follower, mimic.driver) == (follower, driver):
             mimics.remove(mimic)

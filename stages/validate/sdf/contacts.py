@@ -1,22 +1,17 @@
 """The check of which colliders of an SDF collide, as Gazebo reads their masks (gz-physics with DART)."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import reduce
 from itertools import combinations
 from operator import or_
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stages.formats.sdf.model import SdfLink, SdfModel
 from stages.formats.sdf.shapes import SdfShape
-from stages.robot.check import Check, Finding
+from stages.robot.check import Finding
 from stages.robot.geometry import Geometry
-from stages.robot.plural import count
 from stages.validate.findings import differs, named
-
-if TYPE_CHECKING:
-    from stages.validate.read.sdf import ReadSdf
 
 ALL, DEFAULT = 0xFFFF, 0xFF
 """The bits of a mask that Gazebo keeps, and the mask of a collider that has none in the file."""
@@ -28,14 +23,11 @@ links of the SDF do not collide with each other at all (I-SDF-SELF)."""
 MASK = "surface contact collide_bitmask"
 
 
-def contacts(read: "ReadSdf", geometry: Geometry | None) -> Iterator[Check]:
-    """The links collide with each other as in the robot, and every collider with what has no mask."""
-    if geometry is None:
-        return
-    found = [finding for link in read.model.links.values() for finding in _outside(link)]
-    found += _together(read, geometry)
-    detail = f"what collides of {count(len(geometry.shapes), 'shape')} of the robot"
-    yield read.within("contacts", float(len(found)), 0.0, detail, found)
+def contacts(model: SdfModel, links: Mapping[str, str], geometry: Geometry) -> list[Finding]:
+    """The links collide with each other as in the robot, and every collider with what has no mask. `links`:
+    the names in the SDF of the robot's links."""
+    found = [finding for link in model.links.values() for finding in _outside(link)]
+    return [*found, *_together(model, links, geometry)]
 
 
 def _outside(link: SdfLink) -> Iterator[Finding]:
@@ -49,10 +41,9 @@ def _outside(link: SdfLink) -> Iterator[Finding]:
             yield Finding(named("link", link.name), f"collision {number} {MASK}", words)
 
 
-def _together(read: "ReadSdf", geometry: Geometry) -> Iterator[Finding]:
+def _together(model: SdfModel, names: Mapping[str, str], geometry: Geometry) -> Iterator[Finding]:
     """What collides of the robot's links that must not, or does not and must."""
-    model, joined = read.model, _joined(read)
-    links = {name: model.links[own] for name, own in read.names.links.items()}
+    joined, links = _joined(model, names), {name: model.links[own] for name, own in names.items()}
     apart = {(one.link_a, one.link_b): one.geoms for one in geometry.excludes}
     apart = {pair: geoms for pair, geoms in apart.items() if frozenset(pair) not in joined}
     if not geometry.self_contact:
@@ -94,11 +85,11 @@ def _pair(links: Sequence[SdfLink], apart: Sequence[tuple[int, int]] | None, ful
         )
 
 
-def _joined(read: "ReadSdf") -> set[frozenset[str]]:
+def _joined(model: SdfModel, names: Mapping[str, str]) -> set[frozenset[str]]:
     """The robot's links that a joint of the tree joins: the first joint that a link hangs on."""
-    name = {own: link for link, own in read.names.links.items()}
+    name = {own: link for link, own in names.items()}
     tree: dict[str, str] = {}
-    for joint in read.model.joints.values():
+    for joint in model.joints.values():
         tree.setdefault(joint.child, joint.parent)
     return {
         frozenset((name[child], name[parent]))

@@ -1,21 +1,20 @@
 """The checks of what an SDF's links look like, and how the model stands."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-import numpy as np
-
+from stages.formats.sdf.model import SdfModel
 from stages.formats.sdf.shapes import SdfShape
 from stages.formats.xml import parse
 from stages.robot.check import Check, Finding
 from stages.robot.geometry import Geometry, Shape
-from stages.robot.plural import count
+from stages.robot.model import Robot
+from stages.robot.poses import UNMOVED
 from stages.robot.scene import Scene
 from stages.validate.coordinates import SAME
 from stages.validate.findings import differs, few, named, place_differs, shown
-from stages.validate.solids import (
+from stages.validate.same.shapes import (
     COLOUR,
     ShapeWords,
     WrittenShape,
@@ -25,10 +24,7 @@ from stages.validate.solids import (
     solids_by_link,
 )
 
-if TYPE_CHECKING:
-    from stages.validate.read.sdf import ReadSdf
-
-WORDS = ShapeWords("mesh uri", "mesh scale", ("pose", "pose"), "material diffuse")
+WORDS = ShapeWords("geometry", "mesh uri", "mesh scale", ("pose", "pose"), "material diffuse")
 """What an SDF calls what a shape is."""
 
 
@@ -44,42 +40,37 @@ def missing_meshes(path: Path) -> Check:
     return Check(f"{path.name}: meshes", not found, detail, float(len(found)), 0.0, findings=few(found))
 
 
-def of_model(read: "ReadSdf", scene: Scene | None) -> Iterator[Check]:
+def of_model(model: SdfModel, robot: Robot, root: str, scene: Scene | None) -> list[Finding]:
     """Its name, that gravity and forces move its links, and that it stands where the scene has the robot. At
-    what height a free robot touches the ground depends on its joints, which need not stand as at qpos0."""
-    model, element = read.model, named("model", read.model.name)
-    found: list[Finding] = []
-    if model.name != read.robot.name:
-        found.append(differs(element, "name", model.name, read.robot.name))
+    what height a free robot touches the ground depends on its joints, which need not stand as at qpos0.
+    `root`: its root link."""
+    element, found = named("model", model.name), list[Finding]()
+    if model.name != robot.name:
+        found.append(differs(element, "name", model.name, robot.name))
     for one in model.links.values():
         own = named("link", one.name)
         found += [] if one.falls else [differs(own, "gravity", "false", "true")]
         found += [] if one.forced else [differs(own, "kinematic", "true", "false")]
-    if scene is not None and read.robot.root.name != "world":
-        world_from_root = scene.world_from_root
-        root = model.links[read.names.links[read.robot.root.name]]
-        place = model.world_from_model @ root.model_from_link
-        if not read.robot.base.fixed:
-            place[2, 3] = world_from_root[2, 3]
-        found += place_differs(element, place, world_from_root, ("pose", "pose"), SAME)
-    detail = "name, place and gravity of the model"
-    yield read.within("model", float(len(found)), 0.0, detail, found)
+    if scene is not None and robot.root.name != "world":
+        place = model.world_from_model @ model.links[root].model_from_link
+        if not robot.base.fixed:
+            place[2, 3] = scene.world_from_root[2, 3]
+        found += place_differs(element, place, scene.world_from_root, ("pose", "pose"), SAME)
+    return found
 
 
-def shapes(read: "ReadSdf", geometry: Geometry | None) -> Iterator[Check]:
-    """Each link has the shapes of the robot, where these are known: as many, of their files and sizes, where
-    they must be, and as slippery; and what is between the dofs of a joint has none."""
-    if geometry is None:
-        return
-    held = {link.name: (read.names.links[link.name], np.eye(4)) for link in read.robot.links}
+def shapes(model: SdfModel, links: Mapping[str, str], geometry: Geometry) -> list[Finding]:
+    """What the shapes of links are otherwise, and how slippery; what is between the dofs of a joint has none.
+    `links`: the names in the SDF of the robot's links."""
+    held = {name: (own, UNMOVED) for name, own in links.items()}
     wanted = solids_by_link(geometry, lambda shape: (_solid(shape),), held)
     colliders = {
-        read.names.links[link]: every
+        links[link]: every
         for (link, role), every in geometry.by_link().items()
-        if role == "collision" and link in held
+        if role == "collision" and link in links
     }
     found: list[Finding] = []
-    for link in read.model.links.values():
+    for link in model.links.values():
         element = named("link", link.name)
         own = wanted.get((link.name, "visual"), [])
         different = list(differences(element, "visual", link.visuals, own, WORDS))
@@ -87,9 +78,7 @@ def shapes(read: "ReadSdf", geometry: Geometry | None) -> Iterator[Check]:
         own = wanted.get((link.name, "collision"), [])
         different = list(differences(element, "collision", link.collisions, own, WORDS))
         found += different or _frictions(element, link.collisions, colliders.get(link.name, []))
-    total = len(geometry.shapes)
-    detail = f"{count(total, 'shape')} of the robot, with their files, sizes, places and colours"
-    yield read.within("shapes", float(len(found)), 0.0, detail, found)
+    return found
 
 
 def _solid(shape: Shape) -> WrittenShape:

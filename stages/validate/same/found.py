@@ -22,12 +22,12 @@ Names = Mapping[Tag, Set[str]]
 """Of links, joints and frames, as the file calls them."""
 
 
-class Unreadable(Exception):
+class UnreadableFile(Exception):
     """The file cannot be read as a robot. The message says why."""
 
 
 @dataclass(frozen=True, slots=True)
-class Words:
+class FormatWords:
     """What a format calls things. `mass`, `com`, `inertia`: of a link, the last the beginning of an entry's
     name; `moments`: of a format that has principal moments instead, and their axes. `axis`: of a joint;
     `place`: position and turn of what stands on something. `zero`: the value of a joint where the file
@@ -67,7 +67,7 @@ class Poses:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ReadJoint:
+class FoundJoint:
     """A joint of the file. `name`: in a result; `element`: in a finding; `type`: its type, and `types` those
     that it may have. `dof`: the robot's, None of a joint that holds fast. `numbers`: what the file says;
     `wanted`: what it must say where that does not follow from the dof."""
@@ -82,7 +82,7 @@ class ReadJoint:
 
 
 @dataclass(frozen=True, slots=True)
-class ReadMimic:
+class FoundMimic:
     """The value of the `follower` is multiplier · that of the `driver` + offset, where it is `active`."""
 
     follower: str
@@ -93,7 +93,7 @@ class ReadMimic:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ReadPlace:
+class FoundPlace:
     """A pose (4, 4) that an element of the file has, and the one expected; None where there is no such
     element. `attributes`: position and turn."""
 
@@ -109,7 +109,7 @@ class ReadRobot(Protocol):
 
     file: str
     robot: Robot
-    words: Words
+    words: FormatWords
     precision: Precision = Precision()
     standing: Configuration
     """The values of the dofs at which the file is looked at first: where its links stand, or zero."""
@@ -128,11 +128,11 @@ class ReadRobot(Protocol):
         """Where the links and frames are at these values."""
         ...
 
-    def joints(self) -> Iterable[ReadJoint]:
+    def joints(self) -> Iterable[FoundJoint]:
         """The joint of each dof, and of each joint without any, of loops too where the format has these."""
         ...
 
-    def places(self, loop: Loop, q: Configuration) -> Iterable[ReadPlace]:
+    def places(self, loop: Loop, q: Configuration) -> Iterable[FoundPlace]:
         """What the file has of a loop at these values, as far as its joints are not the robot's."""
         ...
 
@@ -156,7 +156,7 @@ class ReadRobot(Protocol):
         """The element that says where the child of a joint stands."""
         return self.element("joint", joint.dofs[0].name if joint.dofs else joint.name)
 
-    def mimics(self) -> Iterable[ReadMimic] | None:
+    def mimics(self) -> Iterable[FoundMimic] | None:
         """What follows what; None where checks of the format alone compare that."""
         return None
 
@@ -184,6 +184,11 @@ class ReadRobot(Protocol):
     def own_checks(self) -> Iterable[Check]:
         """Checks of its format alone, where nothing is missing."""
         return ()
+
+    def found_none(self, name: str, detail: str, findings: Iterable[Finding]) -> Check:
+        """The result of a check that passes where nothing is found."""
+        found = list(findings)
+        return self.within(name, float(len(found)), 0.0, detail, found)
 
     def within(
         self, name: str, value: float, limit: float, detail: str, findings: Iterable[Finding] = ()

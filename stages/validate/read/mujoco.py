@@ -1,0 +1,85 @@
+"""The robot of a file that MuJoCo compiled."""
+
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from stages.robot.kinematics import rest_configuration
+from stages.robot.model import Array, Configuration, Dof
+from stages.robot.poses import inverse
+from stages.validate.compiled import CompiledModel
+from stages.validate.coordinates import (
+    body_from_link,
+    body_index,
+    frame_pose,
+    joint_index,
+    link_pose,
+    root_pose,
+    set_values,
+    site_index,
+)
+from stages.validate.lumps import Lump, moved_lump
+from stages.validate.mujoco_poses import placed
+from stages.validate.same.found import Poses, ReadRobot
+
+
+class ReadCompiled(ReadRobot):
+    """`model`: the compiled one, of the file that `compiled` has."""
+
+    def __init__(self, compiled: CompiledModel) -> None:
+        self.compiled, self.model = compiled, compiled.model
+        self.file, self.robot, self.still = compiled.path.name, compiled.robot, {}
+        self._posed: tuple[Configuration, Any] | None = None
+        loops = {dof.name: dof.saved for loop in self.robot.loops for dof in loop.dofs}
+        self.standing = {**loops, **rest_configuration(self.robot)}
+
+    def posed(self, q: Configuration) -> Any:
+        """MuJoCo's data at these values."""
+        if self._posed is None or self._posed[0] is not q:
+            data = mujoco.MjData(self.model)
+            set_values(self.model, data, self.robot, q, self.compiled.urdf)
+            self._posed = q, data
+        return self._posed[1]
+
+    def frame_name(self, frame: str) -> str:
+        return frame
+
+    def poses(self, q: Configuration) -> Poses:
+        robot, model, data = self.robot, self.model, self.posed(q)
+        root_from_world = inverse(root_pose(model, data, robot))
+        return Poses(
+            {link.name: root_from_world @ link_pose(model, data, robot, link.name) for link in robot.links},
+            {
+                frame.name: root_from_world
+                @ frame_pose(model, data, self.frame_name(frame.name), self.compiled.urdf)
+                for frame in robot.frames
+            },
+        )
+
+    def parent(self, link: str) -> str:
+        model, own = self.model, {one.name for one in self.robot.links}
+        body = body_index(model, link)
+        if body < 0:
+            site = site_index(model, link)
+            holder = int(model.site_bodyid[site]) if site >= 0 else 0
+        else:
+            holder = int(model.body_parentid[body])
+        while holder > 0 and model.body(holder).name not in own:
+            holder = int(model.body_parentid[holder])
+        name = str(model.body(holder).name)
+        return name if name in own else ""
+
+    def axis(self, dof: Dof) -> Array | None:
+        return np.array(self.model.jnt_axis[joint_index(self.model, dof.name)])
+
+    def lump_of(self, body: int, link_from_body: Array) -> Lump:
+        """The mass properties of a body, in the frame of a link."""
+        model = self.model
+        axes = placed(model.body_iquat[body], model.body_ipos[body])
+        tensor = axes[:3, :3] @ np.diag(model.body_inertia[body]) @ axes[:3, :3].T
+        return moved_lump(float(model.body_mass[body]), axes[:3, 3], tensor, link_from_body)
+
+    def lump(self, link: str) -> Lump:
+        place = inverse(body_from_link(self.robot, link))
+        return self.lump_of(body_index(self.model, link), place)
