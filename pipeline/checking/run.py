@@ -61,7 +61,7 @@ def _files_of(robot: str) -> tuple[str, ...]:
 def _truth(folder: Path) -> "Truth | None":
     """What the robot.json of a folder says; None where it has none."""
     from stages.formats.described import described
-    from stages.formats.robot_json.fields import RobotJsonError
+    from stages.formats.robot_json.codec import RobotJsonError
 
     file = folder / TRUTH
     if not file.is_file():

@@ -2,7 +2,8 @@
 
 `KEYS.md`, `keys.json`, `keys.txt` and `robot.schema.json` are generated from the sections of the
 configuration, `MUTATIONS.md` from tests/support/mutations.py, `PEERS.md`, for who comes from another tool,
-from tests/config/peers.yaml, and `formats/READERS.md` from `stages/export/readers.py`: `python -m
+from tests/config/peers.yaml, `formats/READERS.md` from `stages/export/readers.py`, and
+`formats/ROBOT_JSON.md` and `robot_json.schema.json` from `stages/formats/robot_json`: `python -m
 tests.config.regenerate`. Imports nothing heavy.
 """
 
@@ -16,4 +17,6 @@ MUTATIONS = _HERE / "MUTATIONS.md"
 PAGE = _HERE / "KEYS.md"
 PEERS = _HERE / "PEERS.md"
 READERS = _HERE / "formats" / "READERS.md"
+ROBOT_JSON = _HERE / "formats" / "ROBOT_JSON.md"
+ROBOT_JSON_SCHEMA = _HERE / "robot_json.schema.json"
 SCHEMA = _HERE / "robot.schema.json"

@@ -57,7 +57,7 @@ def export(
     from stages.export.actuators.advice import advice
     from stages.export.actuators.gravity import gravity_of
     from stages.export.mjcf_only import mjcf_only
-    from stages.export.order_tables import order_tables
+    from stages.export.order_tables import order_of
     from stages.export.python.writer import package_record
     from stages.export.readers import dropped
     from stages.export.robot_json import describe
@@ -80,7 +80,7 @@ def export(
     every = {**assets, **_files(made, alone), **mine.files}
     for name in [name for name in PACKAGES if name in needed]:
         made[name] = writer_of(name).write(replace(given, files=every))
-    order = order_tables(written, every)
+    order = order_of(written, every)
     record = {key: table for one in made.values() for key, table in one.record.items()}
     if "python" in needed:
         record |= package_record(given)
@@ -106,7 +106,7 @@ def _written(
     drives and measures it."""
     from stages.export.driven import driven
     from stages.export.mjcf.form import form_of as mjcf_form_of
-    from stages.export.scene_records import scene_of
+    from stages.export.scene import scene_of
     from stages.export.sensors.resolve import sensing_of
     from stages.export.urdf.form import form_of
     from stages.formats.written import Written

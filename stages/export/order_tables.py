@@ -1,33 +1,32 @@
 """The order of things in the files of a robot, as robot.json and the report have it."""
 
 from collections.abc import Mapping
-from typing import Any
 
 from stages.export.order.of_mjcf import MjcfOrder
 from stages.export.order.of_urdf import urdf_rows
 from stages.export.urdf.lowering import lower
+from stages.formats.robot_json.files import OrderRecord, UrdfOrderRecord
 from stages.formats.written import Written
 from stages.formats.xml import Element, Malformed, parse
 
 
-def order_tables(written: Written, files: Mapping[str, bytes]) -> dict[str, Any]:
-    """By format that is among `files`: its joints, and of the MJCF its actuators and sensors, each in the
-    order of the file as it is read. An MJCF that is nested more deeply than any engine
-    reads has no tables."""
+def order_of(written: Written, files: Mapping[str, bytes]) -> OrderRecord | None:
+    """For each format that is among `files`: its joints, and of the MJCF its actuators and sensors, each in
+    the order of the file as it is read. An MJCF that is nested more deeply than any engine reads has none."""
     robot = written.robot
     mates = {dof.name: joint.mate.name for joint in robot.joints if joint.mate for dof in joint.dofs}
     mates |= {dof.name: loop.mate.name for loop in robot.loops for dof in loop.dofs}
     joints = _urdf_joints(written)
-    found: dict[str, Any] = {}
+    of_mjcf, of_urdf = None, None
     mjcf, urdf = files.get(f"{robot.name}.xml"), files.get(f"{robot.name}.urdf")
     root = None if mjcf is None else _parsed(mjcf)
     if root is not None:
         there = joints if urdf is not None else {}
-        found["mjcf"] = MjcfOrder(root, robot, written.actuation, mates, there).tables()
+        of_mjcf = MjcfOrder(root, robot, written.actuation, mates, there).record()
     if urdf is not None:
         dofs = {name: dof for dof, names in joints.items() for name in names}
-        found["urdf"] = {"joints": list(urdf_rows(parse(urdf, large=True), dofs, mates))}
-    return found
+        of_urdf = UrdfOrderRecord(tuple(urdf_rows(parse(urdf, large=True), dofs, mates)))
+    return OrderRecord(of_mjcf, of_urdf) if of_mjcf or of_urdf else None
 
 
 def _parsed(mjcf: bytes) -> Element | None:

@@ -9,27 +9,30 @@ from stages.robot.errors import Diagnostic
 if TYPE_CHECKING:
     from stages.export.keys import ExportKeys
     from stages.export.standing import Stance
+    from stages.formats.robot_json.files import OrderRecord
     from stages.formats.written import Written
 
 
 @dataclass(frozen=True, slots=True)
 class Exported:
     """`files`: path below the output folder → bytes. `diagnostics`: losses of the formats. `written`: the
-    robot as it is in the files; `advice`: what a user may want to try; `order`: the tables of joints,
-    actuators and sensors by format; `readers`: what other readers drop of this robot
+    robot as it is in the files; `advice`: what a user may want to try; `order`: of the joints,
+    actuators and sensors in each file; `readers`: what other readers drop of this robot
     (`stages.export.readers`)."""
 
     files: Mapping[str, bytes]
     diagnostics: tuple[Diagnostic, ...]
     written: "Written"
     advice: str
-    order: Mapping[str, Any]
+    order: "OrderRecord | None"
     readers: Sequence[Mapping[str, Any]]
 
     @property
     def details(self) -> dict[str, Any]:
         """What the report tells of the files."""
-        tables = {"order": self.order, "readers": list(self.readers)}
+        from stages.formats.robot_json.codec import write
+
+        tables = {"order": self.order and write(self.order), "readers": list(self.readers)}
         return {name: table for name, table in tables.items() if table}
 
 
@@ -49,8 +52,8 @@ class WriterInput:
 
 @dataclass(frozen=True, slots=True)
 class FormatFiles:
-    """`files`: by path; `diagnostics`: losses of the format; `record`: the tables of robot.json that tell of
-    the format, by name."""
+    """`files`: by path; `diagnostics`: losses of the format; `record`: the records of robot.json that tell
+    of the format, by key."""
 
     files: Mapping[str, bytes]
     diagnostics: tuple[Diagnostic, ...] = ()

@@ -5,29 +5,24 @@ for what drives it (`controls`), and its own actuators and sensors apart from th
 """
 
 import json
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import PurePosixPath
+from typing import Any
 
 from stages.formats.mjcf_form import MjcfForm
-from stages.formats.robot_json.driving import actuation_of, sensing_of, transmission_of
-from stages.formats.robot_json.fields import Fields, RobotJsonError
-from stages.formats.robot_json.joints import frame_of, joint_of, keyframe_of, loop_of, relation_of
-from stages.formats.robot_json.links import link_of
-from stages.formats.robot_json.mjcf import extras_of
-from stages.formats.robot_json.references import require_names
-from stages.formats.robot_json.scene import scene_of
-from stages.formats.robot_json.semantics import semantics_of
-from stages.formats.robot_json.shapes import geometry_of
+from stages.formats.robot_json import FORMAT, VERSION
+from stages.formats.robot_json.codec import RobotJsonError, modelled, read
+from stages.formats.robot_json.files import PackageRecord, SrdfRecord
+from stages.formats.robot_json.robot import RobotRecord
 from stages.formats.urdf.form import UrdfForm
 from stages.formats.urdf.srdf_form import SrdfForm
 from stages.formats.written import Written
-from stages.robot.amendments import Amendment, Amendments, Surplus
+from stages.robot.amendments import Amendments
 from stages.robot.driven import as_driven
-from stages.robot.linear_coupling import LinearCoupling
-from stages.robot.model import Base, Joint, Link, Mobility, Provenance, Robot
-
-FORMAT, VERSION = "linkwright-robot", 1
+from stages.robot.mjcf_extras import MjcfElement
+from stages.robot.model import Joint, Link, Robot
 
 PACKAGES = ("ros2", "python")
 """The tables of packages that are written from the other files."""
@@ -35,15 +30,8 @@ PACKAGES = ("ros2", "python")
 MOST_ROWS = 20_000
 """Of links, joints and all else that a robot has."""
 
-
-@dataclass(frozen=True, slots=True)
-class PackageRecord:
-    """A package that is written from the other files. `package`: its name; `writer`: the version of its
-    writer, 0 of an older build; `folder`: that of the robot's files in it, "" where these are no copies."""
-
-    package: str
-    writer: int
-    folder: str
+DEEPEST = 200
+"""Elements in each other that are read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,61 +48,77 @@ class Truth:
 def described(data: bytes) -> Truth:
     """What a robot.json says. RobotJsonError where that is no robot, or one of another version."""
     try:
-        record = Fields(json.loads(data))
-    except (ValueError, RecursionError) as error:
+        table = json.loads(data)
+        record = _record(table)
+    except RecursionError:
+        msg = "its tables are too deep in each other"
+        raise RobotJsonError(msg) from None
+    except ValueError as error:
         msg = f"it is no JSON: {error}"
         raise RobotJsonError(msg) from None
-    _require_version(record)
-    robot = _robot(record)
-    require_names(record, robot)
-    files = record.texts("files") if record.has("files") else ()
-    _require_inside(robot.name, *files)
-    loops = record.records("loops")
-    actuation = actuation_of(record)
+    robot = record.to_model()
+    _require_tree(robot.links, robot.joints)
+    _require_single_names(robot)
+    extras = robot.mjcf
+    if extras is not None:
+        mounted = (one.element for one in extras.mounted)
+        _require_shallow((*mounted, *extras.sections, *extras.scene))
+    found = {name: getattr(record, name) for name in PACKAGES}
+    packages = {name: package for name, package in found.items() if package is not None}
+    folders = [path for one in packages.values() for path in (one.package, one.folder) if path]
+    _require_inside(robot.name, *record.files, *folders)
+    actuation = record.actuation.to_model()
     written = Written(
         robot=as_driven(robot, actuation),
         actuation=actuation,
-        geometry=geometry_of(record),
+        geometry=record.geometry,
         urdf_form=UrdfForm(
-            merged=bool(record.records("merged")),
-            couplings=tuple(_coupling(one) for one in record.records("couplings")),
-            closed=tuple(one.text("name") for one in loops if one.truth("mimic")),
-            package=record.inside("urdf").text("package") if record.has("urdf") else "",
+            merged=bool(record.merged),
+            couplings=modelled(record.couplings),
+            closed=tuple(loop.name for loop in record.loops if loop.mimic),
+            package=record.urdf.package if record.urdf else "",
         ),
-        mjcf_form=MjcfForm(tuple(one.text("link") for one in record.records("fused")), robot.mjcf),
-        sensing=sensing_of(record),
-        amendments=Amendments(
-            tuple(_amendment(one) for one in record.records("amendments")),
-            tuple(_surplus(one) for one in record.records("surplus")),
-        ),
-        scene=scene_of(record),
-        srdf_form=_srdf(record.inside("srdf")) if record.has("srdf") else None,
+        mjcf_form=MjcfForm(tuple(held.link for held in record.fused), extras),
+        sensing=record.sensing.to_model(),
+        amendments=Amendments(record.amendments, record.surplus),
+        scene=modelled(record.scene),
+        srdf_form=_srdf(record.srdf) if record.srdf else None,
     )
-    packages = {name: _package(record.inside(name)) for name in PACKAGES if record.has(name)}
-    return Truth(written, files, packages)
+    return Truth(written, record.files, packages)
 
 
-def _srdf(record: Fields) -> SrdfForm:
-    never = record.inside("never")
-    pairs = frozenset((first, second) for first in never.table for second in never.texts(first))
-    return SrdfForm(pairs, record.texts("end_effectors"))
+def _srdf(record: SrdfRecord) -> SrdfForm:
+    pairs = ((first, second) for first, others in record.never.items() for second in others)
+    return SrdfForm(frozenset(pairs), record.end_effectors)
 
 
-def _package(record: Fields) -> PackageRecord:
-    folder = record.text("folder") if record.has("folder") else ""
-    _require_inside(*filter(None, [record.text("package"), folder]))
-    return PackageRecord(
-        record.text("package"), record.whole("writer") if record.has("writer") else 0, folder
-    )
-
-
-def _require_version(record: Fields) -> None:
-    if record.table.get("format") != FORMAT:
+def _record(table: Any) -> RobotRecord:
+    if not isinstance(table, Mapping):
+        return read(RobotRecord, table, {})
+    if table.get("format") != FORMAT:
         msg = "it is no robot.json of Linkwright"
         raise RobotJsonError(msg)
-    if record.table.get("version") != VERSION:
-        msg = f"its version is {record.table.get('version')}; this program reads version {VERSION}"
+    if table.get("version") != VERSION:
+        msg = f"its version is {table.get('version')}; this program reads version {VERSION}"
         raise RobotJsonError(msg)
+    for name in ("links", "joints", "loops", "relations", "frames", "keyframes"):
+        if len(_rows(table, name)) > MOST_ROWS:
+            msg = f"{name}: {len(_rows(table, name))} rows; at most {MOST_ROWS} are read"
+            raise RobotJsonError(msg)
+    joints = [*_rows(table, "joints"), *_rows(table, "loops")]
+    dofs = [dof for joint in joints for dof in _rows(joint, "dofs")]
+    return read(RobotRecord, table, {"link": _names(_rows(table, "links")), "joint": _names(dofs)})
+
+
+def _rows(table: Any, key: str) -> list[Any]:
+    """The rows of a table that may be anything."""
+    rows = table.get(key) if isinstance(table, Mapping) else None
+    return rows if isinstance(rows, list) else []
+
+
+def _names(rows: list[Any]) -> set[str]:
+    named = [row["name"] for row in rows if isinstance(row, Mapping) and "name" in row]
+    return {name for name in named if isinstance(name, str)}
 
 
 def _require_inside(*paths: str) -> None:
@@ -124,37 +128,6 @@ def _require_inside(*paths: str) -> None:
         if not parts or path.startswith("/") or ".." in parts or "\\" in path or "\0" in path:
             msg = f"{path!r} is no path below its folder"
             raise RobotJsonError(msg)
-
-
-def _robot(record: Fields) -> Robot:
-    for table in ("links", "joints", "loops", "relations", "frames", "keyframes"):
-        rows = len(record.records(table))
-        if rows > MOST_ROWS:
-            msg = f"{table}: {rows} rows; at most {MOST_ROWS} are read"
-            raise RobotJsonError(msg)
-    links = tuple(link_of(one) for one in record.records("links"))
-    joints = tuple(joint_of(one) for one in record.records("joints"))
-    _require_tree(links, joints)
-    base, source = record.inside("base"), record.inside("source")
-    keyframes = (keyframe_of(one) for one in record.records("keyframes"))
-    return Robot(
-        name=record.text("name"),
-        links=links,
-        joints=joints,
-        loops=tuple(loop_of(one) for one in record.records("loops")),
-        relations=tuple(relation_of(one) for one in record.records("relations")),
-        frames=tuple(frame_of(one) for one in record.records("frames")),
-        base=Base(base.truth("fixed"), base.text("reason"), base.text("joint") if base.has("joint") else ""),
-        world_from_root=record.pose("root_pose"),
-        mobility=_mobility(record.inside("mobility")),
-        provenance=Provenance(
-            *(source.text(key) for key in ("document", "element", "microversion", "configuration"))
-        ),
-        transmissions=tuple(transmission_of(one) for one in record.records("transmissions")),
-        keyframes=tuple(one for one in keyframes if one is not None),
-        semantics=semantics_of(record),
-        mjcf=extras_of(record),
-    )
 
 
 def _require_tree(links: tuple[Link, ...], joints: tuple[Joint, ...]) -> None:
@@ -170,31 +143,21 @@ def _require_tree(links: tuple[Link, ...], joints: tuple[Joint, ...]) -> None:
         raise RobotJsonError(msg)
 
 
-def _mobility(record: Fields) -> Mobility:
-    redundant = tuple((one.text("loop"), one.whole("conditions")) for one in record.records("redundant"))
-    coordinates, gruebler, dof = (record.whole(key) for key in ("coordinates", "gruebler", "dof"))
-    return Mobility(coordinates, gruebler, dof, redundant)
+def _require_single_names(robot: Robot) -> None:
+    loops = [dof.name for loop in robot.loops for dof in loop.dofs]
+    for what, names in (
+        ("links", [link.name for link in robot.links]),
+        ("joints", [*(dof.name for dof in robot.dofs), *loops]),
+    ):
+        twice = sorted(name for name, number in Counter(names).items() if number > 1)
+        if twice:
+            msg = f"{what}: {twice[0]!r} is there twice"
+            raise RobotJsonError(msg)
 
 
-def _coupling(record: Fields) -> LinearCoupling:
-    low, high = record.numbers("range", 2)
-    return LinearCoupling(
-        follower=record.text("follower"),
-        driver=record.text("driver"),
-        multiplier=record.number("multiplier"),
-        offset=record.number("offset"),
-        error=record.number("error"),
-        exact=record.truth("mimic"),
-        low=low,
-        high=high,
-    )
-
-
-def _amendment(record: Fields) -> Amendment:
-    key, file, target = (record.text(name) for name in ("key", "file", "target"))
-    return Amendment(key, file, target, record.texts("adds"), record.texts("sets"))
-
-
-def _surplus(record: Fields) -> Surplus:
-    counts = (record.whole(key) for key in ("dofs", "actuators", "equalities"))
-    return Surplus(record.text("file"), *counts)
+def _require_shallow(elements: tuple[MjcfElement, ...]) -> None:
+    for _ in range(DEEPEST + 1):
+        elements = tuple(child for element in elements for child in element.children)
+    if elements:
+        msg = f"mjcf: elements are more than {DEEPEST} deep in each other"
+        raise RobotJsonError(msg)

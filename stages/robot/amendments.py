@@ -5,9 +5,14 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Amendment:
-    """What one entry of `elements` or `attributes` did to a file. `key`: of the entry; `target`: the element
-    that was added to or changed, "body torso"; `adds`: the elements that were added, "site cam"; `sets`: the
-    names of the attributes that were set or removed."""
+    """What one entry of `elements` or `attributes` did to a file.
+
+    key: of the entry.
+    file: the path of the file.
+    target: the element that was added to or changed, "body torso".
+    adds: the elements that were added, "site cam".
+    sets: the names of the attributes that were set or removed.
+    """
 
     key: str
     file: str
@@ -28,8 +33,13 @@ def tag_of(said: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Surplus:
-    """How many degrees of freedom, actuators and equalities a file has that are not the robot's own: they
-    come after these."""
+    """How many things a file has that are not the robot's own: they come after these.
+
+    file: the path of the file.
+    dofs: number of degrees of freedom.
+    actuators: number of actuators.
+    equalities: number of equalities.
+    """
 
     file: str
     dofs: int = 0

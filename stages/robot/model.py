@@ -28,6 +28,7 @@ from stages.robot.geom_form import PLAIN, GeomForm
 from stages.robot.mjcf_extras import MjcfExtras
 from stages.robot.semantics import NOTHING_MORE, RobotSemantics
 from stages.robot.sensing import Sensor as Sensor
+from stages.robot.transmission import Transmission as Transmission
 
 JointType = Literal[
     "fixed",
@@ -200,21 +201,6 @@ class Relation:
 
 
 @dataclass(frozen=True, slots=True)
-class Transmission:
-    """A transmission of the source: `joint` is the name of a dof.
-
-    `type` as in the source (a ros2_control's is its plugin); `reduction` 1 where it has none;
-    `interfaces`: hardware or command interfaces, as the source names them.
-    """
-
-    name: str
-    joint: str
-    type: str
-    reduction: float
-    interfaces: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
 class Keyframe:
     """A named pose: the values [rad or m] of the dofs that it gives, in the order of the dofs."""
 
@@ -246,7 +232,13 @@ class Base:
 
 @dataclass(frozen=True, slots=True)
 class Provenance:
-    """Which document this robot is: not the kind of source, nor the host."""
+    """Which document this robot is: not the kind of source, nor the host.
+
+    document: id of the document.
+    element: id of its tab.
+    microversion: state of the document.
+    configuration: configuration of the assembly.
+    """
 
     document: str
     element: str

@@ -8,8 +8,13 @@ NEVER = "Never"
 
 @dataclass(frozen=True, slots=True)
 class JointGroup:
-    """Joints that are planned for together: the names of their dofs. `base`, `tip`: the links at the ends of
-    the chain that the group is; "" where it is none."""
+    """Joints that are planned for together.
+
+    name: unique among groups.
+    joints: the names of their dofs.
+    base: the link at the beginning of the chain that the group is; "" where it is none.
+    tip: the link at the end of that chain; "" where the group is none.
+    """
 
     name: str
     joints: tuple[str, ...]
@@ -19,8 +24,13 @@ class JointGroup:
 
 @dataclass(frozen=True, slots=True)
 class EndEffector:
-    """The `group` of a tool or a hand, carried by `parent_link`, a link or frame. `parent_group`: the arm
-    that moves it, "" where that is not said."""
+    """A tool or a hand.
+
+    name: unique among end effectors.
+    group: its joints.
+    parent_link: the link or frame that carries it.
+    parent_group: the arm that moves it; "" where that is not said.
+    """
 
     name: str
     group: str
@@ -30,7 +40,12 @@ class EndEffector:
 
 @dataclass(frozen=True, slots=True)
 class DisabledPair:
-    """Two links whose collisions are not checked. `reason`: as the source has it, "" for none."""
+    """Two links whose collisions are not checked.
+
+    link_a: the first.
+    link_b: the second.
+    reason: as the source has it; "" for none.
+    """
 
     link_a: str
     link_b: str
@@ -44,7 +59,11 @@ class DisabledPair:
 
 @dataclass(frozen=True, slots=True)
 class VirtualJoint:
-    """The joint by which the root is in the world; `parent_frame`: what the source calls the world."""
+    """The joint by which the root is in the world.
+
+    name: as the source has it.
+    parent_frame: what the source calls the world.
+    """
 
     name: str
     parent_frame: str
@@ -52,7 +71,14 @@ class VirtualJoint:
 
 @dataclass(frozen=True, slots=True)
 class RobotSemantics:
-    """`passive`: dofs that nothing drives. Empty where the robot has no SRDF."""
+    """What a source's SRDF says beside its URDF, by the robot's names. Empty where the robot has no SRDF.
+
+    groups: joints that are planned for together.
+    end_effectors: tools and hands.
+    passive: dofs that nothing drives.
+    disabled: pairs of links whose collisions are not checked.
+    virtual_joint: the joint by which the root is in the world; null where that is not said.
+    """
 
     groups: tuple[JointGroup, ...] = ()
     end_effectors: tuple[EndEffector, ...] = ()

@@ -11,8 +11,18 @@ import yaml
 
 from pipeline.config.compose import HYDRA, compose_plan
 from pipeline.config.presets import OURS
-from pipeline.reference import DATA, HELP, MUTATIONS, PAGE, PEERS, READERS, SCHEMA
-from tests.config import peers, readers, reference
+from pipeline.reference import (
+    DATA,
+    HELP,
+    MUTATIONS,
+    PAGE,
+    PEERS,
+    READERS,
+    ROBOT_JSON,
+    ROBOT_JSON_SCHEMA,
+    SCHEMA,
+)
+from tests.config import peers, readers, reference, robot_json
 
 GOLDEN = Path(__file__).parent / "golden"
 
@@ -80,6 +90,8 @@ REFERENCE = {
     PAGE: reference.markdown,
     PEERS: peers.markdown,
     READERS: readers.markdown,
+    ROBOT_JSON: robot_json.markdown,
+    ROBOT_JSON_SCHEMA: robot_json.schema_text,
     SCHEMA: reference.schema_text,
 }
 """Generated file → its text."""

@@ -8,7 +8,7 @@ import mujoco
 import pytest
 
 from stages.formats.described import described
-from stages.formats.robot_json.fields import RobotJsonError
+from stages.formats.robot_json.codec import RobotJsonError
 from stages.robot import codec
 from stages.validate import validate
 from tests.e2e.test_mjcf_motion import BITS, CASES, LOOSE

@@ -12,7 +12,7 @@ from stages.export.mjcf.placement import placement
 from stages.export.mjcf.sections import write_sections
 from stages.export.mjcf.settings import text
 from stages.export.mujoco_keys import IN_THE_ROBOT
-from stages.export.scene_records import ground_pose
+from stages.export.scene import ground_pose
 from stages.formats.numbers import number, spaced
 from stages.formats.xml import Element, element, parse, to_bytes
 from stages.robot.names import free

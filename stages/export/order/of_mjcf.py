@@ -1,10 +1,10 @@
 """The tables of an MJCF: where each joint, actuator and sensor is in MuJoCo's arrays."""
 
 from collections.abc import Iterator, Mapping
-from typing import Any
 
-from stages.export.json_values import as_float
 from stages.formats.mjcf_joints import joints_in_order
+from stages.formats.robot_json.files import MjcfActuatorRow, MjcfJointRow, MjcfOrderRecord, MjcfSensorRow
+from stages.formats.robot_json.values import as_float
 from stages.formats.xml import Element
 from stages.robot.actuation import Actuation, Actuator
 from stages.robot.model import Dof, Robot
@@ -33,8 +33,6 @@ _CONTROL = {
 _OF_PID = "pos vel"
 """The controls of MuJoCo's pid unless it says which."""
 
-Row = dict[str, Any]
-
 
 class MjcfOrder:
     """The tables of one finished file. `mates`: dof → what CAD calls its mate; `urdf`: dof → its joints in
@@ -55,44 +53,41 @@ class MjcfOrder:
         self._dofs: dict[str, Dof] = {dof.name: dof for dof in every}
         self._actuators = {one.name: one for one in actuation.actuators}
 
-    def tables(self) -> dict[str, list[Row]]:
-        rows = {"joints": self._joints(), "actuators": self._driven(), "sensors": self._sensors()}
-        return {name: list(found) for name, found in rows.items()}
+    def record(self) -> MjcfOrderRecord:
+        return MjcfOrderRecord(tuple(self._joints()), tuple(self._driven()), tuple(self._sensors()))
 
-    def _joints(self) -> Iterator[Row]:
-        """`qpos` and `dof`: the first number, and how many."""
+    def _joints(self) -> Iterator[MjcfJointRow]:
         qpos = dof = 0
         for node, kind_of_mjcf in joints_in_order(self._root):
             name, kind = node.get("name"), KINDS[kind_of_mjcf]
             numbers, speeds = SIZES[kind]
-            yield {
-                "name": name,
-                "kind": kind,
-                "unit": UNITS[kind],
-                "qpos": [qpos, numbers],
-                "dof": [dof, speeds],
-                "urdf": self._urdf.get(name, []),
-                "cad": self._mates.get(name),
-            }
+            yield MjcfJointRow(
+                name=name,
+                kind=kind,
+                unit=UNITS[kind],
+                qpos=(qpos, numbers),
+                dof=(dof, speeds),
+                urdf=tuple(self._urdf.get(name, ())),
+                cad=self._mates.get(name),
+            )
             qpos, dof = qpos + numbers, dof + speeds
 
-    def _driven(self) -> Iterator[Row]:
-        """`ctrl`: the first number, and how many."""
+    def _driven(self) -> Iterator[MjcfActuatorRow]:
         nodes = [node for section in self._root.iterchildren("actuator") for node in section]
         first = 0
         for node in (node for node in nodes if isinstance(node.tag, str)):
             own = self._actuators.get(node.get("name"))
             joint = node.get("joint") or (own.dof if own else None)
             count = _controls(node, own)
-            yield {
-                "name": node.get("name"),
-                "ctrl": [first, count],
-                "type": node.tag,
-                "joint": joint,
-                "unit": self._unit_of_control(own) if own else None,
-                "range": _range(node, own),
-                "cad": self._mates.get(joint or ""),
-            }
+            yield MjcfActuatorRow(
+                name=node.get("name"),
+                ctrl=(first, count),
+                type=node.tag,
+                joint=joint,
+                unit=self._unit_of_control(own) if own else None,
+                range=_range(node, own),
+                cad=self._mates.get(joint or ""),
+            )
             first += count
 
     def _unit_of_control(self, one: Actuator) -> str | None:
@@ -100,8 +95,7 @@ class MjcfOrder:
         said = {"force": force, "value": value, "speed": f"{value}/s", "share": "-", "voltage": "V"}
         return said.get(_CONTROL.get(one.type, ""))
 
-    def _sensors(self) -> Iterator[Row]:
-        """`address`: of the first number in `sensordata`; null after one whose numbers are not known."""
+    def _sensors(self) -> Iterator[MjcfSensorRow]:
         address: int | None = 0
         nodes = [node for section in self._root.iterchildren("sensor") for node in section]
         for index, node in enumerate(node for node in nodes if isinstance(node.tag, str)):
@@ -112,16 +106,16 @@ class MjcfOrder:
             on = node.get("joint") or (own.dof if own else None)
             dof = self._dofs.get(on or "")
             kind = dof.kind if dof else ""
-            yield {
-                "name": node.get("name"),
-                "index": index,
-                "type": node.tag,
-                "on": _on(node),
-                "address": address,
-                "dim": known or None,
-                "unit": unit_of(node.tag, own.moves(kind) if own else kind),
-                "cad": self._mates.get(on or ""),
-            }
+            yield MjcfSensorRow(
+                name=node.get("name"),
+                index=index,
+                type=node.tag,
+                on=_on(node),
+                address=address,
+                dim=known or None,
+                unit=unit_of(node.tag, own.moves(kind) if own else kind),
+                cad=self._mates.get(on or ""),
+            )
             address = address + known if known and address is not None else None
 
 
@@ -133,15 +127,15 @@ def _controls(node: Element, own: Actuator | None) -> int:
     return len((said or _OF_PID).split())
 
 
-def _range(node: Element, own: Actuator | None) -> list[float | None] | None:
+def _range(node: Element, own: Actuator | None) -> tuple[float, ...] | None:
     """The range of the control, as the file has it, else as the actuator, whose class may hold it."""
     text = node.get("ctrlrange")
     if text is not None:
         try:
-            return [as_float(float(end)) for end in text.split()]
+            return tuple(as_float(float(end)) for end in text.split())
         except ValueError:
             return None  # It does not compile.
-    return None if own is None or own.control is None else [as_float(end) for end in own.control]
+    return None if own is None or own.control is None else tuple(map(as_float, own.control))
 
 
 def _whole(text: str | None) -> int:

@@ -1,15 +1,15 @@
 """The table of a URDF: its joints that move, in the order of the file and in that of its tree."""
 
 from collections.abc import Iterator, Mapping
-from typing import Any
 
+from stages.formats.robot_json.files import UrdfJointRow
 from stages.formats.xml import Element
 
 UNITS = {"revolute": "rad", "continuous": "rad", "prismatic": "m", "floating": "m, rad", "planar": "m, rad"}
 """Type of joint → its unit; others do not move."""
 
 
-def urdf_rows(root: Element, dofs: Mapping[str, str], mates: Mapping[str, str]) -> Iterator[dict[str, Any]]:
+def urdf_rows(root: Element, dofs: Mapping[str, str], mates: Mapping[str, str]) -> Iterator[UrdfJointRow]:
     """A row for each joint that moves, in the order of the file. `dofs`: joint → the robot's dof; `mates`:
     dof → what CAD calls its mate.
 
@@ -21,16 +21,16 @@ def urdf_rows(root: Element, dofs: Mapping[str, str], mates: Mapping[str, str]) 
     for index, node in enumerate(joints):
         name, mimic = node.get("name"), node.find("mimic")
         dof = dofs.get(name)
-        yield {
-            "name": name,
-            "index": index,
-            "tree": places.get(name),
-            "type": node.get("type"),
-            "unit": UNITS[node.get("type")],
-            "follows": None if mimic is None else mimic.get("joint"),
-            "dof": dof,
-            "cad": mates.get(dof or ""),
-        }
+        yield UrdfJointRow(
+            name=name,
+            index=index,
+            tree=places.get(name),
+            type=node.get("type"),
+            unit=UNITS[node.get("type")],
+            follows=None if mimic is None else mimic.get("joint"),
+            dof=dof,
+            cad=mates.get(dof or ""),
+        )
 
 
 def _walked(root: Element) -> Iterator[str]:

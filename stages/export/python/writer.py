@@ -1,8 +1,11 @@
 """A Python package: the files of the other formats, as pip installs them."""
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from stages.export.writer import FormatFiles, WriterInput
+
+if TYPE_CHECKING:
+    from stages.formats.robot_json.files import PackageRecord
 
 FOLDER = "python"
 """Where the package lies in the output."""
@@ -37,14 +40,15 @@ class PythonWriter:
         return FormatFiles({f"{FOLDER}/{path}": text for path, text in files.items()})
 
 
-def package_record(given: WriterInput) -> dict[str, Any]:
+def package_record(given: WriterInput) -> "dict[str, PackageRecord]":
     """What robot.json tells of the package, which holds it."""
     from stages.export import VERSION
     from stages.export.python.keys import module_of
+    from stages.formats.robot_json.files import PackageRecord
 
     package, folder = _names(given)
     place = f"{FOLDER}/{module_of(package)}/{folder}"
-    return {"python": {"package": package, "writer": VERSION, "folder": place}}
+    return {"python": PackageRecord(package, VERSION, place)}
 
 
 def _names(given: WriterInput) -> tuple[str, str]:

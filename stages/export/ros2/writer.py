@@ -49,6 +49,7 @@ class Ros2Writer:
         from stages.export.ros2.moveit import semantics_of
         from stages.export.ros2.trajectories import trajectories_of
         from stages.export.ros2.unsupported import unsupported
+        from stages.formats.robot_json.files import PackageRecord, RenamedRecord
 
         robot = given.written.robot
         keys = given.keys.export.ros2 or Ros2FormatKeys()
@@ -65,7 +66,7 @@ class Ros2Writer:
         told = tuple(unsupported(description.names, control, own, place, bool(beside)))
         files = {f"{place}/{path}": data for path, data in _files(given, package, description, driven)}
         files |= beside
-        record = {"package": package, "writer": VERSION, "renamed": description.names.renamed}
+        record = PackageRecord(package, VERSION, renamed=RenamedRecord.from_model(description.names))
         return FormatFiles(files, told, record={"ros2": record})
 
 

@@ -1,11 +1,12 @@
 """SDF: the model, and the file by which Gazebo finds it."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stages.export.writer import FormatFiles, WriterInput
 
 if TYPE_CHECKING:
     from stages.export.sdf.model import SdfPlan
+    from stages.formats.robot_json.files import FormatRecord
 
 
 class SdfWriter:
@@ -33,15 +34,13 @@ class SdfWriter:
         return FormatFiles(files, losses, record={"sdf": _record(plan)})
 
 
-def _record(plan: "SdfPlan") -> dict[str, Any]:
+def _record(plan: "SdfPlan") -> "FormatRecord":
     """What robot.json tells of the SDF."""
-    from stages.export.json_values import as_value
+    from stages.formats.robot_json.files import FormatRecord, RenamedRecord
+    from stages.formats.robot_json.values import as_value
 
-    renamed: dict[str, dict[str, str]] = {"links": {}, "joints": {}, "frames": {}}
-    for kind, name, own in plan.names.changed:
-        renamed[f"{kind}s"][name] = own
     zeros = {name: as_value(value) for name, value in plan.lowered.moved.items()}
-    return {"renamed": renamed, "zeros": zeros}
+    return FormatRecord(RenamedRecord.from_model(plan.names), zeros)
 
 
 def _plan(given: WriterInput) -> "SdfPlan":

@@ -1,11 +1,12 @@
 """USD: the robot, and the meshes that it refers to."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stages.export.writer import FormatFiles, WriterInput
 
 if TYPE_CHECKING:
     from stages.export.usd.model import UsdPlan
+    from stages.formats.robot_json.files import FormatRecord
 
 
 class UsdWriter:
@@ -35,14 +36,13 @@ class UsdWriter:
         return FormatFiles(files, losses, record=_record(plan))
 
 
-def _record(plan: "UsdPlan") -> dict[str, Any]:
+def _record(plan: "UsdPlan") -> "dict[str, FormatRecord]":
     """What `robot.json` tells of the USD: names and zeros that are not the robot's."""
-    renamed: dict[str, dict[str, str]] = {"links": {}, "joints": {}}
-    for kind, name, own in plan.names.changed:
-        renamed[f"{kind}s"][name] = own
-    told: dict[str, Any] = {"renamed": renamed} if any(renamed.values()) else {}
-    told |= {"zeros": dict(plan.zeros)} if plan.zeros else {}
-    return {"usd": told} if told else {}
+    from stages.formats.robot_json.files import FormatRecord, RenamedRecord
+
+    renamed = RenamedRecord.from_model(plan.names) if any(plan.names.changed) else None
+    told = FormatRecord(renamed, plan.zeros or None)
+    return {} if told == FormatRecord() else {"usd": told}
 
 
 def _plan(given: WriterInput) -> "UsdPlan":

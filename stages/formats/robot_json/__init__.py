@@ -1,1 +1,9 @@
-"""Reads robot.json back as the robot and all else that files are checked against."""
+"""robot.json: its schema, by which it is written and read.
+
+- codec: records as JSON and back
+- values: numbers, values and poses
+- links, joints, driving, shapes, scene, mjcf, files: records of these
+- robot: the whole
+"""
+
+FORMAT, VERSION = "linkwright-robot", 1

@@ -1,93 +1,213 @@
 """What drives and measures the robot of a robot.json."""
 
-from typing import Any, get_args
+from dataclasses import dataclass
+from typing import Annotated, Any
 
-from stages.formats.robot_json.fields import Fields
+from stages.formats.robot_json.codec import UNREAD, JsonRecord, Key, PairRecord
+from stages.formats.robot_json.values import (
+    DofName,
+    Forces,
+    LinkName,
+    Number,
+    Pose,
+    Range,
+    Short,
+    Sizes,
+    TextPairs,
+    Turned,
+)
 from stages.robot.actuation import Actuation, Actuator, ActuatorType, Armature
-from stages.robot.model import Sensor, Transmission
-from stages.robot.sensing import Sensing, SensorCamera, SensorSite, SensorTarget, ZoneShape
-
-TYPES, TARGETS, ZONES = get_args(ActuatorType), get_args(SensorTarget), get_args(ZoneShape)
+from stages.robot.sensing import Sensing, Sensor, SensorCamera, SensorSite, SensorTarget, ZoneShape
 
 
-def actuation_of(record: Fields) -> Actuation:
-    """What drives the robot. What motors give the dofs these have already."""
-    return Actuation(
-        actuators=tuple(_actuator(one) for one in record.records("actuators")),
-        armatures=tuple(
-            Armature(one.text("dof"), one.number("value"), one.text("reason"))
-            for one in record.records("armatures")
-        ),
-        compensated=tuple((one.text("link"), one.number("share")) for one in record.records("compensated")),
-        compensating=record.texts("compensating") if record.has("compensating") else (),
-    )
+@dataclass(frozen=True, kw_only=True)
+class ActuatorRecord(JsonRecord[Actuator]):
+    """What drives a degree of freedom.
+
+    name: unique among actuators.
+    dof: the degree of freedom that it drives.
+    type: MuJoCo's; general has all its parameters in `terms`.
+    gear: length of the actuator per value of the degree of freedom.
+    kp: a servo's stiffness [N m/rad or N/m]; null for none.
+    kv: a servo's damping [N m s/rad or N s/m]; null for none.
+    terms: MJCF's other attributes.
+    control: the lowest and the highest control, in the unit of the type; null without limits.
+    force: the lowest and the highest force at the actuator [N m or N]; null without limits.
+    home: the control at the keyframe `home`.
+    load: the largest force at the degree of freedom by the robot's weight, over its range [N m or N]; null
+        where it is unknown.
+    home_load: that at `home` [N m or N]; null where it is unknown.
+    holds: keyframe that needs one → the force at the degree of freedom, with its sign, that holds the robot
+        there [N m or N].
+    sag: how far the robot's weight moves the servo's degree of freedom from a target at `home` [rad or m].
+    estimated: the values that Linkwright chose.
+    motor: a motor of the library; missing for none.
+    provenance: parameter of the motor → where its value comes from.
+    """
+
+    name: str
+    dof: DofName
+    type: ActuatorType
+    gear: Number
+    kp: Number | None
+    kv: Number | None
+    terms: TextPairs = ()
+    control: Range | None
+    force: Range | None
+    home: Turned
+    load: Short | None
+    home_load: Annotated[Short | None, UNREAD]
+    holds: Forces = ()
+    sag: Annotated[Short | None, UNREAD]
+    estimated: tuple[str, ...]
+    motor: str = ""
+    sources: Annotated[TextPairs, Key("provenance")] = ()
 
 
-def sensing_of(record: Fields) -> Sensing:
-    return Sensing(
-        tuple(_sensor(one) for one in record.records("sensors")),
-        tuple(_site(one) for one in record.records("sensor_sites")),
-        tuple(_camera(one) for one in record.records("cameras")),
-    )
+@dataclass(frozen=True)
+class ArmatureRecord(JsonRecord[Armature]):
+    """An inertia that Linkwright adds to a degree of freedom that has none.
+
+    dof: the degree of freedom.
+    value: the inertia [kg m² or kg].
+    reason: why, in words.
+    """
+
+    dof: DofName
+    value: Number
+    reason: str
 
 
-def transmission_of(record: Fields) -> Transmission:
-    name, joint, kind = (record.text(key) for key in ("name", "joint", "type"))
-    return Transmission(name, joint, kind, record.number("reduction"), record.texts("interfaces"))
+@dataclass(frozen=True)
+class CompensatedRecord(PairRecord):
+    """A link whose weight actuators carry.
+
+    link: the link.
+    share: of its weight.
+    """
+
+    link: LinkName
+    share: Number
 
 
-def _actuator(record: Fields) -> Actuator:
-    forces = Fields(dict(record.items("holds")), f"{record.place}.holds")
-    return Actuator(
-        name=record.text("name"),
-        dof=record.text("dof"),
-        type=record.one_of("type", *TYPES),
-        gear=record.number("gear"),
-        kp=record.number_or_none("kp"),
-        kv=record.number_or_none("kv"),
-        control=_range(record, "control"),
-        force=_range(record, "force"),
-        terms=tuple((key, str(value)) for key, value in record.items("terms")),
-        home=record.number("home"),
-        load=record.number_or_none("load"),
-        holds=tuple((name, forces.number(name)) for name in forces.table),
-        estimated=record.texts("estimated"),
-        motor=record.text("motor") if record.has("motor") else "",
-        sources=tuple((key, str(value)) for key, value in record.items("provenance")),
-    )
+@dataclass(frozen=True)
+class ActuationRecord(JsonRecord[Actuation]):
+    """What drives the robot.
+
+    actuators: actuators in the order of the degrees of freedom.
+    armatures: inertias that Linkwright adds.
+    compensated: the links whose weight actuators carry.
+    compensating: the degrees of freedom whose actuators carry it.
+    """
+
+    actuators: tuple[ActuatorRecord, ...] = ()
+    armatures: tuple[ArmatureRecord, ...] = ()
+    compensated: tuple[CompensatedRecord, ...] = ()
+    compensating: tuple[str, ...] = ()
 
 
-def _range(record: Fields, key: str) -> tuple[float, float] | None:
-    if not record.has(key):
-        return None
-    low, high = record.numbers(key, 2)
-    return low, high
+@dataclass(frozen=True)
+class SensorEndRecord(PairRecord):
+    """What a sensor is on, or measures in the frame of.
+
+    kind: what has the name; body is a link's centre of mass, xbody its frame.
+    name: of a degree of freedom, an actuator, a frame, a link or a camera.
+    """
+
+    kind: SensorTarget
+    name: str
 
 
-def _sensor(record: Fields) -> Sensor:
-    zone: dict[str, Any] = {}
-    if record.has("shape"):
-        zone = {"shape": record.one_of("shape", *ZONES), "size": record.numbers("size")}
-    on, of = (_end(record, key) for key in ("on", "relative_to"))
-    numbers = record.number("noise"), record.number("cutoff")
-    return Sensor(record.text("name"), record.text("type"), *on, *of, *numbers, **zone)
+@dataclass(frozen=True)
+class SensorRecord(JsonRecord[Sensor]):
+    """A sensor.
+
+    name: unique among sensors.
+    type: MJCF's.
+    on: null for the whole model.
+    relative_to: of a sensor of a frame in another, and of one in the image of a camera; null for others.
+    noise: standard deviation, in the unit of the sensor.
+    cutoff: the largest value, in the unit of the sensor; 0 for none.
+    shape: that in which contact is felt, of a sensor of the source.
+    size: of that shape [m], as of `sensor_sites`.
+    """
+
+    name: str
+    type: str
+    on: SensorEndRecord | None
+    relative_to: SensorEndRecord | None
+    noise: Number
+    cutoff: Number
+    shape: ZoneShape = ""
+    size: Sizes = ()
+
+    @classmethod
+    def from_model(cls, value: Sensor, **more: Any) -> "SensorRecord":
+        on, of = (value.target, value.name_of_target), (value.relative_to, value.name_of_relative)
+        ends = {"on": on if value.target else None, "relative_to": of if value.relative_to else None}
+        return super().from_model(value, **ends, **({} if value.shape else {"size": ()}))
+
+    def to_model(self, **more: Any) -> Sensor:
+        target, name = self.on.to_model() if self.on else ("", "")
+        other, its_name = self.relative_to.to_model() if self.relative_to else ("", "")
+        return super().to_model(
+            target=target, name_of_target=name, relative_to=other, name_of_relative=its_name
+        )
 
 
-def _end(record: Fields, key: str) -> tuple[Any, str]:
-    if not record.has(key):
-        return "", ""
-    end = record.inside(key)
-    return end.one_of("kind", *TARGETS), end.text("name")
+@dataclass(frozen=True)
+class SensorSiteRecord(JsonRecord[SensorSite]):
+    """A place on a link that is there for sensors alone.
+
+    name: unique among sites.
+    link: the link that has it.
+    pose: where it is in the link.
+    shape: that in which contact is felt; null for a point.
+    size: of the shape [m]: the radius of a sphere; the radius and the length of a cylinder or capsule; the
+        lengths along x, y and z of a box or ellipsoid; null for a point.
+    """
+
+    name: str
+    link: LinkName
+    link_from_site: Pose
+    shape: ZoneShape | None
+    size: Sizes | None
+
+    @classmethod
+    def from_model(cls, value: SensorSite, **more: Any) -> "SensorSiteRecord":
+        return super().from_model(value, shape=value.shape or None, size=value.size if value.shape else None)
+
+    def to_model(self, **more: Any) -> SensorSite:
+        return super().to_model(shape=self.shape or "", size=self.size or ())
 
 
-def _site(record: Fields) -> SensorSite:
-    where = record.text("name"), record.text("link"), record.pose("pose")
-    if not record.has("shape"):
-        return SensorSite(*where)
-    return SensorSite(*where, record.one_of("shape", *ZONES), record.numbers("size"))
+@dataclass(frozen=True)
+class SensorCameraRecord(JsonRecord[SensorCamera]):
+    """A camera that the robot carries. It looks along z, x to the right, y down.
+
+    name: unique among cameras.
+    link: the link that has it.
+    pose: where it is in the link.
+    fovy: its vertical field of view [deg].
+    resolution: width and height [pixels].
+    """
+
+    name: str
+    link: LinkName
+    link_from_camera: Pose
+    fovy: Number
+    resolution: tuple[int, int]
 
 
-def _camera(record: Fields) -> SensorCamera:
-    width, height = record.numbers("resolution", 2)
-    where = record.text("name"), record.text("link"), record.pose("pose")
-    return SensorCamera(*where, record.number("fovy"), (int(width), int(height)))
+@dataclass(frozen=True)
+class SensingRecord(JsonRecord[Sensing]):
+    """What measures the robot.
+
+    sensors: sensors in the order of MuJoCo's `sensordata`.
+    sensor_sites: places on links that are there for sensors alone.
+    cameras: cameras that the robot carries.
+    """
+
+    sensors: tuple[SensorRecord, ...] = ()
+    sites: Annotated[tuple[SensorSiteRecord, ...], Key("sensor_sites")] = ()
+    cameras: tuple[SensorCameraRecord, ...] = ()

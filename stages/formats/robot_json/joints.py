@@ -1,114 +1,276 @@
 """Joints, loops, relations and frames of robot.json."""
 
-from dataclasses import fields
-from typing import get_args
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any
 
 import numpy as np
 
-from stages.formats.robot_json.fields import Fields
-from stages.robot.model import (
-    Array,
-    Dof,
-    DofKind,
-    Dynamics,
-    Frame,
-    Joint,
-    JointType,
-    Keyframe,
-    Limits,
-    Loop,
-    MateRef,
-    MateValue,
-    Relation,
-    Spring,
-    frozen,
+from stages.formats.numbers import least_of
+from stages.formats.robot_json.codec import INLINE, UNREAD, JsonRecord, Key
+from stages.formats.robot_json.values import (
+    DofName,
+    DofValue,
+    Ends,
+    LinkName,
+    Number,
+    Pose,
+    PoseRecord,
+    Range,
+    Turned,
+    Vector,
+    as_float,
 )
-
-TYPES, KINDS = get_args(JointType), get_args(DofKind)
-
-
-def joint_of(record: Fields) -> Joint:
-    return Joint(
-        name=record.text("name"),
-        type=record.one_of("type", *TYPES),
-        parent=record.text("parent"),
-        child=record.text("child"),
-        parent_from_joint=record.pose("origin"),
-        dofs=tuple(_dof(one) for one in record.records("dofs")),
-        backwards=record.truth("backwards"),
-        mate=_mate(record),
-    )
+from stages.robot import model
+from stages.robot.poses import UNMOVED
 
 
-def loop_of(record: Fields) -> Loop:
-    constant, ratio = record.numbers("solref", 2)
-    return Loop(
-        name=record.text("name"),
-        type=record.one_of("type", *TYPES),
-        link_a=record.text("link_a"),
-        link_b=record.text("link_b"),
-        a_from_frame=record.pose("frame_a"),
-        b_from_frame=record.pose("frame_b"),
-        dofs=tuple(_dof(one) for one in record.records("dofs")),
-        lever=record.number("lever"),
-        solref=(constant, ratio),
-        residual=record.number("residual"),
-        mate=_mate(record) or MateRef((), "", "", ""),
-    )
+@dataclass(frozen=True)
+class MateRecord(JsonRecord[model.MateRef]):
+    """The mate in CAD behind a joint or loop.
+
+    owner: the path of the assembly that has it.
+    feature: its id.
+    name: its name in CAD.
+    type: its type in CAD.
+    copy: the instance for which a pattern or mirror repeats it; missing for the mate itself.
+    """
+
+    owner: tuple[str, ...]
+    feature: str
+    name: str
+    type: str
+    copy: str = ""
 
 
-def relation_of(record: Fields) -> Relation:
-    ends = record.text("follower"), record.text("driver")
-    return Relation(record.text("name"), *ends, record.number("multiplier"), record.number("offset"))
+@dataclass(frozen=True)
+class DynamicsRecord(JsonRecord[model.Dynamics]):
+    """What moves and resists a degree of freedom; null is unset.
+
+    damping: force per speed [N m s/rad or N s/m].
+    friction: force of dry friction [N m or N].
+    armature: inertia that moves with it [kg m² or kg].
+    effort: the largest force [N m or N].
+    velocity: the largest speed [rad/s or m/s].
+    """
+
+    damping: Number | None
+    friction: Number | None
+    armature: Number | None
+    effort: Number | None
+    velocity: Number | None
 
 
-def frame_of(record: Fields) -> Frame:
-    source = record.inside("cad").text("name") if record.has("cad") else ""
-    joint = record.text("joint") if record.has("joint") else ""
-    return Frame(record.text("name"), record.text("link"), record.pose("pose"), source, joint)
+@dataclass(frozen=True)
+class MateValueRecord(JsonRecord[model.MateValue]):
+    """The way back to the mate's own value, as CAD shows it: zero + sign · value; of a ball or free motion
+    the pose `zero` times the value.
+
+    sign: 1 or -1.
+    zero: the mate's own value where the value is 0.
+    """
+
+    sign: int
+    zero: DofValue
 
 
-def keyframe_of(record: Fields) -> Keyframe | None:
-    """The values that the user gives; None where there are none: then the pose is worked out."""
-    given = Fields(dict(record.items("given")), f"{record.place}.given")
-    values = tuple((name, given.number(name)) for name in given.table)
-    return Keyframe(record.text("name"), values) if values else None
+@dataclass(frozen=True)
+class SpringRecord(JsonRecord[model.Spring]):
+    """A spring of an MJCF source.
+
+    stiffness: force per displacement [N m/rad or N/m].
+    reference: the value at which it is slack [rad or m].
+    """
+
+    stiffness: Number
+    reference: Turned
 
 
-def _dof(record: Fields) -> Dof:
-    kind = record.one_of("kind", *KINDS)
-    provenance = dict(record.items("provenance"))
-    named = {"lower": "limits", "upper": "limits"}
-    given = dict.fromkeys(named.get(key, key) for key, where in provenance.items() if where == "given")
-    dynamics = {one.name: record.number_or_none(one.name) for one in fields(Dynamics)}
-    mate = record.inside("mate")
-    return Dof(
-        name=record.text("name"),
-        kind=kind,
-        axis=_axis(record),
-        origin=record.pose_or_none("origin"),
-        limits=Limits(*record.ends("limits")),
-        dynamics=Dynamics(**dynamics),
-        saved=record.value("saved"),
-        given=tuple(given),
-        in_mate=MateValue(mate.whole("sign"), mate.value("zero")),
-        spring=_spring(record.inside("spring")) if record.has("spring") else None,
-    )
+@dataclass(frozen=True)
+class BallZeroRecord(JsonRecord[None]):
+    """Where q = 0 of a ball is, as its chain's quaternion (w, x, y, z).
+
+    urdf: its mate's zero.
+    mjcf: its pose at qpos0, since an MJCF has no `ref` for it.
+    """
+
+    urdf: DofValue
+    mjcf: DofValue
 
 
-def _spring(record: Fields) -> Spring:
-    return Spring(record.number("stiffness"), record.number("reference"))
+@dataclass(frozen=True, kw_only=True)
+class DofRecord(JsonRecord[model.Dof]):
+    """A degree of freedom. Its values are numbers [rad or m], a ball's quaternion (w, x, y, z), or the seven
+    numbers of free motion (x, y, z, quaternion).
+
+    name: unique among the degrees of freedom of all joints and loops; the only one of a joint has its name.
+    kind: a turn about the axis, a slide along it, a ball, or free motion.
+    axis: a unit vector in its own frame; null for a ball and for free motion.
+    origin: its own frame in that which the one before it moves; null where they are the same.
+    limits: the lowest and the highest value, each null where there is none; a ball's second is the half angle
+        of the cone that its z axis stays in.
+    saved: the value in the pose that was saved in CAD: that of the chain, from parent to child.
+    mate: the way back to the mate's own value.
+    spring: present where an MJCF source has a spring.
+    mate_quat: a ball's saved value as the mate has it: the inverse where the joint runs backwards.
+    unset: the quantities for which the URDF has a default, since it demands numbers. Not of a loop.
+    provenance: limit or quantity → where it comes from: given (by the configuration), source (by CAD or the
+        file), estimated, a motor with where its value comes from, or unset.
+    estimated: what Linkwright chose, of a joint.
+    qpos0: the value in a fresh simulation of the MJCF. Not of a loop.
+    zero: where a ball's q = 0 is, by format.
+    """
+
+    name: str
+    kind: model.DofKind
+    axis: Vector | None
+    origin: PoseRecord | None
+    limits: Ends
+    dynamics: Annotated[DynamicsRecord, INLINE]
+    saved: DofValue
+    in_mate: Annotated[MateValueRecord, Key("mate")]
+    spring: SpringRecord | None = None
+    mate_quat: Annotated[DofValue | None, UNREAD] = None
+    unset: Annotated[tuple[str, ...] | None, UNREAD] = None
+    provenance: Mapping[str, str]
+    estimated: Annotated[tuple[str, ...], UNREAD] = ()
+    qpos0: Annotated[DofValue | None, UNREAD] = None
+    zero: Annotated[BallZeroRecord | None, UNREAD] = None
+
+    @classmethod
+    def from_model(cls, value: model.Dof, **more: Any) -> "DofRecord":
+        least = least_of(value.kind)
+        ends = (
+            None if end is None else as_float(end, least) for end in (value.limits.lower, value.limits.upper)
+        )
+        axis = value.axis if value.kind in ("turn", "slide") else None
+        origin = None if np.array_equal(value.origin, UNMOVED) else value.origin
+        return super().from_model(value, axis=axis, origin=origin, limits=tuple(ends), **more)
+
+    def to_model(self, **more: Any) -> model.Dof:
+        # What is written of an axis is one up to its last digit.
+        axis = np.zeros(3) if self.axis is None else self.axis / (np.linalg.norm(self.axis) or 1.0)
+        named = {"lower": "limits", "upper": "limits"}
+        given = [named.get(key, key) for key, origin in self.provenance.items() if origin == "given"]
+        return super().to_model(
+            axis=model.frozen(axis),
+            origin=UNMOVED if self.origin is None else self.origin.to_model(),
+            limits=model.Limits(*self.limits),
+            given=tuple(dict.fromkeys(given)),
+        )
 
 
-def _axis(record: Fields) -> Array:
-    """A unit vector (3,): what is written is one up to its last digit. Zero for null."""
-    axis = record.vector("axis") if record.has("axis") else np.zeros(3)
-    return frozen(axis / (np.linalg.norm(axis) or 1.0))
+@dataclass(frozen=True)
+class JointRecord(JsonRecord[model.Joint]):
+    """A parent link, a child link and the degrees of freedom between them.
+
+    name: unique among joints.
+    type: that of its mate; compound is any other chain of degrees of freedom.
+    parent: the link that carries it.
+    child: the link that it moves.
+    origin: where its first degree of freedom is in the parent.
+    backwards: whether it runs from the mate's first entity to its second.
+    dofs: from parent to child, each in the frame that the one before it moves.
+    cad: null where CAD does not have the joint.
+    """
+
+    name: str
+    type: model.JointType
+    parent: str
+    child: str
+    parent_from_joint: Annotated[PoseRecord, Key("origin")]
+    backwards: bool
+    dofs: tuple[DofRecord, ...]
+    mate: Annotated[MateRecord | None, Key("cad")]
 
 
-def _mate(record: Fields) -> MateRef | None:
-    if not record.has("cad"):
-        return None
-    cad = record.inside("cad")
-    copy = cad.text("copy") if cad.has("copy") else ""
-    return MateRef(cad.texts("owner"), cad.text("feature"), cad.text("name"), cad.text("type"), copy)
+@dataclass(frozen=True)
+class LoopRecord(JsonRecord[model.Loop]):
+    """A mate that closes a loop of joints.
+
+    name: unique among loops and relations.
+    type: that of its mate.
+    link_a: the link of its first frame.
+    link_b: the link of its second frame.
+    frame_a: its first frame in that link.
+    frame_b: its second frame in that link, from which its degrees of freedom lead to the first.
+    urdf: the links of the URDF that are its first and its second frame.
+    mimic: whether <mimic> joints alone close it in the URDF.
+    dofs: those of the mate.
+    residual: how far it is open in the saved pose [m, rad].
+    lever: a length on its own scale [m].
+    solref: MuJoCo's, of its constraints.
+    cad: null where CAD does not have it.
+    """
+
+    name: str
+    type: model.JointType
+    link_a: LinkName
+    link_b: LinkName
+    a_from_frame: Annotated[PoseRecord, Key("frame_a")]
+    b_from_frame: Annotated[PoseRecord, Key("frame_b")]
+    urdf: Annotated[tuple[str, str], UNREAD]
+    mimic: bool
+    dofs: tuple[DofRecord, ...]
+    residual: Turned
+    lever: Number
+    solref: Range
+    mate: Annotated[MateRecord | None, Key("cad")]
+
+    def to_model(self, **more: Any) -> model.Loop:
+        return super().to_model(mate=self.mate.to_model() if self.mate else model.MateRef((), "", "", ""))
+
+
+@dataclass(frozen=True)
+class RelationRecord(JsonRecord[model.Relation]):
+    """A degree of freedom that follows another: follower = multiplier · driver + offset.
+
+    name: unique among loops and relations.
+    follower: the degree of freedom that follows.
+    driver: the degree of freedom that is followed.
+    multiplier: factor of the driver's value.
+    offset: what is added [rad or m].
+    """
+
+    name: str
+    follower: DofName
+    driver: DofName
+    multiplier: Number
+    offset: Turned
+
+
+@dataclass(frozen=True)
+class NameRecord(JsonRecord[None]):
+    """What CAD calls it.
+
+    name: as it is typed there.
+    """
+
+    name: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrameRecord(JsonRecord[model.Frame]):
+    """A named frame fixed to a link.
+
+    name: unique among frames.
+    link: the link that has it.
+    urdf: the link of the URDF that it is.
+    joint: the fixed joint that holds it in the source, where that has a name.
+    pose: where it is in the link.
+    cad: the mate connector that it is; null for none.
+    """
+
+    name: str
+    link: LinkName
+    urdf: Annotated[str, UNREAD]
+    joint: str = ""
+    link_from_frame: Pose
+    cad: NameRecord | None
+
+    @classmethod
+    def from_model(cls, value: model.Frame, **more: Any) -> "FrameRecord":
+        return super().from_model(value, cad=NameRecord(value.source) if value.source else None, **more)
+
+    def to_model(self, **more: Any) -> model.Frame:
+        return super().to_model(source=self.cad.name if self.cad else "")

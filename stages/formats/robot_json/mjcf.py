@@ -1,79 +1,120 @@
 """What only an MJCF has, in a robot.json."""
 
-from stages.formats.robot_json.fields import Fields, RobotJsonError
-from stages.formats.robot_json.scene import setting_of
-from stages.robot.mjcf_extras import (
-    Attributes,
-    MjcfAttributes,
-    MjcfBodyFrame,
-    MjcfElement,
-    MjcfExtras,
-    MjcfKeyframe,
-    MjcfMounted,
+from dataclasses import dataclass
+from typing import Annotated
+
+from stages.formats.robot_json.codec import JsonRecord, Key
+from stages.formats.robot_json.values import (
+    ExactNumbers,
+    ExactTensor,
+    NamePairs,
+    Pose,
+    RootValue,
+    SettingPairs,
+    TextPairs,
+    TextsPairs,
 )
-
-DEEPEST = 200
-"""Elements in each other that are read."""
+from stages.robot import mjcf_extras
 
 
-def extras_of(record: Fields) -> MjcfExtras | None:
-    """None for a robot of another source."""
-    if not record.has("mjcf"):
-        return None
-    table = record.inside("mjcf")
-    order, option = table.inside("order"), table.inside("option")
-    return MjcfExtras(
-        bodies=tuple(_body(one) for one in table.records("bodies")),
-        attributes=tuple(
-            MjcfAttributes(one.text("kind"), one.text("name"), texts_of(one, "attributes"))
-            for one in table.records("attributes")
-        ),
-        mounted=tuple(
-            MjcfMounted(one.text("link"), one.pose("pose"), _element(one.inside("element")))
-            for one in table.records("mounted")
-        ),
-        sections=tuple(_element(one) for one in table.records("sections")),
-        order=tuple((section, order.texts(section)) for section in order.table),
-        scene=tuple(_element(one) for one in table.records("scene")),
-        scene_qpos=table.numbers("scene_qpos"),
-        keyframes=tuple(
-            MjcfKeyframe(one.text("name"), one.numbers("root", 0, 7), one.numbers("scene"))
-            for one in table.records("keyframes")
-        ),
-        has_ground=table.truth("has_ground"),
-        option=tuple((name, setting_of(option, name)) for name in option.table),
-        flag=texts_of(table, "flag"),
-    )
+@dataclass(frozen=True)
+class MjcfElementRecord(JsonRecord[mjcf_extras.MjcfElement]):
+    """An element.
+
+    tag: its tag.
+    attributes: those that name nothing.
+    names: attribute → the kind and the name of what it names.
+    children: the elements in it.
+    """
+
+    tag: str
+    attributes: TextPairs
+    names: NamePairs
+    children: "tuple[MjcfElementRecord, ...]"
 
 
-def _body(record: Fields) -> MjcfBodyFrame:
-    axes = record.tensor("inertial_axes") if record.has("inertial_axes") else None
-    return MjcfBodyFrame(record.text("link"), record.pose("pose"), axes)
+@dataclass(frozen=True)
+class MjcfBodyRecord(JsonRecord[mjcf_extras.MjcfBodyFrame]):
+    """Where the source's body of a link is.
+
+    link: the link.
+    pose: where the body is in it.
+    inertial_axes: the axes of its inertia, in the order of the source; null for a body without mass.
+    """
+
+    link: str
+    link_from_body: Pose
+    body_from_inertial: Annotated[ExactTensor | None, Key("inertial_axes")]
 
 
-def texts_of(record: Fields, key: str) -> Attributes:
-    """The pairs of a table of texts."""
-    table = record.inside(key)
-    return tuple((name, table.text(name)) for name in table.table)
+@dataclass(frozen=True)
+class MjcfAttributesRecord(JsonRecord[mjcf_extras.MjcfAttributes]):
+    """Attributes of a thing that the robot has itself.
+
+    kind: joint (by the name of its degree of freedom), freejoint (of the floating root, by its link), body
+        (of its link), site (of its frame), equality (of its loop or relation), actuator or sensor.
+    name: of the thing.
+    attributes: those that no other format has.
+    """
+
+    kind: str
+    name: str
+    attributes: TextPairs
 
 
-def _element(record: Fields, depth: int = 0) -> MjcfElement:
-    if depth > DEEPEST:
-        msg = f"{record.place[:60]}...: elements are more than {DEEPEST} deep in each other"
-        raise RobotJsonError(msg)
-    names = record.inside("names")
-    return MjcfElement(
-        record.text("tag"),
-        texts_of(record, "attributes"),
-        tuple((attribute, *_name(names, attribute)) for attribute in names.table),
-        tuple(_element(one, depth + 1) for one in record.records("children")),
-    )
+@dataclass(frozen=True)
+class MjcfMountedRecord(JsonRecord[mjcf_extras.MjcfMounted]):
+    """An element on the body of a link.
+
+    link: the link.
+    pose: where it is in the body.
+    element: the element.
+    """
+
+    link: str
+    body_from_element: Pose
+    element: MjcfElementRecord
 
 
-def _name(names: Fields, attribute: str) -> tuple[str, str]:
-    """The kind and the name of what an attribute names."""
-    pair = names.texts(attribute)
-    if len(pair) != 2:
-        msg = f"{names.place}.{attribute}: expected a kind and a name, found {len(pair)} texts"
-        raise RobotJsonError(msg)
-    return pair[0], pair[1]
+@dataclass(frozen=True)
+class MjcfKeyframeRecord(JsonRecord[mjcf_extras.MjcfKeyframe]):
+    """What a keyframe has beside the values of turns and slides.
+
+    name: of the keyframe.
+    root: position and quaternion of a floating root; empty for none.
+    scene: the numbers in `qpos` of what moves in the scene.
+    """
+
+    name: str
+    world_from_root: Annotated[RootValue, Key("root")]
+    scene: ExactNumbers
+
+
+@dataclass(frozen=True)
+class MjcfRecord(JsonRecord[mjcf_extras.MjcfExtras]):
+    """What an MJCF source has that no other format has.
+
+    bodies: where its bodies are on the links.
+    attributes: those of joints, sites and other things that the robot has itself.
+    mounted: elements on the bodies of links.
+    sections: elements in a section, such as tendons, that name things of the robot alone.
+    order: section → the names of all in it, in the source's order.
+    scene: the sections of what is in the scene beside the robot.
+    scene_qpos: the numbers in `qpos0` of what moves in the scene.
+    keyframes: what they have beside the values of turns and slides.
+    has_ground: whether the scene has something to stand on.
+    option: attribute of MuJoCo's element → its value.
+    flag: attribute of MuJoCo's element → its value.
+    """
+
+    bodies: tuple[MjcfBodyRecord, ...]
+    attributes: tuple[MjcfAttributesRecord, ...]
+    mounted: tuple[MjcfMountedRecord, ...]
+    sections: tuple[MjcfElementRecord, ...]
+    order: TextsPairs
+    scene: tuple[MjcfElementRecord, ...]
+    scene_qpos: ExactNumbers
+    keyframes: tuple[MjcfKeyframeRecord, ...]
+    has_ground: bool
+    option: SettingPairs
+    flag: TextPairs

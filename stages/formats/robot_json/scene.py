@@ -1,34 +1,61 @@
-"""The scene of a robot.json."""
+"""The scene, the keyframes and the SRDF of a robot.json."""
 
-from stages.formats.robot_json.fields import Fields
-from stages.robot.scene import Ground, Scene, Setting
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated
 
-
-def scene_of(record: Fields) -> Scene | None:
-    """None where a build ended before it had a scene."""
-    if not record.has("scene"):
-        return None
-    table = record.inside("scene")
-    options = table.inside("option")
-    flags = table.inside("flag")
-    poses = table.inside("keyframes")
-    return Scene(
-        table.pose("pose"),
-        tuple((name, poses.pose(name)) for name in poses.table),
-        _ground(table.inside("ground")) if table.has("ground") else None,
-        {name: setting_of(options, name) for name in options.table},
-        {name: flags.text(name) for name in flags.table},
-    )
+from stages.formats.robot_json.codec import UNREAD, JsonRecord
+from stages.formats.robot_json.values import (
+    DofValue,
+    Friction,
+    Pose,
+    PosePairs,
+    SettingValue,
+    Values,
+)
+from stages.robot.model import Keyframe
+from stages.robot.scene import Ground, Scene
 
 
-def _ground(record: Fields) -> Ground:
-    first, second, third = record.numbers("friction", 3)
-    return Ground(record.pose("pose"), (first, second, third))
+@dataclass(frozen=True)
+class GroundRecord(JsonRecord[Ground]):
+    """A plane, whose z axis points out of it.
+
+    pose: where it is in the world.
+    friction: MuJoCo's sliding [-], torsional [m] and rolling [m] friction.
+    """
+
+    world_from_ground: Pose
+    friction: Friction
 
 
-def setting_of(record: Fields, key: str) -> Setting:
-    """A word, a number or several numbers."""
-    found = record.table[key]
-    if isinstance(found, str):
-        return record.text(key)
-    return record.numbers(key) if isinstance(found, list) else record.number(key)
+@dataclass(frozen=True)
+class SceneRecord(JsonRecord[Scene]):
+    """Where the files put the robot.
+
+    pose: the pose of its root in the world at qpos0.
+    keyframes: keyframe → the pose of its root in the world.
+    ground: null for none.
+    option: attribute of MuJoCo's element → its value; all else is MuJoCo's default.
+    flag: attribute of MuJoCo's element → its value; all else is MuJoCo's default.
+    """
+
+    world_from_root: Pose
+    keyframes: PosePairs
+    ground: GroundRecord | None
+    option: Mapping[str, SettingValue]
+    flag: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class KeyframeRecord(JsonRecord[Keyframe]):
+    """A named pose.
+
+    name: unique among keyframes.
+    given: degree of freedom → the value that the user or the source gives.
+    values: degree of freedom, also of a loop → its value.
+    """
+
+    name: str
+    given: Values
+    values: Annotated[Mapping[str, DofValue], UNREAD]

@@ -15,6 +15,7 @@ from stages.export.order.of_urdf import urdf_rows
 from stages.export.sensor_keys import MEASURES
 from stages.fetch.mjcf.actuation import _PLAIN_SENSORS
 from stages.formats.mjcf_joints import joints_in_order
+from stages.formats.robot_json.codec import write
 from stages.formats.xml import parse
 from stages.robot.actuation import NONE, Actuation, Actuator
 from stages.robot.model import Joint, Loop, Robot
@@ -166,7 +167,7 @@ def test_only_of_the_formats_that_are_written() -> None:
     for name, other in (("mjcf", "urdf"), ("urdf", "mjcf")):
         found = export(robot, NO_MESHES, plan_of(export={name: {}, other: None}))
         assert list(json.loads(found.files["robot.json"])["order"]) == [name]
-    assert found.details["order"] == found.order
+    assert found.details["order"] == write(found.order)
 
 
 OTHERS = """<mujoco><default><default class="a"><joint type="slide"/><default class="b"><geom size="1"/>
@@ -186,7 +187,7 @@ OTHERS = """<mujoco><default><default class="a"><joint type="slide"/><default cl
 def test_of_what_users_add_by_hand() -> None:
     """Frames, classes, more sections, and things that the robot does not know."""
     model = mujoco.MjModel.from_xml_string(OTHERS)
-    tables = MjcfOrder(parse(OTHERS.encode()), robot_with(), NONE, {}, {}).tables()
+    tables = write(MjcfOrder(parse(OTHERS.encode()), robot_with(), NONE, {}, {}).record())
     assert [row["name"] for row in tables["joints"]] == [model.joint(i).name for i in range(model.njnt)]
     assert [row["qpos"][0] for row in tables["joints"]] == list(model.jnt_qposadr)
     assert [KINDS[row["kind"]] for row in tables["joints"]] == list(model.jnt_type)
@@ -195,7 +196,7 @@ def test_of_what_users_add_by_hand() -> None:
 
 
 def test_the_range_of_an_actuator_that_users_add() -> None:
-    (row,) = MjcfOrder(parse(OTHERS.encode()), robot_with(), NONE, {}, {}).tables()["actuators"]
+    (row,) = write(MjcfOrder(parse(OTHERS.encode()), robot_with(), NONE, {}, {}).record())["actuators"]
     assert (row["name"], row["ctrl"], row["range"], row["unit"]) == ("pull", [0, 1], [-2, 3], None)
 
 
@@ -206,7 +207,7 @@ def test_of_actuators_with_several_controls() -> None:
     text += (
         '<pid name="d" joint="j" kp="1" input="pos vel ff"/><motor name="e" joint="j"/></actuator></mujoco>'
     )
-    rows = MjcfOrder(parse(text.encode()), robot_with(), NONE, {}, {}).tables()["actuators"]
+    rows = write(MjcfOrder(parse(text.encode()), robot_with(), NONE, {}, {}).record())["actuators"]
     assert [row["ctrl"] for row in rows] == [[0, 2], [2, 1], [3, 1], [4, 3], [7, 1]]
     model = compiled_if_it_can(text)
     assert [row["ctrl"][0] for row in rows] == list(model.actuator_ctrladr)
@@ -239,13 +240,13 @@ def test_the_unit_of_a_control_is_that_of_its_actuator(kind: str) -> None:
     made = Actuation(tuple(Actuator(f"{one.child}_drive", one.name, kind) for one in robot.joints))
     nodes = "".join(f'<{kind} name="{one.child}_drive" joint="{one.name}"/>' for one in robot.joints)
     root = parse(f"<mujoco><actuator>{nodes}</actuator></mujoco>".encode())
-    rows = MjcfOrder(root, robot, made, {}, {}).tables()["actuators"]
+    rows = write(MjcfOrder(root, robot, made, {}, {}).record())["actuators"]
     assert tuple(row["unit"] for row in rows) == UNITS[kind]
 
 
 def test_after_a_sensor_of_unknown_size_no_address_is_told() -> None:
     text = b"<mujoco><sensor><clock name='a'/><plugin name='b'/><clock name='c'/></sensor></mujoco>"
-    rows = MjcfOrder(parse(text), robot_with(), NONE, {}, {}).tables()["sensors"]
+    rows = write(MjcfOrder(parse(text), robot_with(), NONE, {}, {}).record())["sensors"]
     assert [(row["address"], row["dim"]) for row in rows] == [(0, 1), (1, None), (None, 1)]
 
 
@@ -253,12 +254,12 @@ def test_what_does_not_compile_is_left_to_the_checks() -> None:
     joints = '<body><joint name="a" type="bent"/><joint name="b"/></body>'
     more = '<actuator><motor ctrlrange="a b"/></actuator><sensor><user name="u" dim="x"/></sensor>'
     text = f"<mujoco><worldbody>{joints}</worldbody>{more}</mujoco>".encode()
-    tables = MjcfOrder(parse(text), robot_with(), NONE, {}, {}).tables()
+    tables = write(MjcfOrder(parse(text), robot_with(), NONE, {}, {}).record())
     assert [row["name"] for row in tables["joints"]] == ["a", "b"]
     assert tables["actuators"][0]["range"] is None
     assert tables["sensors"][0]["dim"] is None
     urdf = b"<robot><link name='l'/><joint name='j' type='revolute'/></robot>"
-    assert [row["tree"] for row in urdf_rows(parse(urdf), {}, {})] == [None]
+    assert [row.tree for row in urdf_rows(parse(urdf), {}, {})] == [None]
 
 
 def test_a_deep_tree_is_walked() -> None:

@@ -10,7 +10,7 @@ import pytest
 from stages.export.robot_json import describe
 from stages.formats.described import Truth, described
 from stages.formats.mjcf_form import MjcfForm
-from stages.formats.robot_json.fields import RobotJsonError
+from stages.formats.robot_json.codec import RobotJsonError
 from stages.formats.urdf.form import UrdfForm
 from stages.formats.written import Written
 from stages.robot.actuation import Actuation, Actuator, Armature

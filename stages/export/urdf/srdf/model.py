@@ -5,13 +5,13 @@ Element rules are those of srdfdom, MoveIt's own reader; names are those of the 
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 from stages.export.urdf.srdf.apart import POSES
 from stages.export.urdf.srdf.disabled import Disabled, disabled_pairs
 from stages.export.urdf.srdf.groups import Groups, groups_of
 from stages.export.urdf.srdf.source_groups import source_groups
 from stages.export.urdf.srdf.states import states_of
+from stages.formats.robot_json.files import SrdfRecord
 from stages.formats.urdf.names import urdf_names
 from stages.formats.written import Written
 from stages.formats.xml import Element, comment, element, to_bytes
@@ -35,13 +35,13 @@ class SrdfPlan:
     loops: tuple[str, ...]
 
     @property
-    def record(self) -> dict[str, Any]:
+    def record(self) -> SrdfRecord:
         """What robot.json tells of the SRDF."""
-        never: dict[str, list[str]] = {}
+        never: dict[str, tuple[str, ...]] = {}
         for (one, other), reason in self.disabled.pairs:
             if reason == "Never":
-                never.setdefault(one, []).append(other)
-        return {"never": never, "end_effectors": [one.name for one in self.groups.grippers]}
+                never[one] = (*never.get(one, ()), other)
+        return SrdfRecord(never, tuple(one.name for one in self.groups.grippers))
 
 
 def plan_of(written: Written) -> SrdfPlan:

@@ -1,0 +1,284 @@
+"""Records as JSON and back: the class of a record is the schema of its table.
+
+A field's key is its name, unless a `Key` says otherwise. A field with a default is left out where it has that
+value, and may be missing or null where the table is read. Keys that no field has are not read.
+"""
+
+import sys
+import typing
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import MISSING, dataclass, fields
+from functools import cache
+from types import NoneType, UnionType
+from typing import Annotated, Any, Generic, Literal, Self, TypeVar, Union, cast, get_args, get_origin
+
+T = TypeVar("T")
+
+Names = Mapping[str, Collection[str]]
+"""Kind of thing → the names that there are of it: what a field refers to must be one of these."""
+
+
+class RobotJsonError(Exception):
+    """robot.json does not say what it must. The message names the field."""
+
+    def __init__(self, message: str, place: str | None = None) -> None:
+        super().__init__(message if place is None else f"{place or 'the file'}: {message}")
+        self._message, self._place = message, place
+
+    def within(self, step: str) -> "RobotJsonError":
+        """The same error, seen from the table or list that has the field."""
+        place = self._place or ""
+        return RobotJsonError(self._message, f"{step}{'' if place[:1] in ('', '[') else '.'}{place}")
+
+
+def refused(expected: str, found: Any) -> RobotJsonError:
+    shown = "nothing" if found is None else repr(found)
+    shown = shown if len(shown) <= 60 else f"{shown[:57]}..."
+    return RobotJsonError(f"expected {expected}, found {shown}", "")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Form:
+    """How the values of a type are in JSON. `write`: from the value to plain data; `read`: back again, with
+    RobotJsonError for what is none; `schema`: JSON Schema of the data."""
+
+    write: Callable[[Any], Any]
+    read: Callable[[Any, Names], Any]
+    schema: Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """The key of a field that has another name in the model."""
+
+    name: str
+
+
+INLINE = object()
+"""Marks a field whose own fields are in the table in its place."""
+
+UNREAD = object()
+"""Marks a field that only others read: it follows from the rest."""
+
+
+class JsonRecord(Generic[T]):
+    """A table of robot.json: what it says of a value of the model, T."""
+
+    @classmethod
+    def from_model(cls, value: Any, **more: Any) -> Self:
+        """The record of a value, whose attributes have the names of the fields; `more`: other fields. What
+        the value does not have keeps its default."""
+        names = [field.name for field in fields(cls) if field.name not in more]  # type: ignore[arg-type]
+        return cls(**{name: getattr(value, name) for name in names if hasattr(value, name)}, **more)
+
+    def to_model(self, **more: Any) -> T:
+        """The value of the record; `more`: attributes that no field has."""
+        kind = get_args(self.__orig_bases__[0])[0]  # type: ignore[attr-defined]
+        names = {field.name for field in fields(self)} - more.keys()  # type: ignore[arg-type]
+        own = [field.name for field in fields(kind) if field.name in names]
+        made: T = kind(**{name: modelled(getattr(self, name)) for name in own}, **more)
+        return made
+
+
+class PairRecord(JsonRecord[tuple[Any, ...]]):
+    """What the model has as a tuple."""
+
+    @classmethod
+    def from_model(cls, value: Any, **more: Any) -> Self:
+        return cls(*value)
+
+    def to_model(self, **more: Any) -> tuple[Any, ...]:
+        return tuple(getattr(self, field.name) for field in fields(self))  # type: ignore[arg-type]
+
+
+def modelled(value: Any) -> Any:
+    """The values of records, also in tuples; everything else as it is."""
+    if isinstance(value, tuple):
+        return tuple(map(modelled, value))
+    return value.to_model() if isinstance(value, JsonRecord) else value
+
+
+def write(record: Any) -> dict[str, Any]:
+    """The record as plain data."""
+    table: dict[str, Any] = form_of(cast(Any, type(record))).write(record)
+    return table
+
+
+def read(kind: type[T], data: Any, names: Names) -> T:
+    """The record that plain data are. RobotJsonError where they are none."""
+    record: T = form_of(cast(Any, kind)).read(data, names)
+    return record
+
+
+@dataclass(frozen=True, slots=True)
+class FieldEntry:
+    """A field of a record. `kind`: its annotated type; `default`: MISSING where it is always there."""
+
+    name: str
+    key: str
+    kind: Any
+    default: Any
+    inline: bool
+    unread: bool
+
+    @property
+    def form(self) -> Form:
+        return form_of(self.kind)
+
+
+@cache
+def entries_of(kind: type) -> tuple[FieldEntry, ...]:
+    """The fields of a record. A class of the model that is one itself leaves nothing out."""
+    hints = typing.get_type_hints(kind, include_extras=True)
+    found = []
+    for field in fields(kind):
+        marks = get_args(hints[field.name])[1:] if get_origin(hints[field.name]) is Annotated else ()
+        key = next((mark.name for mark in marks if isinstance(mark, Key)), field.name)
+        default = field.default if issubclass(kind, JsonRecord) else MISSING
+        found.append(
+            FieldEntry(field.name, key, hints[field.name], default, INLINE in marks, UNREAD in marks)
+        )
+    return tuple(found)
+
+
+@cache
+def form_of(kind: Any) -> Form:
+    """How the values of an annotated type are in JSON."""
+    origin, inside = get_origin(kind), get_args(kind)
+    if origin is Annotated:
+        return next((mark for mark in reversed(inside) if isinstance(mark, Form)), None) or form_of(inside[0])
+    if origin is Literal:
+        return _one_of(*inside)
+    if origin in (Union, UnionType):
+        return _or_null(form_of(next(one for one in inside if one is not NoneType)))
+    if origin is tuple:
+        return _several(form_of(inside[0]), None if inside[-1] is ... else len(inside))
+    if origin is not None and issubclass(origin, Mapping):
+        return table_of(form_of(inside[1]))
+    return _PLAIN.get(kind) or _record(kind)
+
+
+def _plain(kinds: Any, expected: str, schema: str) -> Form:
+    """What JSON has itself."""
+
+    def read(data: Any, names: Names) -> Any:
+        if not isinstance(data, kinds) or (isinstance(data, bool) and kinds is not bool):
+            raise refused(expected, data)
+        return data
+
+    return Form(lambda value: value, read, {"type": schema})
+
+
+def _finite(data: Any, names: Names) -> float:
+    # A whole number may be too large for any other.
+    if isinstance(data, bool) or not isinstance(data, int | float):
+        raise refused("a number", data)
+    if not abs(data) <= sys.float_info.max:
+        raise refused("a finite number", data)
+    return float(data)
+
+
+_PLAIN = {
+    float: Form(lambda value: value, _finite, {"type": "number"}),
+    str: _plain(str, "a text", "string"),
+    bool: _plain(bool, "true or false", "boolean"),
+    int: _plain(int, "a whole number", "integer"),
+}
+_LIST, _TABLE = _plain(list, "a list", "array"), _plain(Mapping, "a table", "object")
+
+
+def refers_to(kind: str) -> Form:
+    """The name of a thing of this kind."""
+
+    def read(data: Any, names: Names) -> str:
+        text: str = _PLAIN[str].read(data, names)
+        if text not in names[kind]:
+            raise RobotJsonError(f"there is no {kind} {text!r}", "")
+        return text
+
+    return Form(str, read, {"type": "string"})
+
+
+def _one_of(*words: str) -> Form:
+    def read(data: Any, names: Names) -> str:
+        text: str = _PLAIN[str].read(data, names)
+        if text not in words:
+            raise refused(f"one of {', '.join(words)}", data)
+        return text
+
+    return Form(str, read, {"enum": list(words)})
+
+
+def _or_null(form: Form) -> Form:
+    return Form(
+        lambda value: None if value is None else form.write(value),
+        lambda data, names: None if data is None else form.read(data, names),
+        {"anyOf": [form.schema, {"type": "null"}]},
+    )
+
+
+def _several(form: Form, count: int | None) -> Form:
+    """A list; where its length is not fixed, a missing one has nothing in it."""
+
+    def read(data: Any, names: Names) -> tuple[Any, ...]:
+        if data is None and count is None:
+            return ()
+        items, found = _LIST.read(data, names), list[Any]()
+        if count not in (None, len(items)):
+            raise refused(f"{count} values", data)
+        try:
+            for item in items:
+                found.append(form.read(item, names))
+        except RobotJsonError as error:
+            raise error.within(f"[{len(found)}]") from None
+        return tuple(found)
+
+    length = {} if count is None else {"minItems": count, "maxItems": count}
+    schema = {"type": "array", "items": form.schema, **length}
+    return Form(lambda value: [form.write(item) for item in value], read, schema)
+
+
+def table_of(form: Form, make: Callable[[dict[str, Any]], Any] = dict) -> Form:
+    """Values by names of the robot's; `make`: the mapping as the model has it."""
+
+    def read(data: Any, names: Names) -> Any:
+        found: dict[str, Any] = {}
+        for key, item in _TABLE.read(data, names).items():
+            try:
+                found[key] = form.read(item, names)
+            except RobotJsonError as error:
+                raise error.within(key) from None
+        return make(found)
+
+    schema = {"type": "object", "additionalProperties": form.schema}
+    return Form(lambda value: {key: form.write(item) for key, item in dict(value).items()}, read, schema)
+
+
+def _record(kind: type) -> Form:
+    def write(value: Any) -> dict[str, Any]:
+        record = value if isinstance(value, kind) else kind.from_model(value)  # type: ignore[attr-defined]
+        table: dict[str, Any] = {}
+        for entry in entries_of(kind):
+            found = getattr(record, entry.name)
+            if entry.inline:
+                table |= entry.form.write(found)
+            elif entry.default is MISSING or found != entry.default:
+                table[entry.key] = entry.form.write(found)
+        return table
+
+    def read(data: Any, names: Names) -> Any:
+        _TABLE.read(data, names)
+        found: dict[str, Any] = {}
+        for entry in entries_of(kind):
+            if entry.unread:
+                found[entry.name] = None
+            elif entry.inline:
+                found[entry.name] = entry.form.read(data, names)
+            elif data.get(entry.key) is not None or entry.default is MISSING:
+                try:
+                    found[entry.name] = entry.form.read(data.get(entry.key), names)
+                except RobotJsonError as error:
+                    raise error.within(entry.key) from None
+        return kind(**found)
+
+    return Form(write, read, {"$ref": f"#/$defs/{kind.__name__}"})

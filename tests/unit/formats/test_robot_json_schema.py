@@ -1,0 +1,101 @@
+"""The JSON Schema of robot.json, by a reader that is not ours, takes what is written and has all of it."""
+
+import functools
+import json
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+from pipeline.reference import ROBOT_JSON_SCHEMA
+from stages.export import export
+from stages.export.robot_json import describe
+from stages.formats.robot_json.codec import entries_of
+from stages.formats.written import Written
+from tests.config.robot_json import meanings, records
+from tests.e2e.test_mjcf_motion import CASES
+from tests.fake_onshape.sample import sample_document
+from tests.property.test_described import BALL
+from tests.support.building import NO_MESHES, plan_of, robot_of
+from tests.support.mjcfs import built, model, written
+from tests.support.robots import joint, robot_with
+from tests.unit.export.test_srdf_source import robot as robot_with_srdf
+from tests.unit.formats.test_described import text, whole
+
+EVERY_FORMAT = {name: {} for name in ("urdf", "mjcf", "sdf", "usd", "ros2", "python")}
+
+ADDED = {
+    "sensors": {"imu": {"frame": "tool", "type": "imu"}, "eye": {"frame": "tool", "type": "camera"}},
+    "actuators": {"*": {"type": "position", "encoder": True}},
+    "keyframes": {"up": {"lift": 0.03}},
+    "elements": {"ball": {"into": {"tag": "worldbody"}, "formats": ["mjcf"], "xml": BALL}},
+    "export": EVERY_FORMAT,
+}
+
+
+@functools.cache
+def validator() -> jsonschema.Draft202012Validator:
+    """Of the schema, by which a key that it does not have is an error, too."""
+    schema = json.loads(ROBOT_JSON_SCHEMA.read_text(encoding="utf-8"))
+    jsonschema.Draft202012Validator.check_schema(schema)
+    for table in (schema, *schema["$defs"].values()):
+        table["additionalProperties"] = False
+    return jsonschema.Draft202012Validator(schema)
+
+
+def holds(data: bytes) -> dict[str, Any]:
+    table = json.loads(data)
+    validator().validate(table)
+    return table
+
+
+@pytest.mark.parametrize("keys", [{}, ADDED], ids=["plain", "everything"])
+def test_the_sample_is_as_the_schema_says(keys: dict[str, Any]) -> None:
+    plan = plan_of(**keys)
+    found = export(robot_of(sample_document(), plan), NO_MESHES, plan)
+    holds(found.files["robot.json"])
+
+
+def test_robots_of_every_joint_and_of_a_build_that_ends_early_are_as_the_schema_says() -> None:
+    holds(text(whole(0)))
+    holds(describe(Written(whole(1))))
+
+
+def test_a_ball_that_a_usd_turns_is_as_the_schema_says() -> None:
+    robot = robot_with([joint("ball", "base", "arm", [(0.8, 0.0, 0.6, 0.0)])])
+    table = holds(export(robot, NO_MESHES, plan_of(export={"usd": {}, "sdf": {}})).files["robot.json"])
+    assert table["usd"]["zeros"]
+
+
+def test_a_robot_with_an_srdf_is_as_the_schema_says() -> None:
+    assert holds(describe(Written(robot_with_srdf())))["semantics"]["groups"]
+
+
+@pytest.mark.parametrize("case", ["tendons", "loose", "ellipsoids"])
+def test_a_robot_of_an_mjcf_is_as_the_schema_says(case: str, tmp_path: Path) -> None:
+    built(written(tmp_path, model(*CASES[case])), tmp_path / "out")
+    assert holds((tmp_path / "out/robot.json").read_bytes())["mjcf"]["bodies"]
+
+
+@pytest.mark.parametrize(
+    ("change", "place"),
+    [
+        (lambda t: t["links"][0].pop("mass"), ["links", 0]),
+        (lambda t: t["joints"][0].update(type="hinge"), ["joints", 0, "type"]),
+        (lambda t: t["links"][0].update(com=[0, 0]), ["links", 0, "com"]),
+        (lambda t: t["root_pose"].update(quat="x"), ["root_pose", "quat"]),
+        (lambda t: t.update(surprise=1), []),
+    ],
+)
+def test_what_the_schema_does_not_have_is_refused(change: Any, place: list[Any]) -> None:
+    table = json.loads(text(whole(0)))
+    change(table)
+    (error,) = validator().iter_errors(table)
+    assert list(error.absolute_path) == place
+
+
+@pytest.mark.parametrize("kind", records().values(), ids=lambda kind: kind.__name__)
+def test_each_key_has_a_meaning_and_nothing_else_has(kind: type) -> None:
+    keys = {entry.key for entry in entries_of(kind) if not entry.inline}
+    assert meanings(kind).keys() == keys
