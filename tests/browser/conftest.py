@@ -37,6 +37,13 @@ def shared_browser(_installed: None) -> Iterator[Browser]:
         yield browser
 
 
+@pytest.fixture(scope="module", autouse=True)
+def _no_page_is_left(shared_browser: Browser) -> Iterator[None]:
+    """A robot that runs is drawn for as long as its page is open, which takes a core from all later tests."""
+    yield
+    shared_browser.leave()
+
+
 @pytest.fixture
 def browser(shared_browser: Browser) -> Browser:
     """A browser with a small page, which is drawn in less time; its logs are empty."""

@@ -123,6 +123,11 @@ class Browser:
         self._post(f"{self.path}/url", {"url": page.as_uri()})
         self.run("await window.linkwright?.ready")
 
+    def leave(self) -> None:
+        """Closes the page."""
+        self.page = None
+        self._post(f"{self.path}/url", {"url": "about:blank"})
+
     def run(self, script: str, *values: Any) -> Any:
         """Runs the body of an async function; `values` are its `arguments`."""
         code = f"return (async function() {{ {script} }}).apply(null, arguments)"
