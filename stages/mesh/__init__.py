@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 50
+VERSION = 51
 """Grows with every change of what this stage makes of the same input."""
 
 

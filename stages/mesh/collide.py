@@ -17,10 +17,11 @@ from stages.mesh import collision
 from stages.mesh.across import MANY, across
 from stages.mesh.choices import Choice
 from stages.mesh.collision import Collision
-from stages.mesh.decompose import Making, side_by_side
+from stages.mesh.improvement import Improvement, improved
 from stages.mesh.library import MeshLibrary
 from stages.mesh.link_mesh import Use
 from stages.mesh.pieces import placed
+from stages.mesh.side_by_side import Making, side_by_side
 from stages.mesh.surface import Surface, moved
 from stages.mesh.verdict import miss
 from stages.robot.errors import DecompositionFailed
@@ -181,9 +182,8 @@ class _Made:
         job, made = one.job, one.collision
 
         def make() -> bytes:
-            surfaces = self._surfaces(job)
-            improve: Callable[..., Collision] = _maker(job).improve
-            return collision.encode(improve(surfaces, job.choice.settings, made, guest))
+            task = Improvement(job.choice.maker, self._surfaces(job), job.choice.settings, made)
+            return improved(task, guest)
 
         return collision.decode(self._remembered(job, "improve", make))
 

@@ -1,33 +1,40 @@
-"""Decompositions by a guest that is asked nothing else."""
+"""Colliders that are cut, or decomposed, by a guest that is asked nothing else or by none."""
 
 from contextlib import closing
 from typing import Any
 
-from stages.mesh import decompose as rooms
+from stages.mesh import improvement
 from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.convex_hull import convex_hull
+from stages.mesh.colliders import coacd
 from stages.mesh.cut_pieces import PieceCutter
-from stages.mesh.decompose import DecomposeOptions, decomposer, read
+from stages.mesh.decompose import DecomposeOptions, decomposed
+from stages.mesh.improvement import Improvement, helper
 from stages.mesh.pieces import surface_of
 from stages.mesh.surface import Surface
 from stages.mesh.verdict import Judge
 from stages.robot.errors import DecompositionFailed
 
 
-def decomposition(surface: Surface, options: DecomposeOptions, **of_guest: Any) -> bytes:
-    with closing(decomposer(**of_guest)) as guest:
-        return rooms.decomposition(surface, options, guest)
+def task(surface: Surface, tolerance: float = 0.001, **options: Any) -> Improvement:
+    """To decompose a surface by CoACD with these options."""
+    settings = ColliderSettings(tolerance=tolerance, **options)
+    return Improvement("coacd", [surface], settings, coacd.make([surface], settings))
+
+
+def improved(work: Improvement, **of_guest: Any) -> bytes:
+    """By a guest that is asked nothing else."""
+    with closing(helper(**of_guest)) as guest:
+        return improvement.improved(work, guest)
 
 
 def decompose(surface: Surface, options: DecomposeOptions, most_vertices: int = 64) -> tuple[Surface, ...]:
     """The convex pieces of a surface, joined, sorted. DecompositionFailed, with the reason, where there are
     none."""
-    made = read(decomposition(surface, options))
-    if made.refused:
-        raise DecompositionFailed(made.refused)
+    made = decomposed(surface, options)
+    if isinstance(made, str):
+        raise DecompositionFailed(made)
     cutter = PieceCutter(judge(surface, options.tolerance), most_vertices)
-    hulls = [hull for piece in made.pieces if (hull := convex_hull(piece))]
-    return tuple(map(surface_of, cutter.join(cutter.parts_of(hulls)).pieces))
+    return tuple(map(surface_of, cutter.join(cutter.parts_of(made)).pieces))
 
 
 def cut(surface: Surface, tolerance: float | None = None, most_vertices: int = 64) -> tuple[Surface, ...]:

@@ -27,7 +27,7 @@ HOMES = {
     "trimesh": ("stages/mesh/", "stages/fetch/urdf/"),
     "coal": ("stages/robot/clearance.py",),
     "fcl": ("stages/robot/clearance.py",),
-    "coacd": ("stages/mesh/decompose/coacd_guest.py",),
+    "coacd": ("stages/mesh/decompose/coacd_pieces.py",),
     "xacro": ("stages/fetch/urdf/",),
     "collada": (),
     "pxr": ("stages/export/usd/layer.py", "stages/validate/usd/"),

@@ -14,14 +14,13 @@ from typing import TYPE_CHECKING
 from stages.mesh.by_contact.ends import End, fitted_end
 from stages.mesh.by_contact.piece import Chunk
 from stages.mesh.collider_settings import ColliderSettings
+from stages.mesh.improvement import TASKS
 from stages.mesh.surface import Surface
 from stages.robot import process_usage
 from stages.robot.guest import ONE_THREAD, Bounds, Ended, Guest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-_GUEST = "stages.mesh.by_contact.fitting_guest"
 
 _BOUNDS = Bounds(seconds=600, memory=8 << 30, reply=1 << 30, shared=4)
 
@@ -40,6 +39,15 @@ class EndToFit:
     def fitted(self) -> FittedEnd:
         """Takes seconds."""
         return fitted_end(self.surface, self.starts, self.settings)
+
+    def reply(self) -> bytes:
+        """What a guest answers: a number for each of the pieces that it had before, other pieces themselves,
+        and the `End`."""
+        given = {
+            chunk: number for number, chunk in enumerate(chunk for start in self.starts for chunk in start)
+        }
+        made, fit = self.fitted()
+        return pickle.dumps(([given.get(chunk, chunk) for chunk in made], fit))
 
 
 class EndFitter:
@@ -89,7 +97,7 @@ def end_fitter(workers: int | None = None) -> Iterator[EndFitter]:
     """A fitter with as many `workers` as there are processors, at most two; no process is left behind."""
     halt = threading.Event()
     two = (workers or process_usage.processors()) > 1
-    guest = Guest(_GUEST, _BOUNDS, ONE_THREAD, halt) if two else None
+    guest = Guest(TASKS, _BOUNDS, ONE_THREAD, halt) if two else None
     with ThreadPoolExecutor(1, thread_name_prefix="ends") as pool:
         try:
             yield EndFitter(guest, pool)

@@ -8,12 +8,10 @@ from dataclasses import replace
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.colliders import hull
 from stages.mesh.collision import Collision
-from stages.mesh.convex_hull import convex_hull
 from stages.mesh.cut_pieces import PieceCutter
-from stages.mesh.decompose import NOT_CLOSED, DecomposeOptions, decomposition, read, search
+from stages.mesh.decompose import NOT_CLOSED, DecomposeOptions, decomposed, search
 from stages.mesh.surface import Surface, joined
 from stages.mesh.verdict import Judge
-from stages.robot.guest import Guest
 
 
 def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
@@ -22,23 +20,20 @@ def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
     return replace(made, meets=not made.pieces)
 
 
-def improve(
-    surfaces: Sequence[Surface], settings: ColliderSettings, made: Collision, guest: Guest
-) -> Collision:
-    """At most 16 pieces; what is not closed is cut by planes. DecompositionFailed where the guest fails."""
+def improve(surfaces: Sequence[Surface], settings: ColliderSettings, made: Collision) -> Collision:
+    """At most 16 pieces; what is not closed is cut by planes."""
     judge = Judge.of(joined(surfaces), settings)
     if isinstance(judge, str):
         return made.with_note(judge)
     options = DecomposeOptions(judge.tolerance, search(settings.effort, settings.coacd))
-    found = read(decomposition(judge.surface, options, guest))
+    found = decomposed(judge.surface, options)
     cutter = PieceCutter(judge, settings.max_vertices, settings.effort)
-    if found.refused == NOT_CLOSED:
-        pieces = cutter.cut().pieces
-        note = f"{NOT_CLOSED}: cut by planes"
+    if found == NOT_CLOSED:
+        pieces, note = cutter.cut().pieces, f"{NOT_CLOSED}: cut by planes"
+    elif isinstance(found, str):
+        return made.with_note(found)
     else:
-        hulls = [hull for one in found.pieces if (hull := convex_hull(one))]
-        pieces = cutter.join(cutter.parts_of(hulls)).pieces
-        note = found.refused
+        pieces, note = cutter.join(cutter.parts_of(found)).pieces, ""
     if not pieces:
         return made.with_note(note)
     return judge.collision(pieces, judge.measure(pieces), "pieces").with_note(note)

@@ -16,7 +16,6 @@ from stages.mesh.plainer import plainer
 from stages.mesh.snapping import snapped
 from stages.mesh.surface import Surface, joined
 from stages.mesh.verdict import Judge, miss
-from stages.robot.guest import Guest
 
 _WORTH = 2.0
 """Pieces that miss the tolerance are taken where they are so many times nearer than the hull: of the open
@@ -60,9 +59,7 @@ def _wholes(judge: Judge, settings: ColliderSettings) -> Iterator[tuple[str, Pie
         yield "hull", snapped(capped)
 
 
-def improve(
-    surfaces: Sequence[Surface], settings: ColliderSettings, made: Collision, guest: Guest
-) -> Collision:
+def improve(surfaces: Sequence[Surface], settings: ColliderSettings, made: Collision) -> Collision:
     """Convex pieces, as few as are near enough; or, where none are, those that are much nearer than the hull;
     else `made`."""
     judge = Judge.of(joined(surfaces), settings)

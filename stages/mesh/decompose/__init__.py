@@ -1,4 +1,4 @@
-"""CoACD in a guest process: a closed part as convex pieces, more than are wanted, to be joined and cached.
+"""CoACD: a closed part as convex pieces, more than are wanted, to be joined.
 
 CoACD 1.0.14 makes the pieces, since it is better than miniacd 0.1.5 with its threshold 0.1. Measured on 44
 parts: those of so101 and open_duck_mini whose hull is at least 10 % larger than they, simplified by
@@ -10,15 +10,8 @@ manifold3d 3.5.4, and their pieces joined:
 | miniacd | 213 | 55 | 3 | 15 | 12 | 38 % |
 """
 
-from stages.mesh.decompose.ask import BOUNDS as BOUNDS
-from stages.mesh.decompose.ask import decomposer as decomposer
-from stages.mesh.decompose.ask import decomposition as decomposition
-from stages.mesh.decompose.ask import decomposition_key as decomposition_key
-from stages.mesh.decompose.pool import Making as Making
-from stages.mesh.decompose.pool import side_by_side as side_by_side
+from stages.mesh.decompose.coacd_pieces import decomposed as decomposed
 from stages.mesh.decompose.prepare import NOT_CLOSED as NOT_CLOSED
-from stages.mesh.decompose.wire import Decomposition as Decomposition
-from stages.mesh.decompose.wire import read as read
 from stages.mesh.decompose_options import EFFORTS as EFFORTS
 from stages.mesh.decompose_options import DecomposeOptions as DecomposeOptions
 from stages.mesh.decompose_options import Search as Search

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from stages.mesh import make_geometry, tessellation
+from stages.mesh import collide, make_geometry, tessellation
 from stages.mesh.fit import capped_hull
 from stages.mesh.keys import MeshKeys
 from stages.mesh.library import MOVED, MeshLibrary
@@ -223,12 +223,10 @@ def test_the_figures_of_a_part_without_an_inside_survive_the_cache() -> None:
 
 
 def test_a_guest_that_fails_leaves_the_hull_and_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
-    from stages.mesh.colliders import coacd
-
     def fails(*_: Any) -> bytes:
         raise DecompositionFailed("the decomposition took longer than 60 s")
 
-    monkeypatch.setattr(coacd, "decomposition", fails)
+    monkeypatch.setattr(collide, "improved", fails)
     geometry = made(BOTH, collider="coacd", tolerance=0.0015)
     assert rungs(geometry)["Arm <1>/Bracket <1>",] == "hull"
     texts = [one.message for one in geometry.diagnostics if one.code == "W-COLLIDER"]

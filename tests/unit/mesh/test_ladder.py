@@ -11,7 +11,6 @@ from stages.mesh import cut_pieces
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.colliders import ladder
 from stages.mesh.collision import Collision
-from stages.mesh.decompose import decomposer
 from stages.mesh.pieces import half_spaces, signed_distance
 from stages.mesh.surface import Surface, moved
 from stages.mesh.verdict import miss
@@ -46,7 +45,7 @@ def bracket() -> Surface:
 
 def climbed(surface: Surface, settings: ColliderSettings = SETTINGS) -> Collision:
     made = ladder.make([surface], settings)
-    return made if made.meets else ladder.improve([surface], settings, made, decomposer())
+    return made if made.meets else ladder.improve([surface], settings, made)
 
 
 def kinds(made: Collision) -> list[str]:

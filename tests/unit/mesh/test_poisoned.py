@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 
 from stages.export import export
-from stages.mesh import COLLIDERS, make_geometry
-from stages.mesh.decompose import BOUNDS, decomposer, pool
-from stages.mesh.decompose.ask import GUEST
+from stages.mesh import COLLIDERS, make_geometry, side_by_side
+from stages.mesh.improvement import BOUNDS, TASKS, helper
 from stages.robot.errors import ProtocolError
 from stages.robot.geometry import Geometry
 from stages.robot.guest import Bounds
@@ -140,8 +139,8 @@ def guest(tmp_path, monkeypatch) -> Callable[..., None]:
     def put(lines: str = "", bounds: Bounds = BOUNDS) -> None:
         body = "".join(f"    {line}\n" for line in lines.splitlines())
         (tmp_path / "stand_in.py").write_text(f"def answer(request):\n{body}")
-        stand_in = partial(decomposer, module="stand_in" if lines else GUEST, bounds=bounds)
-        monkeypatch.setattr(pool, "decomposer", stand_in)
+        stand_in = partial(helper, module="stand_in" if lines else TASKS, bounds=bounds)
+        monkeypatch.setattr(side_by_side, "helper", stand_in)
 
     return put
 

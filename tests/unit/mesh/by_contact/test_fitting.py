@@ -79,7 +79,7 @@ def test_an_end_that_needs_no_cut_keeps_its_pieces() -> None:
 @pytest.mark.parametrize(
     ("name", "value"),
     [
-        ("_GUEST", "no.such.module"),
+        ("TASKS", "no.such.module"),
         ("_BOUNDS", Bounds(seconds=600, memory=1 << 20, reply=1 << 30)),
         ("_BOUNDS", Bounds(seconds=600, memory=8 << 30, reply=10)),
     ],

@@ -1,4 +1,4 @@
-"""Decompositions side by side: the same results for any number of workers, and an end when interrupted."""
+"""Colliders improved side by side: the same for any number of workers, and an end when interrupted."""
 
 import os
 import signal
@@ -12,21 +12,21 @@ from pathlib import Path
 
 import pytest
 
-from stages.mesh.decompose import DecomposeOptions, decomposer, decomposition, pool
-from stages.mesh.decompose.pool import Making, side_by_side
+from stages.mesh import side_by_side as pool
+from stages.mesh.improvement import helper, improved
+from stages.mesh.side_by_side import Making, side_by_side
 from stages.robot import process_usage
 from stages.robot.errors import DecompositionFailed
 from stages.robot.guest import Guest
-from tests.support.decomposing import decomposition as alone
+from tests.support.decomposing import improved as alone
+from tests.support.decomposing import task
 from tests.support.places import PROJECT
 from tests.support.processes import gone
 from tests.unit.mesh.test_decompose import BRACKET, CLAMP, RING
 
-OPTIONS = DecomposeOptions(0.001)
-
 
 def made(surface):
-    return lambda guest: decomposition(surface, OPTIONS, guest)
+    return lambda guest: improved(task(surface), guest)
 
 
 @pytest.fixture
@@ -34,7 +34,7 @@ def stand_in(tmp_path, monkeypatch):
     """Puts another guest in the place of CoACD's, with these lines as its `answer(request)`, and gives the
     numbers of the processes that answered until then."""
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(pool, "decomposer", partial(decomposer, module="stand_in"))
+    monkeypatch.setattr(pool, "helper", partial(helper, module="stand_in"))
 
     def put(*lines: str) -> Callable[[], list[int]]:
         (tmp_path / "stand_in.py").write_text(
@@ -47,11 +47,11 @@ def stand_in(tmp_path, monkeypatch):
 
 STAND_IN = """
 import os, time
-from stages.mesh.decompose import wire
+from stages.mesh import collision
 def answer(request):
     open(f"{}/{{os.getpid()}}.pid", "w").close()
 """
-REFUSES = "return wire.write(wire.Decomposition((), 'no'))"
+REFUSES = "return collision.encode(collision.Collision(note='no'))"
 
 
 def test_guests_make_the_same_in_any_order_whatever_they_made_before() -> None:
@@ -60,7 +60,7 @@ def test_guests_make_the_same_in_any_order_whatever_they_made_before() -> None:
     makings = [Making(str(number), made(surface)) for number, surface in enumerate(surfaces)]
     one = side_by_side(makings, workers=1)
     two = side_by_side(makings[::-1], workers=2)
-    assert one == two[::-1] == [alone(surface, OPTIONS) for surface in surfaces]
+    assert one == two[::-1] == [alone(task(surface)) for surface in surfaces]
 
 
 def test_there_are_no_more_guests_than_workers_and_none_is_left(stand_in) -> None:
@@ -117,15 +117,17 @@ def test_another_error_ends_the_guests_of_all(stand_in) -> None:
 ENDED = """
 import sys, time
 from functools import partial
-from stages.mesh.decompose import DecomposeOptions, decomposer, decomposition, pool
+from stages.mesh import side_by_side as pool
+from stages.mesh.improvement import helper, improved
+from tests.support.decomposing import task
 from tests.unit.mesh.test_decompose import CLAMP
 sys.path.append(sys.argv[1])
-pool.decomposer = partial(decomposer, module="stand_in")
+pool.helper = partial(helper, module="stand_in")
 def idles(guest):
-    decomposition(CLAMP, DecomposeOptions(0.002), guest)
+    improved(task(CLAMP, effort="low"), guest)
     time.sleep(2)
 def sleeps(guest):
-    decomposition(CLAMP, DecomposeOptions(0.001), guest)
+    improved(task(CLAMP), guest)
 makings = [pool.Making(make.__name__, make) for make in (idles, sleeps, sleeps)]
 try:
     pool.side_by_side(makings, workers=2)
@@ -137,7 +139,7 @@ except KeyboardInterrupt:
 @pytest.mark.skipif(os.name == "nt", reason="other signals")
 @pytest.mark.parametrize(("number", "told"), [("SIGINT", "interrupted\n"), ("SIGKILL", "")])
 def test_however_we_end_all_guests_end(number: str, told: str, tmp_path: Path, stand_in) -> None:
-    guests = stand_in(f"if b'tolerance\": 0.002' in request: {REFUSES}", "time.sleep(1000)")
+    guests = stand_in(f"if b'low' in request: {REFUSES}", "time.sleep(1000)")
     command = [sys.executable, "-c", ENDED, str(tmp_path)]
     with subprocess.Popen(command, cwd=PROJECT, stdout=subprocess.PIPE, text=True) as run:
         until = time.monotonic() + 60

@@ -1,4 +1,4 @@
-"""Several decompositions side by side, in as many guest processes, which stay for all of them."""
+"""Colliders improved side by side, in as many guest processes, which stay for all of them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from stages.mesh.decompose.ask import decomposer
+from stages.mesh.improvement import helper
 from stages.robot import process_usage
 from stages.robot.errors import DecompositionFailed
 from stages.robot.guest import Guest
@@ -43,7 +43,7 @@ def side_by_side(
     guests end at once.
     """
     halt = threading.Event()
-    idle = [decomposer(halt) for _ in range(max(1, workers or process_usage.processors()))]
+    idle = [helper(halt) for _ in range(max(1, workers or process_usage.processors()))]
     running: dict[int, str] = {}
 
     def result(number: int, making: Making[Made]) -> Made | DecompositionFailed:
@@ -58,7 +58,7 @@ def side_by_side(
             idle.append(guest)
             del running[number]
 
-    with ExitStack() as closed, ThreadPoolExecutor(len(idle), thread_name_prefix="decompose") as pool:
+    with ExitStack() as closed, ThreadPoolExecutor(len(idle), thread_name_prefix="improve") as pool:
         for guest in idle:
             closed.enter_context(closing(guest))
         futures: list[Future[Made | DecompositionFailed]] = []

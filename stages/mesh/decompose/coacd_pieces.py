@@ -1,4 +1,5 @@
-"""Guest process in which CoACD decomposes a mesh: it crashes on some, and never ends on others.
+"""Convex pieces as CoACD makes them: it crashes on some meshes, and never ends on others, so only guest
+processes come here.
 
 The only module that imports `coacd`.
 """
@@ -10,11 +11,10 @@ from typing import Any
 import numpy as np
 
 from stages.mesh.convex_hull import convex_hull
-from stages.mesh.decompose import wire
 from stages.mesh.decompose.prepare import NOT_CLOSED, prepared
-from stages.mesh.decompose.wire import Decomposition
+from stages.mesh.decompose_options import DecomposeOptions
 from stages.mesh.seams import grown
-from stages.mesh.snapping import grid, on_grid
+from stages.mesh.snapping import grid, on_grid, snapped
 from stages.mesh.surface import Points, Surface
 
 _CONVEX = 1.002
@@ -26,23 +26,19 @@ _OVERLAP_OF_SIZE = 4e-5
 along a cut."""
 
 
-def answer(request: bytes) -> bytes:
-    """To a `wire.request` with the `tolerance` [m] and CoACD's `arguments`: a `wire.Decomposition`."""
-    head, vertices, triangles = wire.read_request(request)
-    return wire.write(_decomposition(Surface(vertices, triangles), head["tolerance"], head["arguments"]))
-
-
-def _decomposition(surface: Surface, tolerance: float, arguments: dict[str, Any]) -> Decomposition:
-    bodies = prepared(surface, tolerance)
+def decomposed(surface: Surface, options: DecomposeOptions) -> tuple[Surface, ...] | str:
+    """The convex pieces of a surface, more than are wanted; where there are none, the reason in words."""
+    surface, arguments = snapped(surface), options.arguments
+    bodies = prepared(surface, options.tolerance)
     if bodies == NOT_CLOSED and arguments["preprocess_mode"] == "on":
         bodies = (surface,)
     if isinstance(bodies, str):
-        return Decomposition((), bodies)
+        return bodies
     pitch = grid(_size(surface))
-    parts = [piece for body in bodies for piece in _pieces(body, tolerance, arguments)]
-    hulls = [hull.vertices for part in parts if (hull := convex_hull(on_grid(part, pitch)))]
-    hulls.sort(key=lambda hull: hull.tobytes())
-    return Decomposition(tuple(hulls), "" if hulls else "the mesh is flat")
+    parts = [piece for body in bodies for piece in _pieces(body, options.tolerance, arguments)]
+    hulls = [hull for part in parts if (hull := convex_hull(on_grid(part, pitch)))]
+    hulls.sort(key=lambda hull: hull.vertices.tobytes())
+    return tuple(hulls) or "the mesh is flat"
 
 
 def _pieces(body: Surface, tolerance: float, arguments: dict[str, Any]) -> list[Points]:
