@@ -1,7 +1,8 @@
 """A new source, format, proof of a format or check is one folder or file and one line in a table: each test
 adds one to a copy.
 
-Besides the code, a source and a format need one YAML in `conf` and its golden.
+Besides the code, a source and a format need one YAML in `conf` and its golden. A new fact of the robot is a
+field of the model and of robot.json, and a line of each writer.
 """
 
 import json
@@ -10,6 +11,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import mujoco
 import pytest
 
 from tests.support.command import environment
@@ -49,6 +51,13 @@ class Tree:
         text = file.read_text(encoding="utf-8")
         assert text.count(f"\n{before}\n") == 1
         file.write_text(text.replace(f"\n{before}\n", f"\n{line}\n{before}\n"), encoding="utf-8")
+
+    def add_after(self, path: str, before: str, line: str) -> None:
+        """Adds a line behind the one that is the text `before`."""
+        file = self.folder / path
+        text = file.read_text(encoding="utf-8")
+        assert text.count(f"\n{before}\n") == 1
+        file.write_text(text.replace(f"\n{before}\n", f"\n{before}\n{line}\n"), encoding="utf-8")
 
     def run(self, *arguments: str) -> str:
         """The output of Python in the copy."""
@@ -417,3 +426,48 @@ def test_the_proof_of_a_format_is_a_reader_and_a_line(tree: Tree) -> None:
         "damping": ["joints"],
         "loop": ["loops"],
     }
+
+
+READ_BACK = """
+import json, sys
+from pathlib import Path
+from stages.formats.described import described
+from tests.config.robot_json import markdown, schema
+data = Path(sys.argv[1], "robot.json").read_bytes()
+row = schema()["$defs"]["LinkRecord"]["properties"]["density"]
+links = described(data).written.robot.links
+print(json.dumps([[link.density for link in links], row, "kg/m³" in markdown()]))
+"""
+"""What the reader, the JSON Schema and the page about robot.json have of the density."""
+
+
+@pytest.mark.slow
+def test_a_fact_of_the_robot_is_a_field_and_a_line_of_each_writer(tree: Tree) -> None:
+    """The density of a link's material, which reaches robot.json and is read back, the MJCF and the page."""
+    tree.add_after(
+        "stages/robot/model.py", "    shapes: tuple[Primitive, ...] = ()", "    density: float = 2712.5"
+    )
+    records = "stages/formats/robot_json/links.py"
+    tree.add_after(records, "    shapes: tuple[LinkShapeRecord, ...]", "    density: Number")
+    meaning = "    density: density of its material [kg/m³]."
+    tree.add_after(records, "    shapes: shapes of the user's own.", meaning)
+    tree.add_after(
+        "stages/export/mjcf/bodies.py",
+        "        axes = None if own is None else own.body_from_inertial",
+        '        body.set("user", number(link.density))',
+    )
+    tree.add_line(
+        "stages/graph/view/tables.py",
+        "            _share(link.inertial.mass, total),",
+        '            f"{link.density:g} kg/m³, " +',
+    )
+    output = tree.build("source=sample", "mesh=visual")
+    links = json.loads((output / "robot.json").read_text())["links"]
+    assert {link["density"] for link in links} == {2712.5}
+    densities, row, documented = json.loads(tree.run("-c", READ_BACK, str(output)))
+    assert densities == [2712.5] * len(links)
+    assert row == {"type": "number", "description": "Density of its material [kg/m³]."}
+    assert documented
+    bodies = mujoco.MjModel.from_xml_path(str(output / "sample.xml")).body_user
+    assert bodies[1:].ravel().tolist() == [2712.5] * (len(bodies) - 1)
+    assert "2712.5 kg/m³, " in (output / "report.html").read_text(encoding="utf-8")
