@@ -168,7 +168,7 @@ class JointRecord(JsonRecord[model.Joint]):
     type: that of its mate; compound is any other chain of degrees of freedom.
     parent: the link that carries it.
     child: the link that it moves.
-    origin: where its first degree of freedom is in the parent.
+    origin: where its frame is in the parent before its degrees of freedom move it.
     backwards: whether it runs from the mate's first entity to its second.
     dofs: from parent to child, each in the frame that the one before it moves.
     cad: null where CAD does not have the joint.

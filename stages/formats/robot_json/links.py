@@ -89,8 +89,8 @@ class PrimitiveRecord(JsonRecord[model.Primitive]):
     """A shape that is no mesh.
 
     kind: an ellipsoid is one in the MJCF alone.
-    size: [m] of a box its lengths along x, y and z; of a sphere its radius; of a cylinder or capsule its
-        radius and its length along z, the caps of a capsule beyond that; of an ellipsoid its semi-axes.
+    size: of a box or ellipsoid its lengths along x, y and z; of a sphere its radius; of a cylinder or capsule
+        its radius and its length along z, the caps of a capsule beyond that [m].
     pose: where it is in its link.
     """
 

@@ -105,7 +105,7 @@ class ColliderRecord(JsonRecord[None]):
 
     link: the link.
     number: counts those of a link.
-    parts: the parts, by the ids of `parts`.
+    parts: the parts, by their names in CAD.
     made: what they collide as: a kind of primitive, hull, pieces, spheres, raw or none.
     reason: why, of a collider by contact; else "".
     """
