@@ -33,7 +33,7 @@ def _installed() -> None:
 
 @pytest.fixture(scope="session")
 def shared_browser(_installed: None) -> Iterator[Browser]:
-    with Browser() as browser:
+    with Browser(ratio=0.5) as browser:
         yield browser
 
 
@@ -46,7 +46,7 @@ def _no_page_is_left(shared_browser: Browser) -> Iterator[None]:
 
 @pytest.fixture
 def browser(shared_browser: Browser) -> Browser:
-    """A browser with a small page, which is drawn in less time; its logs are empty."""
+    """A browser with a small page of few pixels, which is drawn in less time; its logs are empty."""
     shared_browser.size(*SIZE)
     shared_browser.console()
     list(shared_browser.requests())

@@ -39,9 +39,13 @@ def missing() -> str:
 
 
 class Browser:
-    """A headless Chromium with a window of this size, closed at the end of `with`."""
+    """A headless Chromium with a window of this size, closed at the end of `with`. `ratio`: its pixels by
+    those of the page's own measure."""
 
-    def __init__(self, *flags: str, width: int = 1280, height: int = 900, dark: bool = False) -> None:
+    def __init__(
+        self, *flags: str, width: int = 1280, height: int = 900, dark: bool = False, ratio: float = 1.0
+    ) -> None:
+        self.ratio = ratio
         with socket.socket() as free:
             free.bind(("127.0.0.1", 0))
             port = free.getsockname()[1]
@@ -110,7 +114,7 @@ class Browser:
         """Sets the page's area [px], light or dark, and whether little motion is wanted."""
         self.cdp(
             "Emulation.setDeviceMetricsOverride",
-            width=width, height=height, deviceScaleFactor=1, mobile=False,
+            width=width, height=height, deviceScaleFactor=self.ratio, mobile=False,
         )  # fmt: skip
         features = {"prefers-color-scheme": "dark" if dark else "light"}
         features["prefers-reduced-motion"] = "reduce" if still else "no-preference"
