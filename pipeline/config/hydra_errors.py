@@ -60,12 +60,6 @@ def _too_deep(error: Any, presets: Presets) -> Diagnostic:
     return Diagnostic("E-OVERRIDE", "nested too deeply", "", "check the brackets on the command line")
 
 
-def _not_set(error: Any, presets: Presets) -> Diagnostic:
-    # Hydra looks up the variables of hydra.job.env_copy while it composes.
-    text = f"names an environment variable that is not set: {error.args[0]}"
-    return Diagnostic("E-OVERRIDE", text, "hydra.job.env_copy", "remove it")
-
-
 def _not_composed(error: Any, presets: Presets) -> Diagnostic:
     if "hydra.searchpath" in str(error):
         return not_allowed("searchpath")
@@ -91,7 +85,6 @@ _HANDLERS: tuple[tuple[tuple[type[Exception], ...], Callable[[Any, Presets], Dia
     ((MissingConfigException,), _no_such_file),
     ((UnicodeDecodeError,), _not_utf8),
     ((RecursionError,), _too_deep),
-    ((KeyError,), _not_set),
     ((HydraException, OmegaConfBaseException, ValueError), _not_composed),
     ((OSError,), _not_readable),
 )
