@@ -100,9 +100,9 @@ class GraphStage(StageBase):
     modules = ("stages.graph.build", "stages.graph.view.views")
 
     def config(self, context: BuildContext) -> Any:
-        from stages.graph.keys import GraphKeys
+        from stages.graph.section import GraphSections
 
-        return section(context.plan, GraphKeys)
+        return section(context.plan, GraphSections)
 
     def inputs(self, context: BuildContext) -> Mapping[str, str]:
         # The manifest names every reply by its digest.
@@ -139,9 +139,9 @@ class MeshStage(StageBase):
     modules = ("stages.mesh.geometry", "scipy.spatial", "scipy.sparse.csgraph")
 
     def config(self, context: BuildContext) -> Any:
-        from stages.mesh.keys import MeshKeys
+        from stages.mesh.section import MeshSections
 
-        return section(context.plan, MeshKeys)
+        return section(context.plan, MeshSections)
 
     def inputs(self, context: BuildContext) -> Mapping[str, str]:
         # The robot names each tessellation by its digest. The whole robot is the input: a change that
@@ -183,9 +183,9 @@ class ExportStage(StageBase):
         require_entries(plan)
 
     def config(self, context: BuildContext) -> Any:
-        from stages.export.keys import ExportKeys
+        from stages.export.section import ExportSections
 
-        return section(context.plan, ExportKeys)
+        return section(context.plan, ExportSections)
 
     def inputs(self, context: BuildContext) -> Mapping[str, str]:
         from stages.export.requirements import packages
@@ -224,9 +224,9 @@ class ValidateStage(StageBase):
         external.require(plan.validate.external, environ)
 
     def config(self, context: BuildContext) -> Any:
-        from stages.validate.keys import ValidateKeys
+        from stages.validate.section import ValidateSections
 
-        return with_sources(section(context.plan, ValidateKeys), context.plan)
+        return with_sources(section(context.plan, ValidateSections), context.plan)
 
     def inputs(self, context: BuildContext) -> Mapping[str, str]:
         shapes = context.digests("mesh")["mesh/geometry.json"]

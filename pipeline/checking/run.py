@@ -79,10 +79,10 @@ def _against(truth: "Truth", folder: Path, level: str) -> tuple[Check, ...]:
     """The checks of a build, of its files as they are."""
     from pipeline.checking.packages import check_packages
     from stages.validate import validate
-    from stages.validate.keys import ValidateKeys
     from stages.validate.present import present
+    from stages.validate.section import ValidateSections
 
-    keys = ValidateKeys.model_validate({"validate": {"level": level}})
+    keys = ValidateSections.model_validate({"validate": {"level": level}})
     checks = validate(folder, truth.written, keys)
     return (*present(folder, truth.files), *checks, *check_packages(folder, truth))
 

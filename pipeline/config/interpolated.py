@@ -7,7 +7,7 @@ from typing import Any
 from pipeline.config.plan import Plan
 from pipeline.config.schema import annotation_at
 from pipeline.key_path import Place
-from stages.fetch.keys import SOURCES
+from stages.fetch.section import SOURCES
 
 
 def decode(tree: dict[str, Any], places: Iterable[Place]) -> None:

@@ -11,10 +11,10 @@ from pydantic_core import ErrorDetails
 
 from pipeline.config.schema import annotation_at, field_at, is_section, leaves, names, options
 from pipeline.key_path import Place, key_of
-from stages.fetch.keys import SOURCES
-from stages.fetch.source_keys import ADDRESS
+from stages.fetch.section import SOURCES
+from stages.fetch.source_section import ADDRESS
 from stages.robot.errors import Diagnostic
-from stages.robot.keys import NOT_YET, Keys
+from stages.robot.section import NOT_YET, Section
 
 GLOBAL = "# @package _global_"
 """The first line of a file whose keys start at the top of the tree."""
@@ -37,7 +37,7 @@ WORDS = {
 """pydantic's error type → what the key must be."""
 
 
-def diagnostics(error: ValidationError, root: type[Keys]) -> list[Diagnostic]:
+def diagnostics(error: ValidationError, root: type[Section]) -> list[Diagnostic]:
     """Each problem that pydantic found in a tree of `root`, once, in the order of the tree.
 
     Codes: E-KEY unknown, E-MISSING, E-LATER not supported yet, E-VALUE not allowed.
@@ -92,12 +92,12 @@ class _Problem:
     place: Place
     value: Any
     owner: Any
-    root: type[Keys]
+    root: type[Section]
     message: str
     context: Mapping[str, Any]
 
     @classmethod
-    def of(cls, details: ErrorDetails, root: type[Keys]) -> "_Problem":
+    def of(cls, details: ErrorDetails, root: type[Section]) -> "_Problem":
         place = details["loc"]
         owner = annotation_at(root, place[:-1])
         if place[0] == "source" and len(place) > 1:
@@ -121,7 +121,7 @@ class _Problem:
         return annotation_at(self.owner, (self.name,))
 
 
-def _diagnostic(details: ErrorDetails, root: type[Keys]) -> Diagnostic:
+def _diagnostic(details: ErrorDetails, root: type[Section]) -> Diagnostic:
     problem = _Problem.of(details, root)
     handler = _mapping_name if problem.name == "[key]" else _HANDLERS.get(problem.kind, _other)
     found = handler(problem)
@@ -234,7 +234,7 @@ def _unknown(problem: _Problem) -> Diagnostic:
     return Diagnostic("E-KEY", f"unknown key {given}", key, hint)
 
 
-def _dotted(place: Place, value: Any, root: type[Keys]) -> str:
+def _dotted(place: Place, value: Any, root: type[Section]) -> str:
     """The hint for a name that was cut at its dot: joints.joint_0.0.damping."""
     above = place[:-2]
     if not (isinstance(value, dict) and above and get_origin(annotation_at(root, above)) is dict):
@@ -242,7 +242,7 @@ def _dotted(place: Place, value: Any, root: type[Keys]) -> str:
     return f'a name with a dot is quoted: {key_of(above)}["{place[-2]}.{place[-1]}"]'
 
 
-def _instead(name: str, place: Place, owner: Any, root: type[Keys]) -> str:
+def _instead(name: str, place: Place, owner: Any, root: type[Section]) -> str:
     """The hint for an unknown key: similar keys of the section, else the same name elsewhere, else all keys
     here."""
     siblings = names(owner)

@@ -11,15 +11,15 @@ from pydantic import ValidationError
 from pipeline.config import yaml_file
 from pipeline.config.messages import diagnostics, nearest
 from pipeline.motor_files import FOLDER, library
-from stages.export.motor_keys import MotorKeys
+from stages.export.motor_section import MotorSection
 from stages.robot.errors import Diagnostic
-from stages.robot.keys import Keys
+from stages.robot.section import Section
 
 
-class _Library(Keys):
+class _Library(Section):
     """Motors as the plan has them, so that problems have keys."""
 
-    motors: dict[str, MotorKeys]
+    motors: dict[str, MotorSection]
 
 
 def with_motors(tree: Mapping[str, Any], own: Sequence[Path] = ()) -> tuple[dict[str, Any], list[Diagnostic]]:

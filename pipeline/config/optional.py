@@ -5,7 +5,7 @@ from typing import Any
 
 from pipeline.errors import Diagnostic
 from stages.robot.globs import did_you_mean, there_are
-from stages.robot.optional_keys import GLOB_KEYS, all_globs, globs_of
+from stages.robot.optional_section import GLOB_KEYS, all_globs, globs_of
 
 KEY = "optional"
 

@@ -10,16 +10,22 @@ from pydantic import AfterValidator, Field, ValidationError
 from pipeline.config.messages import diagnostics
 from pipeline.config.motor_library import with_motors
 from pipeline.config.optional import without_effect
-from pipeline.config.page_keys import PageKeys
+from pipeline.config.page_section import PageSection
 from pipeline.errors import Diagnostic, refusal
-from stages.export.keys import ExportKeys
-from stages.fetch.keys import FetchKeys
-from stages.graph.keys import GraphKeys
-from stages.mesh.keys import MeshKeys
-from stages.robot.keys import Flag, Keys, Text, example, invalid
-from stages.validate.keys import ValidateKeys
+from stages.export.section import ExportSections
+from stages.fetch.section import FetchSections
+from stages.graph.section import GraphSections
+from stages.mesh.section import MeshSections
+from stages.robot.section import Flag, Section, Text, example, invalid
+from stages.validate.section import ValidateSections
 
-SECTIONS: tuple[type[Keys], ...] = (FetchKeys, GraphKeys, MeshKeys, ExportKeys, ValidateKeys)
+SECTIONS: tuple[type[Section], ...] = (
+    FetchSections,
+    GraphSections,
+    MeshSections,
+    ExportSections,
+    ValidateSections,
+)
 """Each stage's part of the configuration, in the order in which the stages run."""
 
 
@@ -54,7 +60,7 @@ def is_run_key(key: str) -> bool:
     return any(key == one or key.startswith(f"{one}.") for one in RUN_KEYS)
 
 
-class CacheKeys(Keys):
+class CacheSection(Section):
     """The cache of earlier results."""
 
     mode: Literal["use", "refresh", "bypass"] = "use"
@@ -65,13 +71,13 @@ class CacheKeys(Keys):
     """Folder of the cache; null: LINKWRIGHT_CACHE, else the platform's cache folder."""
 
 
-class Plan(FetchKeys, GraphKeys, MeshKeys, ExportKeys, ValidateKeys):
+class Plan(FetchSections, GraphSections, MeshSections, ExportSections, ValidateSections):
     """The whole configuration of a build: the sections of the stages, and how they run."""
 
-    page: PageKeys = PageKeys()
+    page: PageSection = PageSection()
     """The page about the build, and the robot's picture: no key of them changes a file of the robot."""
 
-    cache: CacheKeys = CacheKeys()
+    cache: CacheSection = CacheSection()
     """The cache of earlier results."""
 
     vars: Annotated[dict[Text, Any], example({"reach": 0.3})] = Field(default_factory=dict)
@@ -159,6 +165,6 @@ Judge = Callable[[Plan], Iterable[Diagnostic]]
 """Finds further problems of a plan before it is built."""
 
 
-def section(plan: Plan, keys: type[Keys]) -> dict[str, Any]:
+def section(plan: Plan, keys: type[Section]) -> dict[str, Any]:
     """One stage's part of the plan as plain data: its part of a cache key. Mappings keep their order."""
     return plan.model_dump(mode="json", by_alias=True, include=set(keys.model_fields))

@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic.fields import FieldInfo
 
 from pipeline.key_path import Place, key_of
-from stages.fetch.keys import SOURCES
-from stages.robot.keys import Keys
+from stages.fetch.section import SOURCES
+from stages.robot.section import Section
 
 
 def field_at(owner: Any, name: int | str) -> FieldInfo | None:
@@ -24,7 +24,7 @@ def names(owner: Any) -> list[str]:
 
 def is_section(annotation: Any) -> bool:
     """Whether an annotation is a section: a class of named keys."""
-    return isinstance(annotation, type) and issubclass(annotation, Keys)
+    return isinstance(annotation, type) and issubclass(annotation, Section)
 
 
 def annotation_at(root: Any, place: Place) -> Any:

@@ -21,7 +21,7 @@ from pipeline.page.markup import text
 from pipeline.page.order import order
 from pipeline.page.provenance import cost, provenance
 from pipeline.page.readers import readers
-from pipeline.page.shell import Section, Top, document
+from pipeline.page.shell import ReportSection, Top, document
 from pipeline.preview import NONE, Preview
 from pipeline.report import Report
 from pipeline.secrets import Secrets
@@ -52,22 +52,22 @@ def page(
         shown.get(PICTURE, ""), tree["outline"], tables, secrets, is_file=PICTURE in tree["outputs"]
     )
     parts = [
-        Section("error", "Error", error(tree["error"])),
-        Section("fix", "Fix first", fix_first(tree, found)),
-        Section("checks", "Checks", checks(tree["checks"])),
-        Section("diagnostics", "Diagnostics", diagnostics(tree["diagnostics"])),
-        Section("graph", "Graph", drawn),
-        Section("joints", "Joints", tables_of("Joints", tables)),
-        Section("masses", "Masses", tables_of("Masses", tables)),
-        Section("colliders", "Colliders", colliders(details, shown.get(PICTURES, ""), secrets)),
-        Section("contacts", "Contacts", contacts(details.get("excludes", []))),
-        Section("order", "Order", order(details.get("order", {}))),
-        Section("readers", "Readers", readers(details.get("readers", []))),
-        Section("cost", "Time", cost(tree)),
-        Section("provenance", "Provenance", provenance(tree)),
-        Section("changes", "Changes", changed(changes, secrets)),
-        Section("files", "Files", files(tree["outputs"], sizes)),
-        Section("codes", "Codes", codes(_codes(tree) | {fix.code for fix in found[:MOST]})),
+        ReportSection("error", "Error", error(tree["error"])),
+        ReportSection("fix", "Fix first", fix_first(tree, found)),
+        ReportSection("checks", "Checks", checks(tree["checks"])),
+        ReportSection("diagnostics", "Diagnostics", diagnostics(tree["diagnostics"])),
+        ReportSection("graph", "Graph", drawn),
+        ReportSection("joints", "Joints", tables_of("Joints", tables)),
+        ReportSection("masses", "Masses", tables_of("Masses", tables)),
+        ReportSection("colliders", "Colliders", colliders(details, shown.get(PICTURES, ""), secrets)),
+        ReportSection("contacts", "Contacts", contacts(details.get("excludes", []))),
+        ReportSection("order", "Order", order(details.get("order", {}))),
+        ReportSection("readers", "Readers", readers(details.get("readers", []))),
+        ReportSection("cost", "Time", cost(tree)),
+        ReportSection("provenance", "Provenance", provenance(tree)),
+        ReportSection("changes", "Changes", changed(changes, secrets)),
+        ReportSection("files", "Files", files(tree["outputs"], sizes)),
+        ReportSection("codes", "Codes", codes(_codes(tree) | {fix.code for fix in found[:MOST]})),
     ]
     foot = f'<p class="soft">Made by linkwright {text(tree["versions"].get("linkwright", ""))}</p>'
     title = f"{tree['name']}: {tree['status']}"

@@ -10,7 +10,7 @@ STYLE = Path(__file__).with_name("style.css")
 
 
 @dataclass(frozen=True, slots=True)
-class Section:
+class ReportSection:
     """A section of a page: what `#anchor` leads to, its short `title` for the contents, its HTML."""
 
     anchor: str
@@ -28,7 +28,7 @@ class Top:
 
 
 def document(
-    title: str, top: Top, parts: Sequence[Section], foot: str, *, style: str = "", scripts: str = ""
+    title: str, top: Top, parts: Sequence[ReportSection], foot: str, *, style: str = "", scripts: str = ""
 ) -> bytes:
     """The page: its top, the contents, the parts that have a body, and the `foot`; `title` is plain text.
 
@@ -48,7 +48,7 @@ def document(
     ).encode()
 
 
-def contents(parts: Sequence[Section]) -> str:
+def contents(parts: Sequence[ReportSection]) -> str:
     """Links to the parts: a line on a wide screen, folded on a narrow one, none on paper."""
     named = [part for part in parts if part.title]
     if len(named) < 2:

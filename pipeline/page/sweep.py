@@ -9,7 +9,7 @@ from pipeline.page.axis import numbers
 from pipeline.page.figures import counted, name_of, said, shown
 from pipeline.page.markup import folded, name, section, shortened, table, text
 from pipeline.page.plot import SERIES, Dot, mark, plot
-from pipeline.page.shell import Section, Top, document
+from pipeline.page.shell import ReportSection, Top, document
 from pipeline.page.swept import Job, depends, figures_of, keys, places, value_of, values_of, varying
 from stages.robot.plural import count
 
@@ -35,9 +35,9 @@ def page(title: str, jobs: Sequence[Job], exists: Exists, beside: Sequence[str])
     swept = keys(jobs)
     differing, same = varying(jobs)
     parts = [
-        Section("jobs", "Jobs", _jobs(jobs, swept, differing, exists)),
-        Section("plots", "Plots", _plots(jobs, swept, differing)),
-        Section("same", "In common", _same(same)),
+        ReportSection("jobs", "Jobs", _jobs(jobs, swept, differing, exists)),
+        ReportSection("plots", "Plots", _plots(jobs, swept, differing)),
+        ReportSection("same", "In common", _same(same)),
     ]
     foot = '<p class="soft">Made by linkwright</p>'
     top = Top(_head(title, jobs, swept), facts=_files(beside))

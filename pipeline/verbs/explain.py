@@ -87,7 +87,7 @@ def _code(code: str) -> str:
 def _motor(name: str, file: Path) -> str:
     """The entry of a motor; ConfigError where its file is wrong."""
     from pipeline.config.plan import Plan
-    from stages.export.motor_keys import QUANTITIES
+    from stages.export.motor_section import QUANTITIES
 
     tree = {"source": {"kind": "sample"}, "actuators": {"*": {"motor": name}}}
     motor = Plan.parse(tree, folders=[Path.cwd()]).motors[name]

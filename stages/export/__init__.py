@@ -9,7 +9,7 @@ from stages.export.writer import Exported, FormatFiles, Writer, WriterInput
 
 if TYPE_CHECKING:
     from stages.export.amend.amend import Amended
-    from stages.export.keys import ExportKeys
+    from stages.export.section import ExportSections
     from stages.export.standing import Stance
     from stages.formats.written import Written
     from stages.robot.errors import Diagnostic
@@ -42,7 +42,7 @@ def writer_of(name: str) -> Writer:
     return found
 
 
-def expected_paths(keys: "ExportKeys", robot: str) -> list[str]:
+def expected_paths(keys: "ExportSections", robot: str) -> list[str]:
     """The paths of the files of a robot of this name, before they are made. The names of the meshes are
     not known by then: a glob stands for them."""
     paths = [path for name in keys.export.chosen for path in writer_of(name).paths(robot)]
@@ -50,7 +50,7 @@ def expected_paths(keys: "ExportKeys", robot: str) -> list[str]:
 
 
 def export(
-    robot: "Robot", geometry: "Geometry", keys: "ExportKeys", texts: Mapping[str, str] | None = None
+    robot: "Robot", geometry: "Geometry", keys: "ExportSections", texts: Mapping[str, str] | None = None
 ) -> Exported:
     """The robot's files in every chosen format, sorted by path. A diagnostic names each thing that a
     format cannot express. `texts`: of the files that `elements` name, by entry."""
@@ -100,7 +100,7 @@ def export(
 
 
 def _written(
-    robot: "Robot", geometry: "Geometry", keys: "ExportKeys", standing: "Stance"
+    robot: "Robot", geometry: "Geometry", keys: "ExportSections", standing: "Stance"
 ) -> "tuple[Written, tuple[Diagnostic, ...]]":
     """The robot as its files will have it, before the user's own XML; and what is worth knowing about what
     drives and measures it."""
@@ -136,7 +136,7 @@ def _amended(
     files: Mapping[str, bytes],
     robot: str,
     written: Collection[str],
-    keys: "ExportKeys",
+    keys: "ExportSections",
     texts: Mapping[str, str],
 ) -> "Amended":
     """The files with the user's own XML. `written`: the formats."""

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from stages.export import writer_of
-from stages.export.keys import ExportKeys
+from stages.export.section import ExportSections
 from stages.export.standing import Stance
 from stages.export.urdf.model import write_urdf
 from stages.export.urdf.srdf.model import plan_of, write_srdf
@@ -33,7 +33,7 @@ def package_again(truth: Truth, name: str, files: Mapping[str, bytes]) -> Mappin
     return writer_of(name).write(WriterInput(written, _keys(truth), NOWHERE, files)).files
 
 
-def _keys(truth: Truth) -> ExportKeys:
+def _keys(truth: Truth) -> ExportSections:
     """Those of the packages, and of the URDF where its meshes are in a package."""
     sections: dict[str, dict[str, Any]] = {
         name: {"package": record.package} for name, record in truth.packages.items()
@@ -43,7 +43,7 @@ def _keys(truth: Truth) -> ExportKeys:
     package = truth.written.urdf_form.package
     if package:
         sections["urdf"] = {"meshes": "package", "package": package}
-    return ExportKeys.model_validate({"export": sections})
+    return ExportSections.model_validate({"export": sections})
 
 
 def _described(written: Written, files: Mapping[str, bytes]) -> dict[str, bytes]:

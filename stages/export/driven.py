@@ -16,7 +16,7 @@ from stages.robot.model import Configuration, Robot
 from stages.robot.statics import GroundSupport
 
 if TYPE_CHECKING:
-    from stages.export.keys import ExportKeys
+    from stages.export.section import ExportSections
     from stages.export.standing import Stance
     from stages.mujoco.trial import Trial
 
@@ -28,7 +28,7 @@ FORMAT = "mjcf"
 
 
 def driven(
-    written: Written, keys: "ExportKeys", standing: "Stance"
+    written: Written, keys: "ExportSections", standing: "Stance"
 ) -> tuple[Actuation, tuple[Diagnostic, ...]]:
     """The actuation of the robot, by the configuration and, where an MJCF is written, by its trial run; an
     MJCF source whose actuators nobody changes stays as it is."""
@@ -61,7 +61,7 @@ def driven(
     return steady, (*found, *more)
 
 
-def _idle_motors(keys: "ExportKeys") -> list[Diagnostic]:
+def _idle_motors(keys: "ExportSections") -> list[Diagnostic]:
     """I-IDLE-KEY for each motor that no entry of `actuators` names."""
     named = {entry.motor for entry in keys.actuators.values()}
     hint = "name it: actuators: {elbow: {motor: ...}}"

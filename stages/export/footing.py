@@ -13,7 +13,7 @@ from stages.robot.poses import inverse, rotation_from_rpy
 from stages.robot.statics import GroundSupport
 
 if TYPE_CHECKING:
-    from stages.export.scene_keys import GroundKeys
+    from stages.export.scene_section import GroundSection
 
 NEAR = 2e-3
 """What is no further than this [m] above the ground touches it."""
@@ -34,7 +34,7 @@ def supports(
     robot: Robot,
     geometry: Geometry,
     world_from_root: Array,
-    ground: "GroundKeys",
+    ground: "GroundSection",
     q: Configuration,
     up: Array,
 ) -> tuple[GroundSupport, ...]:
@@ -95,7 +95,7 @@ def mass_and_center(robot: Robot, q: Configuration) -> tuple[float, Array]:
 
 
 def touching(
-    robot: Robot, geometry: Geometry, world_from_root: Array, ground: "GroundKeys", q: Configuration
+    robot: Robot, geometry: Geometry, world_from_root: Array, ground: "GroundSection", q: Configuration
 ) -> Iterator[tuple[str, Array]]:
     """(link, point (3,) [m] in the root link's axes) of the colliders on the ground."""
     normal = rotation_from_rpy(ground.rpy)[:, 2]

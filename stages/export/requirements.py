@@ -8,18 +8,18 @@ from stages.robot.errors import ConfigError
 from stages.robot.install import install
 
 if TYPE_CHECKING:
-    from stages.export.keys import ExportKeys
+    from stages.export.section import ExportSections
 
 NEEDS: Mapping[str, tuple[str, str]] = {"usd": ("pxr", "usd-core")}
 """Format → the module that writes it, and the optional package that has that."""
 
 
-def packages(keys: "ExportKeys") -> tuple[str, ...]:
+def packages(keys: "ExportSections") -> tuple[str, ...]:
     """The optional packages of the formats that are chosen, whose versions may change the bytes."""
     return tuple(package for name, (_, package) in NEEDS.items() if name in keys.export.chosen)
 
 
-def require(keys: "ExportKeys") -> None:
+def require(keys: "ExportSections") -> None:
     """ConfigError where the optional package of a format is not installed, or an actuator needs a newer
     MuJoCo."""
     from stages.export.actuators import versions

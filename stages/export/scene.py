@@ -10,12 +10,12 @@ from stages.robot.scene import Ground, Scene
 from stages.robot.start_pose import keyframes
 
 if TYPE_CHECKING:
-    from stages.export.keys import ExportKeys
-    from stages.export.scene_keys import GroundKeys
+    from stages.export.scene_section import GroundSection
+    from stages.export.section import ExportSections
     from stages.export.standing import Stance
 
 
-def scene_of(robot: Robot, keys: "ExportKeys", standing: "Stance", start: Configuration) -> Scene:
+def scene_of(robot: Robot, keys: "ExportSections", standing: "Stance", start: Configuration) -> Scene:
     """The scene around the robot, whose qpos0 is `start`."""
     option = keys.scene.option
     return Scene(
@@ -27,7 +27,7 @@ def scene_of(robot: Robot, keys: "ExportKeys", standing: "Stance", start: Config
     )
 
 
-def ground_pose(ground: "GroundKeys") -> Array:
+def ground_pose(ground: "GroundSection") -> Array:
     """world_from_ground (4, 4)."""
     return frozen(from_parts(rotation_from_rpy(ground.rpy), np.array(ground.xyz)))
 

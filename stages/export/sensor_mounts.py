@@ -11,7 +11,7 @@ from stages.robot.globs import there_are
 from stages.robot.model import Array, Robot, frozen
 
 if TYPE_CHECKING:
-    from stages.export.sensor_keys import SensorKeys
+    from stages.export.sensor_section import SensorSection
 
 LOADED = ("force", "torque", "force_torque")
 """Types of sensors that measure what the link above exerts."""
@@ -40,7 +40,7 @@ def report_unknown(name: str, where: str, mounts: Mapping[str, Mount], log: Diag
     log.report("E-FRAME", f"there is no frame or link {name!r}", where, hint)
 
 
-def loaded_links(robot: Robot, sensors: Mapping[str, "SensorKeys"]) -> set[str]:
+def loaded_links(robot: Robot, sensors: Mapping[str, "SensorSection"]) -> set[str]:
     """The links whose load sensors measure: each needs a body of its own in the MJCF, since MuJoCo measures
     what the body above exerts."""
     mounts = mounts_of(robot)

@@ -2,16 +2,16 @@
 
 from typing import TYPE_CHECKING
 
-from stages.export.mujoco_keys import DEFAULTS
+from stages.export.mujoco_section import DEFAULTS
 from stages.export.standing import stands_in_source
 from stages.robot.mjcf_extras import NO_EXTRAS
 from stages.robot.model import Robot
 
 if TYPE_CHECKING:
-    from stages.export.keys import ExportKeys
+    from stages.export.section import ExportSections
 
 
-def settled(keys: "ExportKeys", robot: Robot) -> "ExportKeys":
+def settled(keys: "ExportSections", robot: Robot) -> "ExportSections":
     """The keys with MuJoCo's options, those of the source before our defaults, and without a ground of ours
     where the source has one."""
     extras = robot.mjcf or NO_EXTRAS

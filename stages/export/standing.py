@@ -15,8 +15,8 @@ from stages.robot.poses import from_parts, rotation_from_rpy
 from stages.robot.start_pose import home, roots_in_source
 
 if TYPE_CHECKING:
-    from stages.export.keys import ExportKeys
-    from stages.export.scene_keys import GroundKeys
+    from stages.export.scene_section import GroundSection
+    from stages.export.section import ExportSections
 
 STEEPEST = 0.1
 """The least vertical part of the unit normal of a ground that a robot is put on."""
@@ -50,7 +50,7 @@ class Stance:
     diagnostics: tuple[Diagnostic, ...] = ()
 
 
-def stand(robot: Robot, geometry: Geometry, keys: "ExportKeys") -> Stance:
+def stand(robot: Robot, geometry: Geometry, keys: "ExportSections") -> Stance:
     """Where the scene puts the robot, by the keys `scene.pose` and `ground`, or where an MJCF source has it
     on a ground of its own.
 
@@ -85,7 +85,7 @@ def stand(robot: Robot, geometry: Geometry, keys: "ExportKeys") -> Stance:
     return Stance(world_from_root, low, high, placed, found)
 
 
-def stands_in_source(robot: Robot, keys: "ExportKeys") -> bool:
+def stands_in_source(robot: Robot, keys: "ExportSections") -> bool:
     """Whether the robot's MJCF source has a ground of its own, which the scene has too."""
     return robot.mjcf is not None and robot.mjcf.has_ground and keys.scene.surroundings == "keep"
 
@@ -101,12 +101,12 @@ def _risen(pose: Array, height: float) -> Array:
     return risen
 
 
-def _normal(ground: "GroundKeys") -> Array:
+def _normal(ground: "GroundSection") -> Array:
     normal: Array = rotation_from_rpy(ground.rpy)[:, 2]
     return normal
 
 
-def _height(robot: Robot, extents: Extents, ground: "GroundKeys") -> float:
+def _height(robot: Robot, extents: Extents, ground: "GroundSection") -> float:
     """How far [m] the robot has to rise to touch the ground's plane; 0 without a shape that can."""
     normal = _normal(ground)
     if normal[2] < STEEPEST:
@@ -134,7 +134,7 @@ def _standing_links(robot: Robot) -> list[str]:
     return [link.name for link in robot.links if link.name in rigid]
 
 
-def _below(robot: Robot, extents: Extents, ground: "GroundKeys", height: float) -> Iterator[Diagnostic]:
+def _below(robot: Robot, extents: Extents, ground: "GroundSection", height: float) -> Iterator[Diagnostic]:
     """W-GROUND for the links whose colliders are in the ground."""
     normal = _normal(ground)
     # MuJoCo lets nothing collide with the ground that is fixed to the world as that is.

@@ -12,10 +12,10 @@ from stages.robot.errors import Diagnostic
 from stages.robot.model import Robot
 
 if TYPE_CHECKING:
-    from stages.export.keys import ExportKeys
+    from stages.export.section import ExportSections
 
 
-def unknown_names(robot: Robot, keys: "ExportKeys") -> list[Diagnostic]:
+def unknown_names(robot: Robot, keys: "ExportSections") -> list[Diagnostic]:
     """E-GLOB, E-FRAME, E-ACTUATOR, E-MOTOR and E-SENSOR for entries that do not fit the joints, links and
     frames of the robot."""
     log = Diagnostics(optional=keys.optional)
@@ -25,7 +25,7 @@ def unknown_names(robot: Robot, keys: "ExportKeys") -> list[Diagnostic]:
     return log.problems
 
 
-def _judge_sensors(robot: Robot, keys: "ExportKeys", log: Diagnostics) -> None:
+def _judge_sensors(robot: Robot, keys: "ExportSections", log: Diagnostics) -> None:
     mounts = mounts_of(robot)
     drivable = [*(dof.name for dof in robot.dofs), *(actuator.name for actuator in robot.actuators)]
     for name, sensor in keys.sensors.items():

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from stages.robot.errors import Diagnostic
 
 if TYPE_CHECKING:
-    from stages.export.keys import ExportKeys
+    from stages.export.section import ExportSections
     from stages.export.standing import Stance
     from stages.formats.robot_json.files import OrderRecord
     from stages.formats.written import Written
@@ -45,7 +45,7 @@ class WriterInput:
     """
 
     written: "Written"
-    keys: "ExportKeys"
+    keys: "ExportSections"
     standing: "Stance"
     files: Mapping[str, bytes] = field(default_factory=dict)
 
@@ -63,7 +63,7 @@ class FormatFiles:
 class Writer(Protocol):
     """One format: `WRITER` of the module `writer` in the folder that has the format's name.
 
-    Beside it lies `keys`, whose `KEYS` is the format's section of the configuration (`export.<name>`), and
+    Beside it lies `section`, whose `SECTION` is the format's part of the configuration (`export.<name>`), and
     `conf/export/<name>.yaml` chooses it.
     """
 

@@ -1,6 +1,6 @@
 """Fetch: a source in, a `Bundle` out.
 
-`ROOMS` is the table of sources; each room holds `keys.py`, the configuration of its source, and
+`ROOMS` is the table of sources; each room holds `section.py`, the configuration of its source, and
 `source.py`, its `Source`. An Onshape document costs one call for its definition and two for each part
 studio, and one where it did not change since; a bundle and the sample replay recorded replies through
 the same code. A URDF or MJCF is read with the meshes that it names.
@@ -14,7 +14,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from stages.fetch.keys import FetchKeys
+    from stages.fetch.section import FetchSections
     from stages.fetch.source import FetchContext, Fetched, Source
     from stages.robot.bundle import Bundle
     from stages.robot.errors import Diagnostic
@@ -38,12 +38,12 @@ def source_class(kind: str) -> type[Source]:
     return found
 
 
-def source_of(keys: FetchKeys) -> Source:
+def source_of(keys: FetchSections) -> Source:
     """The source that is configured."""
     return source_class(keys.source.kind)(keys.source)
 
 
-def fetch(keys: FetchKeys, context: FetchContext) -> Fetched:
+def fetch(keys: FetchSections, context: FetchContext) -> Fetched:
     """The bundle of what `keys.source` names.
 
     ConfigError where a call is needed and there is no API key; SourceError and its kinds where the
@@ -52,32 +52,32 @@ def fetch(keys: FetchKeys, context: FetchContext) -> Fetched:
     return source_of(keys).fetch(context)
 
 
-def preflight(keys: FetchKeys, environ: Mapping[str, str]) -> None:
+def preflight(keys: FetchSections, environ: Mapping[str, str]) -> None:
     """ConfigError for what is wrong with the source before any work: address, file, missing key."""
     source_of(keys).preflight(environ)
 
 
-def remarks(keys: FetchKeys) -> tuple[Diagnostic, ...]:
+def remarks(keys: FetchSections) -> tuple[Diagnostic, ...]:
     """Diagnostics about the place that the API key is read from."""
     return source_of(keys).remarks()
 
 
-def spends(keys: FetchKeys) -> bool:
+def spends(keys: FetchSections) -> bool:
     """Whether a fetch may make calls that count against a quota."""
     return source_of(keys).spends
 
 
-def writes(keys: FetchKeys) -> bool:
+def writes(keys: FetchSections) -> bool:
     """Whether a build changes the user's document, if only for a moment."""
     return source_of(keys).writes
 
 
-def force(keys: FetchKeys) -> bool:
+def force(keys: FetchSections) -> bool:
     """Whether the source must be read again although nothing about it may have changed."""
     return source_of(keys).force
 
 
-def describe(keys: FetchKeys) -> dict[str, str]:
+def describe(keys: FetchSections) -> dict[str, str]:
     """The source as the report names it."""
     return {"kind": keys.source.kind, **source_of(keys).describe()}
 
@@ -95,13 +95,13 @@ def read_again(keys: Mapping[str, Any], environ: Mapping[str, str]) -> dict[str,
     return source.pinned(environ)
 
 
-def keys_to_read_again(keys: FetchKeys) -> dict[str, Any]:
+def keys_to_read_again(keys: FetchSections) -> dict[str, Any]:
     """The keys of a source on this computer as plain data; {} of an address, which stands for its content."""
     here = source_class(keys.source.kind).on_this_computer
     return keys.source.model_dump(mode="json") if here else {}
 
 
-def pinned(keys: FetchKeys, environ: Mapping[str, str] | None = None) -> dict[str, Any] | None:
+def pinned(keys: FetchSections, environ: Mapping[str, str] | None = None) -> dict[str, Any] | None:
     """What identifies the source for ever, as plain data; None for a workspace, which changes.
 
     `environ` names the folders of ROS packages. SourceError where a robot's file is not readable.

@@ -1,6 +1,6 @@
 """The interface of every kind of source, and the values that it exchanges with the stage.
 
-A new source is one folder with a `keys.py` (`KEYS`) and a `source.py` (`SOURCE`), and one line in the
+A new source is one folder with a `section.py` (`SECTION`) and a `source.py` (`SOURCE`), and one line in the
 table of `stages.fetch`.
 """
 

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from stages.graph.keys import GraphKeys
     from stages.graph.mechanism import MechanismReader
+    from stages.graph.section import GraphSections
     from stages.robot.bundle import Bundle
     from stages.robot.model import Robot
 
@@ -19,7 +19,7 @@ READERS: Mapping[str, str] = {
 """Kind of bundle → the module whose `read_mechanism` is its reader."""
 
 
-def build_robot(bundle: "Bundle", keys: "GraphKeys") -> "Robot":
+def build_robot(bundle: "Bundle", keys: "GraphSections") -> "Robot":
     """The robot in a bundle, with its diagnostics. AssemblyError names all problems at once."""
     import gc
 

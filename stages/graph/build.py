@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import Mechanism, MechanismReader
 from stages.graph.passes.actuation import with_actuation
 from stages.graph.passes.added_links import with_added_frames, with_added_links
@@ -19,6 +18,7 @@ from stages.graph.passes.semantics import with_semantics
 from stages.graph.passes.total_mass import with_total
 from stages.graph.passes.zero_pose import with_zero
 from stages.graph.robot_from_tree import place
+from stages.graph.section import GraphSections
 from stages.graph.tree import Tree, spanning_tree
 from stages.robot.bundle import Bundle
 from stages.robot.diagnostics import Diagnostics
@@ -26,7 +26,7 @@ from stages.robot.errors import AssemblyError
 from stages.robot.model import Robot
 
 
-def assemble(bundle: Bundle, keys: GraphKeys, read: MechanismReader) -> Robot:
+def assemble(bundle: Bundle, keys: GraphSections, read: MechanismReader) -> Robot:
     """The robot in a bundle; AssemblyError with all problems at once."""
     log = Diagnostics(optional=keys.optional)
     mechanism, keys = read(bundle, keys, log)
@@ -54,7 +54,7 @@ def assemble(bundle: Bundle, keys: GraphKeys, read: MechanismReader) -> Robot:
     return replace(robot, diagnostics=tuple(log.found))
 
 
-def _tree(mechanism: Mechanism, keys: GraphKeys, log: Diagnostics) -> Tree:
+def _tree(mechanism: Mechanism, keys: GraphSections, log: Diagnostics) -> Tree:
     """The spanning tree. Without a tree no pass can run, so its error also lists the problems so far."""
     try:
         return spanning_tree(mechanism, keys, log)

@@ -2,15 +2,15 @@
 
 from typing import Literal
 
-from stages.graph.keys import GraphKeys
+from stages.graph.section import GraphSections
 from stages.robot.diagnostics import Diagnostics
 
 _CAD_ALONE = ("depth", "hidden", "mirror", "mirrors", "conventions")
 
 
-def report_unused(keys: GraphKeys, source: Literal["URDF", "MJCF"], log: Diagnostics) -> None:
+def report_unused(keys: GraphSections, source: Literal["URDF", "MJCF"], log: Diagnostics) -> None:
     """E-SOURCE-KEY for each key that does not apply to such a file."""
-    default = GraphKeys()
+    default = GraphSections()
     given = [name for name in _CAD_ALONE if getattr(keys, name) != getattr(default, name)]
     if keys.mass.parts:
         given.append("mass.parts")

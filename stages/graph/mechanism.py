@@ -7,7 +7,7 @@ pose that the source was saved in.
 from dataclasses import dataclass
 from typing import Protocol
 
-from stages.graph.keys import GraphKeys
+from stages.graph.section import GraphSections
 from stages.robot.bundle import Bundle
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import Diagnostic
@@ -159,4 +159,6 @@ class MechanismReader(Protocol):
     be read at all; every other problem goes to the log.
     """
 
-    def __call__(self, bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[Mechanism, GraphKeys]: ...
+    def __call__(
+        self, bundle: Bundle, keys: GraphSections, log: Diagnostics
+    ) -> tuple[Mechanism, GraphSections]: ...

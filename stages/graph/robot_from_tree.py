@@ -11,9 +11,9 @@ from dataclasses import replace
 import numpy as np
 
 from stages.graph.dofs import backwards
-from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import Connection, Mechanism, RigidBody
 from stages.graph.root import base_of
+from stages.graph.section import GraphSections
 from stages.graph.tree import Edge, Tree
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import fits, there_are
@@ -42,7 +42,7 @@ POSE_TOLERANCE = 1e-6
 """How far [m, rad] the saved pose may be from what a mate allows before it is reported."""
 
 
-def place(mechanism: Mechanism, tree: Tree, keys: GraphKeys, log: Diagnostics) -> Robot:
+def place(mechanism: Mechanism, tree: Tree, keys: GraphSections, log: Diagnostics) -> Robot:
     """The robot along the tree, at the mechanism's saved pose."""
     world_from_link: dict[int, Array] = {tree.root: tree.world_from_root}
     taken = {dof.name for c in mechanism.connections for dof in c.dofs} | {

@@ -4,15 +4,15 @@ from dataclasses import replace
 
 import networkx as nx
 
-from stages.graph.keys import RootKeys
 from stages.graph.mechanism import WORLD_LINK, Marker, Mechanism
+from stages.graph.section import RootSection
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import NoRoot
 from stages.robot.globs import matching, with_plain
 from stages.robot.model import Array, Base
 
 
-def choose_root(mechanism: Mechanism, keys: RootKeys) -> tuple[int, Array]:
+def choose_root(mechanism: Mechanism, keys: RootSection) -> tuple[int, Array]:
     """The root body and the pose (4, 4) of its frame in the world.
 
     Where something moves relative to the assembly's origin, the origin is the root. Else `select` chooses:
@@ -81,7 +81,7 @@ def heaviest(mechanism: Mechanism, among: "list[int] | range") -> int:
     return min(among, key=lambda number: (-mass[number], mechanism.bodies[number].name))
 
 
-def base_of(mechanism: Mechanism, root: int, keys: RootKeys, log: Diagnostics) -> Base:
+def base_of(mechanism: Mechanism, root: int, keys: RootSection, log: Diagnostics) -> Base:
     """Whether the root is fixed to the world, and why."""
     body = mechanism.bodies[root]
     if body.name == WORLD_LINK and keys.base == "free":

@@ -7,9 +7,9 @@ from typing import Literal
 
 import networkx as nx
 
-from stages.graph.keys import GraphKeys, RootKeys
 from stages.graph.mechanism import Connection, Mechanism
 from stages.graph.root import choose_root, heaviest
+from stages.graph.section import GraphSections, RootSection
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import Diagnostic, Disconnected
 from stages.robot.globs import fits, there_are
@@ -46,7 +46,7 @@ class Tree:
     cut: tuple[Connection, ...]
 
 
-def spanning_tree(mechanism: Mechanism, keys: GraphKeys, log: Diagnostics) -> Tree:
+def spanning_tree(mechanism: Mechanism, keys: GraphSections, log: Diagnostics) -> Tree:
     """The tree that keeps what a user drives: relations, then limited mates, sliders before turns.
 
     Kruskal over a total order of the connections, so neither the root nor the order of features decides
@@ -192,7 +192,7 @@ def _are(number: int, thing: str) -> str:
     return f"{count(number, thing)} {'is' if number == 1 else 'are'}"
 
 
-def _report_island(mechanism: Mechanism, island: list[int], keys: RootKeys, log: Diagnostics) -> None:
+def _report_island(mechanism: Mechanism, island: list[int], keys: RootSection, log: Diagnostics) -> None:
     names = ", ".join(sorted(mechanism.bodies[body].name for body in island))
     done = {"drop": "left out", "weld": "fixed to the root", "separate": "floating on its own"}
     what = f"{names}: {done[keys.disconnected]}, as it is not connected to the root"
@@ -201,7 +201,7 @@ def _report_island(mechanism: Mechanism, island: list[int], keys: RootKeys, log:
 
 
 def _attached(
-    mechanism: Mechanism, kept: nx.MultiGraph, root: int, island: list[int], keys: RootKeys
+    mechanism: Mechanism, kept: nx.MultiGraph, root: int, island: list[int], keys: RootSection
 ) -> tuple[list[int], list[Edge]]:
     """The bodies of an island in order, and their edges, the first from the root; none to drop them."""
     if keys.disconnected == "drop":

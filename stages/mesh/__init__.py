@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 if TYPE_CHECKING:
-    from stages.mesh.keys import MeshKeys
+    from stages.mesh.section import MeshSections
     from stages.robot.bundle import Bundle
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
@@ -69,7 +69,7 @@ are done."""
 
 
 def make_geometry(
-    robot: Robot, bundle: Bundle, keys: MeshKeys, memo: Memo, shown: Shown | None = None
+    robot: Robot, bundle: Bundle, keys: MeshSections, memo: Memo, shown: Shown | None = None
 ) -> Geometry:
     """The shapes of all links and their files. Diagnostics: W-NO-MESH, W-FLAT,
     W-MESH-VOLUME, W-COM-OUTSIDE, W-VISUAL-FACES, I-DECIMATED, I-NO-ASSETS,

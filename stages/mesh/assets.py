@@ -14,7 +14,7 @@ from stages.robot.geometry import Shape
 from stages.robot.plural import count
 
 if TYPE_CHECKING:
-    from stages.mesh.keys import MeshSection
+    from stages.mesh.section import MeshSection
 
 Assets = tuple[tuple[Shape, ...], Mapping[str, bytes]]
 """Shapes, and the files that they name."""

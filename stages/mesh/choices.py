@@ -14,8 +14,8 @@ from stages.robot.globs import fits, unnumbered
 from stages.robot.model import Link, Part
 
 if TYPE_CHECKING:
-    from stages.mesh.collider_keys import ColliderKeys
-    from stages.mesh.keys import MeshSection
+    from stages.mesh.collider_section import ColliderSection
+    from stages.mesh.section import MeshSection
 
 _WHERE = "mesh.colliders"
 
@@ -80,11 +80,11 @@ def names_of(part: Part) -> tuple[str, ...]:
     return part.name, own, unnumbered(own)
 
 
-def _numbered(section: MeshSection) -> Iterator[tuple[int, tuple[str, ColliderKeys]]]:
+def _numbered(section: MeshSection) -> Iterator[tuple[int, tuple[str, ColliderSection]]]:
     return iter(enumerate(section.colliders.items()))
 
 
-def _choice(default: Choice, keys: ColliderKeys, number: int) -> Choice:
+def _choice(default: Choice, keys: ColliderSection, number: int) -> Choice:
     given = {
         name: value
         for name in ("tolerance", "extra_volume", "max_vertices")

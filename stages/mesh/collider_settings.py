@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 if TYPE_CHECKING:
-    from stages.mesh.keys import MeshSection
+    from stages.mesh.section import MeshSection
     from stages.mesh.surface import Surface
 
 LEAST_TOLERANCE = 0.001

@@ -45,7 +45,7 @@ from stages.robot.model import Link, Part, Primitive, Robot
 
 if TYPE_CHECKING:
     from stages.mesh import Memo, Shown
-    from stages.mesh.keys import MeshKeys, MeshSection
+    from stages.mesh.section import MeshSection, MeshSections
 
 
 _Piece = tuple[int, Collider, list[Part]]
@@ -53,7 +53,7 @@ _Piece = tuple[int, Collider, list[Part]]
 
 
 def geometry(
-    robot: Robot, bundle: Bundle, keys: "MeshKeys", memo: "Memo", shown: "Shown | None" = None
+    robot: Robot, bundle: Bundle, keys: "MeshSections", memo: "Memo", shown: "Shown | None" = None
 ) -> Geometry:
     """The shapes of all links. ProtocolError where triangles cannot be read, MeshError with each glob that
     matches nothing."""

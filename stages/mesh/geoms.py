@@ -13,7 +13,7 @@ from stages.robot.globs import fits
 from stages.robot.model import Link, Part
 
 if TYPE_CHECKING:
-    from stages.mesh.geom_keys import GeomKeys
+    from stages.mesh.geom_section import GeomSection
 
 _WHERE = "geoms"
 
@@ -21,7 +21,7 @@ _WHERE = "geoms"
 class GeomRules:
     """What `geoms` says. A glob means links; or CAD parts, of which the colliders alone have properties."""
 
-    def __init__(self, links: Sequence[Link], wanted: Mapping[str, "GeomKeys"], log: Diagnostics) -> None:
+    def __init__(self, links: Sequence[Link], wanted: Mapping[str, "GeomSection"], log: Diagnostics) -> None:
         """E-GLOB for each glob that matches no link and no part."""
         self._wanted = wanted
         parts = [part for link in links for part in link.parts]

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from stages.robot.errors import Diagnostic
 
 if TYPE_CHECKING:
-    from stages.mesh.keys import MeshKeys
+    from stages.mesh.section import MeshSections
 
 BY_CONTACT = "ladder without a tolerance"
 """The maker of colliders by contact, as it is called here."""
@@ -24,7 +24,7 @@ FILES = ("urdf", "mjcf")
 """Kinds of source that may have collision shapes of their own."""
 
 
-def idle_keys(keys: "MeshKeys", makers: Collection[str], source: str) -> Iterator[Diagnostic]:
+def idle_keys(keys: "MeshSections", makers: Collection[str], source: str) -> Iterator[Diagnostic]:
     """I-IDLE-KEY for each key that is set and that nothing reads. `makers`: those of all colliders, and of
     those that further parts would have; `source`: the kind of the source."""
     section, default = keys.mesh, type(keys.mesh)()

@@ -13,10 +13,10 @@ from stages.robot.globs import fits
 from stages.robot.model import Link, Part
 
 if TYPE_CHECKING:
-    from stages.mesh.keys import IgnoreKeys
+    from stages.mesh.section import IgnoreSection
 
 
-def without_ignored(links: Sequence[Link], keys: IgnoreKeys, log: Diagnostics) -> list[Link]:
+def without_ignored(links: Sequence[Link], keys: IgnoreSection, log: Diagnostics) -> list[Link]:
     """The links, whose parts and primitives are neither drawn nor solid where `ignore` says so.
 
     E-GLOB for each glob that matches no link and no part.
@@ -29,7 +29,7 @@ def without_ignored(links: Sequence[Link], keys: IgnoreKeys, log: Diagnostics) -
     return [_without(link, keys) for link in links] if keys.visual or keys.collision else list(links)
 
 
-def _without(link: Link, keys: IgnoreKeys) -> Link:
+def _without(link: Link, keys: IgnoreSection) -> Link:
     parts = tuple(
         replace(
             part,

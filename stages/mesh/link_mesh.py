@@ -17,7 +17,7 @@ from stages.mesh.visuals.make import Drawn, LinkVisuals, visuals
 from stages.robot.model import Array, MeshRef
 
 if TYPE_CHECKING:
-    from stages.mesh.keys import VisualKeys
+    from stages.mesh.section import VisualSection
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,7 +82,7 @@ class LinkParts:
 
 
 def visuals_of(
-    uses: Sequence[Use], meshes: Mapping[MeshRef, PartMesh], keys: "VisualKeys", decimator: Decimator
+    uses: Sequence[Use], meshes: Mapping[MeshRef, PartMesh], keys: "VisualSection", decimator: Decimator
 ) -> LinkVisuals:
     """The visual meshes of a link, in its own frame."""
     drawn = [Drawn(index, use.mesh, use.link_from_part) for index, use in enumerate(uses) if use.seen]

@@ -17,7 +17,7 @@ from stages.robot.model import Link, Part
 
 if TYPE_CHECKING:
     from stages.mesh import Memo
-    from stages.mesh.keys import MeshSection
+    from stages.mesh.section import MeshSection
 
 _MOST_CORNERS = 10_000
 """Of the hull of an ellipsoid: as many as it has."""

@@ -13,7 +13,7 @@ from pydantic import (
     WrapValidator,
 )
 
-from stages.robot.keys import invalid
+from stages.robot.section import invalid
 from stages.robot.units import SI, UNITS, Measure
 
 if TYPE_CHECKING:  # numpy comes with it

@@ -9,8 +9,8 @@ if TYPE_CHECKING:
     from stages.formats.written import Written
     from stages.robot.check import Check
     from stages.validate.compiled import FileKind
-    from stages.validate.keys import ValidateKeys
     from stages.validate.own import OwnCheck
+    from stages.validate.section import ValidateSections
 
 VERSION = 52
 """Grows with every change of what this stage makes of the same input."""
@@ -72,7 +72,7 @@ a function `check_file`."""
 
 
 def validate(
-    folder: Path, written: "Written", keys: "ValidateKeys", own: "Sequence[OwnCheck]" = ()
+    folder: Path, written: "Written", keys: "ValidateSections", own: "Sequence[OwnCheck]" = ()
 ) -> "tuple[Check, ...]":
     """The checks of every model file in `folder`; with `validate=quick` only of its text, and that it
     compiles. A check that fails does not stop the others. `own`: the user's checks."""

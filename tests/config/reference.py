@@ -18,8 +18,8 @@ from pipeline.config.schema import is_section
 from pipeline.motor_files import library
 from pipeline.reference.environment import VARIABLES
 from pipeline.reference.key_entries import KeyEntry, is_any
-from stages.fetch.keys import SOURCES
-from stages.robot.keys import NOT_YET, Keys
+from stages.fetch.section import SOURCES
+from stages.robot.section import NOT_YET, Section
 
 UNIT = re.compile(r"\s?\[((?:-|rad|m[²³]?|kg|s|N|/| |or(?= ))+)\]")
 """A unit in the documentation of a key: [m], [N m s/rad or N s/m]."""
@@ -29,7 +29,7 @@ INTERPOLATION = {"type": "string", "pattern": r"\$\{.*\}", "description": "A val
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 
-def fields(section: type[Keys]) -> Iterator[tuple[str, FieldInfo]]:
+def fields(section: type[Section]) -> Iterator[tuple[str, FieldInfo]]:
     """The keys of a section as the configuration names them; those of the plan in the stages' order."""
     stages = [name for one in SECTIONS for name in one.model_fields] if section is Plan else []
     for name in dict.fromkeys(["name", *stages] if stages else section.model_fields):
@@ -45,7 +45,7 @@ def entries() -> tuple[KeyEntry, ...]:
 
 
 def _entries(
-    section: type[Keys], place: tuple[str, ...], names: dict[str, str], source: str
+    section: type[Section], place: tuple[str, ...], names: dict[str, str], source: str
 ) -> Iterator[KeyEntry]:
     """`names`: a place that stands for any name → the name in the examples."""
     meanings = section.meanings()
@@ -111,7 +111,7 @@ def _parts(annotation: Any) -> tuple[Any, list[Any], bool]:
             return annotation, found, null
 
 
-def _section_of(annotation: Any) -> tuple[type[Keys] | None, bool]:
+def _section_of(annotation: Any) -> tuple[type[Section] | None, bool]:
     """The section that a key holds, and whether it holds one for each name."""
     bare, _, _ = _parts(annotation)
     if get_origin(bare) is dict:
@@ -176,7 +176,7 @@ def _default(field: FieldInfo) -> str:
     if field.is_required():
         return "must be given"
     value = _value(field)
-    return "" if isinstance(value, Keys) else flow(value)
+    return "" if isinstance(value, Section) else flow(value)
 
 
 def _example(field: FieldInfo) -> Any:
@@ -252,7 +252,7 @@ COLUMNS = ("key", "type", "unit", "default", "allowed", "meaning", "example")
 INTRODUCTION = """\
 # Every key of the configuration
 
-Generated from `stages/*/keys.py`, `stages/*/*/keys.py` and `pipeline/config/plan.py` by
+Generated from `stages/*/section.py`, `stages/*/*/section.py` and `pipeline/config/plan.py` by
 `python -m tests.config.regenerate`; do not edit. `linkwright explain KEY` prints an entry.
 
 A key stands in a robot's file as YAML, or on the command line as `key=value`. Lengths are in metres, angles
@@ -306,7 +306,7 @@ def _keys(found: Iterable[KeyEntry]) -> str:
     return _table(COLUMNS, [[_cell(entry, name) for name in COLUMNS] for entry in found])
 
 
-def _documentation(section: type[Keys]) -> str:
+def _documentation(section: type[Section]) -> str:
     return " ".join((section.__doc__ or "").split())
 
 

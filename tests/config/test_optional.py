@@ -11,7 +11,7 @@ from stages.export import export
 from stages.graph import build_robot
 from stages.mesh import make_geometry
 from stages.robot.errors import ConfigError, LinkwrightError
-from stages.robot.optional_keys import GLOB_KEYS, all_globs
+from stages.robot.optional_section import GLOB_KEYS, all_globs
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import bundle_of
 from tests.support.touching import no_memo

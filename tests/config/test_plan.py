@@ -6,13 +6,13 @@ from pydantic import ValidationError
 from pipeline.config.messages import diagnostics
 from pipeline.config.plan import SECTIONS, Plan, section
 from pipeline.config.schema import annotation_at, is_section, leaves, names
-from stages.fetch.keys import SOURCES
-from stages.fetch.onshape.keys import OnshapeSourceKeys
-from stages.graph.keys import GraphKeys
-from stages.mesh.keys import MeshKeys
+from stages.fetch.onshape.section import OnshapeSourceSection
+from stages.fetch.section import SOURCES
+from stages.graph.section import GraphSections
+from stages.mesh.section import MeshSections
 from stages.robot.errors import ConfigError
-from stages.robot.keys import Keys, not_yet
-from stages.robot.optional_keys import OptionalKeys
+from stages.robot.optional_section import OptionalSection
+from stages.robot.section import Section, not_yet
 from tests.support.users import URL
 
 SAMPLE = {"kind": "sample"}
@@ -125,7 +125,7 @@ CHOOSE = f"choose one: {', '.join(f'source={kind}' for kind in KINDS)}"
         ({"kind": "onshap"}, ("E-VALUE", "source.kind", "'onshap' is not allowed", CHOOSE)),
         (
             {"kind": "onshape"},
-            ("E-MISSING", "source.url", "missing", " ".join(OnshapeSourceKeys.meanings()["url"].split())),
+            ("E-MISSING", "source.url", "missing", " ".join(OnshapeSourceSection.meanings()["url"].split())),
         ),
     ],
 )
@@ -229,7 +229,7 @@ def test_a_number_as_the_name_of_a_joint_is_reported_to_be_quoted():
     )
 
 
-class Later(Keys):
+class Later(Section):
     """A section with a key that is decided and has no function."""
 
     soon: tuple[str, ...] = not_yet(())
@@ -268,8 +268,8 @@ def _sections(root):
 
 def test_each_key_belongs_to_one_stage():
     own = (
-        OptionalKeys.model_fields,
-        *(keys.model_fields.keys() - OptionalKeys.model_fields for keys in SECTIONS),
+        OptionalSection.model_fields,
+        *(keys.model_fields.keys() - OptionalSection.model_fields for keys in SECTIONS),
     )
     owned = [name for names in own for name in names]
     assert len(owned) == len(set(owned))
@@ -286,14 +286,14 @@ def test_each_key_belongs_to_one_stage():
 
 def test_the_part_of_a_stage_holds_that_stage_alone_and_keeps_the_order_of_mappings():
     plan = Plan.parse({"source": SAMPLE, "joints": {"b": {"damping": 1}, "a": {}}})
-    assert list(section(plan, GraphKeys)["joints"]) == ["b", "a"]
-    assert set(section(plan, MeshKeys)) == {"mesh", "geoms", "contact", "ignore", "optional"}
-    assert section(plan, MeshKeys)["contact"] == {"exclude": [], "self": "auto"}
+    assert list(section(plan, GraphSections)["joints"]) == ["b", "a"]
+    assert set(section(plan, MeshSections)) == {"mesh", "geoms", "contact", "ignore", "optional"}
+    assert section(plan, MeshSections)["contact"] == {"exclude": [], "self": "auto"}
 
 
 def test_a_property_of_a_joint_that_is_left_out_is_the_same_as_one_that_is_null():
     left_out, null = ({"source": SAMPLE, "joints": {"wrist": keys}} for keys in ({}, {"damping": None}))
-    assert section(Plan.parse(left_out), GraphKeys) == section(Plan.parse(null), GraphKeys)
+    assert section(Plan.parse(left_out), GraphSections) == section(Plan.parse(null), GraphSections)
 
 
 def test_the_folder_is_named_by_output_else_by_the_name():

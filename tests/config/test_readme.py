@@ -22,11 +22,11 @@ from pipeline.cli import parse
 from pipeline.config.compose import Composed, compose_plan
 from pipeline.verbs import VERBS
 from stages.export import export
-from stages.graph.keys import GraphKeys
+from stages.graph.section import GraphSections
 from stages.graph.view.outline import outline
 from stages.graph.view.picture import draw
-from stages.robot.keys import Keys
 from stages.robot.model import Robot
+from stages.robot.section import Section
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import NO_MESHES, plan_of, robot_of
 from tests.support.places import PROJECT
@@ -160,9 +160,9 @@ def test_every_key_of_the_kinematics_is_in_the_readme() -> None:
             first, *more = re.findall("`([^`]+)`", line.split(" | ")[0])
             printed |= {first, *(first.partition(".")[0] + key for key in more)}
     wanted = set()
-    for name, field in GraphKeys.model_fields.items():
+    for name, field in GraphSections.model_fields.items():
         inside = field.annotation
-        if isinstance(inside, type) and issubclass(inside, Keys):
+        if isinstance(inside, type) and issubclass(inside, Section):
             wanted |= {f"{name}.{key}" for key in inside.model_fields}
         elif name != "name":
             wanted.add(name)

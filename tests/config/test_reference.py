@@ -21,8 +21,8 @@ from pipeline.reference.environment import VARIABLES
 from pipeline.reference.key_entries import entries
 from pipeline.verbs import VERBS
 from pipeline.verbs.explain import explained, names
-from stages.fetch.keys import SOURCES
-from stages.robot.keys import Keys
+from stages.fetch.section import SOURCES
+from stages.robot.section import Section
 from tests.config import reference
 from tests.config.regenerate import GOLDEN, REFERENCE
 from tests.support.places import PROJECT
@@ -45,7 +45,7 @@ def test_each_key_has_all_that_a_user_needs(entry):
     assert "[m]" not in entry.meaning or not entry.unit
 
 
-def given(section: type[Keys], path: tuple[str, ...] = ()) -> Iterator[tuple[str, object, object]]:
+def given(section: type[Section], path: tuple[str, ...] = ()) -> Iterator[tuple[str, object, object]]:
     """Key, annotation and example of each key that gives one of its own."""
     for name, field in reference.fields(section):
         below, _ = reference._section_of(field.annotation)

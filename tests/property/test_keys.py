@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 from pipeline.config.plan import Plan, section
 from pipeline.reference.key_entries import KeyEntry, entries
 from stages.export import export
-from stages.export.keys import ExportKeys
+from stages.export.section import ExportSections
 from stages.graph import build_robot
-from stages.graph.keys import GraphKeys
+from stages.graph.section import GraphSections
 from stages.mesh import make_geometry
-from stages.mesh.keys import MeshKeys
+from stages.mesh.section import MeshSections
 from stages.robot.bundle import Bundle
 from stages.robot.errors import LinkwrightError
 from tests.fake_onshape.frames import frame, turn
@@ -25,7 +25,7 @@ from tests.support.building import bundle_of
 from tests.support.drawn import SLOWLY
 from tests.support.kit import SIDE, TOP, Kit
 
-STAGES = (GraphKeys, MeshKeys, ExportKeys)
+STAGES = (GraphSections, MeshSections, ExportSections)
 """The stages that make the robot's files."""
 
 BASE = {

@@ -9,10 +9,10 @@ from stages.formats.written import Written
 from stages.robot.check import Check
 from stages.robot.model import Robot
 from stages.validate import validate
-from stages.validate.keys import ValidateKeys
+from stages.validate.section import ValidateSections
 
 
-def checked(folder: Path, robot: Robot, keys: ValidateKeys, **known: Any) -> tuple[Check, ...]:
+def checked(folder: Path, robot: Robot, keys: ValidateSections, **known: Any) -> tuple[Check, ...]:
     """The checks of the files in `folder`. `known`: as in `Written`; by default the URDF has what closed
     loops ask for, and in the MJCF links on fixed joints are part of others."""
     if "urdf_form" not in known:  # to find it takes seconds where loops are closed

@@ -5,8 +5,8 @@ from collections import defaultdict
 from threading import Lock, RLock
 
 from stages import fetch as stage
-from stages.fetch.keys import FetchKeys
 from stages.fetch.onshape.api.retries import Patience
+from stages.fetch.section import FetchSections
 from stages.fetch.source import FetchContext
 
 QUICK = Patience(first_wait=0.001, longest_wait=0.004, jitter=0.001, connect=5, read=10, whole=20)
@@ -56,7 +56,7 @@ ADDRESS = "https://cad.onshape.com/documents/{}/w/{}/e/{}".format("a" * 24, "b" 
 
 def onshape(url, **keys):
     """The fetch stage's keys for an address."""
-    return FetchKeys.model_validate({"source": {"kind": "onshape", "url": url, **keys}})
+    return FetchSections.model_validate({"source": {"kind": "onshape", "url": url, **keys}})
 
 
 def fetched(keys, kept=None, environ=None, lines=None, **more):

@@ -14,11 +14,11 @@ from stages.robot.check import Check
 from stages.validate import validate
 from stages.validate.compiled import Loaded
 from stages.validate.engines import mujoco_engine
-from stages.validate.keys import ValidateKeys
+from stages.validate.section import ValidateSections
 
 
 def checks_of(folder: Path, truth: Truth) -> tuple[Check, ...]:
-    return validate(folder, truth.written, ValidateKeys.model_validate({}))
+    return validate(folder, truth.written, ValidateSections.model_validate({}))
 
 
 def truth_of(folder: Path) -> Truth:

@@ -9,7 +9,7 @@ import numpy as np
 
 from stages.export import export
 from stages.fetch.mjcf.gather import gather
-from stages.fetch.mjcf.keys import MjcfSourceKeys
+from stages.fetch.mjcf.section import MjcfSourceSection
 from stages.graph import build_robot
 from stages.mesh import make_geometry
 from stages.robot.bundle import Bundle
@@ -39,7 +39,7 @@ def written(folder: Path, text: str, name: str = "model.xml") -> Path:
 
 
 def bundle_of(path: Path) -> Bundle:
-    return gather(MjcfSourceKeys(path=str(path)))[0]
+    return gather(MjcfSourceSection(path=str(path)))[0]
 
 
 def robot_of(path: Path, **keys) -> Robot:

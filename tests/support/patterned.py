@@ -3,13 +3,13 @@
 import numpy as np
 import orjson
 
-from stages.graph.keys import GraphKeys
 from stages.graph.onshape.assembly import Assembly, Mate
 from stages.graph.onshape.bodies import Bodies, find_bodies
 from stages.graph.onshape.definition import read_assembly
 from stages.graph.onshape.mates import dofs_of, right_handed
 from stages.graph.onshape.part_solids import PartSolids
 from stages.graph.onshape.patterns import with_copies
+from stages.graph.section import GraphSections
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.kinematics import chain
 from stages.robot.poses import inverse
@@ -28,17 +28,17 @@ def drawn(kit: Kit, mirror: str = "joints", edit=None, shuffle=None, **keys) -> 
     if edit:
         edit(data["rootAssembly"])
     log = Diagnostics()
-    return copied(data, kit.document, GraphKeys(mirror=mirror, **keys), log), log
+    return copied(data, kit.document, GraphSections(mirror=mirror, **keys), log), log
 
 
-def copied(data: dict, document: Document, keys: GraphKeys, log: Diagnostics) -> Assembly:
+def copied(data: dict, document: Document, keys: GraphSections, log: Diagnostics) -> Assembly:
     """The assembly of a definition, with the copies of its patterns; weighed as in the document."""
     assembly = read_assembly(orjson.dumps(data))
     return with_copies(assembly, keys, PartSolids(assembly, bundle_of(document)), log)
 
 
 def bodies_of(assembly: Assembly, log: Diagnostics, **keys) -> Bodies:
-    return find_bodies(assembly, GraphKeys(**keys), log)
+    return find_bodies(assembly, GraphSections(**keys), log)
 
 
 def codes(log: Diagnostics) -> list[str]:

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from stages.formats.urdf.diagnostics import HINTS
-from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import Mechanism, RelationSpec, RigidBody
 from stages.graph.passes.relation_dofs import dof_relations
+from stages.graph.section import GraphSections
 from stages.graph.tree import spanning_tree
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import Diagnostic, Disconnected
@@ -143,10 +143,10 @@ def loose(has_saved_pose: bool) -> list[Diagnostic]:
     bodies = tuple(RigidBody(name, (name,), (), frozenset({name}), "", np.eye(4)) for name in ("a", "b"))
     drawn = Mechanism(bodies, (), (), (), Provenance("", "", "", ""), root=0, has_saved_pose=has_saved_pose)
     with pytest.raises(Disconnected) as caught:
-        spanning_tree(drawn, GraphKeys(), Diagnostics())
+        spanning_tree(drawn, GraphSections(), Diagnostics())
     log = Diagnostics()
     for how in ("weld", "drop", "separate"):
-        spanning_tree(drawn, GraphKeys.model_validate({"root": {"disconnected": how}}), log)
+        spanning_tree(drawn, GraphSections.model_validate({"root": {"disconnected": how}}), log)
     return [*caught.value.problems, *log.found]
 
 

@@ -93,16 +93,16 @@ def tree(tmp_path: Path) -> Tree:
 def test_a_source_is_a_folder_a_line_an_option_and_its_golden(tree: Tree) -> None:
     tree.add("stages/fetch/toy/__init__.py", '"""A chain of links that no file describes."""\n')
     tree.add(
-        "stages/fetch/toy/keys.py",
+        "stages/fetch/toy/section.py",
         '''"""Configuration of the source `toy`."""
 
 from typing import Literal
 
-from stages.fetch.source_keys import SourceKeys
-from stages.robot.keys import Count
+from stages.fetch.source_section import SourceSection
+from stages.robot.section import Count
 
 
-class ToySourceKeys(SourceKeys):
+class ToySourceSection(SourceSection):
     """A chain of links."""
 
     kind: Literal["toy"] = "toy"
@@ -112,7 +112,7 @@ class ToySourceKeys(SourceKeys):
     """Number of links."""
 
 
-KEYS = ToySourceKeys
+SECTION = ToySourceSection
 ''',
     )
     tree.add(
@@ -167,20 +167,20 @@ SOURCE = ToySource
 def test_a_format_is_a_folder_a_line_an_option_and_its_golden(tree: Tree) -> None:
     tree.add("stages/export/toy/__init__.py", '"""A list of the links, and of the files of the URDF."""\n')
     tree.add(
-        "stages/export/toy/keys.py",
+        "stages/export/toy/section.py",
         '''"""Configuration of the toy writer."""
 
-from stages.robot.keys import Keys, Text
+from stages.robot.section import Section, Text
 
 
-class ToyKeys(Keys):
+class ToySection(Section):
     """The list."""
 
     title: Text = "Links"
     """The first line."""
 
 
-KEYS = ToyKeys
+SECTION = ToySection
 ''',
     )
     tree.add(

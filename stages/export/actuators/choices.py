@@ -13,8 +13,8 @@ from stages.robot.model import Dof, Robot
 from stages.robot.quantity_keys import TypedNumber, as_typed, misfit
 
 if TYPE_CHECKING:
-    from stages.export.actuator_keys import ActuatorKeys
-    from stages.export.motor_keys import MotorKeys
+    from stages.export.actuator_section import ActuatorSection
+    from stages.export.motor_section import MotorSection
 
 WHERE = "actuators"
 
@@ -37,7 +37,7 @@ class Wanted:
 
 
 def wanted_of(
-    robot: Robot, entries: Mapping[str, ActuatorKeys], motors: Mapping[str, MotorKeys], log: Diagnostics
+    robot: Robot, entries: Mapping[str, ActuatorSection], motors: Mapping[str, MotorSection], log: Diagnostics
 ) -> dict[str, Wanted]:
     """By dof of the tree that an entry matches, in tree order; later entries win, property by property, and
     an entry with another type starts from that type's defaults, and keeps the motor. A motor that is named
@@ -62,7 +62,7 @@ def wanted_of(
 
 
 def _merged(
-    dof: Dof, entries: Mapping[str, ActuatorKeys], motors: Mapping[str, MotorKeys], log: Diagnostics
+    dof: Dof, entries: Mapping[str, ActuatorSection], motors: Mapping[str, MotorSection], log: Diagnostics
 ) -> Wanted | None:
     kind: str | None = None
     motor, motor_named = "", False
@@ -122,9 +122,11 @@ def _judge_control(wanted: Wanted, dof: Dof, control: Sequence[float], log: Diag
         log.report("E-ACTUATOR", f"ctrlrange of {dof.name}: {text}, and {why}", WHERE, hint)
 
 
-def _judge(wanted: Wanted, dof: Dof, matched: str, motors: Mapping[str, MotorKeys], log: Diagnostics) -> None:
+def _judge(
+    wanted: Wanted, dof: Dof, matched: str, motors: Mapping[str, MotorSection], log: Diagnostics
+) -> None:
     """E-ACTUATOR for parameters that the type does not have, and for those that need others."""
-    from stages.export.actuator_keys import fields_of
+    from stages.export.actuator_section import fields_of
 
     allowed = fields_of(wanted.type)
     for name in wanted.parameters:
@@ -143,7 +145,7 @@ def _judge(wanted: Wanted, dof: Dof, matched: str, motors: Mapping[str, MotorKey
 
 
 def _drives(
-    motor: str, motors: Mapping[str, MotorKeys], dof: Dof, parameters: Mapping[str, Any], log: Diagnostics
+    motor: str, motors: Mapping[str, MotorSection], dof: Dof, parameters: Mapping[str, Any], log: Diagnostics
 ) -> bool:
     """Whether the motor is known and can drive the dof."""
     if motor not in motors:
@@ -172,7 +174,7 @@ def _incomplete(kind: str, parameters: Collection[str]) -> Iterator[tuple[str, s
         yield "type dcmotor lacks its motor", "give nominal, or motorconst and resistance"
 
 
-def _check(glob: str, keys: ActuatorKeys, robot: Robot, log: Diagnostics) -> None:
+def _check(glob: str, keys: ActuatorSection, robot: Robot, log: Diagnostics) -> None:
     every = [(dof, "") for dof in robot.dofs]
     every += [(dof, one.name) for one in robot.loops for dof in one.dofs]
     matched = [(dof, loop) for dof, loop in every if fits(dof.name, glob)]

@@ -21,9 +21,9 @@ from stages.robot.globs import as_key, listed
 from stages.robot.model import Dof
 
 if TYPE_CHECKING:
-    from stages.export.motor_keys import MotorKeys, MotorValue
+    from stages.export.motor_section import MotorSection, MotorValue
 
-Motors = Mapping[str, "MotorKeys"]
+Motors = Mapping[str, "MotorSection"]
 
 POWERS = {"damping": 2, "friction": 1, "armature": 2, "effort": 1, "velocity": -1}
 """Quantity of a dof → the power of the gear by which it is multiplied."""
@@ -92,7 +92,7 @@ def report_overruled(overruled: Sequence[Overruled], wanted: Mapping[str, Wanted
     log.report("I-MOTOR", text, WHERE, hint)
 
 
-def _at_output(motor: MotorKeys, kind: str) -> Iterator[tuple[str, float, str]]:
+def _at_output(motor: MotorSection, kind: str) -> Iterator[tuple[str, float, str]]:
     """(quantity of a dof, value, source). What resists a motor on a voltage is part of its damping, unless
     the actuator is a DC motor, which has it by itself."""
     values = motor.values

@@ -25,7 +25,7 @@ from stages.robot.pose_batch import count_of
 from stages.robot.statics import GRAVITY
 
 if TYPE_CHECKING:
-    from stages.export.actuator_keys import ActuatorKeys
+    from stages.export.actuator_section import ActuatorSection
 
 NO_MOTORS: Motors = {}
 EVERY_GLOB_MATCHES: Mapping[Any, Sequence[str]] = {}
@@ -33,7 +33,7 @@ EVERY_GLOB_MATCHES: Mapping[Any, Sequence[str]] = {}
 
 def actuate(
     robot: Robot,
-    entries: Mapping[str, ActuatorKeys],
+    entries: Mapping[str, ActuatorSection],
     timestep: float,
     world_from_root: Array,
     gravity: Sequence[float] = GRAVITY,

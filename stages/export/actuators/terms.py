@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from stages.export.actuator_keys import DC_MOTOR
+from stages.export.actuator_section import DC_MOTOR
 from stages.robot.model import Dof
 
 OPEN = 1e6

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from stages.robot.errors import ConfigError, Diagnostic
 
 if TYPE_CHECKING:
-    from stages.export.actuator_keys import ActuatorKeys
+    from stages.export.actuator_section import ActuatorSection
 
 TYPES: Mapping[str, str] = {"dcmotor": "3.7", "pid": "3.12"}
 """Type → the first MuJoCo that has it."""
@@ -20,7 +20,7 @@ BOTH = ("ki", "slewmax"), "3.17"
 """Parameters that one actuator may have together, and from which MuJoCo on."""
 
 
-def require(entries: "Mapping[str, ActuatorKeys]") -> None:
+def require(entries: "Mapping[str, ActuatorSection]") -> None:
     """ConfigError where an entry of `actuators` needs a newer MuJoCo than the installed one."""
     if not entries:
         return
@@ -40,7 +40,7 @@ def require(entries: "Mapping[str, ActuatorKeys]") -> None:
         raise ConfigError("the installed MuJoCo is too old for these actuators", problems=problems)
 
 
-def _needs(keys: "ActuatorKeys") -> Iterator[tuple[str, str]]:
+def _needs(keys: "ActuatorSection") -> Iterator[tuple[str, str]]:
     if keys.type is not None and keys.type in TYPES:
         yield f"type {keys.type}", TYPES[keys.type]
     for name, first in PARAMETERS.items():

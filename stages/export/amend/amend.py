@@ -12,7 +12,7 @@ from stages.robot.errors import Diagnostic, ExportError
 from stages.robot.globs import listed
 
 if TYPE_CHECKING:
-    from stages.export.keys import ExportKeys
+    from stages.export.section import ExportSections
 
 _MESSAGE = "the robot's files cannot be amended"
 
@@ -29,7 +29,7 @@ class Amended:
 def amended(
     files: Mapping[str, bytes],
     formats: Mapping[str, Sequence[str]],
-    keys: "ExportKeys",
+    keys: "ExportSections",
     texts: Mapping[str, str],
 ) -> Amended:
     """`files`: all files of the robot, by path, with its meshes; `formats`: those that are written, with the

@@ -13,8 +13,8 @@ from stages.robot.amendments import Amendment
 from stages.robot.globs import listed
 
 if TYPE_CHECKING:
-    from stages.export.element_keys import IntoKeys
-    from stages.export.keys import ExportKeys
+    from stages.export.element_section import IntoSection
+    from stages.export.section import ExportSections
 
 FORMATS, TAG = "formats", "tag"
 """What stands beside attributes."""
@@ -26,7 +26,7 @@ class Insertion:
 
     key: str
     formats: tuple[str, ...]
-    into: "IntoKeys"
+    into: "IntoSection"
     elements: tuple[Element, ...]
 
     def apply(self, documents: Documents) -> Amendment:
@@ -92,7 +92,7 @@ class Setting:
 Entry = Insertion | Setting
 
 
-def entries(keys: "ExportKeys", texts: Mapping[str, str]) -> list[Entry]:
+def entries(keys: "ExportSections", texts: Mapping[str, str]) -> list[Entry]:
     """All entries, in the order in which they are applied. `texts`: of the files that `elements` name, by the
     name of the entry. Refused where such a text is not XML, or of no format."""
     found: list[Entry] = []

@@ -15,7 +15,7 @@ from stages.robot.poses import UNMOVED, from_parts, rotation_from_rpy
 from stages.robot.sensing import SensorCamera
 
 if TYPE_CHECKING:
-    from stages.export.scene_keys import CameraKeys
+    from stages.export.scene_section import CameraSection
 
 OURS_FROM_MUJOCO = frozen(np.diag([1.0, -1.0, -1.0, 1.0]))
 
@@ -26,7 +26,9 @@ FROM = np.array([1.0, -0.9, 0.6])
 """From where the overview looks at the robot."""
 
 
-def carried_cameras(robot: Robot, cameras: Mapping[str, "CameraKeys"]) -> dict[str, list[tuple[str, Array]]]:
+def carried_cameras(
+    robot: Robot, cameras: Mapping[str, "CameraSection"]
+) -> dict[str, list[tuple[str, Array]]]:
     """By link: the name and link_from_frame (4, 4) of each camera that it carries.
 
     ExportError for a frame that the robot does not have.
@@ -42,7 +44,7 @@ def carried_cameras(robot: Robot, cameras: Mapping[str, "CameraKeys"]) -> dict[s
     return found
 
 
-def unknown_frames(robot: Robot, cameras: Mapping[str, "CameraKeys"]) -> list[Diagnostic]:
+def unknown_frames(robot: Robot, cameras: Mapping[str, "CameraSection"]) -> list[Diagnostic]:
     """E-FRAME for each camera on a frame that the robot does not have."""
     frames = _frames(robot)
     return [
@@ -63,7 +65,7 @@ def _frames(robot: Robot) -> dict[str, tuple[str, Array]]:
     return frames | {link.name: (link.name, UNMOVED) for link in robot.links}
 
 
-def write_camera(above: Element, name: str, camera: "CameraKeys", above_from_frame: Array) -> None:
+def write_camera(above: Element, name: str, camera: "CameraSection", above_from_frame: Array) -> None:
     """A camera under the element of a body or the world, in whose axes `above_from_frame` (4, 4) is."""
     place = np.array(camera.xyz)
     turned = rotation_from_rpy(camera.rpy)

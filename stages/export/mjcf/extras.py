@@ -14,13 +14,13 @@ from stages.robot.mjcf_extras import MjcfElement, MjcfExtras
 from stages.robot.model import Robot
 
 if TYPE_CHECKING:
-    from stages.export.keys import ExportKeys
+    from stages.export.section import ExportSections
 
 COUNTED = ("tendon", "equality", "actuator")
 """Sections whose elements mean values of joints as the source counts them."""
 
 
-def extras_of(robot: Robot, geometry: Geometry, keys: "ExportKeys") -> MjcfExtras | None:
+def extras_of(robot: Robot, geometry: Geometry, keys: "ExportSections") -> MjcfExtras | None:
     """The extras without what names a thing that the robot has not, or a joint whose value counts otherwise;
     without cameras and lights that the configuration gives under the same name, and without the scene where
     the configuration leaves that out."""

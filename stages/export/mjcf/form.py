@@ -14,10 +14,10 @@ from stages.robot.geometry import Geometry
 from stages.robot.model import Robot
 
 if TYPE_CHECKING:
-    from stages.export.keys import ExportKeys
+    from stages.export.section import ExportSections
 
 
-def form_of(robot: Robot, geometry: Geometry, keys: "ExportKeys") -> MjcfForm:
+def form_of(robot: Robot, geometry: Geometry, keys: "ExportSections") -> MjcfForm:
     """How the robot's MJCF differs from the robot. Links keep their bodies where these are excluded from
     contact, and those that they would be part of are not; where a sensor measures their load; and where an
     MJCF source has them, unless they are to be merged."""

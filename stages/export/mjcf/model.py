@@ -18,7 +18,7 @@ from stages.export.mjcf.loops import STIFF, Closures, held
 from stages.export.mjcf.sections import ordered, write_sections
 from stages.export.mjcf.sensing import write_mounted
 from stages.export.mjcf.settings import text
-from stages.export.mujoco_keys import IN_THE_ROBOT
+from stages.export.mujoco_section import IN_THE_ROBOT
 from stages.export.paints import Paint, materials
 from stages.formats.numbers import TURN, number, spaced
 from stages.formats.xml import Element, element, to_bytes

@@ -11,7 +11,7 @@ from stages.export.mjcf.keyframes import write_keyframes
 from stages.export.mjcf.placement import placement
 from stages.export.mjcf.sections import write_sections
 from stages.export.mjcf.settings import text
-from stages.export.mujoco_keys import IN_THE_ROBOT
+from stages.export.mujoco_section import IN_THE_ROBOT
 from stages.export.scene import ground_pose
 from stages.formats.numbers import number, spaced
 from stages.formats.xml import Element, element, parse, to_bytes
@@ -19,7 +19,7 @@ from stages.robot.names import free
 from stages.robot.scene import FLOOR as GROUND
 
 if TYPE_CHECKING:
-    from stages.export.scene_keys import GroundKeys, LightKeys, SkyKeys
+    from stages.export.scene_section import GroundSection, LightSection, SkySection
     from stages.export.writer import WriterInput
 
 TEMPLATE = Path(__file__).with_name("scene.xml")
@@ -85,7 +85,7 @@ def _settings(root: Element, name: str, keys: Any, without: Collection[str] = ()
     root.find("include").addnext(made)
 
 
-def _sky(asset: Element, sky: "SkyKeys") -> None:
+def _sky(asset: Element, sky: "SkySection") -> None:
     texture = asset.find("texture[@type='skybox']")
     if sky.kind == "none":
         asset.remove(texture)
@@ -94,7 +94,7 @@ def _sky(asset: Element, sky: "SkyKeys") -> None:
     texture.set("rgb2", spaced(sky.bottom))
 
 
-def _ground(root: Element, ground: "GroundKeys") -> None:
+def _ground(root: Element, ground: "GroundSection") -> None:
     texture, material, floor = (root.find(path) for path in FLOOR)
     if ground.kind == "none" or ground.material == "plain":
         for part in (texture, material):
@@ -112,7 +112,7 @@ def _ground(root: Element, ground: "GroundKeys") -> None:
         floor.set(name, value)
 
 
-def _lights(world: Element, lights: Mapping[str, "LightKeys"], lit: bool) -> None:
+def _lights(world: Element, lights: Mapping[str, "LightSection"], lit: bool) -> None:
     """The template's sun, unless it is given or the scene is `lit` without it, and the user's lights."""
     if "sun" in lights or lit:
         world.remove(world.find("light[@name='sun']"))

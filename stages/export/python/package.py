@@ -6,7 +6,7 @@ The constants have the names of those of robot_descriptions, whose loaders take 
 import json
 from collections.abc import Collection
 
-from stages.export.python.keys import PythonFormatKeys, module_of
+from stages.export.python.section import PythonFormatSection, module_of
 
 OF_FILES = (
     ("URDF_PATH", "{}.urdf"),
@@ -26,7 +26,7 @@ def constants(robot: str, paths: Collection[str]) -> list[tuple[str, str]]:
     return [(name, path) for name, path in every if path in paths]
 
 
-def pyproject(package: str, robot: str, keys: PythonFormatKeys) -> bytes:
+def pyproject(package: str, robot: str, keys: PythonFormatSection) -> bytes:
     """Built by hatchling, which leaves nothing beside the sources."""
     about = [f"name = {_text(package)}", f"version = {_text(keys.version)}"]
     about += [

@@ -22,11 +22,11 @@ class PythonWriter:
 
     def write(self, given: WriterInput) -> FormatFiles:
         """Its files, with copies of all that the other formats have, and of robot.json."""
-        from stages.export.python.keys import PythonFormatKeys, module_of
         from stages.export.python.package import module, pyproject, readme
+        from stages.export.python.section import PythonFormatSection, module_of
 
         robot = given.written.robot.name
-        keys = given.keys.export.python or PythonFormatKeys()
+        keys = given.keys.export.python or PythonFormatSection()
         package, folder = _names(given)
         own = module_of(package)
         data = {f"{own}/{folder}/{path}": text for path, text in given.files.items()}
@@ -43,7 +43,7 @@ class PythonWriter:
 def package_record(given: WriterInput) -> "dict[str, PackageRecord]":
     """What robot.json tells of the package, which holds it."""
     from stages.export import VERSION
-    from stages.export.python.keys import module_of
+    from stages.export.python.section import module_of
     from stages.formats.robot_json.files import PackageRecord
 
     package, folder = _names(given)
@@ -54,10 +54,10 @@ def package_record(given: WriterInput) -> "dict[str, PackageRecord]":
 def _names(given: WriterInput) -> tuple[str, str]:
     """The name of the package, and that of the folder of the robot's files in its module."""
     from stages.export.package_names import package_of
-    from stages.export.python.keys import PythonFormatKeys
+    from stages.export.python.section import PythonFormatSection
 
     robot, urdf = given.written.robot.name, given.keys.export.urdf
-    keys = given.keys.export.python or PythonFormatKeys()
+    keys = given.keys.export.python or PythonFormatSection()
     # Who looks for package:// looks for a folder of that name.
     in_package = urdf is not None and urdf.meshes == "package"
     folder = (urdf.package if urdf is not None and in_package else None) or robot

@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Iterable
 
-from stages.export.ros2.keys import Ros2FormatKeys
+from stages.export.ros2.section import Ros2FormatSection
 from stages.formats.xml import element, to_bytes
 
 ALWAYS = (
@@ -44,7 +44,7 @@ MOVEIT = (
 """What MoveIt's launch file needs."""
 
 
-def package_xml(package: str, what: str, keys: Ros2FormatKeys, needs: Collection[str]) -> bytes:
+def package_xml(package: str, what: str, keys: Ros2FormatSection, needs: Collection[str]) -> bytes:
     """`what`: its description; `needs`: the packages that this one runs with."""
     root = element(None, "package", format="3")
     element(root, "name").text = package

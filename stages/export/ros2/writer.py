@@ -45,14 +45,14 @@ class Ros2Writer:
         from stages.export.ros2.control import control_of
         from stages.export.ros2.controllers import controllers_of
         from stages.export.ros2.description import described
-        from stages.export.ros2.keys import Ros2FormatKeys
         from stages.export.ros2.moveit import semantics_of
+        from stages.export.ros2.section import Ros2FormatSection
         from stages.export.ros2.trajectories import trajectories_of
         from stages.export.ros2.unsupported import unsupported
         from stages.formats.robot_json.files import PackageRecord, RenamedRecord
 
         robot = given.written.robot
-        keys = given.keys.export.ros2 or Ros2FormatKeys()
+        keys = given.keys.export.ros2 or Ros2FormatSection()
         package = keys.package or package_of(robot.name)
         description = described(given.files[f"{robot.name}.urdf"], package)
         control = control_of(given.written, description)
@@ -75,16 +75,16 @@ def _files(
 ) -> list[tuple[str, bytes]]:
     """(path in the package, bytes)."""
     from stages.export.ros2.controllers import controllers_yaml
-    from stages.export.ros2.keys import Ros2FormatKeys
     from stages.export.ros2.launch_files import control_launch, display_launch, rviz
     from stages.export.ros2.names import macro_of
     from stages.export.ros2.package import ALWAYS, CONTROLLED, cmake_lists, package_xml
+    from stages.export.ros2.section import Ros2FormatSection
     from stages.export.ros2.xacro_files import control_macro, entry, macro
     from stages.formats.xml import to_bytes
     from stages.robot.names import free
 
     name = given.written.robot.name
-    keys = given.keys.export.ros2 or Ros2FormatKeys()
+    keys = given.keys.export.ros2 or Ros2FormatSection()
     own = macro_of(name)
     parts = f"{name}_macro.xacro", f"{name}.ros2_control.xacro"
     joints = {str(one.get("name")) for one in description.root.iterchildren("joint")}
@@ -125,13 +125,13 @@ def _beside(
     given: WriterInput, package: str, description: "Description", semantics: "Semantics", driven: Driven
 ) -> dict[str, bytes]:
     """The files of MoveIt's package by path: none where the configuration wants none, or nothing moves."""
-    from stages.export.ros2.keys import Ros2FormatKeys
     from stages.export.ros2.moveit import semantic_files, setup_assistant
     from stages.export.ros2.moveit_launch import moveit_launch, moveit_rviz
     from stages.export.ros2.names import moveit_package_of
     from stages.export.ros2.package import MOVEIT, cmake_lists, package_xml
+    from stages.export.ros2.section import Ros2FormatSection
 
-    name, keys = given.written.robot.name, given.keys.export.ros2 or Ros2FormatKeys()
+    name, keys = given.written.robot.name, given.keys.export.ros2 or Ros2FormatSection()
     if not keys.moveit or not semantics.groups:
         return {}
     own = moveit_package_of(package)

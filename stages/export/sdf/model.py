@@ -12,8 +12,8 @@ import numpy as np
 
 from stages.export.paints import paint
 from stages.export.sdf.contacts import SdfContacts
-from stages.export.sdf.keys import SdfFormatKeys
 from stages.export.sdf.lowering import SdfJoint, SdfJoints
+from stages.export.sdf.section import SdfFormatSection
 from stages.export.sdf.sensors import SdfSensor, Sensors, write_sensor
 from stages.formats.numbers import LENGTH, TURN, number, numbers, spaced
 from stages.formats.sdf.names import SdfNames
@@ -39,7 +39,7 @@ class SdfPlan:
     world_from_root: Array
 
 
-def write_sdf(robot: Robot, geometry: Geometry, keys: SdfFormatKeys, plan: SdfPlan) -> bytes:
+def write_sdf(robot: Robot, geometry: Geometry, keys: SdfFormatSection, plan: SdfPlan) -> bytes:
     """The robot as SDF, with the paths of meshes as `keys` choose."""
     names, lowered = plan.names, plan.lowered
     root = element(None, "sdf", version=VERSION)

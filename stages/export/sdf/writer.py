@@ -19,13 +19,13 @@ class SdfWriter:
         return (f"{robot}.sdf", "model.config")
 
     def write(self, given: WriterInput) -> FormatFiles:
-        from stages.export.sdf.keys import SdfFormatKeys
         from stages.export.sdf.model import write_config, write_sdf
+        from stages.export.sdf.section import SdfFormatSection
         from stages.export.sdf.unsupported import unsupported
 
         written, plan = given.written, _plan(given)
         model, config = self.paths(written.robot.name)
-        keys = given.keys.export.sdf or SdfFormatKeys()
+        keys = given.keys.export.sdf or SdfFormatSection()
         files = {
             model: write_sdf(written.robot, written.shapes, keys, plan),
             config: write_config(written.robot.name),

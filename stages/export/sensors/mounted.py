@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stages.export.extents import Extents
-from stages.export.sensor_keys import MEASURES
 from stages.export.sensor_mounts import Mount, mounts_of, report_unknown
+from stages.export.sensor_section import MEASURES
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.geometry import Geometry
 from stages.robot.model import Array, Robot, Sensor, frozen
@@ -17,7 +17,7 @@ from stages.robot.poses import from_parts, inverse, rotation_from_rpy
 from stages.robot.sensing import SensorCamera, SensorSite, SensorTarget, ZoneShape
 
 if TYPE_CHECKING:
-    from stages.export.sensor_keys import SensorKeys
+    from stages.export.sensor_section import SensorSection
 
 WORLD = "world"
 """The link that is the assembly's origin: a site has its name in the MJCF."""
@@ -56,7 +56,7 @@ class Mounted:
         self._taken |= {f"{loop.name}_{end}" for loop in robot.loops for end in OF_LOOPS}
         self._log = log
 
-    def sensors(self, name: str, keys: "SensorKeys") -> Iterator[Sensor]:
+    def sensors(self, name: str, keys: "SensorSection") -> Iterator[Sensor]:
         """The sensors of an entry; none where a name is wrong, which the log has."""
         mount = self._mount(keys.frame or name, f"sensors.{name}.frame")
         if mount is None:
@@ -94,7 +94,7 @@ class Mounted:
             report_unknown(name, where, self._mounts, self._log)
         return self._mounts.get(name)
 
-    def _reference(self, name: str, keys: "SensorKeys") -> tuple[SensorTarget, str] | None:
+    def _reference(self, name: str, keys: "SensorSection") -> tuple[SensorTarget, str] | None:
         """What the sensor is relative to; None where there is no such thing."""
         if keys.relative_to is None:
             return "", ""
@@ -105,7 +105,7 @@ class Mounted:
         """A frame or link in MJCF's words: a site where there is one."""
         return "site" if mount.is_frame or mount.name in self._are_sites else "xbody", mount.name
 
-    def _on(self, name: str, keys: "SensorKeys", mount: Mount) -> tuple[SensorTarget, str] | None:
+    def _on(self, name: str, keys: "SensorSection", mount: Mount) -> tuple[SensorTarget, str] | None:
         """What the sensor is on: what carries it, where that will do, else a site of its own."""
         pose = mount.link_from_mount @ _offset(keys)
         if keys.type == "touch":
@@ -130,7 +130,7 @@ class Mounted:
         return "site", own
 
     def _zone(
-        self, name: str, keys: "SensorKeys", mount: Mount, link_from_site: Array
+        self, name: str, keys: "SensorSection", mount: Mount, link_from_site: Array
     ) -> tuple[SensorTarget, str] | None:
         """The site inside which contact is felt; by default the box around the link's colliders."""
         if keys.size is not None:
@@ -148,7 +148,7 @@ class Mounted:
         middle = link_from_site @ from_parts(np.eye(3), (low + high) / 2)
         return self._site(name, mount, middle, "box", tuple(float(one) for one in high - low))
 
-    def _camera(self, name: str, keys: "SensorKeys", mount: Mount) -> Iterator[Sensor]:
+    def _camera(self, name: str, keys: "SensorSection", mount: Mount) -> Iterator[Sensor]:
         if name in self._seen:
             text = f"there is a camera {name!r} already, in scene.cameras"
             self._log.report("E-SENSOR", text, f"sensors.{name}", "give this camera another name")
@@ -174,6 +174,6 @@ class Mounted:
             )
 
 
-def _offset(keys: "SensorKeys") -> Array:
+def _offset(keys: "SensorSection") -> Array:
     """mount_from_sensor (4, 4)."""
     return from_parts(rotation_from_rpy(keys.rpy), np.array(keys.xyz))

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Iterator, Mapping
 from typing import TYPE_CHECKING, Literal
 
-from stages.export.sensor_keys import MEASURES
+from stages.export.sensor_section import MEASURES
 from stages.robot.actuation import Actuation
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import fits, there_are
@@ -11,8 +11,8 @@ from stages.robot.model import Dof, Robot, Sensor
 from stages.robot.quantity_keys import as_typed, misfit
 
 if TYPE_CHECKING:
-    from stages.export.actuator_keys import ActuatorKeys
-    from stages.export.sensor_keys import SensorKeys
+    from stages.export.actuator_section import ActuatorSection
+    from stages.export.sensor_section import SensorSection
 
 OF_BALLS = {"pos": "ballquat", "vel": "ballangvel"}
 """What is measured of a ball → MuJoCo's element."""
@@ -20,7 +20,7 @@ OF_BALLS = {"pos": "ballquat", "vel": "ballangvel"}
 ENCODER = {"pos": "actuatorpos", "vel": "actuatorvel"}
 
 
-def joint_sensors(name: str, keys: "SensorKeys", robot: Robot, log: Diagnostics) -> Iterator[Sensor]:
+def joint_sensors(name: str, keys: "SensorSection", robot: Robot, log: Diagnostics) -> Iterator[Sensor]:
     """The sensors of the dofs that an entry names, dof by dof. A glob leaves out what a dof does not have."""
     where, glob = f"sensors.{name}.joints", keys.joints or "*"
     dofs = [dof for dof in robot.dofs if fits(dof.name, glob)]
@@ -50,7 +50,7 @@ def joint_sensors(name: str, keys: "SensorKeys", robot: Robot, log: Diagnostics)
             )
 
 
-def _check_units(measured: str, keys: "SensorKeys", dof: Dof, where: str, log: Diagnostics) -> None:
+def _check_units(measured: str, keys: "SensorSection", dof: Dof, where: str, log: Diagnostics) -> None:
     """E-SENSOR for a length where the dof turns, or an angle where it slides."""
     names: tuple[Literal["noise", "cutoff"], ...] = ("noise", "cutoff")
     for key in names:
@@ -87,7 +87,7 @@ def report_unmatched(glob: str, kind: str, names: Collection[str], where: str, l
 
 
 def actuator_sensors(
-    name: str, keys: "SensorKeys", robot: Robot, actuation: Actuation, log: Diagnostics
+    name: str, keys: "SensorSection", robot: Robot, actuation: Actuation, log: Diagnostics
 ) -> Iterator[Sensor]:
     """The sensors of the actuators that an entry names, actuator by actuator."""
     glob = keys.actuators or "*"
@@ -111,7 +111,7 @@ def actuator_sensors(
 
 
 def encoders(
-    actuation: Actuation, entries: Mapping[str, "ActuatorKeys"], log: Diagnostics
+    actuation: Actuation, entries: Mapping[str, "ActuatorSection"], log: Diagnostics
 ) -> Iterator[tuple[str, Sensor]]:
     """The sensors that the entries of `actuators` ask for, actuator by actuator, each with its key.
 

@@ -16,14 +16,18 @@ from stages.robot.plural import count
 from stages.robot.sensing import Sensing
 
 if TYPE_CHECKING:
-    from stages.export.keys import ExportKeys
+    from stages.export.section import ExportSections
 
 OVERVIEW = "overview"
 """The camera that every scene has."""
 
 
 def sensing_of(
-    robot: Robot, geometry: Geometry, actuation: Actuation, keys: "ExportKeys", fused: Collection[str] = ()
+    robot: Robot,
+    geometry: Geometry,
+    actuation: Actuation,
+    keys: "ExportSections",
+    fused: Collection[str] = (),
 ) -> tuple[Sensing, tuple[Diagnostic, ...]]:
     """What measures the robot: the sensors of the source, those of actuators, and those of the key, in this
     order; and what is worth knowing about it. `fused`: the links without bodies of their own in the MJCF.

@@ -9,11 +9,11 @@ from stages.robot.actuation import Actuation
 from stages.robot.model import Robot
 
 if TYPE_CHECKING:
-    from stages.export.keys import ExportKeys
-    from stages.export.urdf.keys import UrdfFormatKeys
+    from stages.export.section import ExportSections
+    from stages.export.urdf.section import UrdfFormatSection
 
 
-def form_of(robot: Robot, keys: "ExportKeys", actuation: Actuation) -> UrdfForm:
+def form_of(robot: Robot, keys: "ExportSections", actuation: Actuation) -> UrdfForm:
     """How the robot's URDF differs from the robot. What is driven rather drives others than follows them."""
     urdf = keys.export.urdf
     driven = [one.dof for one in actuation.actuators]
@@ -22,6 +22,6 @@ def form_of(robot: Robot, keys: "ExportKeys", actuation: Actuation) -> UrdfForm:
     return form if urdf is None else replace(form, package=package_of(urdf, robot.name))
 
 
-def package_of(keys: "UrdfFormatKeys", robot: str) -> str:
+def package_of(keys: "UrdfFormatSection", robot: str) -> str:
     """The package by which the URDF of a robot of this name names its meshes; "" for paths."""
     return keys.package or robot if keys.meshes == "package" else ""

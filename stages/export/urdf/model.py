@@ -11,8 +11,8 @@ import numpy as np
 
 from stages.export.paints import Paint, materials, paint
 from stages.export.urdf.form import package_of
-from stages.export.urdf.keys import UrdfFormatKeys
 from stages.export.urdf.lowering import LoweredJoint, lower
+from stages.export.urdf.section import UrdfFormatSection
 from stages.formats.numbers import LENGTH, TURN, number, numbers, spaced
 from stages.formats.urdf.names import UrdfNames
 from stages.formats.written import Written
@@ -28,9 +28,9 @@ UNSET_REACH = {"revolute": 2 * math.pi, "prismatic": 1.0}
 """Defaults of limits that are not set [rad, m]: URDF requires a number."""
 
 
-def write_urdf(written: Written, keys: UrdfFormatKeys | None = None) -> bytes:
+def write_urdf(written: Written, keys: UrdfFormatSection | None = None) -> bytes:
     """The robot as URDF, with paths and inertials as `keys` choose."""
-    keys = keys or UrdfFormatKeys()
+    keys = keys or UrdfFormatSection()
     robot, held, geometry = written.as_urdf.robot, written.as_urdf.held, written.shapes
     assets = _assets_of(keys, robot.name)
     massless = SPECK if keys.frame_inertia == "tiny" else ZERO
@@ -78,7 +78,7 @@ def _origin(parent: Element, pose: Array) -> None:
     element(parent, "origin", xyz=spaced(pose[:3, 3], least=LENGTH), rpy=spaced(rpy, least=TURN))
 
 
-def _assets_of(keys: UrdfFormatKeys, robot: str) -> str:
+def _assets_of(keys: UrdfFormatSection, robot: str) -> str:
     """What the path of a mesh in a URDF begins with, for a robot of this name."""
     package = package_of(keys, robot)
     return f"package://{package}/assets/" if package else "assets/"

@@ -19,13 +19,13 @@ class UsdWriter:
         return (f"{robot}.usda", f"{robot}_meshes.usd")
 
     def write(self, given: WriterInput) -> FormatFiles:
-        from stages.export.usd.keys import UsdFormatKeys
         from stages.export.usd.model import write_usd
+        from stages.export.usd.section import UsdFormatSection
         from stages.export.usd.shapes import meshes_layer
         from stages.export.usd.unsupported import unsupported
 
         robot, geometry, plan = given.written.robot, given.written.shapes, _plan(given)
-        keys = given.keys.export.usd or UsdFormatKeys()
+        keys = given.keys.export.usd or UsdFormatSection()
         model, meshes = self.paths(robot.name)
         layer, places = meshes_layer(geometry)
         files = {

@@ -22,7 +22,7 @@ from stages.robot.bundle import FileBundle
 from stages.robot.errors import Diagnostic, ProtocolError, SourceError
 
 if TYPE_CHECKING:
-    from stages.fetch.mjcf.keys import MjcfSourceKeys
+    from stages.fetch.mjcf.section import MjcfSourceSection
 
 READER = 4
 """Raised with every change of the result for the same files."""
@@ -48,7 +48,7 @@ _SMALLER = (
 
 
 def gather(
-    source: MjcfSourceKeys, while_waiting: Callable[[], None] = lambda: None
+    source: MjcfSourceSection, while_waiting: Callable[[], None] = lambda: None
 ) -> tuple[FileBundle, tuple[Diagnostic, ...]]:
     """The bundle of an MJCF, and MuJoCo's warnings. `while_waiting` is called before MuJoCo begins.
 
@@ -83,7 +83,7 @@ def gather(
     return bundle, tuple(Diagnostic("W-MJCF", text, path.name, _LOOK) for text in warnings)
 
 
-def identity(source: MjcfSourceKeys) -> dict[str, Any]:
+def identity(source: MjcfSourceSection) -> dict[str, Any]:
     """What identifies the source, by content, as plain data."""
     from stages.fetch.mjcf.files import survey
 

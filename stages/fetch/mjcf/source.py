@@ -9,7 +9,7 @@ from stages.fetch.robot_file import RobotFileSource
 from stages.fetch.source import FetchContext, Fetched
 
 if TYPE_CHECKING:
-    from stages.fetch.mjcf.keys import MjcfSourceKeys
+    from stages.fetch.mjcf.section import MjcfSourceSection
 
 
 class MjcfSource(RobotFileSource):
@@ -18,7 +18,7 @@ class MjcfSource(RobotFileSource):
     wanted: ClassVar[str] = "an MJCF is a file"
     example: ClassVar[str] = "robots/arm.xml"
 
-    _keys: MjcfSourceKeys
+    _keys: MjcfSourceSection
 
     def pinned(self, environ: Mapping[str, str]) -> dict[str, Any]:
         from stages.fetch.mjcf.gather import identity

@@ -17,7 +17,7 @@ from stages.robot.errors import Diagnostic, NotFound, ProtocolError
 from stages.robot.plural import count
 
 if TYPE_CHECKING:
-    from stages.fetch.onshape.keys import OnshapeSourceKeys
+    from stages.fetch.onshape.section import OnshapeSourceSection
 
 _Bodies = dict[str, bytes]
 
@@ -33,7 +33,7 @@ class LiveAnswers:
     def __init__(
         self,
         url: AssemblyUrl,
-        keys: "OnshapeSourceKeys",
+        keys: "OnshapeSourceSection",
         client: CachedClient,
         progress: Callable[[str], None],
     ) -> None:

@@ -2,8 +2,8 @@
 
 from stages.fetch.onshape.cached_client import CachedClient
 from stages.fetch.onshape.gather import gather
-from stages.fetch.onshape.keys import OnshapeSourceKeys
 from stages.fetch.onshape.live import LiveAnswers
+from stages.fetch.onshape.section import OnshapeSourceSection
 from stages.fetch.onshape.session import Session
 from stages.fetch.onshape.url import AssemblyUrl
 from stages.fetch.onshape.variables import Variables
@@ -12,7 +12,7 @@ from stages.robot.bundle import OnshapeBundle
 from stages.robot.errors import Diagnostic, QuotaExhausted, SourceError
 
 
-def fetch(keys: OnshapeSourceKeys, context: FetchContext) -> Fetched:
+def fetch(keys: OnshapeSourceSection, context: FetchContext) -> Fetched:
     """The bundle of the assembly at `keys.url`; errors as `stages.fetch.fetch`."""
     url, calls = keys.url, context.calls
     with Session(keys, context) as session:
@@ -46,7 +46,11 @@ def fetch(keys: OnshapeSourceKeys, context: FetchContext) -> Fetched:
 
 
 def _with_variables(
-    url: AssemblyUrl, keys: OnshapeSourceKeys, client: CachedClient, session: Session, context: FetchContext
+    url: AssemblyUrl,
+    keys: OnshapeSourceSection,
+    client: CachedClient,
+    session: Session,
+    context: FetchContext,
 ) -> AssemblyUrl:
     """The address of the assembly with its variables set; restores changes that an earlier build left."""
     variables = Variables(url, client, session, context.progress)

@@ -10,8 +10,8 @@ from stages.fetch.onshape.api.credentials import find
 from stages.fetch.onshape.api.http_errors import Declined
 from stages.fetch.onshape.api.ledger import Ledger
 from stages.fetch.onshape.api.retries import Patience
-from stages.fetch.onshape.keys import OnshapeSourceKeys
 from stages.fetch.onshape.reply_checks import accepted
+from stages.fetch.onshape.section import OnshapeSourceSection
 from stages.fetch.source import Calls, FetchContext
 from stages.robot.errors import ConfigError, ProtocolError
 
@@ -27,7 +27,7 @@ class Session:
 
     at_once = AT_ONCE
 
-    def __init__(self, keys: OnshapeSourceKeys, context: FetchContext) -> None:
+    def __init__(self, keys: OnshapeSourceSection, context: FetchContext) -> None:
         self._url = keys.url
         self._max_calls = keys.max_calls
         self._context = context

@@ -12,7 +12,7 @@ from stages.robot.errors import ConfigError
 from stages.robot.plural import count
 
 if TYPE_CHECKING:
-    from stages.fetch.onshape.keys import OnshapeSourceKeys
+    from stages.fetch.onshape.section import OnshapeSourceSection
     from stages.fetch.recording import Recording
     from stages.robot.bundle import Bundle
     from stages.robot.errors import Diagnostic
@@ -23,7 +23,7 @@ class OnshapeSource(Source):
 
     recorded: ClassVar[bool] = True
 
-    def __init__(self, keys: OnshapeSourceKeys) -> None:
+    def __init__(self, keys: OnshapeSourceSection) -> None:
         self._keys = keys
 
     def label(self) -> str:

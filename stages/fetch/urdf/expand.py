@@ -22,7 +22,7 @@ from stages.robot.errors import ConfigError, SourceError
 from stages.robot.install import install
 
 if TYPE_CHECKING:
-    from stages.fetch.urdf.keys import UrdfSourceKeys
+    from stages.fetch.urdf.section import UrdfSourceSection
 
 BOUNDS = guest.Bounds(seconds=60, memory=2 << 30, reply=LARGEST + (1 << 16))
 """Limits of the guest process: xacro files of whole humanoids take some seconds."""
@@ -46,7 +46,7 @@ def is_named(path: Path) -> bool:
     return path.suffix.lower() == ".xacro"
 
 
-def require(source: UrdfSourceKeys) -> None:
+def require(source: UrdfSourceSection) -> None:
     """ConfigError where the source is a xacro file, and it is not trusted or the package is not there."""
     if not is_named(Path(source.path)):
         return
@@ -60,7 +60,7 @@ def require(source: UrdfSourceKeys) -> None:
 
 
 def expanded(
-    source: UrdfSourceKeys, text: str, environ: Mapping[str, str], find: Callable[[str], Path | None]
+    source: UrdfSourceSection, text: str, environ: Mapping[str, str], find: Callable[[str], Path | None]
 ) -> str:
     """The URDF that the source's xacro file makes, of which `text` is the content. `find`: a package's
     folder by its name.

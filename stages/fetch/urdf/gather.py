@@ -26,7 +26,7 @@ from stages.robot.bundle import FileBundle
 from stages.robot.errors import Diagnostic, SourceError
 
 if TYPE_CHECKING:
-    from stages.fetch.urdf.keys import UrdfSourceKeys
+    from stages.fetch.urdf.section import UrdfSourceSection
 
 ROBOT = "robot.urdf"
 """The request that stands for the robot's text."""
@@ -37,7 +37,9 @@ _SKIP = (
 )
 
 
-def gather(source: UrdfSourceKeys, environ: Mapping[str, str]) -> tuple[FileBundle, tuple[Diagnostic, ...]]:
+def gather(
+    source: UrdfSourceSection, environ: Mapping[str, str]
+) -> tuple[FileBundle, tuple[Diagnostic, ...]]:
     """The bundle of a robot's file, and the diagnostics of how its meshes were found.
 
     SourceError names all errors of the text and all meshes that are missing or damaged.
@@ -77,7 +79,7 @@ def gather(source: UrdfSourceKeys, environ: Mapping[str, str]) -> tuple[FileBund
     return bundle, (*unread, *files.found_elsewhere(), *files.missing, *files.lost_images(robot))
 
 
-def _srdf(source: UrdfSourceKeys, file: SrdfFile | None) -> tuple[bytes, tuple[Diagnostic, ...]]:
+def _srdf(source: UrdfSourceSection, file: SrdfFile | None) -> tuple[bytes, tuple[Diagnostic, ...]]:
     """The text of the robot's SRDF, empty without one; W-SRDF for one that was found and is not readable.
 
     SourceError where the configuration names it and it is not readable.

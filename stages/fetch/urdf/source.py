@@ -11,7 +11,7 @@ from stages.fetch.source import FetchContext, Fetched
 from stages.robot.errors import ConfigError
 
 if TYPE_CHECKING:
-    from stages.fetch.urdf.keys import UrdfSourceKeys
+    from stages.fetch.urdf.section import UrdfSourceSection
 
 
 class UrdfSource(RobotFileSource):
@@ -20,7 +20,7 @@ class UrdfSource(RobotFileSource):
     wanted: ClassVar[str] = "a URDF is a file"
     example: ClassVar[str] = "robots/arm.urdf"
 
-    _keys: UrdfSourceKeys
+    _keys: UrdfSourceSection
 
     def preflight(self, environ: Mapping[str, str]) -> None:
         from stages.fetch.urdf import expand, srdf_file

@@ -12,7 +12,7 @@ from stages.robot import regular_files
 from stages.robot.errors import ConfigError, Diagnostic, SourceError
 
 if TYPE_CHECKING:
-    from stages.fetch.urdf.keys import UrdfSourceKeys
+    from stages.fetch.urdf.section import UrdfSourceSection
 
 SRDF = "robot.srdf"
 """The request that stands for the SRDF's text."""
@@ -47,12 +47,12 @@ class SrdfFile:
         return Diagnostic("W-SRDF", f"{why}: the robot is built without it", self.name, hint)
 
 
-def is_asked(source: UrdfSourceKeys) -> bool:
+def is_asked(source: UrdfSourceSection) -> bool:
     """Whether the configuration names the file."""
     return source.srdf not in (AUTO, NONE)
 
 
-def require(source: UrdfSourceKeys) -> None:
+def require(source: UrdfSourceSection) -> None:
     """ConfigError where the configuration names a file that is not there, or a xacro file."""
     if not is_asked(source):
         return
@@ -62,7 +62,7 @@ def require(source: UrdfSourceKeys) -> None:
         raise ConfigError(msg, _KEY, "expand it yourself: xacro FILE > robot.srdf")
 
 
-def read(source: UrdfSourceKeys, robot: str, folders: Mapping[str, str]) -> SrdfFile | None:
+def read(source: UrdfSourceSection, robot: str, folders: Mapping[str, str]) -> SrdfFile | None:
     """The SRDF of a source; None without one. `robot`: the name of the robot in the URDF; `folders`: of this
     computer, and what stands for them.
 
@@ -81,7 +81,7 @@ def read(source: UrdfSourceKeys, robot: str, folders: Mapping[str, str]) -> Srdf
     return SrdfFile(name, text.without(content, folders).encode())
 
 
-def _place(source: UrdfSourceKeys, robot: str) -> tuple[Path, str] | None:
+def _place(source: UrdfSourceSection, robot: str) -> tuple[Path, str] | None:
     """The file, and its name in messages."""
     if source.srdf == NONE:
         return None

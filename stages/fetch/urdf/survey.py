@@ -23,7 +23,7 @@ from stages.robot import regular_files
 from stages.robot.errors import SourceError
 
 if TYPE_CHECKING:
-    from stages.fetch.urdf.keys import UrdfSourceKeys
+    from stages.fetch.urdf.section import UrdfSourceSection
 
 READER = 3
 """Raised with every change of the result for the same files."""
@@ -71,7 +71,7 @@ class Survey:
         return self.files.shown(place.file), _content_digest(place.file, self.files.roots())
 
 
-def survey(source: UrdfSourceKeys, environ: Mapping[str, str]) -> Survey:
+def survey(source: UrdfSourceSection, environ: Mapping[str, str]) -> Survey:
     """ConfigError where xacro is needed, and is not installed or the file not trusted; SourceError where
     the file is not readable as a URDF."""
     path = Path(source.path).absolute()
@@ -93,7 +93,7 @@ def survey(source: UrdfSourceKeys, environ: Mapping[str, str]) -> Survey:
     )
 
 
-def identity(source: UrdfSourceKeys, environ: Mapping[str, str]) -> dict[str, Any]:
+def identity(source: UrdfSourceSection, environ: Mapping[str, str]) -> dict[str, Any]:
     """The permanent identity of the source, as plain data."""
     seen = survey(source, environ)
     return {

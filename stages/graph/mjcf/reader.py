@@ -8,7 +8,6 @@ import numpy as np
 from stages.formats.mjcf import Mjcf, MjcfBody, MjcfGeom
 from stages.graph.cad_only_keys import report_unused
 from stages.graph.dofs import backwards
-from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import WORLD_LINK, Connection, Marker, Mechanism, RelationSpec, RigidBody
 from stages.graph.mjcf.actuation import actuators_of, sensors_of
 from stages.graph.mjcf.base import base_of, bodies_of, floats, joining, root_of
@@ -18,6 +17,7 @@ from stages.graph.mjcf.joints import SINGLE, Chain, body_joint, chain_of
 from stages.graph.mjcf.keyframes import keyframes_of
 from stages.graph.mjcf.naming import MjcfFileNames, names_of
 from stages.graph.relation_steps import followed_values
+from stages.graph.section import GraphSections
 from stages.robot import codec
 from stages.robot.bundle import Bundle
 from stages.robot.diagnostics import Diagnostics
@@ -49,7 +49,7 @@ class _Pose:
     world_from_start: Mapping[int, Array]
 
 
-def read_mechanism(bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[Mechanism, GraphKeys]:
+def read_mechanism(bundle: Bundle, keys: GraphSections, log: Diagnostics) -> tuple[Mechanism, GraphSections]:
     """Reads a compiled MJCF. ProtocolError where the bundle does not contain one."""
     mjcf = _decoded(bundle)
     log.add(mjcf.diagnostics)

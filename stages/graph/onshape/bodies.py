@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import networkx as nx
 import numpy as np
 
-from stages.graph.keys import GraphKeys
 from stages.graph.onshape.assembly import Assembly, Mate, Path
 from stages.graph.onshape.rigid_subassemblies import rigid_subassemblies
+from stages.graph.section import GraphSections
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.plural import count
 
@@ -40,7 +40,7 @@ class Bodies:
 
 
 def find_bodies(
-    assembly: Assembly, keys: GraphKeys, log: Diagnostics, welds: Sequence[tuple[Path, Path]] = ()
+    assembly: Assembly, keys: GraphSections, log: Diagnostics, welds: Sequence[tuple[Path, Path]] = ()
 ) -> Bodies:
     """Merges occurrences that are rigidly connected, sub-assembly frames and `welds` included.
 

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from stages.graph.globs import entries_of
-from stages.graph.keys import MirrorKeys
 from stages.graph.onshape.assembly import Assembly, Path, Pattern
 from stages.graph.onshape.part_solids import PartSolids, gyration, is_image
+from stages.graph.section import MirrorSection
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import escaped, listed
 from stages.robot.inertia import moved
@@ -61,7 +61,7 @@ class MirrorPlanes:
     """Finds the images of seeds. `wanted`: the key `mirrors`, the user's planes by globs."""
 
     def __init__(
-        self, assembly: Assembly, solids: PartSolids, wanted: Mapping[str, MirrorKeys], log: Diagnostics
+        self, assembly: Assembly, solids: PartSolids, wanted: Mapping[str, MirrorSection], log: Diagnostics
     ) -> None:
         self.assembly, self.solids, self.log = assembly, solids, log
         titles = sorted({pattern.title for pattern in assembly.patterns if pattern.mirrors})

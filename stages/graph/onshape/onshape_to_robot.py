@@ -14,7 +14,6 @@ from typing import TypeVar
 import networkx as nx
 import numpy as np
 
-from stages.graph.keys import GraphKeys
 from stages.graph.onshape.assembly import Assembly, Connector, Entity, Mate, Path
 from stages.graph.onshape.naming import LINK_PREFIX, is_link_name
 from stages.graph.onshape.onshape_to_robot_names import (
@@ -28,17 +27,18 @@ from stages.graph.onshape.onshape_to_robot_names import (
     turned_round,
     words,
 )
+from stages.graph.section import GraphSections
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import escaped, listed, unnumbered
-from stages.robot.keys import Keys
 from stages.robot.model import frozen
 from stages.robot.names import legal, legal_or_unnamed
 from stages.robot.poses import inverse
+from stages.robot.section import Section
 
-AnyKeys = TypeVar("AnyKeys", bound=Keys)
+AnySection = TypeVar("AnySection", bound=Section)
 
 
-def translated(assembly: Assembly, keys: GraphKeys, log: Diagnostics) -> tuple[Assembly, GraphKeys]:
+def translated(assembly: Assembly, keys: GraphSections, log: Diagnostics) -> tuple[Assembly, GraphSections]:
     """The assembly with plain names, and the keys that replace the conventions.
 
     To be called once limits are known, before anything is copied or merged. The root is the first
@@ -84,7 +84,7 @@ def translated(assembly: Assembly, keys: GraphKeys, log: Diagnostics) -> tuple[A
     ), keys
 
 
-def _with(keys: AnyKeys, **values: object) -> AnyKeys:
+def _with(keys: AnySection, **values: object) -> AnySection:
     return keys.model_copy(update=values)
 
 

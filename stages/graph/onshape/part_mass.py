@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import orjson
 
 from stages.graph.globs import entries_of
-from stages.graph.mass_keys import MassKeys, PartMassKeys, tensor
+from stages.graph.mass_section import MassSection, PartMassSection, tensor
 from stages.graph.onshape.assembly import Assembly, Occurrence, Path
 from stages.graph.onshape.mass_estimate import PartShape, shapes_of
 from stages.graph.onshape.reply_fields import number, numbers, shape_of
@@ -55,7 +55,7 @@ class Kind:
 
     key: PartKey
     type: str
-    asked: PartMassKeys
+    asked: PartMassSection
     occurrences: tuple[Occurrence, ...]
     weight: Weight | None
     shape: PartShape | None = None
@@ -87,7 +87,7 @@ class Kind:
 
 
 def weighed(
-    assembly: Assembly, bundle: OnshapeBundle, keys: MassKeys, log: Diagnostics
+    assembly: Assembly, bundle: OnshapeBundle, keys: MassSection, log: Diagnostics
 ) -> dict[Path, Weight]:
     """The mass properties of every part occurrence; problems are reported once for each kind of part.
 
@@ -112,7 +112,10 @@ def weighed(
 
 
 def _kinds(
-    assembly: Assembly, masses: Mapping[PartKey, Weight], wanted: Mapping[str, PartMassKeys], log: Diagnostics
+    assembly: Assembly,
+    masses: Mapping[PartKey, Weight],
+    wanted: Mapping[str, PartMassSection],
+    log: Diagnostics,
 ) -> list[Kind]:
     """The kinds of parts, sorted by title; E-BODY-TYPE for those that no robot can have."""
     parts = assembly.parts
@@ -137,7 +140,7 @@ def _kinds(
     return sorted(kinds, key=lambda kind: kind.title)
 
 
-def _together(entries: Sequence[PartMassKeys]) -> PartMassKeys:
+def _together(entries: Sequence[PartMassSection]) -> PartMassSection:
     """Entries merged, the later ones value by value; mass and density are one value."""
     values: dict[str, object] = {}
     for entry in entries:
@@ -145,10 +148,10 @@ def _together(entries: Sequence[PartMassKeys]) -> PartMassKeys:
         if "mass" in given or "density" in given:
             values = {name: value for name, value in values.items() if name not in ("mass", "density")}
         values.update(given)
-    return PartMassKeys.model_validate(values)
+    return PartMassSection.model_validate(values)
 
 
-def _supposed(kinds: Sequence[Kind], keys: MassKeys, log: Diagnostics) -> dict[PartKey, float]:
+def _supposed(kinds: Sequence[Kind], keys: MassSection, log: Diagnostics) -> dict[PartKey, float]:
     """Masses [kg] of the kinds that have none, by `mass.missing`; reports the treatment of each."""
     missing = [kind for kind in kinds if kind.mass is None and kind.type in KNOWN]
     sheets = [kind for kind in missing if kind.type == SHEET and not kind.asked.density]
@@ -192,7 +195,9 @@ def _report_ignored(missing: Sequence[Kind], log: Diagnostics) -> None:
         )
 
 
-def _report_missing(missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassKeys, log: Diagnostics) -> None:
+def _report_missing(
+    missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassSection, log: Diagnostics
+) -> None:
     """E-MASS for each; the last one has the lines of YAML for all of them."""
     for kind in missing:
         text = "the part has no mass" if kind.weight else "the mass reply does not know this part"
@@ -206,7 +211,7 @@ def _report_missing(missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassKe
         log.report("E-MASS", text, kind.title, hint)
 
 
-def _yaml_for(missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassKeys) -> str:
+def _yaml_for(missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassSection) -> str:
     """The YAML that gives the missing ones a mass: a density for all, or a line for each."""
     owners: dict[str, set[int]] = {}
     for kind in kinds:

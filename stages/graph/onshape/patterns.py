@@ -14,13 +14,13 @@ from itertools import groupby
 
 import networkx as nx
 
-from stages.graph.keys import GraphKeys
 from stages.graph.onshape.assembly import Assembly, Entity, Mate, MateGroup, Path, Pattern
 from stages.graph.onshape.mirror_planes import Image, MirrorPlanes
 from stages.graph.onshape.part_solids import PartSolids
 from stages.graph.onshape.pattern_copies import Series, series_of
 from stages.graph.onshape.pattern_supports import Feature, node_of
 from stages.graph.onshape.rigid_subassemblies import rigid_subassemblies
+from stages.graph.section import GraphSections
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import listed
 from stages.robot.model import frozen
@@ -46,7 +46,7 @@ class _Image:
         return all(self.copies)
 
 
-def with_copies(assembly: Assembly, keys: GraphKeys, solids: PartSolids, log: Diagnostics) -> Assembly:
+def with_copies(assembly: Assembly, keys: GraphSections, solids: PartSolids, log: Diagnostics) -> Assembly:
     """The assembly with the mates and groups of all copies; a copied feature has a `ref.copy`.
 
     `keys.mirror`: "joints", or "weld" for copies that are fastened where the first of their seeds' mates
@@ -63,7 +63,11 @@ def with_copies(assembly: Assembly, keys: GraphKeys, solids: PartSolids, log: Di
 
 
 def _with_copies_of(
-    patterns: Sequence[Pattern], assembly: Assembly, planes: MirrorPlanes, keys: GraphKeys, log: Diagnostics
+    patterns: Sequence[Pattern],
+    assembly: Assembly,
+    planes: MirrorPlanes,
+    keys: GraphSections,
+    log: Diagnostics,
 ) -> Assembly:
     # What is wrong with the globs of `depth` is reported where the bodies are found.
     rigid = rigid_subassemblies(assembly, keys.depth, Diagnostics())

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 
 from stages.graph.dofs import residual
-from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import WORLD_LINK, Connection, Marker, Mechanism, RelationSpec, RigidBody
 from stages.graph.onshape.assembly import Assembly, Mate, Path
 from stages.graph.onshape.bodies import Bodies, find_bodies
@@ -20,6 +19,7 @@ from stages.graph.onshape.parallel_mates import Absorbed, MateKey, combined
 from stages.graph.onshape.part_mass import SHEET, Weight, part_key, weighed
 from stages.graph.onshape.part_solids import PartSolids
 from stages.graph.onshape.patterns import with_copies
+from stages.graph.section import GraphSections
 from stages.robot.bundle import OnshapeBundle
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import AssemblyError
@@ -31,7 +31,9 @@ from stages.robot.poses import inverse
 Weights = Mapping[Path, Weight]
 
 
-def read_mechanism(bundle: OnshapeBundle, keys: GraphKeys, log: Diagnostics) -> tuple[Mechanism, GraphKeys]:
+def read_mechanism(
+    bundle: OnshapeBundle, keys: GraphSections, log: Diagnostics
+) -> tuple[Mechanism, GraphSections]:
     """Reads an assembly definition and its other replies; AssemblyError where they cannot be read.
 
     Also returns the keys, completed by the document's own conventions.
@@ -61,7 +63,7 @@ def read_mechanism(bundle: OnshapeBundle, keys: GraphKeys, log: Diagnostics) -> 
     return mechanism, keys
 
 
-def _require_mates(assembly: Assembly, keys: GraphKeys) -> None:
+def _require_mates(assembly: Assembly, keys: GraphSections) -> None:
     if (
         keys.root.disconnected == "error"
         and len(assembly.parts) > 1
@@ -74,7 +76,7 @@ def _require_mates(assembly: Assembly, keys: GraphKeys) -> None:
 
 
 def _combined_bodies(
-    assembly: Assembly, keys: GraphKeys, log: Diagnostics
+    assembly: Assembly, keys: GraphSections, log: Diagnostics
 ) -> tuple[Bodies, Mapping[MateKey, Absorbed]]:
     """The bodies, after merging bodies that several mates hold rigidly together; and the mates that others
     replace."""

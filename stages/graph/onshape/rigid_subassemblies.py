@@ -3,14 +3,14 @@
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
 
-from stages.graph.keys import DepthKeys
 from stages.graph.onshape.assembly import Assembly, Occurrence, Path
+from stages.graph.section import DepthSection
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import there_are, unnumbered
 from stages.robot.names import legal
 
 
-def rigid_subassemblies(assembly: Assembly, depth: DepthKeys, log: Diagnostics) -> frozenset[Path]:
+def rigid_subassemblies(assembly: Assembly, depth: DepthSection, log: Diagnostics) -> frozenset[Path]:
     """The sub-assembly occurrences that are rigid.
 
     A sub-assembly is rigid if it lies deeper than `max` levels, if a glob of `rigid` matches it, if a mirror

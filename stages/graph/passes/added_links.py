@@ -6,9 +6,9 @@ from typing import TypeVar
 
 import numpy as np
 
-from stages.graph.added_keys import AddedFrameKeys, AddedJointKeys, AddedLinkKeys
+from stages.graph.added_section import AddedFrameSection, AddedJointSection, AddedLinkSection
 from stages.graph.globs import names_in, unusable
-from stages.graph.mass_keys import tensor
+from stages.graph.mass_section import tensor
 from stages.graph.mechanism import WORLD_LINK
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import there_are
@@ -40,7 +40,7 @@ TYPES: Mapping[str, JointType] = {
 Wanted = TypeVar("Wanted")
 
 
-def with_added_links(robot: Robot, wanted: Mapping[str, AddedLinkKeys], log: Diagnostics) -> Robot:
+def with_added_links(robot: Robot, wanted: Mapping[str, AddedLinkSection], log: Diagnostics) -> Robot:
     """The robot with more links: the new ones last, in the order of their names as their parents allow.
 
     A link above the root becomes the root, and the base with it.
@@ -48,12 +48,12 @@ def with_added_links(robot: Robot, wanted: Mapping[str, AddedLinkKeys], log: Dia
     """
     avoid = {*wanted, *(keys.joint.name for keys in wanted.values() if keys.joint.name)}
 
-    def known(robot: Robot, keys: AddedLinkKeys) -> bool:
+    def known(robot: Robot, keys: AddedLinkSection) -> bool:
         if keys.child is not None:
             return keys.child == robot.root.name != WORLD_LINK
         return _place(robot, keys.parent or "") is not None
 
-    def add(robot: Robot, name: str, keys: AddedLinkKeys) -> Robot:
+    def add(robot: Robot, name: str, keys: AddedLinkSection) -> Robot:
         taken = names_in(robot)
         joint = keys.joint.name or free(f"{name}_joint", taken | avoid)
         reasons = [unusable(name, taken), unusable(joint, {*taken, name})]
@@ -61,7 +61,7 @@ def with_added_links(robot: Robot, wanted: Mapping[str, AddedLinkKeys], log: Dia
             log.report("E-NAME", reason, f"links.{name}", "links, joints and frames share their names")
         return robot if any(reasons) else _with_link(robot, name, joint, keys)
 
-    def lost(robot: Robot, name: str, keys: AddedLinkKeys) -> None:
+    def lost(robot: Robot, name: str, keys: AddedLinkSection) -> None:
         if keys.child is None:
             text, hint = (
                 f"its parent {keys.parent!r} is not a link or frame",
@@ -76,16 +76,16 @@ def with_added_links(robot: Robot, wanted: Mapping[str, AddedLinkKeys], log: Dia
     return _one_by_one(robot, wanted, known, add, lost)
 
 
-def with_added_frames(robot: Robot, wanted: Mapping[str, AddedFrameKeys], log: Diagnostics) -> Robot:
+def with_added_frames(robot: Robot, wanted: Mapping[str, AddedFrameSection], log: Diagnostics) -> Robot:
     """The robot with more frames, all sorted by name; one may be given relative to another.
 
     E-FRAME for a link or frame that does not exist, E-NAME for a name that is not free.
     """
 
-    def known(robot: Robot, keys: AddedFrameKeys) -> bool:
+    def known(robot: Robot, keys: AddedFrameSection) -> bool:
         return _place(robot, keys.link) is not None
 
-    def add(robot: Robot, name: str, keys: AddedFrameKeys) -> Robot:
+    def add(robot: Robot, name: str, keys: AddedFrameSection) -> Robot:
         reason = unusable(name, names_in(robot))
         if reason:
             hint = "links, joints and frames share their names"
@@ -95,7 +95,7 @@ def with_added_frames(robot: Robot, wanted: Mapping[str, AddedFrameKeys], log: D
         frame = Frame(name, link, frozen(link_from_parent @ _pose(keys)), "")
         return replace(robot, frames=tuple(sorted((*robot.frames, frame), key=lambda one: one.name)))
 
-    def lost(robot: Robot, name: str, keys: AddedFrameKeys) -> None:
+    def lost(robot: Robot, name: str, keys: AddedFrameSection) -> None:
         text = f"its link {keys.link!r} is not a link or frame"
         log.report("E-FRAME", text, f"frames.add.{name}", _places(robot, keys.link))
 
@@ -118,7 +118,7 @@ def _one_by_one(
     return robot
 
 
-def _with_link(robot: Robot, name: str, joint: str, keys: AddedLinkKeys) -> Robot:
+def _with_link(robot: Robot, name: str, joint: str, keys: AddedLinkSection) -> Robot:
     link = _link(name, keys)
     if keys.child is not None:
         connected = _joint(joint, keys.joint, name, keys.child, _pose(keys))
@@ -140,7 +140,7 @@ def _floating_from(root: str, root_from_old: Joint, joint: Joint) -> Joint:
     return replace(joint, parent=root, parent_from_joint=frozen(place))
 
 
-def _joint(name: str, keys: AddedJointKeys, parent: str, child: str, parent_from_joint: Array) -> Joint:
+def _joint(name: str, keys: AddedJointSection, parent: str, child: str, parent_from_joint: Array) -> Joint:
     axis = np.array(keys.axis)
     dof = Dof(
         name=name,
@@ -156,7 +156,7 @@ def _joint(name: str, keys: AddedJointKeys, parent: str, child: str, parent_from
     return Joint(name, TYPES[keys.type], parent, child, frozen(parent_from_joint), dofs, False, None)
 
 
-def _link(name: str, keys: AddedLinkKeys) -> Link:
+def _link(name: str, keys: AddedLinkSection) -> Link:
     inertial = _inertial(keys)
     shapes: tuple[Primitive, ...] = ()
     if keys.geometry is not None:
@@ -165,7 +165,7 @@ def _link(name: str, keys: AddedLinkKeys) -> Link:
     return Link(name, inertial or ZERO, (), (), inertial, shapes)
 
 
-def _inertial(keys: AddedLinkKeys) -> Inertial | None:
+def _inertial(keys: AddedLinkSection) -> Inertial | None:
     if keys.mass is None:
         return None
     if keys.inertia is not None:
@@ -188,5 +188,5 @@ def _places(robot: Robot, asked: str) -> str:
     return there_are(asked, {"links": [link.name for link in robot.links], **frames})
 
 
-def _pose(keys: AddedLinkKeys | AddedFrameKeys) -> Array:
+def _pose(keys: AddedLinkSection | AddedFrameSection) -> Array:
     return from_parts(rotation_from_rpy(keys.rpy), np.array(keys.xyz))

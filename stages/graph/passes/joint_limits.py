@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-from stages.graph.keys import JointKeys
+from stages.graph.section import JointSection
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import fits, there_are
 from stages.robot.loops import POINTWISE
@@ -21,7 +21,7 @@ def with_each_dof(robot: Robot, change: Callable[[Dof], Dof]) -> Robot:
     return replace(robot, joints=joints, loops=loops)
 
 
-def with_properties(robot: Robot, wanted: Mapping[str, JointKeys], log: Diagnostics) -> Robot:
+def with_properties(robot: Robot, wanted: Mapping[str, JointSection], log: Diagnostics) -> Robot:
     """The robot with its dofs as the key `joints` has them: later entries win, field by field.
 
     Globs match names of dofs, those of loops too. E-GLOB for one that matches none, E-JOINT for limits
@@ -36,7 +36,9 @@ def with_properties(robot: Robot, wanted: Mapping[str, JointKeys], log: Diagnost
     return with_each_dof(robot, lambda dof: unwrapped(_with(dof, wanted)))
 
 
-def _check_glob(glob: str, keys: JointKeys, matched: Sequence[Dof], robot: Robot, log: Diagnostics) -> None:
+def _check_glob(
+    glob: str, keys: JointSection, matched: Sequence[Dof], robot: Robot, log: Diagnostics
+) -> None:
     if not matched:
         every: list[Joint | Loop] = [*robot.joints, *robot.loops]
         names = ", ".join(dof.name for one in every if fits(one.name, glob) for dof in one.dofs)
@@ -61,7 +63,7 @@ def _check_glob(glob: str, keys: JointKeys, matched: Sequence[Dof], robot: Robot
         log.report("E-JOINT", text, "joints", "limits: [null, cone]")
 
 
-def _check_units(glob: str, keys: JointKeys, matched: Sequence[Dof], log: Diagnostics) -> None:
+def _check_units(glob: str, keys: JointSection, matched: Sequence[Dof], log: Diagnostics) -> None:
     """E-JOINT for a length given to a turn, or an angle to a slide."""
     for key, values in (("limits", keys.limits or ()), ("zero", (keys.zero,))):
         wrong = [(text, dof) for value in values for dof in matched if (text := misfit(value, dof.kind))]
@@ -71,7 +73,11 @@ def _check_units(glob: str, keys: JointKeys, matched: Sequence[Dof], log: Diagno
 
 
 def _check_gear(
-    glob: str, keys: JointKeys, matched: Sequence[Dof], wanted: Mapping[str, JointKeys], log: Diagnostics
+    glob: str,
+    keys: JointSection,
+    matched: Sequence[Dof],
+    wanted: Mapping[str, JointSection],
+    log: Diagnostics,
 ) -> None:
     """E-JOINT for a gear without a rotor, and for a rotor of what is neither a turn nor a slide."""
     rotors = [other for other, one in wanted.items() if one.rotor_inertia is not None]
@@ -88,7 +94,7 @@ def _check_gear(
         log.report("E-JOINT", text, "joints", "give armature")
 
 
-def _report_idle(glob: str, keys: JointKeys, loops: Sequence[Loop], log: Diagnostics) -> None:
+def _report_idle(glob: str, keys: JointSection, loops: Sequence[Loop], log: Diagnostics) -> None:
     """W-LOOP-DYNAMICS for dynamics of a dof that no simulation has; "*" means only those that it has."""
     given = [key for key in (*Dynamics.__slots__, "rotor_inertia") if getattr(keys, key) is not None]
     idle = [dof.name for one in loops if one.type in POINTWISE for dof in one.dofs]
@@ -99,7 +105,7 @@ def _report_idle(glob: str, keys: JointKeys, loops: Sequence[Loop], log: Diagnos
         log.report("W-LOOP-DYNAMICS", text, ", ".join(idle), hint)
 
 
-def _with(dof: Dof, wanted: Mapping[str, JointKeys]) -> Dof:
+def _with(dof: Dof, wanted: Mapping[str, JointSection]) -> Dof:
     """`by_name`: quantity that the key gives → whether an entry with the dof's own name does."""
     limits, dynamics = dof.limits, dof.dynamics
     by_name = dict.fromkeys(dof.given, False)

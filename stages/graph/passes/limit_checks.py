@@ -4,10 +4,10 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from stages.graph.added_keys import AddedLinkKeys
-from stages.graph.keys import GraphKeys, JointKeys
+from stages.graph.added_section import AddedLinkSection
 from stages.graph.mechanism import Connection, Mechanism
 from stages.graph.passes.joint_limits import BEYOND, with_each_dof
+from stages.graph.section import GraphSections, JointSection
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import as_key, fits
 from stages.robot.loops import POINTWISE
@@ -19,7 +19,7 @@ LOCKED_PLAY = 1e-6
 UNITS: Mapping[DofKind, str] = {"turn": "rad", "slide": "m", "ball": "rad", "free": ""}
 
 
-def with_checked_limits(robot: Robot, mechanism: Mechanism, keys: GraphKeys, log: Diagnostics) -> Robot:
+def with_checked_limits(robot: Robot, mechanism: Mechanism, keys: GraphSections, log: Diagnostics) -> Robot:
     """The robot with every limit checked; wrong, missing and doubtful limits are reported."""
     unknown = _unknown(mechanism.connections, keys.joints)
     _report_doubts(mechanism.connections, keys.joints, log)
@@ -28,7 +28,7 @@ def with_checked_limits(robot: Robot, mechanism: Mechanism, keys: GraphKeys, log
     return robot
 
 
-def _unknown(connections: Iterable[Connection], wanted: Mapping[str, JointKeys]) -> dict[str, str]:
+def _unknown(connections: Iterable[Connection], wanted: Mapping[str, JointSection]) -> dict[str, str]:
     """Why limits in CAD are unknown, by dof, of the dofs that have none in `joints:` either."""
     return {
         name: connection.unknown
@@ -39,7 +39,7 @@ def _unknown(connections: Iterable[Connection], wanted: Mapping[str, JointKeys])
 
 
 def _report_doubts(
-    connections: Iterable[Connection], wanted: Mapping[str, JointKeys], log: Diagnostics
+    connections: Iterable[Connection], wanted: Mapping[str, JointSection], log: Diagnostics
 ) -> None:
     """Limits in CAD that may be meant in another way, of mates whose limits are not all in `joints:`."""
     for connection in connections:
@@ -53,7 +53,7 @@ def _report_doubts(
                 )
 
 
-def _without_limits(connection: Connection, wanted: Mapping[str, JointKeys]) -> list[str]:
+def _without_limits(connection: Connection, wanted: Mapping[str, JointSection]) -> list[str]:
     """The dofs to which `joints:` gives no limits."""
     given = [glob for glob, keys in wanted.items() if keys.limits is not None]
     return [dof.name for dof in connection.dofs if not any(fits(dof.name, glob) for glob in given)]
@@ -63,8 +63,8 @@ def check_limits(
     robot: Robot,
     unknown: Mapping[str, str],
     log: Diagnostics,
-    wanted: Mapping[str, JointKeys] | None = None,
-    added: Mapping[str, AddedLinkKeys] | None = None,
+    wanted: Mapping[str, JointSection] | None = None,
+    added: Mapping[str, AddedLinkSection] | None = None,
     has_saved_pose: bool = True,
 ) -> Robot:
     """Reports missing and contradictory limits; gives locked dofs the small range that engines need.
@@ -80,7 +80,7 @@ def check_limits(
     return with_each_dof(robot, lambda dof: dof if dof.name in idle else _checked(dof, log, has_saved_pose))
 
 
-def _decides(joint: Joint, added: Mapping[str, AddedLinkKeys]) -> bool:
+def _decides(joint: Joint, added: Mapping[str, AddedLinkSection]) -> bool:
     """Whether an added link's own keys give its joint's limits."""
     keys = added.get(joint.child)
     return keys is not None and (keys.joint.type == "continuous" or keys.joint.limits is not None)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import networkx as nx
 
 from stages.graph.globs import entries_of
-from stages.graph.mass_keys import LinkMassKeys, tensor
+from stages.graph.mass_section import LinkMassSection, tensor
 from stages.graph.mechanism import WORLD_LINK
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import as_key, listed
@@ -21,7 +21,7 @@ _CORRECT_FILE = (
 )
 
 
-def with_given_masses(robot: Robot, wanted: Mapping[str, LinkMassKeys], log: Diagnostics) -> Robot:
+def with_given_masses(robot: Robot, wanted: Mapping[str, LinkMassSection], log: Diagnostics) -> Robot:
     """The robot with the mass properties of the key `mass.links`: later entries win, value by value.
 
     E-GLOB for a glob that matches no link; E-MASS where values are missing of a link without mass.
@@ -33,11 +33,11 @@ def with_given_masses(robot: Robot, wanted: Mapping[str, LinkMassKeys], log: Dia
         values: dict[str, object] = {}
         for index in entries:
             values.update({name: value for name, value in asked[index] if value is not None})
-        links.append(_given(link, LinkMassKeys.model_validate(values), log) if values else link)
+        links.append(_given(link, LinkMassSection.model_validate(values), log) if values else link)
     return replace(robot, links=tuple(links))
 
 
-def _given(link: Link, asked: LinkMassKeys, log: Diagnostics) -> Link:
+def _given(link: Link, asked: LinkMassSection, log: Diagnostics) -> Link:
     if link.name == WORLD_LINK:
         return link
     mass = link.inertial.mass if asked.mass is None else asked.mass

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import Mechanism
+from stages.graph.section import GraphSections
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.kinematics import link_poses, saved_configuration
 from stages.robot.mjcf_extras import MjcfAttributes, MjcfBodyFrame, MjcfMounted
@@ -43,7 +43,7 @@ def with_bodies(robot: Robot, mechanism: Mechanism) -> Robot:
     return replace(robot, mjcf=replace(extras, bodies=bodies, mounted=mounted))
 
 
-def with_mjcf(robot: Robot, mechanism: Mechanism, keys: GraphKeys, log: Diagnostics) -> Robot:
+def with_mjcf(robot: Robot, mechanism: Mechanism, keys: GraphSections, log: Diagnostics) -> Robot:
     """The robot's extras without attributes of links that are not there, and of values that the configuration
     gives. W-MJCF-LEFT for joints that follow others than in the source."""
     if robot.mjcf is None:
@@ -55,7 +55,7 @@ def with_mjcf(robot: Robot, mechanism: Mechanism, keys: GraphKeys, log: Diagnost
     return replace(robot, mjcf=replace(robot.mjcf, attributes=tuple(one for one in attributes if one)))
 
 
-def _loops(robot: Robot, keys: GraphKeys) -> set[str]:
+def _loops(robot: Robot, keys: GraphSections) -> set[str]:
     """The loops that are as stiff as the configuration says."""
     return set() if keys.loops.solref is None else {loop.name for loop in robot.loops}
 

@@ -5,9 +5,9 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 from stages.graph.globs import entries_of
-from stages.graph.keys import RelationKeys
 from stages.graph.mechanism import RelationSpec
 from stages.graph.relation_steps import DofRelation
+from stages.graph.section import RelationSection
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import as_key, listed
 from stages.robot.model import DofKind, Joint, Robot
@@ -40,7 +40,7 @@ def named(robot: Robot, specs: Sequence[RelationSpec]) -> list[RelationSpec]:
 
 
 def configured(
-    specs: Sequence[RelationSpec], wanted: Mapping[str, RelationKeys], log: Diagnostics
+    specs: Sequence[RelationSpec], wanted: Mapping[str, RelationSection], log: Diagnostics
 ) -> list[RelationSpec]:
     """The relations after the key `relations`: dropped, inverted, with another offset. Later entries win,
     field by field; a glob fits names, titles, and their last words. E-GLOB for one that fits nothing."""

@@ -10,11 +10,11 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from stages.graph.keys import RelationKeys
 from stages.graph.mechanism import RelationSpec
 from stages.graph.passes.joint_limits import unwrapped, with_each_dof
 from stages.graph.passes.relation_dofs import configured, dof_relations, named
 from stages.graph.relation_steps import DofRelation, Step, driver_of, steps_of, trees_of, walk
+from stages.graph.section import RelationSection
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import as_key
 from stages.robot.kinematics import link_poses, saved_configuration
@@ -28,7 +28,7 @@ def with_relations(
     robot: Robot,
     specs: Sequence[RelationSpec],
     log: Diagnostics,
-    wanted: Mapping[str, RelationKeys] | None = None,
+    wanted: Mapping[str, RelationSection] | None = None,
 ) -> Robot:
     """The robot with its relations, sorted by follower, each to the dof that drives its tree; saved turns
     are the ones that the relations give.

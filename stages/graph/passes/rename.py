@@ -5,15 +5,15 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 from stages.graph.globs import unusable
-from stages.graph.keys import NamesKeys
 from stages.graph.mechanism import WORLD_LINK, Connection, Mechanism
+from stages.graph.section import NamesSection
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import listed, matching, with_plain
 from stages.robot.mjcf_extras import NewName
 from stages.robot.sensing import Sensor
 
 
-def renamed(mechanism: Mechanism, wanted: NamesKeys, log: Diagnostics) -> Mechanism:
+def renamed(mechanism: Mechanism, wanted: NamesSection, log: Diagnostics) -> Mechanism:
     """The mechanism with the names that `wanted` gives; no other name changes.
 
     An entry means the one body or joint (a connection, or what holds a frame) that has this name; else the

@@ -10,8 +10,8 @@ from typing import Literal
 
 import numpy as np
 
-from stages.graph.keys import JointKeys
 from stages.graph.passes.relations import negligible
+from stages.graph.section import JointSection
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.dofs import AS_THE_MATE
 from stages.robot.globs import fits
@@ -22,7 +22,7 @@ SCALAR = ("turn", "slide")
 
 
 def with_zero(
-    robot: Robot, zero: Literal["mate", "saved"], joints: Mapping[str, JointKeys], log: Diagnostics
+    robot: Robot, zero: Literal["mate", "saved"], joints: Mapping[str, JointSection], log: Diagnostics
 ) -> Robot:
     """The robot with q as the keys `zero` and `joints.*.zero` and `invert` count it; later entries win.
 
@@ -57,7 +57,7 @@ def counted(robot: Robot, counts: Mapping[str, MateValue], measured: Collection[
     return replace(robot, joints=tuple(joints), loops=tuple(loops), relations=relations)
 
 
-def _check(dofs: Sequence[Dof], joints: Mapping[str, JointKeys], log: Diagnostics) -> None:
+def _check(dofs: Sequence[Dof], joints: Mapping[str, JointSection], log: Diagnostics) -> None:
     for glob, keys in joints.items():
         matched = [dof for dof in dofs if fits(dof.name, glob)]
         kinds = {dof.kind for dof in matched}
@@ -71,12 +71,12 @@ def _check(dofs: Sequence[Dof], joints: Mapping[str, JointKeys], log: Diagnostic
             log.report("E-JOINT", text, "joints", "give a zero to each kind under its own glob")
 
 
-def _has_own_zero(name: str, joints: Mapping[str, JointKeys]) -> bool:
+def _has_own_zero(name: str, joints: Mapping[str, JointSection]) -> bool:
     return any(keys.zero is not None and fits(name, glob) for glob, keys in joints.items())
 
 
 def _count(
-    dof: Dof, zero: Literal["mate", "saved"], joints: Mapping[str, JointKeys], log: Diagnostics
+    dof: Dof, zero: Literal["mate", "saved"], joints: Mapping[str, JointSection], log: Diagnostics
 ) -> MateValue:
     if dof.kind not in SCALAR:
         if zero == "mate":

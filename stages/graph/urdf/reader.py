@@ -10,8 +10,8 @@ import numpy as np
 from stages.formats.urdf.model import Urdf, UrdfJoint, UrdfLink, UrdfShape, mesh_key
 from stages.formats.urdf.parse import parse
 from stages.graph.cad_only_keys import report_unused
-from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import WORLD_LINK, Connection, Marker, Mechanism, RelationSpec, RigidBody
+from stages.graph.section import GraphSections
 from stages.graph.urdf.dummy_links import UrdfFrame, weighs_nothing, with_carriers, without_dummies
 from stages.graph.urdf.inertias import Policy, repaired
 from stages.graph.urdf.naming import UrdfFileNames, names_of
@@ -54,7 +54,9 @@ UNSTATED_BASE = Diagnostic(
 )
 
 
-def read_mechanism(bundle: FileBundle, keys: GraphKeys, log: Diagnostics) -> tuple[Mechanism, GraphKeys]:
+def read_mechanism(
+    bundle: FileBundle, keys: GraphSections, log: Diagnostics
+) -> tuple[Mechanism, GraphSections]:
     """Reads a URDF and the meshes that it names; AssemblyError has all problems at once.
 
     Links without a body become frames, and impossible inertias are repaired as the source's key

@@ -24,7 +24,7 @@ from stages.robot.model import Array, Configuration, Robot
 if TYPE_CHECKING:
     from stages.mesh import Memo
     from stages.mesh.contacts.colliders import Colliders
-    from stages.mesh.keys import ContactKeys
+    from stages.mesh.section import ContactSection
 
 POSES = 128
 """In how many poses a pair must touch to count as touching in every one."""
@@ -46,7 +46,7 @@ def self_contacts(
     robot: Robot,
     shapes: Sequence[Shape],
     files: Mapping[str, bytes],
-    keys: "ContactKeys",
+    keys: "ContactSection",
     memo: "Memo",
     chosen: Collection[Pair] = (),
     figures: Sequence[ColliderFigures] = (),

@@ -8,11 +8,11 @@ from stages.robot.adjacency import Pair, adjacent_pairs
 from stages.robot.model import Robot
 
 if TYPE_CHECKING:
-    from stages.mesh.keys import ContactKeys
+    from stages.mesh.section import ContactSection
 
 
 def apart(
-    robot: Robot, solid: Collection[str], keys: "ContactKeys", chosen: Collection[Pair]
+    robot: Robot, solid: Collection[str], keys: "ContactSection", chosen: Collection[Pair]
 ) -> set[Pair] | None:
     """The pairs of `solid` links that do not collide: those next to each other, those that the configuration
     (`chosen`) or the source excludes. None where no two links collide."""

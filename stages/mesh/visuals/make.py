@@ -15,7 +15,7 @@ from stages.robot.geometry import Colour
 from stages.robot.model import Array, MeshRef
 
 if TYPE_CHECKING:
-    from stages.mesh.keys import VisualKeys
+    from stages.mesh.section import VisualSection
 
 _ATTEMPTS = 4
 
@@ -40,7 +40,7 @@ class LinkVisuals:
 
 
 def visuals(
-    drawn: Sequence[Drawn], meshes: Mapping[MeshRef, PartMesh], keys: "VisualKeys", decimator: Decimator
+    drawn: Sequence[Drawn], meshes: Mapping[MeshRef, PartMesh], keys: "VisualSection", decimator: Decimator
 ) -> LinkVisuals:
     """The visual meshes with at most `max_faces` triangles together, or the fewest that the bound of the
     error allows; one a colour, or one a part and colour."""

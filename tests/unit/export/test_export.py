@@ -139,7 +139,7 @@ def test_one_format_alone_is_written_alone(kit: Kit, tmp_path: Path) -> None:
 def test_a_writer_has_a_folder_and_an_option_and_reads_only_writers_before_it() -> None:
     before: list[str] = []
     for name in WRITERS:
-        assert (PROJECT / "stages/export" / name / "keys.py").is_file()
+        assert (PROJECT / "stages/export" / name / "section.py").is_file()
         assert (PROJECT / "conf/export" / f"{name}.yaml").is_file()
         assert set(writer_of(name).reads) <= set(before)
         before.append(name)

@@ -16,7 +16,7 @@ from pipeline.config.plan import Plan
 from pipeline.errors import ConfigError
 from pipeline.motor_files import OURS, library
 from stages.export import Exported, export
-from stages.export.motor_keys import QUANTITIES, MotorKeys
+from stages.export.motor_section import QUANTITIES, MotorSection
 from stages.graph.passes.joint_limits import with_properties
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.model import Limits, Robot
@@ -362,7 +362,7 @@ def test_a_build_with_a_motor_passes_its_checks(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", library())
 def test_every_motor_of_ours_has_plausible_values_each_with_its_source(name: str) -> None:
     content = yaml.safe_load(library()[name].read_text(encoding="utf-8"))
-    values = MotorKeys.model_validate(content).values
+    values = MotorSection.model_validate(content).values
     assert set(values) <= set(QUANTITIES)
     assert {"armature", "damping", "friction", "effort"} <= set(values)
     assert all("://" in one.source or "github.com/" in one.source for one in values.values())
@@ -394,7 +394,7 @@ SHEETS = {"mx64": (6.0, 63), "mx106": (8.4, 45), "xl330_m288": (0.52, 103)}
 
 @pytest.mark.parametrize("name", SHEETS)
 def test_what_was_identified_is_near_the_datasheet(name: str) -> None:
-    values = MotorKeys.model_validate(yaml.safe_load(library()[name].read_text(encoding="utf-8"))).values
+    values = MotorSection.model_validate(yaml.safe_load(library()[name].read_text(encoding="utf-8"))).values
     torque, speed = SHEETS[name]
     assert values["effort"].value == pytest.approx(torque, rel=0.25)
     assert values["velocity"].value == pytest.approx(speed * 2 * np.pi / 60, rel=0.1)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from stages.export import Exported, export
 from stages.export.order.of_mjcf import MjcfOrder
 from stages.export.order.of_urdf import urdf_rows
-from stages.export.sensor_keys import MEASURES
+from stages.export.sensor_section import MEASURES
 from stages.fetch.mjcf.actuation import _PLAIN_SENSORS
 from stages.formats.mjcf_joints import joints_in_order
 from stages.formats.robot_json.codec import write

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from stages.export.mujoco_keys import (
+from stages.export.mujoco_section import (
     IN_THE_ROBOT,
     READS_THE_FILE,
     CompilerSection,

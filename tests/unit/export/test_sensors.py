@@ -13,7 +13,7 @@ import yaml
 
 from pipeline.config.plan import Plan
 from stages.export import Exported, export
-from stages.export.sensor_keys import MEASURES, SensorKeys
+from stages.export.sensor_section import MEASURES, SensorSection
 from stages.formats.xml import parse
 from stages.mesh.primitives import shapes as primitive_shapes
 from stages.robot.errors import ConfigError, ExportError
@@ -121,7 +121,7 @@ def test_every_type_and_all_that_it_measures_and_every_option_has_a_golden() -> 
         tags = {text.split()[0] for entry, texts in entries if entry["type"] == kind for text in texts}
         assert set(measures.values()) <= tags, kind
     given = {key for entry, _ in entries for key in entry}
-    assert given == set(SensorKeys.model_fields)
+    assert given == set(SensorSection.model_fields)
 
 
 def test_an_accelerometer_at_rest_reads_gravity_upwards_in_the_axes_of_the_frame() -> None:

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from pipeline.errors import ConfigError
-from stages.export.urdf.keys import UrdfFormatKeys
 from stages.export.urdf.model import write_urdf
+from stages.export.urdf.section import UrdfFormatSection
 from stages.formats.urdf.form import UrdfForm
 from stages.formats.written import Written
 from stages.formats.xml import parse
@@ -77,7 +77,9 @@ def test_without_a_word_links_of_frames_have_no_inertial_and_with_tiny_next_to_n
     rng = np.random.default_rng(2)
     frames = [Frame(name, "arm", frozen(pose(rng)), name) for name in ("tool", "camera")]
     robot = robot_with([joint("revolute", "base", "arm", place=pose(rng))], frames=frames)
-    none, tiny = (write_urdf(Written(robot), UrdfFormatKeys(frame_inertia=kind)) for kind in ("none", "tiny"))
+    none, tiny = (
+        write_urdf(Written(robot), UrdfFormatSection(frame_inertia=kind)) for kind in ("none", "tiny")
+    )
     for text, expected in ((none, []), (tiny, ["tool", "camera"])):
         links = parse(text).findall("link")
         assert [link.get("name") for link in links if link.find("inertial") is not None][2:] == expected
@@ -91,7 +93,7 @@ def test_without_a_word_links_of_frames_have_no_inertial_and_with_tiny_next_to_n
 
 def test_a_root_called_world_stays_without_an_inertial() -> None:
     robot = robot_with([joint("revolute", "world", "arm")], root="world")
-    text = write_urdf(Written(robot), UrdfFormatKeys(frame_inertia="tiny"))
+    text = write_urdf(Written(robot), UrdfFormatSection(frame_inertia="tiny"))
     assert len(parse(text).find("link[@name='world']")) == 0
 
 

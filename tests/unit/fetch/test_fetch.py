@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from stages import fetch as stage
 from stages.fetch.bundle.archive import pack
-from stages.fetch.keys import FetchKeys
+from stages.fetch.section import FetchSections
 from stages.robot.errors import AssemblyError, ConfigError, NotFound, ProtocolError, SourceError
 from tests.fake_onshape import solids
 from tests.fake_onshape.bundle import bundle_bytes
@@ -257,7 +257,7 @@ class TestRecordings:
 
 
 def test_the_sample_is_a_complete_bundle_and_needs_no_network():
-    keys = FetchKeys.model_validate({"source": {"kind": "sample"}})
+    keys = FetchSections.model_validate({"source": {"kind": "sample"}})
     stage.preflight(keys, {})
     found = fetched(keys)
     assert (found.calls, found.saved) == (0, 0)

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from stages.fetch.mjcf import gather
-from stages.fetch.mjcf.keys import MjcfSourceKeys
+from stages.fetch.mjcf.section import MjcfSourceSection
 from stages.formats import mjcf_bounds
 from stages.robot import guest
 from stages.robot.errors import SourceError
@@ -18,7 +18,7 @@ MESHED = model(body("a", '<geom type="mesh" mesh="box"/><joint name="j"/>'), f"<
 
 def refused(path):
     with pytest.raises(SourceError) as caught:
-        gather.gather(MjcfSourceKeys(path=str(path)))
+        gather.gather(MjcfSourceSection(path=str(path)))
     assert str(path.parent) not in str(caught.value)
     return caught.value
 
@@ -150,7 +150,7 @@ def test_bounds_take_time_in_proportion(tmp_path):
 def test_warnings_are_reported_in_bounds(tmp_path, monkeypatch):
     head = {"warnings": ["x" * 1000] * 1000, "model": 2, "meshes": [], "images": []}
     monkeypatch.setattr(guest, "ask", lambda *_: json.dumps(head).encode() + b"\n{}")
-    _, found = gather.gather(MjcfSourceKeys(path=str(written(tmp_path, MESHED))))
+    _, found = gather.gather(MjcfSourceSection(path=str(written(tmp_path, MESHED))))
     assert (len(found), {len(one.message) for one in found}) == (100, {500})
 
 
@@ -166,5 +166,5 @@ def test_there_is_something_to_do_meanwhile(tmp_path, monkeypatch):
     """The later stages' imports begin once the file is known to be one, before MuJoCo has an answer."""
     order = []
     monkeypatch.setattr(guest, "ask", lambda *asked: order.append("asked") or at_home(*asked))
-    gather.gather(MjcfSourceKeys(path=str(written(tmp_path, MESHED))), lambda: order.append("meanwhile"))
+    gather.gather(MjcfSourceSection(path=str(written(tmp_path, MESHED))), lambda: order.append("meanwhile"))
     assert order == ["meanwhile", "asked"]

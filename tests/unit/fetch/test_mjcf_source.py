@@ -9,7 +9,7 @@ import pytest
 
 from stages.fetch.bundle.archive import pack, read
 from stages.fetch.mjcf.gather import gather, identity
-from stages.fetch.mjcf.keys import MjcfSourceKeys
+from stages.fetch.mjcf.section import MjcfSourceSection
 from stages.fetch.mjcf.source import MjcfSource
 from stages.formats import triangles
 from stages.formats.mjcf import Mjcf
@@ -530,7 +530,7 @@ def test_a_bundle_that_holds_no_model_is_refused(tmp_path, change):
 
 
 def keys_of(path):
-    return MjcfSourceKeys(path=str(path))
+    return MjcfSourceSection(path=str(path))
 
 
 def test_the_identity_is_the_content_of_all_files(tmp_path):

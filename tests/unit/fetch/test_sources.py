@@ -7,21 +7,21 @@ import sys
 import pytest
 
 from stages.fetch import ROOMS, source_class
-from stages.fetch.keys import SOURCES
+from stages.fetch.section import SOURCES
 from tests.support.places import PROJECT
 
 FETCH = PROJECT / "stages" / "fetch"
 
-TOY_KEYS = """
+TOY_SECTION = """
 from typing import Literal
-from stages.fetch.source_keys import SourceKeys
-from stages.robot.keys import Text
+from stages.fetch.source_section import SourceSection
+from stages.robot.section import Text
 
-class ToySourceKeys(SourceKeys):
+class ToySourceSection(SourceSection):
     kind: Literal["toy"] = "toy"
     path: Text
 
-KEYS = ToySourceKeys
+SECTION = ToySourceSection
 """
 TOY_SOURCE = """
 from stages.fetch.robot_file import RobotFileSource
@@ -56,7 +56,7 @@ def test_a_new_source_is_one_folder_and_one_line(tmp_path):
     room = tmp_path / "toyroom"
     room.mkdir()
     (room / "__init__.py").touch()
-    (room / "keys.py").write_text(TOY_KEYS)
+    (room / "section.py").write_text(TOY_SECTION)
     (room / "source.py").write_text(TOY_SOURCE)
     (tmp_path / "arm.toy").touch()
     run = subprocess.run(

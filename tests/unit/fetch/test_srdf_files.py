@@ -6,7 +6,7 @@ import pytest
 
 from stages.fetch import preflight
 from stages.fetch.urdf.gather import gather
-from stages.fetch.urdf.keys import UrdfSourceKeys
+from stages.fetch.urdf.section import UrdfSourceSection
 from stages.fetch.urdf.source import UrdfSource
 from stages.robot.bundle import FileBundle
 from stages.robot.errors import ConfigError, Diagnostic, SourceError
@@ -28,7 +28,7 @@ def put(folder: Path, **texts: str) -> None:
 
 def gathered(path: Path, **keys: str) -> tuple[str, str, tuple[Diagnostic, ...]]:
     """The text of the SRDF and its name, each "" without one."""
-    bundle, log = gather(UrdfSourceKeys(path=str(path), **keys), {})
+    bundle, log = gather(UrdfSourceSection(path=str(path), **keys), {})
     assert isinstance(bundle, FileBundle)
     digest = bundle.requests.get("robot.srdf")
     return bundle.body(digest).decode() if digest else "", bundle.options.get("srdf", ""), log
@@ -96,7 +96,7 @@ def test_a_changed_srdf_is_another_source(tmp_path: Path) -> None:
     for text in ("", srdf("g"), srdf("h")):
         if text:
             put(tmp_path, **{"robot.srdf": text})
-        seen.append(UrdfSource(UrdfSourceKeys(path=str(path))).pinned({}))
+        seen.append(UrdfSource(UrdfSourceSection(path=str(path))).pinned({}))
     assert len({str(identity) for identity in seen}) == 3
 
 

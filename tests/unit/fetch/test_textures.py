@@ -15,7 +15,7 @@ from stages.fetch import fetch
 from stages.fetch.bundle.archive import pack, read
 from stages.fetch.source import FetchContext
 from stages.fetch.urdf.gather import gather
-from stages.fetch.urdf.keys import UrdfSourceKeys
+from stages.fetch.urdf.section import UrdfSourceSection
 from stages.fetch.urdf.source import UrdfSource
 from stages.fetch.urdf.survey import identity
 from stages.formats import png, triangles
@@ -31,7 +31,7 @@ JPEG = b"\xff\xd8\xff\xe0" + bytes(60)
 def gathered(folder: Path, *visuals: str, **files: bytes) -> tuple[Bundle, tuple[Diagnostic, ...]]:
     given = {"robot.urdf": urdf(*(visuals or [visual("cube.obj")])), "cube.obj": obj(cube()), "m.mtl": MTL}
     put(folder, **given | files)
-    return gather(UrdfSourceKeys(path=str(folder / "robot.urdf")), {})
+    return gather(UrdfSourceSection(path=str(folder / "robot.urdf")), {})
 
 
 def only_body(bundle: Bundle) -> triangles.Body:
@@ -70,7 +70,7 @@ def test_another_image_is_another_robot(tmp_path: Path) -> None:
     made = []
     for name, picture in (("a", image()), ("b", image()), ("c", image(8))):
         bundle, _ = gathered(tmp_path / name, **{"four.png": picture})
-        keys = UrdfSourceKeys(path=str(tmp_path / name / "robot.urdf"))
+        keys = UrdfSourceSection(path=str(tmp_path / name / "robot.urdf"))
         made.append((json.dumps(identity(keys, {})), bundle.root["microversion"]))
     assert made[0] == made[1]
     assert not set(made[0]) & set(made[2])

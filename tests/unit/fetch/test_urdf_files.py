@@ -17,7 +17,7 @@ from pipeline.config.plan import Plan
 from stages.fetch import pinned, preflight
 from stages.fetch.bundle import archive as packing
 from stages.fetch.urdf.gather import gather
-from stages.fetch.urdf.keys import UrdfSourceKeys
+from stages.fetch.urdf.section import UrdfSourceSection
 from stages.fetch.urdf.source import UrdfSource
 from stages.formats import triangles
 from stages.robot.bundle import Bundle, FileBundle
@@ -52,7 +52,7 @@ def urdf(*names: str, more: str = "", inside: str = "") -> bytes:
 def gathered(
     path: Path, environ: dict[str, str] | None = None, **keys: object
 ) -> tuple[Bundle, tuple[Diagnostic, ...]]:
-    return gather(UrdfSourceKeys(path=str(path), **keys), environ or {})
+    return gather(UrdfSourceSection(path=str(path), **keys), environ or {})
 
 
 def bodies(bundle: Bundle) -> dict[str, triangles.Body]:
@@ -109,7 +109,7 @@ def test_the_same_files_elsewhere_are_the_same_bundle_and_any_change_is_another(
         put(
             tmp_path / folder, **{"r.urdf": urdf("a.obj", "b.stl"), "a.obj": obj, "b.stl": mesh, "m.mtl": mtl}
         )
-        keys = UrdfSourceKeys(path=str(tmp_path / folder / "r.urdf"))
+        keys = UrdfSourceSection(path=str(tmp_path / folder / "r.urdf"))
         plan = Plan.model_validate({"name": "r", "source": keys})
         bundle, _ = gather(keys, {})
         identities.append(json.dumps(pinned(plan, {})))

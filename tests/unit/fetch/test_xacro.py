@@ -9,7 +9,7 @@ from pipeline.config.plan import Plan
 from stages.fetch import pinned, preflight
 from stages.fetch.urdf import expand
 from stages.fetch.urdf.gather import gather
-from stages.fetch.urdf.keys import UrdfSourceKeys
+from stages.fetch.urdf.section import UrdfSourceSection
 from stages.robot import guest
 from stages.robot.errors import ConfigError, SourceError
 from tests.unit.fetch.test_urdf_files import block, put
@@ -33,7 +33,7 @@ PART = (
 
 def text_of(path: Path, environ: dict[str, str] | None = None, **keys: object) -> str:
     """What a trusted xacro file becomes."""
-    bundle, _ = gather(UrdfSourceKeys(path=str(path), trust=True, **keys), environ or {})
+    bundle, _ = gather(UrdfSourceSection(path=str(path), trust=True, **keys), environ or {})
     return bundle.blobs[bundle.definition].decode()
 
 
@@ -115,7 +115,7 @@ def test_a_missing_xacro_is_known_before_any_work(tmp_path, monkeypatch):
 def test_a_urdf_with_anything_for_xacro_is_refused_with_the_way_out(tmp_path, inside, said):
     put(tmp_path, **{"r.urdf": robot(inside)})
     with pytest.raises(SourceError) as caught:
-        gather(UrdfSourceKeys(path=str(tmp_path / "r.urdf"), trust=True), {})
+        gather(UrdfSourceSection(path=str(tmp_path / "r.urdf"), trust=True), {})
     assert said in caught.value.message
     assert "xacro FILE > robot.urdf" in caught.value.hint
     assert "r.urdf.xacro" in caught.value.hint
@@ -134,7 +134,7 @@ def test_a_urdf_with_anything_for_xacro_is_refused_with_the_way_out(tmp_path, in
 def test_it_is_known_however_it_is_declared(tmp_path, text):
     put(tmp_path, **{"r.urdf": text})
     with pytest.raises(SourceError, match="is for xacro"):
-        gather(UrdfSourceKeys(path=str(tmp_path / "r.urdf")), {})
+        gather(UrdfSourceSection(path=str(tmp_path / "r.urdf")), {})
 
 
 @pytest.mark.parametrize(
@@ -148,7 +148,7 @@ def test_it_is_known_however_it_is_declared(tmp_path, text):
 @pytest.mark.usefixtures("no_guest")
 def test_a_namespace_alone_needs_no_xacro(tmp_path, inside):
     put(tmp_path, **{"r.urdf": robot(inside)})
-    bundle, _ = gather(UrdfSourceKeys(path=str(tmp_path / "r.urdf")), {})
+    bundle, _ = gather(UrdfSourceSection(path=str(tmp_path / "r.urdf")), {})
     assert b'<link name="a' in bundle.blobs[bundle.definition]
 
 

@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import Connection, Marker, Mechanism, RelationSpec, RigidBody
 from stages.graph.onshape.mates import JOINT_TYPES, dofs_of
 from stages.graph.robot_from_tree import place
 from stages.graph.root import choose_root
+from stages.graph.section import GraphSections
 from stages.graph.tree import Tree, spanning_tree
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import Disconnected, NoRoot
@@ -54,9 +54,9 @@ def mechanism(bodies: list[RigidBody], connections: list[Connection], **more: ob
     return replace(made, **more)
 
 
-def keys(**root: object) -> GraphKeys:
+def keys(**root: object) -> GraphSections:
     cut = root.pop("cut", ())
-    return GraphKeys.model_validate({"root": root, "loops": {"cut": cut}})
+    return GraphSections.model_validate({"root": root, "loops": {"cut": cut}})
 
 
 def tree_of(drawn: Mechanism, log: Diagnostics | None = None, **root: object) -> Tree:

@@ -13,8 +13,8 @@ import trimesh
 
 from stages.mesh import collide, make_geometry, tessellation
 from stages.mesh.fit import capped_hull
-from stages.mesh.keys import MeshKeys
 from stages.mesh.library import MOVED, MeshLibrary
+from stages.mesh.section import MeshSections
 from stages.robot import codec
 from stages.robot.bundle import Bundle
 from stages.robot.errors import DecompositionFailed, MeshError
@@ -64,7 +64,7 @@ def robot(*parts: Part, shapes: tuple[Primitive, ...] = ()) -> Robot:
 
 
 def made(value: Robot, kind: str = "onshape", **mesh: Any) -> Geometry:
-    keys = MeshKeys.model_validate({"mesh": {"collider": "ladder", **mesh}})
+    keys = MeshSections.model_validate({"mesh": {"collider": "ladder", **mesh}})
     return make_geometry(value, bundle(kind), keys, lambda kind, key, make: make())
 
 
@@ -184,7 +184,7 @@ def test_each_part_is_made_once_however_often_it_is_used() -> None:
         return make()
 
     value = robot(*(part(f"Bracket <{number}>", at(0.2 * number)) for number in range(4)))
-    keys = MeshKeys.model_validate({"mesh": {"collider": "ladder", "tolerance": 0.0015}})
+    keys = MeshSections.model_validate({"mesh": {"collider": "ladder", "tolerance": 0.0015}})
     geometry = make_geometry(value, bundle(), keys, memo)
     assert [step for kind, step, _ in calls if kind == "mesh.collider"] == [
         "make",
@@ -214,7 +214,7 @@ def test_the_figures_of_a_part_without_an_inside_survive_the_cache() -> None:
 
     for _ in range(2):
         for collider in ("primitives", "ladder"):
-            keys = MeshKeys.model_validate({"mesh": {"collider": collider, "tolerance": 0.002}})
+            keys = MeshSections.model_validate({"mesh": {"collider": collider, "tolerance": 0.002}})
             geometry = make_geometry(value, files, keys, memo)
             (figures,) = geometry.colliders
             assert figures.measures is not None
@@ -240,7 +240,7 @@ def test_the_files_are_those_of_the_pieces() -> None:
     reply = bodies_of({"Ring": ring})
     digest = sha256(reply).hexdigest()
     value = robot(part("Ring <1>", at(1), mesh=MeshRef(digest, "Ring")))
-    keys = MeshKeys.model_validate({"mesh": {"collider": "coacd"}})
+    keys = MeshSections.model_validate({"mesh": {"collider": "coacd"}})
     files = Bundle("onshape", {}, "", {}, {digest: reply})
     geometry = make_geometry(value, files, keys, lambda kind, key, make: make())
     pieces = [
@@ -283,7 +283,7 @@ def test_the_hull_of_very_many_triangles_is_that_of_all_of_them() -> None:
     value = robot(part("Ball <1>", mesh=MeshRef(digest, "Ball")))
     source = Bundle("onshape", {}, "", {}, {digest: reply})
     mesh = {"collider": "hull", "max_vertices": 64, "visual": {"max_faces": 100_000}}
-    keys = MeshKeys.model_validate({"mesh": mesh})
+    keys = MeshSections.model_validate({"mesh": mesh})
     geometry = make_geometry(value, source, keys, lambda kind, key, make: make())
     (solid,) = (shape for shape in geometry.shapes if shape.role == "collision")
     expected = capped_hull(tessellation.read(reply, ["Ball"])["Ball"].surface, 64)

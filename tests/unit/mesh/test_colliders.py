@@ -19,8 +19,8 @@ from stages.mesh import COLLIDERS, collision, fit, make_geometry, pieces, stl
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.colliders import hull, primitives, raw, spheres
 from stages.mesh.collision import Collision
-from stages.mesh.keys import MeshSection
 from stages.mesh.mesh_file import MeshFile
+from stages.mesh.section import MeshSection
 from stages.mesh.surface import Surface, moved
 from stages.robot import codec
 from stages.robot.geometry import Measures

@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stages.mesh import stl
-from stages.mesh.keys import VisualKeys
 from stages.mesh.measure import even
 from stages.mesh.neighbours import neighbours
+from stages.mesh.section import VisualSection
 from stages.mesh.surface import Surface, weld
 from stages.mesh.tessellation import PartMesh
 from stages.mesh.visuals import simplify
@@ -278,7 +278,7 @@ def test_flat_colours_count_with_their_backs():
     corner = (np.arange(30)[:, None] * 31 + np.arange(30)).ravel()
     faces = np.stack([corner, corner + 31, corner + 32], 1), np.stack([corner, corner + 32, corner + 1], 1)
     mesh = part(trimesh.Trimesh(points, np.concatenate(faces), process=False))
-    made = visuals([Drawn(0, ONE, np.eye(4))], {ONE: mesh}, VisualKeys(max_faces=1800), Decimator())
+    made = visuals([Drawn(0, ONE, np.eye(4))], {ONE: mesh}, VisualSection(max_faces=1800), Decimator())
     assert sum(file.faces for file in made.files) <= 1800
     assert made.decimation is not None
 
@@ -313,7 +313,7 @@ def test_a_mirrored_part_is_the_mirror_image_of_the_other():
     mesh = part(ball(), 0.0)
     mirror = np.diag([-1.0, 1.0, 1.0, 1.0])
     drawn = [Drawn(0, ONE, np.eye(4)), Drawn(1, ONE, mirror)]
-    made = visuals(drawn, {ONE: mesh}, VisualKeys(max_faces=8000, merge="part"), Decimator())
+    made = visuals(drawn, {ONE: mesh}, VisualSection(max_faces=8000, merge="part"), Decimator())
     assert made.owners == (0, 0, 1, 1)
     assert made.decimation.after <= 8000
     for plain, turned in zip(made.files[:2], made.files[2:], strict=True):

@@ -302,7 +302,7 @@ def test_the_collider_coacd_is_the_pieces_of_a_part() -> None:
 
 
 def test_a_wrong_parameter_in_the_configuration_is_an_error_of_its_key() -> None:
-    from stages.mesh.keys import MeshSection
+    from stages.mesh.section import MeshSection
 
     with pytest.raises(ValueError, match=r"coacd\n\s+treshold: .*did you mean threshold\?"):
         MeshSection.model_validate({"coacd": {"treshold": 0.1}})

@@ -10,7 +10,7 @@ import pytest
 
 from stages.mesh import collide, make_geometry
 from stages.mesh.collision import Collision
-from stages.mesh.keys import MeshKeys
+from stages.mesh.section import MeshSections
 from stages.robot.errors import MeshError
 from stages.robot.geometry import Geometry
 from stages.robot.model import Primitive, Robot, frozen
@@ -24,7 +24,7 @@ BOTH = robot(part("Block <1>"), part("Arm <1>/Bracket <1>", at(0.2)), shapes=(BA
 
 def made(value: Robot, **keys: Any) -> Geometry:
     given = {"mesh": {"collider": "hull", "visual": {"merge": "part"}}, **keys}
-    return make_geometry(value, bundle(), MeshKeys.model_validate(given), lambda kind, key, make: make())
+    return make_geometry(value, bundle(), MeshSections.model_validate(given), lambda kind, key, make: make())
 
 
 def drawn(geometry: Geometry) -> set[str]:

@@ -12,7 +12,7 @@ import trimesh
 
 from stages.fetch.onshape.triangles.faces import compact
 from stages.mesh import make_geometry
-from stages.mesh.keys import MeshKeys
+from stages.mesh.section import MeshSections
 from stages.robot.bundle import OnshapeBundle
 from stages.robot.geometry import NEUTRAL
 from stages.robot.inertia import merged, moved
@@ -29,7 +29,7 @@ from stages.robot.model import (
     frozen,
 )
 
-KEYS = MeshKeys.model_validate({"mesh": {"collider": "hull"}, "contact": {"self": "none"}})
+KEYS = MeshSections.model_validate({"mesh": {"collider": "hull"}, "contact": {"self": "none"}})
 INERTIAL = Inertial(1.0, frozen([0.25, 0.25, 0.25]), frozen(np.eye(3)))
 """Inside of every block."""
 FLAT = replace(INERTIAL, com=frozen([0.25, 0.25, 0.0]))
@@ -240,7 +240,7 @@ def test_mjx_gets_no_cylinder_from_file_or_key(colliders):
     memo = Memory()
     for target in ("mujoco", "mjx"):
         section = {"collider": "hull", "colliders": colliders, "target": target}
-        keys = MeshKeys.model_validate({"mesh": section, "contact": {"self": "none"}})
+        keys = MeshSections.model_validate({"mesh": section, "contact": {"self": "none"}})
         result = geometry(value, memo, keys=keys)
         kinds = [shape.primitive.kind for shape in result.shapes if shape.primitive]
         assert ("cylinder" in kinds) == (target == "mujoco")

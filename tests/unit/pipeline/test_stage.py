@@ -10,7 +10,7 @@ from pipeline.caching.store import Store
 from pipeline.config.plan import RUN_KEYS, Plan
 from pipeline.context import FILES, NOTES, BuildContext, notes
 from pipeline.stage import STAGES, installed, libraries, stages_until
-from stages.fetch.keys import SOURCES
+from stages.fetch.section import SOURCES
 from stages.robot.errors import Diagnostic
 from stages.robot.plural import count
 from tests.support.places import PROJECT

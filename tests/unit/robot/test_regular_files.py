@@ -8,12 +8,12 @@ import pytest
 
 from pipeline.config.plan import Plan
 from stages.fetch import pinned, preflight
-from stages.fetch.bundle.keys import BundleSourceKeys
+from stages.fetch.bundle.section import BundleSourceSection
 from stages.fetch.mjcf.gather import gather as gather_mjcf
-from stages.fetch.mjcf.keys import MjcfSourceKeys
+from stages.fetch.mjcf.section import MjcfSourceSection
 from stages.fetch.urdf.gather import gather as gather_urdf
-from stages.fetch.urdf.keys import UrdfSourceKeys
 from stages.fetch.urdf.ros_packages import Packages
+from stages.fetch.urdf.section import UrdfSourceSection
 from stages.robot import guest, regular_files
 from stages.robot.errors import ConfigError, SourceError
 from tests.support.mjcfs import model, written
@@ -94,7 +94,7 @@ def test_a_mesh_of_a_urdf(tmp_path, kind):
     made(kind, tmp_path)
     shape = '<visual><geometry><mesh filename="x.stl"/></geometry></visual>'
     text = f'<robot name="r"><link name="a">{shape}</link></robot>'
-    source = UrdfSourceKeys(path=str(written(tmp_path, text, "r.urdf")))
+    source = UrdfSourceSection(path=str(written(tmp_path, text, "r.urdf")))
     pinned(Plan.model_validate({"name": "r", "source": source}), {})
     with pytest.raises(SourceError) as caught:
         gather_urdf(source, {})
@@ -114,7 +114,7 @@ def test_a_mesh_of_a_urdf(tmp_path, kind):
 )
 def test_a_file_of_an_mjcf(tmp_path, kind, text):
     made(kind, tmp_path)
-    source = MjcfSourceKeys(path=str(written(tmp_path, text)))
+    source = MjcfSourceSection(path=str(written(tmp_path, text)))
     plan = Plan.model_validate({"name": "r", "source": source})
     for call in (lambda: pinned(plan, {}), lambda: gather_mjcf(source)):
         with pytest.raises(SourceError, match=r"it names (sub/)?x\.stl"):
@@ -122,7 +122,7 @@ def test_a_file_of_an_mjcf(tmp_path, kind, text):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("keys", [UrdfSourceKeys, MjcfSourceKeys, BundleSourceKeys])
+@pytest.mark.parametrize("keys", [UrdfSourceSection, MjcfSourceSection, BundleSourceSection])
 def test_the_source_itself(tmp_path, kind, keys):
     plan = Plan.model_validate({"name": "r", "source": keys(path=str(made(kind, tmp_path)))})
     with pytest.raises(ConfigError, match="a device, a pipe or a socket"):
@@ -131,7 +131,7 @@ def test_the_source_itself(tmp_path, kind, keys):
         pinned(plan, {})
 
 
-@pytest.mark.parametrize("keys", [UrdfSourceKeys, MjcfSourceKeys, BundleSourceKeys])
+@pytest.mark.parametrize("keys", [UrdfSourceSection, MjcfSourceSection, BundleSourceSection])
 def test_a_source_larger_than_is_read(tmp_path, keys):
     with pytest.raises(SourceError, match=r"4398046511104 bytes|longer than 32 MB"):
         pinned(Plan.model_validate({"name": "r", "source": keys(path=str(made("huge", tmp_path)))}), {})
@@ -148,7 +148,7 @@ def test_the_files_of_a_robot_are_bounded_together(tmp_path, monkeypatch):
     mjcf = written(tmp_path, model("", '<asset><mesh file="a.stl"/><mesh file="b.stl"/></asset>'))
     monkeypatch.setattr(survey, "LARGEST_ROBOT", 1000)
     monkeypatch.setattr(files, "LARGEST_MODEL", 1000)
-    for source in (UrdfSourceKeys(path=str(urdf)), MjcfSourceKeys(path=str(mjcf))):
+    for source in (UrdfSourceSection(path=str(urdf)), MjcfSourceSection(path=str(mjcf))):
         with pytest.raises(SourceError, match="have more than 1e-06 GB"):
             pinned(Plan.model_validate({"name": "r", "source": source}), {})
 

@@ -13,7 +13,7 @@ from stages.robot.errors import ConfigError
 from stages.validate import external
 from stages.validate.external import TOOLS, check_externally, gave_no_verdict, require, versions
 from stages.validate.external import run as runs
-from stages.validate.keys import ValidateSection
+from stages.validate.section import ValidateSection
 from tests.support.command import called, environment
 
 SIMCHECK = {

@@ -5,7 +5,7 @@ import socket
 
 import pytest
 
-from stages.fetch.onshape.keys import OnshapeSourceKeys
+from stages.fetch.onshape.section import OnshapeSourceSection
 from stages.fetch.onshape.url import AssemblyUrl, parse
 from stages.robot.errors import ConfigError
 from tests.support.tricky_hosts import HOSTS
@@ -108,7 +108,7 @@ def test_a_password_in_an_address_is_refused_and_not_repeated():
 
 def test_the_configuration_holds_the_parsed_address_and_writes_it_as_it_was_typed():
     typed = f" https://cad.onshape.com/documents/{'A' * 24}/w/{'b' * 24}/e/{'c' * 24}?renderMode=0#view "
-    keys = OnshapeSourceKeys(url=typed)
+    keys = OnshapeSourceSection(url=typed)
     assert keys.url == parse(typed)
     assert keys.identity()["url"] == keys.model_dump()["url"] == typed
     assert pickle.loads(pickle.dumps(keys)).url.text == typed

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from stages.graph import build_robot
-from stages.graph.keys import GraphKeys
 from stages.graph.onshape.assembly import Assembly
 from stages.graph.onshape.definition import read_assembly
 from stages.graph.onshape.onshape_to_robot import translated
+from stages.graph.section import GraphSections
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Limits, Robot
@@ -78,11 +78,11 @@ def kit() -> Kit:
     return Kit()
 
 
-def read(kit: Kit, **keys: object) -> tuple[Assembly, GraphKeys, Diagnostics]:
+def read(kit: Kit, **keys: object) -> tuple[Assembly, GraphSections, Diagnostics]:
     """What a document is in our own terms."""
     log = Diagnostics()
     assembly = read_assembly(bundle_of(kit.document).body(bundle_of(kit.document).definition))
-    assembly, made = translated(assembly, GraphKeys.model_validate(keys), log)
+    assembly, made = translated(assembly, GraphSections.model_validate(keys), log)
     return assembly, made, log
 
 

@@ -4,11 +4,11 @@ import numpy as np
 import orjson
 import pytest
 
-from stages.graph.keys import DepthKeys, GraphKeys
 from stages.graph.onshape.assembly import Assembly
 from stages.graph.onshape.bodies import Bodies, find_bodies
 from stages.graph.onshape.definition import read_assembly
 from stages.graph.onshape.hidden import without_hidden
+from stages.graph.section import DepthSection, GraphSections
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import AssemblyError
 from tests.fake_onshape.definition import definition
@@ -28,7 +28,7 @@ def read(kit: Kit, edit=None) -> Assembly:
 def found(kit: Kit, edit=None, welds=(), **depth) -> tuple[Bodies, Diagnostics]:
     log = Diagnostics()
     assembly = read(kit, edit)
-    return find_bodies(assembly, GraphKeys(depth=DepthKeys(**depth)), log, welds), log
+    return find_bodies(assembly, GraphSections(depth=DepthSection(**depth)), log, welds), log
 
 
 def told(log: Diagnostics) -> list[tuple[str, str]]:
@@ -349,6 +349,6 @@ def test_large_assemblies_are_merged_in_time_linear_in_their_size() -> None:
 
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(nx.utils.UnionFind, "__getitem__", counted)
-            find_bodies(assembly, GraphKeys(), Diagnostics())
+            find_bodies(assembly, GraphSections(), Diagnostics())
         counts.append(calls)
     assert counts[1] < 2.1 * counts[0]

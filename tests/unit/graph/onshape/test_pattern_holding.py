@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stages.graph.keys import DepthKeys
+from stages.graph.section import DepthSection
 from tests.fake_onshape.frames import frame
 from tests.support.kit import SIDE, TOP, Kit
 from tests.support.patterned import PLANE, bodies_of, copies, displacement, draw, drawn, mated, wheeled
@@ -107,9 +107,9 @@ def test_copies_in_a_rigid_sub_assembly_need_nothing_from_above(kit: Kit) -> Non
     base = kit.place("Base", fixed=True)
     one = kit.root.add(sub)
     kit.root.revolute("Step", (one / foot, TOP), (base, TOP))
-    assembly, log = drawn(kit, depth=DepthKeys(rigid=("Module",)))
+    assembly, log = drawn(kit, depth=DepthSection(rigid=("Module",)))
     assert not copies(assembly)
-    bodies = bodies_of(assembly, log, depth=DepthKeys(rigid=("Module",)))
+    bodies = bodies_of(assembly, log, depth=DepthSection(rigid=("Module",)))
     assert len({bodies.of[(one / part).path] for part in (frame_part, foot, second)}) == 1
     assert [mate.title for mate in bodies.moving] == ["Step"]
 

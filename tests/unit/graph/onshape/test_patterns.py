@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from stages.graph.keys import DepthKeys, GraphKeys
 from stages.graph.onshape.assembly import Mate
 from stages.graph.onshape.bodies import find_bodies
+from stages.graph.section import DepthSection, GraphSections
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.poses import inverse
 from tests.fake_onshape.definition import definition
@@ -346,7 +346,7 @@ def test_depth_keeps_a_mirrored_copy_moving_where_it_is_named_flexible(kit: Kit)
     kit.root.revolute("Steer", (one / hub, SIDE), (base, TOP), value=math.pi / 6)
     kit.root.mirror("Image", [one], PLANE)
     assembly, log = drawn(kit, mirror="weld")
-    bodies = bodies_of(assembly, log, depth=DepthKeys(flexible=("Corner <2>",)))
+    bodies = bodies_of(assembly, log, depth=DepthSection(flexible=("Corner <2>",)))
     assert sorted(mate.title for mate in bodies.moving) == ["Corner <1>/Spin", "Corner <2>/Spin", "Steer"]
 
 
@@ -354,8 +354,8 @@ def test_depth_keeps_a_mirrored_copy_moving_where_it_is_named_flexible(kit: Kit)
 @given(documents(everything=True))
 def test_any_assembly_has_the_bodies_and_the_mates_that_its_author_knows_of(document: Document) -> None:
     log = Diagnostics()
-    assembly = copied(definition(document), document, GraphKeys(), log)
-    bodies = find_bodies(assembly, GraphKeys(), log)
+    assembly = copied(definition(document), document, GraphSections(), log)
+    bodies = find_bodies(assembly, GraphSections(), log)
     truth = document.truth
     assert {frozenset(paths) for paths in bodies.members if paths} == {
         b.parts for b in truth.bodies if b.parts

@@ -6,17 +6,17 @@ from dataclasses import replace
 import pytest
 import yaml
 
-from stages.graph.keys import GraphKeys
 from stages.graph.passes.added_links import with_added_links
 from stages.graph.passes.joint_limits import with_properties
 from stages.graph.passes.limit_checks import LOCKED_PLAY, check_limits, report_loop_limits
+from stages.graph.section import GraphSections
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.model import Limits, Relation, Robot
 from tests.support.robots import CARRIED, LOOPS, at, joint, loop, robot_with
 
 
 def wanted(**joints):
-    return GraphKeys(joints=joints).joints
+    return GraphSections(joints=joints).joints
 
 
 def given(robot: Robot, keys) -> tuple[Robot, Diagnostics]:
@@ -157,7 +157,7 @@ def test_an_added_joint_that_is_to_be_open_is_not_reported() -> None:
         "drawer": {"type": "prismatic", "limits": [None, None]},
         "lid": "revolute",
     }
-    links = GraphKeys(links={name: {"parent": "base", "joint": one} for name, one in asked.items()}).links
+    links = GraphSections(links={name: {"parent": "base", "joint": one} for name, one in asked.items()}).links
     log = Diagnostics()
     robot = with_added_links(robot_with(), links, log)
     check_limits(robot, {}, log, {}, links)

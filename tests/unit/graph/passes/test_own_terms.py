@@ -6,9 +6,9 @@ import pytest
 from lxml import etree
 
 from stages.formats.urdf.transmission_counts import with_counts
-from stages.graph.keys import GraphKeys
 from stages.graph.passes.joint_limits import with_properties
 from stages.graph.passes.zero_pose import with_zero
+from stages.graph.section import GraphSections
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.model import Limits, MateValue, Relation, Robot
 from tests.support.building import plan_of, write
@@ -17,7 +17,7 @@ from tests.support.robots import joint, robot_with
 
 
 def counted(robot: Robot, zero="mate", **joints) -> tuple[Robot, Diagnostics]:
-    keys, log = GraphKeys(joints=joints).joints, Diagnostics()
+    keys, log = GraphSections(joints=joints).joints, Diagnostics()
     robot = with_properties(robot, keys, log)
     return with_zero(robot, zero, keys, log), log
 

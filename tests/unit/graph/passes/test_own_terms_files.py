@@ -9,7 +9,7 @@ import yaml
 from lxml import etree
 
 from stages.export import Exported, export
-from stages.graph.keys import JointKeys
+from stages.graph.section import JointSection
 from tests.fake_onshape import solids
 from tests.fake_onshape.frames import frame
 from tests.support.building import NO_MESHES, plan_of, robot_of
@@ -75,7 +75,7 @@ def test_every_key_has_a_golden() -> None:
     given = {
         key for one in GOLDEN.values() for joint in one["keys"].get("joints", {}).values() for key in joint
     }
-    assert set(JointKeys.model_fields) >= given >= OWN
+    assert set(JointSection.model_fields) >= given >= OWN
     assert any("total" in one["keys"].get("mass", {}) for one in GOLDEN.values())
 
 

@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from stages.graph.keys import RelationKeys
 from stages.graph.mechanism import RelationSpec
 from stages.graph.passes.relations import with_relations
+from stages.graph.section import RelationSection
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.kinematics import link_poses, saved_configuration
 from stages.robot.model import Limits, Robot
@@ -39,7 +39,7 @@ def robot_of(**saved) -> Robot:
 def related(robot: Robot, *specs: RelationSpec, **wanted) -> tuple[Robot, Diagnostics]:
     """The robot with its specs, and what is told; `wanted`: what `relations:` says, by glob."""
     log = Diagnostics()
-    keys = {glob: RelationKeys.model_validate(said) for glob, said in wanted.items()}
+    keys = {glob: RelationSection.model_validate(said) for glob, said in wanted.items()}
     return with_relations(robot, specs, log, keys), log
 
 

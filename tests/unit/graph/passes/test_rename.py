@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from stages.graph.keys import NamesKeys
 from stages.graph.mechanism import Connection, Marker, Mechanism, RelationSpec, RigidBody
 from stages.graph.onshape.mates import dofs_of
 from stages.graph.passes.rename import renamed
+from stages.graph.section import NamesSection
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.model import MateRef, Provenance
 
@@ -44,7 +44,7 @@ MECHANISM = Mechanism(
 
 def called(links=None, joints=None):
     log = Diagnostics()
-    return renamed(MECHANISM, NamesKeys(links=links or {}, joints=joints or {}), log), log
+    return renamed(MECHANISM, NamesSection(links=links or {}, joints=joints or {}), log), log
 
 
 def links(mechanism):

@@ -13,7 +13,7 @@ from pipeline.live.compiled import compiled
 from pipeline.live.engine import EngineCopy, NoCopy, engine_copy
 from pipeline.live.engine_version import VERSION, schema, without_newer
 from pipeline.live.scene import pack_of
-from stages.export.mujoco_keys import CompilerSection, FlagsSection, OptionSection
+from stages.export.mujoco_section import CompilerSection, FlagsSection, OptionSection
 from stages.formats.xml import parse, to_text
 from tests.support.live_robots import INCLUDED, LINKAGE, LOOPS, SCENE, write
 from tests.support.places import PROJECT

@@ -97,7 +97,7 @@ def _documentation(module: str) -> Mapping[str, Mapping[str, str]]:
     return found
 
 
-class Keys(BaseModel):
+class Section(BaseModel):
     """A section of the configuration: frozen, closed, strict about text and numbers."""
 
     model_config = ConfigDict(
@@ -138,7 +138,7 @@ class Keys(BaseModel):
         """
         written: dict[str, str] = {}
         for section in reversed(cls.__mro__):
-            if issubclass(section, Keys):
+            if issubclass(section, Section):
                 written |= _documentation(section.__module__).get(section.__name__, {})
         fields = cls.model_fields.items()
         found = {field.alias or name: field.description or written.get(name, "") for name, field in fields}

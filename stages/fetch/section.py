@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Union
 from pydantic import Discriminator, Tag
 
 from stages.fetch import ROOMS
-from stages.fetch.source_keys import SourceKeys
-from stages.robot.keys import Keys
+from stages.fetch.source_section import SourceSection
+from stages.robot.section import Section
 
-SOURCES: dict[str, type[SourceKeys]] = {
-    kind: import_module(f"{room}.keys").KEYS for kind, room in ROOMS.items()
+SOURCES: dict[str, type[SourceSection]] = {
+    kind: import_module(f"{room}.section").SECTION for kind, room in ROOMS.items()
 }
 """Kind of source → its keys."""
 
@@ -20,7 +20,7 @@ def _kind(source: Any) -> Any:
 
 
 if TYPE_CHECKING:
-    AnySource = SourceKeys
+    AnySource = SourceSection
 else:
     AnySource = Annotated[
         Union[tuple(Annotated[keys, Tag(kind)] for kind, keys in SOURCES.items())],  # noqa: UP007
@@ -28,7 +28,7 @@ else:
     ]
 
 
-class FetchKeys(Keys):
+class FetchSections(Section):
     """The fetch stage's part of the configuration."""
 
     source: AnySource

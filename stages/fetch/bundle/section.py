@@ -2,11 +2,11 @@
 
 from typing import Annotated, Literal
 
-from stages.fetch.source_keys import SourceKeys
-from stages.robot.keys import Text, example
+from stages.fetch.source_section import SourceSection
+from stages.robot.section import Text, example
 
 
-class BundleSourceKeys(SourceKeys):
+class BundleSourceSection(SourceSection):
     """A bundle: a zip file of all that an earlier build fetched."""
 
     kind: Literal["bundle"] = "bundle"
@@ -16,4 +16,4 @@ class BundleSourceKeys(SourceKeys):
     """The zip file, relative to the working directory."""
 
 
-KEYS = BundleSourceKeys
+SECTION = BundleSourceSection

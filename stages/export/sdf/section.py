@@ -2,10 +2,10 @@
 
 from typing import Literal
 
-from stages.robot.keys import Keys
+from stages.robot.section import Section
 
 
-class SdfFormatKeys(Keys):
+class SdfFormatSection(Section):
     """The SDF."""
 
     meshes: Literal["relative", "model"] = "relative"
@@ -13,5 +13,5 @@ class SdfFormatKeys(Keys):
     as `model://<name>/assets/...`, for readers that look models up by the names of their folders."""
 
 
-KEYS = SdfFormatKeys
+SECTION = SdfFormatSection
 """The section of the configuration."""

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from pydantic import AfterValidator
 
-from stages.robot.keys import Keys, Text, example, invalid
+from stages.robot.section import Section, Text, example, invalid
 
 
 def _as_package(name: str) -> str:
@@ -27,7 +27,7 @@ def _as_address(text: str) -> str:
     return text
 
 
-class Ros2FormatKeys(Keys):
+class Ros2FormatSection(Section):
     """The ROS 2 package."""
 
     package: Annotated[Text, AfterValidator(_as_package), example("my_arm_description")] | None = None
@@ -49,5 +49,5 @@ class Ros2FormatKeys(Keys):
     """Whether there is a second package beside it, `<name>_moveit_config`, for MoveIt, with the SRDF."""
 
 
-KEYS = Ros2FormatKeys
+SECTION = Ros2FormatSection
 """The section of the configuration."""

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field
 
-from stages.robot.keys import Keys, Positive, Text, example, invalid
+from stages.robot.section import Positive, Section, Text, example, invalid
 
 
 def _with_target(entry: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -17,7 +17,7 @@ def _with_target(entry: Mapping[str, Any]) -> Mapping[str, Any]:
     return entry
 
 
-class ValidateSection(Keys):
+class ValidateSection(Section):
     """Checks of the result."""
 
     level: Literal["quick", "standard", "strict"] = "standard"
@@ -48,7 +48,7 @@ with warnings.catch_warnings():
     # The section has the key's name; pydantic's own method `validate` is deprecated.
     warnings.filterwarnings("ignore", message='Field name "validate"')
 
-    class ValidateKeys(Keys):
+    class ValidateSections(Section):
         """The validate stage's part of the configuration."""
 
         validate: ValidateSection = ValidateSection()  # type: ignore[assignment]

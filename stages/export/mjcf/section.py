@@ -2,10 +2,10 @@
 
 from typing import Literal
 
-from stages.robot.keys import Keys
+from stages.robot.section import Section
 
 
-class MjcfFormatKeys(Keys):
+class MjcfFormatSection(Section):
     """The MJCF and its scene."""
 
     fixed_joints: Literal["auto", "merge", "keep"] = "auto"
@@ -16,4 +16,4 @@ class MjcfFormatKeys(Keys):
     MJCF source, a loop, or contacts that MuJoCo could not tell apart."""
 
 
-KEYS = MjcfFormatKeys
+SECTION = MjcfFormatSection

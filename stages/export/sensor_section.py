@@ -8,7 +8,6 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from stages.robot.globs import fits
-from stages.robot.keys import Count, Keys, Text, example, invalid
 from stages.robot.quantity_keys import (
     Coordinate,
     Degrees,
@@ -17,6 +16,7 @@ from stages.robot.quantity_keys import (
     Turns,
     TypedNumber,
 )
+from stages.robot.section import Count, Section, Text, example, invalid
 from stages.robot.units import Measure
 
 SensorName = Literal[
@@ -144,7 +144,7 @@ Size = Annotated[
 ]
 
 
-class SensorKeys(Keys):
+class SensorSection(Section):
     """A sensor, or several of one kind. May be given as the name of a type alone. The MJCF's sensor has the
     name of the entry, of types that measure several things with what it measures: `imu_gyro`, `wrist_force`;
     of a glob on joints or actuators also with the name of each: `legs_knee_pos`."""
@@ -264,5 +264,5 @@ def _name_alone(value: Any) -> Any:
 
 
 SensorChoice = Annotated[
-    SensorKeys, BeforeValidator(_name_alone, json_schema_input_type=SensorKeys | SensorName)
+    SensorSection, BeforeValidator(_name_alone, json_schema_input_type=SensorSection | SensorName)
 ]

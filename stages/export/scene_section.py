@@ -4,16 +4,16 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from stages.export.mujoco_keys import CompilerSection, OptionSection
-from stages.robot.keys import Count, Flag, Keys, NonNegative, Number, Text, Triple, example, invalid
+from stages.export.mujoco_section import CompilerSection, OptionSection
 from stages.robot.quantity_keys import Degrees, Position, PositiveLength, Turns
+from stages.robot.section import Count, Flag, NonNegative, Number, Section, Text, Triple, example, invalid
 
 Share = Annotated[Number, Field(ge=0, le=1)]
 Colour = tuple[Share, Share, Share]
 """Red, green and blue, from 0 to 1."""
 
 
-class GroundKeys(Keys):
+class GroundSection(Section):
     """The ground of `scene.xml`."""
 
     kind: Literal["none", "plane"] = "plane"
@@ -40,7 +40,7 @@ def _kind_alone(value: Any) -> Any:
     return {"kind": value} if isinstance(value, str) else value
 
 
-class PoseKeys(Keys):
+class PoseSection(Section):
     """Pose of the robot's root in the world. May be given as the kind alone."""
 
     kind: Literal["touch", "given"] = "given"
@@ -62,7 +62,7 @@ class PoseKeys(Keys):
         return self
 
 
-class LightKeys(Keys):
+class LightSection(Section):
     """A light of `scene.xml`. May be given as the kind alone."""
 
     kind: Literal["directional", "point", "spot", "none"] = "directional"
@@ -96,7 +96,7 @@ class LightKeys(Keys):
         return self
 
 
-class CameraKeys(Keys):
+class CameraSection(Section):
     """A camera. It looks along the z axis of its frame, with x to the right and y down in the image."""
 
     frame: Annotated[Text | None, example("camera_mount")] = None
@@ -130,7 +130,7 @@ class CameraKeys(Keys):
         return self
 
 
-class SkyKeys(Keys):
+class SkySection(Section):
     """The sky. May be given as the kind alone."""
 
     kind: Literal["gradient", "none"] = "gradient"
@@ -144,23 +144,23 @@ class SkyKeys(Keys):
 
 
 PoseChoice = Annotated[
-    PoseKeys, BeforeValidator(_kind_alone, json_schema_input_type=PoseKeys | Literal["touch", "given"])
+    PoseSection, BeforeValidator(_kind_alone, json_schema_input_type=PoseSection | Literal["touch", "given"])
 ]
 LightChoice = Annotated[
-    LightKeys,
+    LightSection,
     BeforeValidator(
-        _kind_alone, json_schema_input_type=LightKeys | Literal["directional", "point", "spot", "none"]
+        _kind_alone, json_schema_input_type=LightSection | Literal["directional", "point", "spot", "none"]
     ),
 ]
 SkyChoice = Annotated[
-    SkyKeys, BeforeValidator(_kind_alone, json_schema_input_type=SkyKeys | Literal["gradient", "none"])
+    SkySection, BeforeValidator(_kind_alone, json_schema_input_type=SkySection | Literal["gradient", "none"])
 ]
 
 
-class SceneKeys(Keys):
+class SceneSection(Section):
     """The world around the robot."""
 
-    pose: PoseChoice = PoseKeys(kind="touch")
+    pose: PoseChoice = PoseSection(kind="touch")
     """Pose of the robot's root in the world."""
 
     lights: Annotated[
@@ -168,13 +168,13 @@ class SceneKeys(Keys):
     ] = Field(default_factory=dict)
     """Lights, by name. `sun` is always there, unless it is none."""
 
-    cameras: Annotated[dict[Text, CameraKeys], example({"wrist": {"frame": "camera_mount", "fovy": 60}})] = (
-        Field(default_factory=dict)
-    )
+    cameras: Annotated[
+        dict[Text, CameraSection], example({"wrist": {"frame": "camera_mount", "fovy": 60}})
+    ] = Field(default_factory=dict)
     """Cameras, by name. One in the world is in `scene.xml`, one that a frame carries in the robot's file.
     `overview`, which shows the whole robot, is always there."""
 
-    skybox: SkyChoice = SkyKeys()
+    skybox: SkyChoice = SkySection()
     """The sky."""
 
     surroundings: Literal["keep", "drop"] = "keep"

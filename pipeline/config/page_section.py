@@ -4,13 +4,13 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from stages.robot.keys import Count, Keys, example
+from stages.robot.section import Count, Section, example
 
 MOST_FACES = 1_000_000
 """So many triangles that no page becomes too large to open or to send."""
 
 
-class PageKeys(Keys):
+class PageSection(Section):
     """The page about the build, in which the robot moves, and the robot's picture."""
 
     live: Literal["whole", "shared", "kinematics"] = "whole"

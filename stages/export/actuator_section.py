@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from stages.robot.keys import Flag, Keys, NonNegative, Number, Positive, Text, example, invalid
 from stages.robot.quantity_keys import Coordinate
+from stages.robot.section import Flag, NonNegative, Number, Positive, Section, Text, example, invalid
 
 DynamicsName = Literal["none", "integrator", "filter", "filterexact", "muscle", "user"]
 ActuatorName = Literal[
@@ -59,7 +59,7 @@ ControlPair = Annotated[tuple[Coordinate, Coordinate], AfterValidator(_ascending
 Parameters = Annotated[tuple[Number, ...], Field(min_length=1, max_length=10)]
 
 
-class ActuatorKeys(Keys):
+class ActuatorSection(Section):
     """What drives the dofs that a glob matches. May be given as the name of a type alone. What is null comes
     from an earlier entry that matches, of the same type, or is chosen by Linkwright."""
 
@@ -216,5 +216,5 @@ def _name_alone(value: Any) -> Any:
 
 
 ActuatorChoice = Annotated[
-    ActuatorKeys, BeforeValidator(_name_alone, json_schema_input_type=ActuatorKeys | ActuatorName)
+    ActuatorSection, BeforeValidator(_name_alone, json_schema_input_type=ActuatorSection | ActuatorName)
 ]

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import AfterValidator
 
-from stages.robot.keys import Keys, Text, example, invalid
+from stages.robot.section import Section, Text, example, invalid
 
 
 def _as_package(name: str) -> str:
@@ -29,7 +29,7 @@ def module_of(package: str) -> str:
     return re.sub("[.-]", "_", package)
 
 
-class PythonFormatKeys(Keys):
+class PythonFormatSection(Section):
     """The Python package."""
 
     package: Annotated[Text, AfterValidator(_as_package), example("my-arm-description")] | None = None
@@ -45,5 +45,5 @@ class PythonFormatKeys(Keys):
     """Its license."""
 
 
-KEYS = PythonFormatKeys
+SECTION = PythonFormatSection
 """The section of the configuration."""

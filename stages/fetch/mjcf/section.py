@@ -2,11 +2,11 @@
 
 from typing import Annotated, Literal
 
-from stages.fetch.source_keys import SourceKeys
-from stages.robot.keys import Text, example
+from stages.fetch.source_section import SourceSection
+from stages.robot.section import Text, example
 
 
-class MjcfSourceKeys(SourceKeys):
+class MjcfSourceSection(SourceSection):
     """An MJCF (MuJoCo XML), as MuJoCo compiles it."""
 
     kind: Literal["mjcf"] = "mjcf"
@@ -16,4 +16,4 @@ class MjcfSourceKeys(SourceKeys):
     """The file, relative to the working directory."""
 
 
-KEYS = MjcfSourceKeys
+SECTION = MjcfSourceSection

@@ -11,7 +11,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from stages.robot.globs import did_you_mean
-from stages.robot.keys import Keys, Number, Text, example, invalid
+from stages.robot.section import Number, Section, Text, example, invalid
 
 QUANTITIES: Mapping[str, str] = {
     "gear": "-",
@@ -33,7 +33,7 @@ QUANTITIES: Mapping[str, str] = {
 MAY_BE_ZERO = ("damping", "back_emf", "friction", "kv")
 
 
-class MotorValue(Keys):
+class MotorValue(Section):
     """A value, and where it comes from."""
 
     value: Annotated[Number, Field(ge=0), example(0.028)]
@@ -46,7 +46,7 @@ class MotorValue(Keys):
     """measured: on the motor; identified: fitted to recordings of its motion; datasheet: of its maker."""
 
 
-class MotorKeys(Keys):
+class MotorSection(Section):
     """A motor with its gear."""
 
     title: Annotated[Text, example("My servo, 7.4 V")]

@@ -9,8 +9,8 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from stages.mesh import COLLIDERS, PRIMITIVES
 from stages.mesh.decompose_options import search
 from stages.robot.errors import ConfigError
-from stages.robot.keys import Count, Keys, NonNegative, Text, example, invalid
 from stages.robot.quantity_keys import PositiveLength
+from stages.robot.section import Count, NonNegative, Section, Text, example, invalid
 
 if TYPE_CHECKING:
     ColliderName = str
@@ -33,14 +33,14 @@ CoacdParameters = Annotated[dict[Text, Any], AfterValidator(_of_coacd), example(
 VertexCount = Annotated[Count, Field(ge=4)]
 
 
-class RoundSizeKeys(Keys):
+class RoundSizeSection(Section):
     """The size of a sphere."""
 
     radius: Annotated[PositiveLength | None, example(0.02)] = None
     """Radius [m]; null: what fits."""
 
 
-class LongSizeKeys(Keys):
+class LongSizeSection(Section):
     """The size of a cylinder or capsule."""
 
     radius: Annotated[PositiveLength | None, example(0.02)] = None
@@ -50,7 +50,7 @@ class LongSizeKeys(Keys):
     """Length [m], of a capsule without its caps; null: what fits."""
 
 
-class BoxSizeKeys(Keys):
+class BoxSizeSection(Section):
     """The size of a box that stands along the axes of the part, or of the link."""
 
     size: Annotated[
@@ -60,7 +60,7 @@ class BoxSizeKeys(Keys):
     """Lengths along x, y and z [m]; null: what fits."""
 
 
-class ColliderKeys(Keys):
+class ColliderSection(Section):
     """How colliders are made: exactly one of make, sphere, box, cylinder and capsule. May be given as the
     name of a way to make them alone."""
 
@@ -68,16 +68,16 @@ class ColliderKeys(Keys):
     """One of the options of mesh.collider; none: no collider; box, sphere, capsule or cylinder: the best fit
     of one."""
 
-    sphere: RoundSizeKeys | None = None
+    sphere: RoundSizeSection | None = None
     """A sphere of a given size, where it fits best."""
 
-    box: BoxSizeKeys | None = None
+    box: BoxSizeSection | None = None
     """A box of a given size, where it fits best."""
 
-    cylinder: LongSizeKeys | None = None
+    cylinder: LongSizeSection | None = None
     """A cylinder of a given size, where it fits best."""
 
-    capsule: LongSizeKeys | None = None
+    capsule: LongSizeSection | None = None
     """A capsule of a given size, where it fits best."""
 
     tolerance: Annotated[PositiveLength | None, example(0.001)] = None
@@ -108,7 +108,7 @@ class ColliderKeys(Keys):
         if self.box is not None:
             return "box", self.box.size or ()
         kind = "cylinder" if self.cylinder is not None else "capsule"
-        size = self.cylinder or self.capsule or LongSizeKeys()
+        size = self.cylinder or self.capsule or LongSizeSection()
         return kind, (size.radius, size.length)
 
 
@@ -117,5 +117,5 @@ def _name_alone(value: Any) -> Any:
 
 
 ColliderChoice = Annotated[
-    ColliderKeys, BeforeValidator(_name_alone, json_schema_input_type=ColliderKeys | MakerName)
+    ColliderSection, BeforeValidator(_name_alone, json_schema_input_type=ColliderSection | MakerName)
 ]

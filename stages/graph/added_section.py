@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, model_validator
 
-from stages.graph.mass_keys import Inertia
-from stages.robot.keys import Keys, Positive, Text, Triple, example, invalid
+from stages.graph.mass_section import Inertia
 from stages.robot.quantity_keys import Position, PositiveLength, Range, Turns, misfit
+from stages.robot.section import Positive, Section, Text, Triple, example, invalid
 
 if TYPE_CHECKING:
     from stages.robot.model import PrimitiveKind
@@ -23,7 +23,7 @@ Direction = Annotated[Triple, AfterValidator(_direction)]
 """A vector of any length but zero."""
 
 
-class AddedFrameKeys(Keys):
+class AddedFrameSection(Section):
     """A frame that CAD does not have."""
 
     link: Annotated[Text, example("palm")]
@@ -36,21 +36,21 @@ class AddedFrameKeys(Keys):
     """Roll, pitch and yaw in that link or frame [rad]."""
 
 
-class SphereKeys(Keys):
+class SphereSection(Section):
     """A sphere about the link's origin."""
 
     radius: Annotated[PositiveLength, example(0.03)]
     """Radius [m]."""
 
 
-class BoxKeys(Keys):
+class BoxSection(Section):
     """A box about the link's origin."""
 
     size: Annotated[tuple[PositiveLength, PositiveLength, PositiveLength], example([0.1, 0.1, 0.05])]
     """Lengths along x, y and z [m]."""
 
 
-class CylinderKeys(Keys):
+class CylinderSection(Section):
     """A cylinder about the link's origin, along z."""
 
     radius: Annotated[PositiveLength, example(0.03)]
@@ -60,7 +60,7 @@ class CylinderKeys(Keys):
     """Length [m]."""
 
 
-class CapsuleKeys(Keys):
+class CapsuleSection(Section):
     """A cylinder with a hemisphere at each end, about the link's origin, along z."""
 
     radius: Annotated[PositiveLength, example(0.03)]
@@ -70,19 +70,19 @@ class CapsuleKeys(Keys):
     """Length without the hemispheres [m]."""
 
 
-class GeometryKeys(Keys):
+class GeometrySection(Section):
     """A shape: exactly one of these."""
 
-    sphere: SphereKeys | None = None
+    sphere: SphereSection | None = None
     """A sphere about the link's origin."""
 
-    box: BoxKeys | None = None
+    box: BoxSection | None = None
     """A box about the link's origin."""
 
-    cylinder: CylinderKeys | None = None
+    cylinder: CylinderSection | None = None
     """A cylinder about the link's origin, along z."""
 
-    capsule: CapsuleKeys | None = None
+    capsule: CapsuleSection | None = None
     """A cylinder with a hemisphere at each end, about the link's origin, along z."""
 
     @model_validator(mode="after")
@@ -106,7 +106,7 @@ class GeometryKeys(Keys):
 JointType = Literal["fixed", "revolute", "continuous", "prismatic"]
 
 
-class AddedJointKeys(Keys):
+class AddedJointSection(Section):
     """The joint between an added link and its parent. May be given as a type alone."""
 
     type: JointType = "fixed"
@@ -136,7 +136,7 @@ def _type_alone(value: Any) -> Any:
     return {"type": value} if isinstance(value, str) else value
 
 
-class AddedLinkKeys(Keys):
+class AddedLinkSection(Section):
     """A link that CAD does not have, at `xyz` and `rpy` in its parent, or above the root."""
 
     parent: Annotated[Text | None, example("tool")] = None
@@ -161,12 +161,12 @@ class AddedLinkKeys(Keys):
     """Inertia about the centre of mass [kg m²]: ixx, iyy, izz, or these and ixy, ixz, iyz; null: that of the
     geometry as a solid of even density."""
 
-    geometry: GeometryKeys | None = None
+    geometry: GeometrySection | None = None
     """Visual and collision shape."""
 
     joint: Annotated[
-        AddedJointKeys, BeforeValidator(_type_alone, json_schema_input_type=AddedJointKeys | JointType)
-    ] = AddedJointKeys()
+        AddedJointSection, BeforeValidator(_type_alone, json_schema_input_type=AddedJointSection | JointType)
+    ] = AddedJointSection()
     """The joint between this link and its parent."""
 
     @model_validator(mode="after")

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator
 
-from stages.robot.keys import Keys, Text, example, invalid
+from stages.robot.section import Section, Text, example, invalid
 
 
 def _as_package(name: str) -> str:
@@ -13,7 +13,7 @@ def _as_package(name: str) -> str:
     return name
 
 
-class UrdfFormatKeys(Keys):
+class UrdfFormatSection(Section):
     """The URDF."""
 
     meshes: Literal["relative", "package"] = "relative"
@@ -32,4 +32,4 @@ class UrdfFormatKeys(Keys):
     1e-12 kg and 1e-12 kg m², for readers that take 1 kg instead of none, as PyBullet does."""
 
 
-KEYS = UrdfFormatKeys
+SECTION = UrdfFormatSection

@@ -5,10 +5,10 @@ import ast
 import pytest
 from pydantic import Field
 
-from stages.robot.keys import Keys
+from stages.robot.section import Section
 
 
-class Base(Keys):
+class Base(Section):
     """What is shared."""
 
     width: float = 1.0
@@ -19,7 +19,7 @@ class Base(Keys):
     """A word."""
 
 
-class Section(Base):
+class Inner(Base):
     """What is asked."""
 
     shade: str = "red"
@@ -45,11 +45,11 @@ MEANINGS = {
 
 
 def test_the_text_under_each_field_is_its_meaning():
-    assert Section.meanings() == MEANINGS
+    assert Inner.meanings() == MEANINGS
 
 
 def test_the_json_schema_has_the_meanings():
-    properties = Section.model_json_schema()["properties"]
+    properties = Inner.model_json_schema()["properties"]
     found = {key: one["description"] for key, one in properties.items() if "description" in one}
     assert found == MEANINGS
 
@@ -59,7 +59,7 @@ def test_no_source_is_parsed_before_a_meaning_is_asked_for(monkeypatch: pytest.M
     parse = ast.parse
     monkeypatch.setattr(ast, "parse", lambda *given, **more: parsed.append(given) or parse(*given, **more))
 
-    class Late(Keys):
+    class Late(Section):
         """Defined at run time."""
 
         width: float = 1.0
@@ -70,5 +70,7 @@ def test_no_source_is_parsed_before_a_meaning_is_asked_for(monkeypatch: pytest.M
 
 
 def test_a_section_without_source_has_no_meanings():
-    made = type("Made", (Keys,), {"__annotations__": {"width": float}, "width": 1.0, "__module__": "nowhere"})
+    made = type(
+        "Made", (Section,), {"__annotations__": {"width": float}, "width": 1.0, "__module__": "nowhere"}
+    )
     assert made.meanings() == {}

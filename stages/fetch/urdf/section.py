@@ -4,11 +4,11 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from stages.fetch.source_keys import Setting, SourceKeys
-from stages.robot.keys import Flag, Text, example
+from stages.fetch.source_section import Setting, SourceSection
+from stages.robot.section import Flag, Text, example
 
 
-class UrdfSourceKeys(SourceKeys):
+class UrdfSourceSection(SourceSection):
     """A URDF or a xacro file, and the meshes that it names."""
 
     kind: Literal["urdf"] = "urdf"
@@ -45,4 +45,4 @@ class UrdfSourceKeys(SourceKeys):
     a solid of even density; project: the nearest inertia that a solid body can have."""
 
 
-KEYS = UrdfSourceKeys
+SECTION = UrdfSourceSection

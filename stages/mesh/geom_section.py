@@ -4,8 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Strict
 
-from stages.robot.keys import Keys, NonNegative, Number, Solref, example, invalid
 from stages.robot.quantity_keys import NonNegativeLength
+from stages.robot.section import NonNegative, Number, Section, Solref, example, invalid
 
 Solimp = tuple[Number, Number, Number, Number, Number]
 
@@ -22,7 +22,7 @@ def _possible(solimp: Solimp | None) -> Solimp | None:
     return solimp
 
 
-class GeomContactKeys(Keys):
+class GeomContactSection(Section):
     """MuJoCo's properties of contact; null: MuJoCo's default. Of two geoms in contact the one with the higher
     priority decides; with equal priorities MuJoCo combines them."""
 
@@ -48,11 +48,11 @@ class GeomContactKeys(Keys):
     """Whose properties count."""
 
 
-class GeomKeys(Keys):
+class GeomSection(Section):
     """Properties of the geoms of the links, or of the colliders of the parts, that a glob matches."""
 
-    visual: GeomContactKeys = GeomContactKeys()
+    visual: GeomContactSection = GeomContactSection()
     """Of visual geoms, which touch nothing unless your own changes to the model make them."""
 
-    collision: GeomContactKeys = GeomContactKeys()
+    collision: GeomContactSection = GeomContactSection()
     """Of colliders."""

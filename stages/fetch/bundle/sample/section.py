@@ -2,14 +2,14 @@
 
 from typing import Literal
 
-from stages.fetch.source_keys import SourceKeys
+from stages.fetch.source_section import SourceSection
 
 
-class SampleSourceKeys(SourceKeys):
+class SampleSourceSection(SourceSection):
     """The sample robot, which the package contains."""
 
     kind: Literal["sample"] = "sample"
     """Kind of the source; `source=KIND` chooses it."""
 
 
-KEYS = SampleSourceKeys
+SECTION = SampleSourceSection

@@ -6,21 +6,21 @@ from typing import Annotated, Any, Self
 from pydantic import Field, SerializerFunctionWrapHandler, create_model, model_serializer, model_validator
 
 from stages.export import WRITERS, writer_of
-from stages.export.actuator_keys import ActuatorChoice
-from stages.export.element_keys import AttributeChoice, ElementKeys
-from stages.export.motor_keys import MotorKeys
-from stages.export.scene_keys import GroundKeys, SceneKeys
-from stages.export.sensor_keys import SensorChoice
-from stages.robot.keys import (
-    Keys,
+from stages.export.actuator_section import ActuatorChoice
+from stages.export.element_section import AttributeChoice, ElementSection
+from stages.export.motor_section import MotorSection
+from stages.export.scene_section import GroundSection, SceneSection
+from stages.export.sensor_section import SensorChoice
+from stages.robot.optional_section import OptionalSection
+from stages.robot.section import (
+    Section,
     Text,
     example,
     invalid,
 )
-from stages.robot.optional_keys import OptionalKeys
 
 
-class _Formats(Keys):
+class _Formats(Section):
     """The formats that a build writes."""
 
     @property
@@ -43,7 +43,7 @@ class _Formats(Keys):
 
 def _section_of(name: str) -> Any:
     """The field of one format: its section, or null."""
-    keys = import_module(f"stages.export.{name}.keys").KEYS
+    keys = import_module(f"stages.export.{name}.section").SECTION
     files = " and ".join(f"`{path}`" for path in writer_of(name).paths("<name>"))
     return (keys | None, Field(default=None, description=f"{files}."))
 
@@ -57,13 +57,13 @@ class ExportSection(_EveryFormat):  # type: ignore[misc]
     """Formats to write; null leaves a format out."""
 
 
-class ExportKeys(OptionalKeys):
+class ExportSections(OptionalSection):
     """The export stage's part of the configuration."""
 
-    ground: GroundKeys = GroundKeys()
+    ground: GroundSection = GroundSection()
     """The ground of `scene.xml`."""
 
-    scene: SceneKeys = SceneKeys()
+    scene: SceneSection = SceneSection()
     """The world around the robot."""
 
     actuators: Annotated[
@@ -74,7 +74,7 @@ class ExportKeys(OptionalKeys):
     the root; a name without wildcards drives that dof."""
 
     motors: Annotated[
-        dict[Text, MotorKeys],
+        dict[Text, MotorSection],
         example(
             {
                 "my_servo": {
@@ -93,7 +93,7 @@ class ExportKeys(OptionalKeys):
     """Sensors, by name, in the MJCF; their names are unique, also among those of the source."""
 
     elements: Annotated[
-        dict[Text, ElementKeys],
+        dict[Text, ElementSection],
         example({"front": {"into": {"name": "torso"}, "xml": "<camera name='front' pos='0.1 0 0'/>"}}),
     ] = Field(default_factory=dict)
     """XML elements of your own in the MJCF and the URDF, by a name of your choice; added in this order when

@@ -2,10 +2,10 @@
 
 from typing import Literal
 
-from stages.robot.keys import Keys
+from stages.robot.section import Section
 
 
-class UsdFormatKeys(Keys):
+class UsdFormatSection(Section):
     """The USD."""
 
     geometry: Literal["binary", "text"] = "binary"
@@ -13,5 +13,5 @@ class UsdFormatKeys(Keys):
     to load; text: for reading and comparing, five times as large."""
 
 
-KEYS = UsdFormatKeys
+SECTION = UsdFormatSection
 """The section of the configuration."""

@@ -5,20 +5,20 @@ from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, Field, Strict, model_validator
 
-from stages.graph.added_keys import AddedFrameKeys, AddedLinkKeys, Direction
-from stages.graph.mass_keys import MassKeys
-from stages.robot.keys import (
+from stages.graph.added_section import AddedFrameSection, AddedLinkSection, Direction
+from stages.graph.mass_section import MassSection
+from stages.robot.optional_section import OptionalSection
+from stages.robot.quantity_keys import Coordinate, Position, Range
+from stages.robot.section import (
     Flag,
-    Keys,
     NonNegative,
     Positive,
+    Section,
     Solref,
     Text,
     example,
     invalid,
 )
-from stages.robot.optional_keys import OptionalKeys
-from stages.robot.quantity_keys import Coordinate, Position, Range
 
 NAME_PATTERN = "[A-Za-z0-9_-]+"
 
@@ -35,7 +35,7 @@ def _file_name(name: str) -> str:
     return name
 
 
-class RootKeys(Keys):
+class RootSection(Section):
     """The root link of the kinematic tree."""
 
     select: Annotated[Text, example("base*")] = "auto"
@@ -55,7 +55,7 @@ class RootKeys(Keys):
     left out; separate: each group floats on its own."""
 
 
-class DepthKeys(Keys):
+class DepthSection(Section):
     """Sub-assemblies whose parts may move against each other; by default all of them, at any depth."""
 
     max: Annotated[Annotated[int, Strict(), Field(ge=0)] | None, example(1)] = None
@@ -69,7 +69,7 @@ class DepthKeys(Keys):
     """Globs of sub-assemblies that are flexible, whatever `depth.max` and `depth.rigid` say."""
 
 
-class NamesKeys(Keys):
+class NamesSection(Section):
     """Names of your own: CAD name or glob → name."""
 
     links: Annotated[dict[Text, Text], example({"Upper arm <1>": "upper_arm"})] = Field(default_factory=dict)
@@ -79,7 +79,7 @@ class NamesKeys(Keys):
     """CAD name or glob → name of the joint; each entry must match exactly one joint."""
 
 
-class JointKeys(Keys):
+class JointSection(Section):
     """Properties of the degrees of freedom (dofs) that a glob matches; null: as in the source."""
 
     limits: Annotated[Range | None, example([-1.57, 1.57])] = None
@@ -122,7 +122,7 @@ class JointKeys(Keys):
         return self
 
 
-class RelationKeys(Keys):
+class RelationSection(Section):
     """Properties of the relations that a glob matches. What is left out or null stays as in CAD."""
 
     invert: Annotated[Flag | None, example(True)] = None
@@ -136,7 +136,7 @@ class RelationKeys(Keys):
     """Whether the relation is left out, so that its joints move independently."""
 
 
-class MirrorKeys(Keys):
+class MirrorSection(Section):
     """The plane of the mirrors that a glob matches, in the frame of the assembly that they are in."""
 
     normal: Annotated[Direction, example([0, 1, 0])]
@@ -146,19 +146,19 @@ class MirrorKeys(Keys):
     """A point of the plane [m]."""
 
 
-class FramesKeys(Keys):
+class FramesSection(Section):
     """Named frames on links."""
 
     include: Annotated[tuple[Text, ...], example(["tool*"])] = ("*",)
     """Globs of mate connectors that become frames."""
 
-    add: Annotated[dict[Text, AddedFrameKeys], example({"camera": {"link": "palm"}})] = Field(
+    add: Annotated[dict[Text, AddedFrameSection], example({"camera": {"link": "palm"}})] = Field(
         default_factory=dict
     )
     """Frames that CAD does not have, by name."""
 
 
-class LoopsKeys(Keys):
+class LoopsSection(Section):
     """Closed kinematic loops."""
 
     cut: Annotated[tuple[Text, ...], example(["Coupler*"])] = ()
@@ -170,16 +170,16 @@ class LoopsKeys(Keys):
     unit, or [-stiffness, -damping]; null: that of an MJCF source, else [0.005, 1]."""
 
 
-class GraphKeys(OptionalKeys):
+class GraphSections(OptionalSection):
     """The graph stage's part of the configuration."""
 
     name: Annotated[Text, AfterValidator(_file_name), example("my_arm")] = "robot"
     """Name of the robot, of its files, and of its output folder."""
 
-    root: RootKeys = RootKeys()
+    root: RootSection = RootSection()
     """The root link of the kinematic tree."""
 
-    depth: DepthKeys = DepthKeys()
+    depth: DepthSection = DepthSection()
     """Sub-assemblies whose parts may move against each other."""
 
     hidden: Literal["keep", "drop"] = "keep"
@@ -196,39 +196,39 @@ class GraphKeys(OptionalKeys):
     """Names in CAD that have a meaning. onshape_to_robot: those of that tool (dof_, closing_, frame_, fix_,
     link_, _inv), and also its zero pose (saved), its root (the first instance) and rigid sub-assemblies."""
 
-    names: NamesKeys = NamesKeys()
+    names: NamesSection = NamesSection()
     """Names of your own."""
 
-    joints: Annotated[dict[Text, JointKeys], example({"*finger": {"damping": 0.1}})] = Field(
+    joints: Annotated[dict[Text, JointSection], example({"*finger": {"damping": 0.1}})] = Field(
         default_factory=dict
     )
     """Glob on names of dofs → properties; later entries win, property by property. The dof of a joint with
     only one has the name of the joint; others are named as lift_slide and lift_turn."""
 
-    relations: Annotated[dict[Text, RelationKeys], example({"Gear*": {"invert": True}})] = Field(
+    relations: Annotated[dict[Text, RelationSection], example({"Gear*": {"invert": True}})] = Field(
         default_factory=dict
     )
     """Glob on names of relations, in the robot or in CAD → properties; later entries win, property by
     property."""
 
-    mirrors: Annotated[dict[Text, MirrorKeys], example({"Mirror 1": {"normal": [0, 1, 0]}})] = Field(
+    mirrors: Annotated[dict[Text, MirrorSection], example({"Mirror 1": {"normal": [0, 1, 0]}})] = Field(
         default_factory=dict
     )
     """Glob on names of mirrors in CAD → the plane, where Linkwright cannot find it; later entries win."""
 
-    mass: MassKeys = MassKeys()
+    mass: MassSection = MassSection()
     """Masses of parts and links."""
 
     links: Annotated[
-        dict[Text, AddedLinkKeys],
+        dict[Text, AddedLinkSection],
         example({"payload": {"parent": "tool", "mass": 0.3, "geometry": {"sphere": {"radius": 0.03}}}}),
     ] = Field(default_factory=dict)
     """Links that CAD does not have, by name."""
 
-    frames: FramesKeys = FramesKeys()
+    frames: FramesSection = FramesSection()
     """Named frames on links."""
 
-    loops: LoopsKeys = LoopsKeys()
+    loops: LoopsSection = LoopsSection()
     """Closed kinematic loops."""
 
     keyframes: Annotated[

@@ -4,14 +4,14 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from stages.mesh.collider_keys import CoacdParameters, ColliderChoice, ColliderName, VertexCount
-from stages.mesh.geom_keys import GeomKeys
-from stages.robot.keys import Count, Keys, NonNegative, Text, example
-from stages.robot.optional_keys import OptionalKeys
+from stages.mesh.collider_section import CoacdParameters, ColliderChoice, ColliderName, VertexCount
+from stages.mesh.geom_section import GeomSection
+from stages.robot.optional_section import OptionalSection
 from stages.robot.quantity_keys import NonNegativeLength, PositiveLength
+from stages.robot.section import Count, NonNegative, Section, Text, example
 
 
-class VisualKeys(Keys):
+class VisualSection(Section):
     """Visual meshes."""
 
     merge: Literal["colour", "part"] = "colour"
@@ -23,7 +23,7 @@ class VisualKeys(Keys):
     its diagonal, whichever is more: where that takes more triangles, the link keeps them, with a warning."""
 
 
-class MeshSection(Keys):
+class MeshSection(Section):
     """Meshes of the links."""
 
     collider: ColliderName = "ladder"
@@ -83,7 +83,7 @@ class MeshSection(Keys):
     """Parameters of CoACD, by its own names, for colliders that it makes. Without a `threshold` it is twice
     the tolerance, in metres; pieces are joined as long as they are near enough, unless `merge` is true."""
 
-    visual: VisualKeys = VisualKeys()
+    visual: VisualSection = VisualSection()
     """Visual meshes."""
 
     format: Literal["stl", "obj"] = "stl"
@@ -95,7 +95,7 @@ class MeshSection(Keys):
     primitives, but no meshes."""
 
 
-class ContactKeys(Keys):
+class ContactSection(Section):
     """Contact between the links of the robot."""
 
     exclude: Annotated[tuple[tuple[Text, Text], ...], example([["*_finger", "palm"]])] = ()
@@ -109,7 +109,7 @@ class ContactKeys(Keys):
     objects."""
 
 
-class IgnoreKeys(Keys):
+class IgnoreSection(Section):
     """Links and parts without visual geometry, or without colliders."""
 
     visual: Annotated[tuple[Text, ...], example(["*cable*"])] = ()
@@ -119,20 +119,20 @@ class IgnoreKeys(Keys):
     """Globs on links or parts that have no collider, whatever mesh.colliders says, and cost none."""
 
 
-class MeshKeys(OptionalKeys):
+class MeshSections(OptionalSection):
     """The mesh stage's part of the configuration."""
 
     mesh: MeshSection = MeshSection()
     """Meshes of the links."""
 
     geoms: Annotated[
-        dict[Text, GeomKeys], example({"*foot*": {"collision": {"friction": [1.2, 0.005, 0.0001]}}})
+        dict[Text, GeomSection], example({"*foot*": {"collision": {"friction": [1.2, 0.005, 0.0001]}}})
     ] = Field(default_factory=dict)
     """Glob on links, or on CAD parts for their colliders → properties of these geoms in the MJCF; later
     entries win, property by property. A part that a glob names, and not its link, has its own collider."""
 
-    contact: ContactKeys = ContactKeys()
+    contact: ContactSection = ContactSection()
     """Contact between the links of the robot."""
 
-    ignore: IgnoreKeys = IgnoreKeys()
+    ignore: IgnoreSection = IgnoreSection()
     """Links and parts without visual geometry, or without colliders, in every format. Their masses stay."""

@@ -5,13 +5,13 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator
 
-from stages.robot.keys import Keys, invalid
+from stages.robot.section import Section, invalid
 
 ADDRESS = "address"
 """The error type of an invalid address; its context holds `message` and `hint`."""
 
 
-class SourceKeys(Keys):
+class SourceSection(Section):
     """The configuration of one kind of source."""
 
     kind: str

@@ -6,10 +6,10 @@ from pydantic import Field, GetCoreSchemaHandler, GetPydanticSchema, ValidationI
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from stages.fetch.onshape.url import AssemblyUrl, parse
-from stages.fetch.source_keys import ADDRESS, Setting, SourceKeys
+from stages.fetch.source_section import ADDRESS, Setting, SourceSection
 from stages.robot.errors import ConfigError
-from stages.robot.keys import Count, Flag, Keys, NonNegative, Text, example, invalid
 from stages.robot.quantity_keys import PositiveAngle, PositiveLength
+from stages.robot.section import Count, Flag, NonNegative, Section, Text, example, invalid
 
 
 def _parsed(text: str) -> AssemblyUrl:
@@ -34,7 +34,7 @@ Address = Annotated[AssemblyUrl, GetPydanticSchema(_from_text)]
 """The address of an assembly: text in the configuration."""
 
 
-class TessellationKeys(Keys):
+class TessellationSection(Section):
     """How finely Onshape divides curved faces into triangles."""
 
     angle: Annotated[PositiveAngle, Field(le=3.2)] = 0.2
@@ -47,7 +47,7 @@ class TessellationKeys(Keys):
     """Largest width of a facet [m]; null: no bound."""
 
 
-class OnshapeSourceKeys(SourceKeys):
+class OnshapeSourceSection(SourceSection):
     """An assembly in an Onshape document."""
 
     kind: Literal["onshape"] = "onshape"
@@ -71,7 +71,7 @@ class OnshapeSourceKeys(SourceKeys):
     allow_write: Annotated[Flag, Field(validate_default=True)] = False
     """Whether `source.variables` may be written to the document."""
 
-    tessellation: TessellationKeys = TessellationKeys()
+    tessellation: TessellationSection = TessellationSection()
     """How finely Onshape divides curved faces into triangles."""
 
     verify: Flag = True
@@ -103,4 +103,4 @@ class OnshapeSourceKeys(SourceKeys):
         return value
 
 
-KEYS = OnshapeSourceKeys
+SECTION = OnshapeSourceSection

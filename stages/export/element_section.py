@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import AfterValidator, BeforeValidator, model_validator
 
-from stages.robot.keys import Keys, Text, example, invalid
+from stages.robot.section import Section, Text, example, invalid
 
 AmendableFormat = Literal["urdf", "mjcf"]
 """The formats that elements and attributes of the user's own reach."""
@@ -43,7 +43,7 @@ def _well_formed(text: str) -> str:
     return text
 
 
-class IntoKeys(Keys):
+class IntoSection(Section):
     """Where elements are added: as the last of what is in an element."""
 
     tag: Annotated[Text | None, example("worldbody")] = None
@@ -65,10 +65,10 @@ class IntoKeys(Keys):
         return self
 
 
-class ElementKeys(Keys):
+class ElementSection(Section):
     """XML elements of your own."""
 
-    into: IntoKeys
+    into: IntoSection
     """Where they are added."""
 
     formats: Annotated[tuple[AmendableFormat, ...] | None, BeforeValidator(_amendable), example(["mjcf"])] = (

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
-from stages.robot.keys import Keys, NonNegative, Number, Positive, Text, example, invalid
 from stages.robot.quantity_keys import Position
+from stages.robot.section import NonNegative, Number, Positive, Section, Text, example, invalid
 
 if TYPE_CHECKING:
     from stages.robot.model import Array
@@ -34,7 +34,7 @@ Inertia = Annotated[tuple[Number, ...], AfterValidator(_of_a_solid)]
 """[ixx, iyy, izz] or [ixx, iyy, izz, ixy, ixz, iyz] [kg m²], products with true signs (−∫xy dm)."""
 
 
-class PartMassKeys(Keys):
+class PartMassSection(Section):
     """Mass properties of the parts that a glob matches. Keys left out or null keep CAD's value."""
 
     mass: Annotated[NonNegative | None, example(0.12)] = None
@@ -57,7 +57,7 @@ class PartMassKeys(Keys):
         return self
 
 
-class LinkMassKeys(Keys):
+class LinkMassSection(Section):
     """Mass properties of the links that a glob matches. Keys left out or null: the sum of the parts."""
 
     mass: Annotated[Positive | None, example(0.2)] = None
@@ -71,7 +71,7 @@ class LinkMassKeys(Keys):
     ixy, ixz, iyz."""
 
 
-class MassKeys(Keys):
+class MassSection(Section):
     """Masses of parts and links."""
 
     missing: Literal["auto", "error", "density", "ignore"] = "auto"
@@ -86,10 +86,12 @@ class MassKeys(Keys):
     """Mass of the whole robot [kg], as a scale shows it: the estimated masses are scaled so that it is met,
     with their inertias; those of CAD and of `parts` and `links` stay. null: the estimates stay."""
 
-    parts: Annotated[dict[Text, PartMassKeys], example({"Foot*": {"density": 1100}})] = Field(
+    parts: Annotated[dict[Text, PartMassSection], example({"Foot*": {"density": 1100}})] = Field(
         default_factory=dict
     )
     """Glob on names and titles of parts → mass properties; later entries win, value by value."""
 
-    links: Annotated[dict[Text, LinkMassKeys], example({"palm": {"mass": 0.2}})] = Field(default_factory=dict)
+    links: Annotated[dict[Text, LinkMassSection], example({"palm": {"mass": 0.2}})] = Field(
+        default_factory=dict
+    )
     """Glob on link names → mass properties; later entries win, value by value."""

@@ -16,7 +16,7 @@ from pydantic import (
     model_validator,
 )
 
-from stages.robot.keys import Flag, Keys, NonNegative, Number, Positive, Text, Triple, invalid
+from stages.robot.section import Flag, NonNegative, Number, Positive, Section, Text, Triple, invalid
 
 Whole = Annotated[int, Field(strict=True, ge=0)]
 Switch = Literal["enable", "disable"]
@@ -26,7 +26,7 @@ Automatic = Annotated[
 ]
 
 
-class _Sparse(Keys):
+class _Sparse(Section):
     """Attributes of which only those that are given are written."""
 
     @model_serializer(mode="wrap")
@@ -38,7 +38,9 @@ class _Sparse(Keys):
         """The attributes that have a value, by name; without sections of their own."""
         every = {name: getattr(self, name) for name in type(self).model_fields}
         return {
-            name: value for name, value in every.items() if value is not None and not isinstance(value, Keys)
+            name: value
+            for name, value in every.items()
+            if value is not None and not isinstance(value, Section)
         }
 
     def sections(self) -> dict[str, "_Sparse"]:

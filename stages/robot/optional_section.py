@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from stages.robot.keys import Keys, Text, example
+from stages.robot.section import Section, Text, example
 
 GLOB_KEYS = (
     "actuators",
@@ -31,7 +31,7 @@ GLOB_KEYS = (
 """The keys that hold globs."""
 
 
-class OptionalKeys(Keys):
+class OptionalSection(Section):
     """What each stage that matches globs has of the configuration."""
 
     optional: Annotated[
