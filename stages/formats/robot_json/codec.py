@@ -68,16 +68,23 @@ class JsonRecord(Generic[T]):
     def from_model(cls, value: Any, **more: Any) -> Self:
         """The record of a value, whose attributes have the names of the fields; `more`: other fields. What
         the value does not have keeps its default."""
-        names = [field.name for field in fields(cls) if field.name not in more]  # type: ignore[arg-type]
+        names = [entry.name for entry in entries_of(cast(Any, cls)) if entry.name not in more]
         return cls(**{name: getattr(value, name) for name in names if hasattr(value, name)}, **more)
 
     def to_model(self, **more: Any) -> T:
         """The value of the record; `more`: attributes that no field has."""
-        kind = get_args(self.__orig_bases__[0])[0]  # type: ignore[attr-defined]
-        names = {field.name for field in fields(self)} - more.keys()  # type: ignore[arg-type]
-        own = [field.name for field in fields(kind) if field.name in names]
-        made: T = kind(**{name: modelled(getattr(self, name)) for name in own}, **more)
+        kind, names = _in_model(cast(Any, type(self)))
+        own = {name: modelled(getattr(self, name)) for name in names if name not in more}
+        made: T = kind(**own, **more)
         return made
+
+
+@cache
+def _in_model(record: Any) -> tuple[Any, tuple[str, ...]]:
+    """The class of the model that a record is of, and the names that both have."""
+    kind = get_args(record.__orig_bases__[0])[0]
+    own = {entry.name for entry in entries_of(record)}
+    return kind, tuple(field.name for field in fields(kind) if field.name in own)
 
 
 class PairRecord(JsonRecord[tuple[Any, ...]]):
@@ -88,7 +95,7 @@ class PairRecord(JsonRecord[tuple[Any, ...]]):
         return cls(*value)
 
     def to_model(self, **more: Any) -> tuple[Any, ...]:
-        return tuple(getattr(self, field.name) for field in fields(self))  # type: ignore[arg-type]
+        return tuple(getattr(self, entry.name) for entry in entries_of(cast(Any, type(self))))
 
 
 def modelled(value: Any) -> Any:
@@ -117,27 +124,24 @@ class FieldEntry:
     name: str
     key: str
     kind: Any
+    form: Form
     default: Any
     inline: bool
     unread: bool
 
-    @property
-    def form(self) -> Form:
-        return form_of(self.kind)
-
 
 @cache
-def entries_of(kind: type) -> tuple[FieldEntry, ...]:
+def entries_of(kind: Any) -> tuple[FieldEntry, ...]:
     """The fields of a record. A class of the model that is one itself leaves nothing out."""
     hints = typing.get_type_hints(kind, include_extras=True)
     found = []
     for field in fields(kind):
-        marks = get_args(hints[field.name])[1:] if get_origin(hints[field.name]) is Annotated else ()
+        own = hints[field.name]
+        marks = get_args(own)[1:] if get_origin(own) is Annotated else ()
         key = next((mark.name for mark in marks if isinstance(mark, Key)), field.name)
         default = field.default if issubclass(kind, JsonRecord) else MISSING
-        found.append(
-            FieldEntry(field.name, key, hints[field.name], default, INLINE in marks, UNREAD in marks)
-        )
+        flags = INLINE in marks, UNREAD in marks
+        found.append(FieldEntry(field.name, key, own, form_of(own), default, *flags))
     return tuple(found)
 
 
