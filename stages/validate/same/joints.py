@@ -7,7 +7,7 @@ import numpy as np
 
 from stages.robot.check import Check, Finding
 from stages.robot.model import Array, Dof, Limits
-from stages.validate.findings import differs
+from stages.validate.findings import differs, shown
 from stages.validate.same.found import FoundJoint, Numbers, ReadRobot
 
 OPEN = 1e6
@@ -45,6 +45,9 @@ def _differences(read: ReadRobot, joint: FoundJoint) -> Iterator[Finding]:
             values, goals = _opened(values), _opened(goals)
         if not _alike(values, goals, 0.0 if quantity in FORCES else 1.0, read.precision.number):
             attribute = read.words.numbers.get(quantity, quantity)
+            if quantity in read.demands and np.isinf(values).all():
+                yield Finding(joint.element, attribute, f"is missing, expected {shown(goals)}")
+                continue
             yield differs(joint.element, attribute, _said(values), _said(goals), _unit(quantity, joint.dof))
 
 
