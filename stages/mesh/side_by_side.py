@@ -9,6 +9,7 @@ from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
+from stages.mesh import Shown
 from stages.mesh.improvement import helper
 from stages.robot import process_usage
 from stages.robot.errors import DecompositionFailed
@@ -17,9 +18,6 @@ from stages.robot.guest import Guest
 Made = TypeVar("Made")
 
 _SHOWN_EVERY = 0.2  # s
-
-Shown = Callable[[Sequence[str], int, int], None]
-"""shown(running, done, total): the names of the makings that run, and how many of all are done."""
 
 
 @dataclass(frozen=True, slots=True)

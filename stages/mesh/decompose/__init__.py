@@ -12,7 +12,5 @@ manifold3d 3.5.4, and their pieces joined:
 
 from stages.mesh.decompose.coacd_pieces import decomposed as decomposed
 from stages.mesh.decompose.prepare import NOT_CLOSED as NOT_CLOSED
-from stages.mesh.decompose_options import EFFORTS as EFFORTS
 from stages.mesh.decompose_options import DecomposeOptions as DecomposeOptions
-from stages.mesh.decompose_options import Search as Search
 from stages.mesh.decompose_options import search as search

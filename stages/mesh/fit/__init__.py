@@ -48,11 +48,6 @@ def fits(
         yield from (fit for fit in found if fit)
 
 
-def primitives(surface: Surface, target: Engine = "mujoco") -> tuple[Primitive, ...]:
-    """The best fit of each kind, the cheapest kind first; none of what lies in a plane."""
-    return tuple(fitted.primitive for fitted in fits(surface, CHEAPEST[target]))
-
-
 def fittest(surface: Surface, target: Engine = "mujoco") -> Primitive | None:
     """Of the best fits of all kinds the one with the least error, of equal ones the cheapest; None of what
     lies in a plane."""

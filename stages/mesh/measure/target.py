@@ -24,7 +24,7 @@ class Target:
     """A part: its triangles in a tree, what is inside, and points all over it.
 
     `diagonal` [m] of its bounds; `volume` [m³] of the union of its solids, 0 where it is not closed;
-    `manifold`: whether booleans with it are possible.
+    `solid`: None where booleans with it are not possible.
     """
 
     surface: Surface
@@ -38,10 +38,6 @@ class Target:
     corners: Points
     solid: Solid | None
     _cloud: list[Cloud] = field(default_factory=list)
-
-    @property
-    def manifold(self) -> bool:
-        return self.solid is not None
 
     @staticmethod
     def of(surface: Surface) -> "Target":

@@ -149,7 +149,9 @@ def skewed(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision
     """A fit of each kind of a part that is turned out of the axes."""
     turn = rotation_from_rpy((0.4, -0.7, 1.1))
     stretched = Surface(surfaces[0].vertices * [1, 1.5, 2.5], surfaces[0].triangles)
-    return Collision(fit.primitives(moved(stretched, from_parts(turn, np.zeros(3)))))
+    return Collision(
+        tuple(one.primitive for one in fit.fits(moved(stretched, from_parts(turn, np.zeros(3)))))
+    )
 
 
 def test_fitted_primitives_are_in_the_mjcf_and_the_urdf_where_they_were_fitted(

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from stages.mesh.fit import CHEAPEST, fit_one, fits, fittest, primitives
+from stages.mesh.fit import CHEAPEST, fit_one, fits, fittest
 from stages.mesh.measure import Target, measure
 from stages.mesh.pieces import placed, signed_distance
 from stages.mesh.surface import Surface, moved, weld
@@ -185,8 +185,8 @@ def test_a_moved_or_mirrored_part_in_another_order_has_the_moved_fit(
 
 def test_the_cheapest_kinds_come_first_and_mjx_gets_no_cylinder() -> None:
     surface = joined(bracket())
-    assert [one.kind for one in primitives(surface)] == ["sphere", "capsule", "box", "cylinder"]
-    assert [one.kind for one in primitives(surface, "mjx")] == ["sphere", "capsule", "box"]
+    assert [one.primitive.kind for one in fits(surface)] == ["sphere", "capsule", "box", "cylinder"]
+    assert [one.primitive.kind for one in fits(surface, CHEAPEST["mjx"])] == ["sphere", "capsule", "box"]
 
 
 def test_sizes_that_are_given_are_kept_and_the_others_fitted() -> None:
@@ -205,7 +205,7 @@ def test_sizes_that_are_given_are_kept_and_the_others_fitted() -> None:
 
 def test_what_is_flat_has_no_fit() -> None:
     flat = Surface(np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0]]), np.array([[0, 1, 2], [2, 1, 0]]))
-    assert primitives(flat) == ()
+    assert list(fits(flat)) == []
     assert fittest(flat) is None
     assert fit_one("box", flat) is None
 
