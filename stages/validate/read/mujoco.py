@@ -43,6 +43,7 @@ class ReadCompiled(ReadRobot):
         return self._posed[1]
 
     def frame_name(self, frame: str) -> str:
+        """What the file calls a frame."""
         return frame
 
     def poses(self, q: Configuration) -> Poses:

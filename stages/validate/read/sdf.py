@@ -1,7 +1,7 @@
 """The robot of an SDF, whose kinematics is worked out from the file alone."""
 
 from collections.abc import Iterator
-from functools import cached_property, partial
+from functools import partial
 from itertools import zip_longest
 from pathlib import Path
 
@@ -74,13 +74,18 @@ class ReadSdf(ReadRobot):
             raise UnreadableFile(str(error)) from None
         self.file, self.path, self.written, self.robot = path.name, path, written, written.robot
         self.names = sdf_names(self.robot)
+        self.standing = self._stands()
+        free = {dof.name for dof in self.robot.dofs if dof.kind == "free"}
+        self.still = {name: value for name, value in self.standing.items() if name in free}
 
-    @cached_property
-    def standing(self) -> Configuration:  # type: ignore[override]
+    def _stands(self) -> Configuration:
         """The value of each dof, also of loops, at which the links stand as in the file: zero or that of a
-        fresh simulation, whichever is nearer; of free links the pose, of loops what closes them."""
-        robot, start = self.robot, starting_point(self.robot)
-        placed = {name: self.model.links[own].model_from_link for name, own in self.names.links.items()}
+        fresh simulation, whichever is nearer; of free links the pose, of loops what closes them. Nothing
+        where a link is missing."""
+        robot, start, links = self.robot, starting_point(self.robot), self.model.links
+        if not {*self.names.links.values()} <= links.keys():
+            return {}
+        placed = {name: links[own].model_from_link for name, own in self.names.links.items()}
         rest: Configuration = {dof.name: at_rest(dof.kind) for dof in robot.dofs}
         stands: dict[str, Value] = {}
         for joint in robot.joints:
@@ -94,10 +99,6 @@ class ReadSdf(ReadRobot):
         for loop in robot.loops:
             stands |= closing(loop, across(loop, placed))
         return stands
-
-    @cached_property
-    def still(self) -> Configuration:  # type: ignore[override]
-        return {dof.name: self.standing[dof.name] for dof in self.robot.dofs if dof.kind == "free"}
 
     def element(self, tag: Tag, name: str) -> str:
         if tag == "relation":
