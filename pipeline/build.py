@@ -7,29 +7,29 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipeline import interrupt, report
-from pipeline.caching import actions
-from pipeline.caching.actions import Action
-from pipeline.config.plan import Plan
-from pipeline.context import ROBOT, BuildContext
-from pipeline.early_imports import Ahead
-from pipeline.errors import (
+from linkwright.pipeline import interrupt, report
+from linkwright.pipeline.caching import actions
+from linkwright.pipeline.caching.actions import Action
+from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.context import ROBOT, BuildContext
+from linkwright.pipeline.early_imports import Ahead
+from linkwright.pipeline.errors import (
     ConfigError,
     InTheWay,
     LinkwrightError,
     as_problems,
     refusal,
 )
-from pipeline.output.folder import FAILED, Output
-from pipeline.output.room import require_room
-from pipeline.preflight import destination, expected_files, plan_problems, suffix_of
-from pipeline.products import products
-from pipeline.progress import Log, Progress, Quiet, Tee
-from pipeline.report import Report
-from pipeline.run import Run
-from pipeline.stage import STAGES, Stage, stages_until
-from stages.fetch import remarks
-from stages.fetch.onshape.api.ledger import FOLDER as LEDGER
+from linkwright.pipeline.output.folder import FAILED, Output
+from linkwright.pipeline.output.room import require_room
+from linkwright.pipeline.preflight import destination, expected_files, plan_problems, suffix_of
+from linkwright.pipeline.products import products
+from linkwright.pipeline.progress import Log, Progress, Quiet, Tee
+from linkwright.pipeline.report import Report
+from linkwright.pipeline.run import Run
+from linkwright.pipeline.stage import STAGES, Stage, stages_until
+from linkwright.stages.fetch import remarks
+from linkwright.stages.fetch.onshape.api.ledger import FOLDER as LEDGER
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from pipeline.reference.codes import remedy
-from stages.robot.check import Check
-from stages.robot.plural import count
-from stages.robot.printable import sentence
+from linkwright.pipeline.reference.codes import remedy
+from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.printable import sentence
 
 
 def check_lines(word: str, check: Check, most: int, rest: str, measured: str = "") -> list[str]:

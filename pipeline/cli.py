@@ -7,13 +7,13 @@ import sys
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING
 
-from pipeline import streams
-from pipeline.options import HELP, Command, Detail, UsageError, parse
-from pipeline.verbs import VERBS
+from linkwright.pipeline import streams
+from linkwright.pipeline.options import HELP, Command, Detail, UsageError, parse
+from linkwright.pipeline.verbs import VERBS
 
 if TYPE_CHECKING:
-    from pipeline.config.plan import Plan
-    from pipeline.report import Report
+    from linkwright.pipeline.config.plan import Plan
+    from linkwright.pipeline.report import Report
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -37,7 +37,7 @@ def run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None" = Non
         return _complete("".join(arguments[1:2]))
     if {"-h", *HELP}.intersection(arguments):
         return _run(arguments, build)  # prints only our own text, which needs no cleaning
-    from pipeline.terminal import clean_streams
+    from linkwright.pipeline.terminal import clean_streams
 
     with clean_streams():
         return _run(arguments, build)
@@ -61,7 +61,7 @@ def _run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None") -> 
             return _sweep(command, build)
         return _single(command, build)
     except UsageError as error:
-        from pipeline.terminal import say
+        from linkwright.pipeline.terminal import say
 
         say(f"error: {error}", sys.stderr)
         return 2
@@ -70,7 +70,7 @@ def _run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None") -> 
 
 
 def _own_text(option: str) -> str:
-    from pipeline import help_text
+    from linkwright.pipeline import help_text
 
     if option == "version":
         return f"linkwright {_version()}"
@@ -100,14 +100,14 @@ def _shown(command: Command) -> Iterable[str]:
     """The output of a command that builds nothing."""
     if command.show == "install-completion":
         return [_install_completion(command.what)]
-    from pipeline.config.looking import configuration, information
+    from linkwright.pipeline.config.looking import configuration, information
 
     return [configuration(command)] if command.show == "cfg" else information(command)
 
 
 def _complete(argument: str) -> int:
     """Answers a shell's request for completions; a failed query prints nothing."""
-    from pipeline import completion
+    from linkwright.pipeline import completion
 
     text = completion.run(argument)
     print(text, end="")
@@ -120,7 +120,7 @@ def _complete(argument: str) -> int:
 
 
 def _install_completion(shell: str) -> str:
-    from pipeline.completion import SHELLS, install
+    from linkwright.pipeline.completion import SHELLS, install
 
     try:
         return f"{install(shell)}\n"
@@ -133,15 +133,15 @@ def _install_completion(shell: str) -> str:
 def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:
     if build is not None:
         return build(_plan(command)).exit_status
-    from pipeline import observed, unchanged
-    from pipeline.closing import show
-    from pipeline.progress import Quiet, progress_for
+    from linkwright.pipeline import observed, unchanged
+    from linkwright.pipeline.closing import show
+    from linkwright.pipeline.progress import Quiet, progress_for
 
     progress = Quiet() if command.detail == "errors" else progress_for(sys.stderr)
     action = unchanged.action_of(command)
     report = unchanged.again(action, command, progress)
     if report is None:
-        from pipeline.build import build_files
+        from linkwright.pipeline.build import build_files
 
         with observed.recording(action.key) as seen:
             plan = _plan(command)
@@ -156,8 +156,8 @@ def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:
 
 
 def _plan(command: Command) -> "Plan":
-    from pipeline.config.compose import compose_plan
-    from pipeline.preflight import plan_problems
+    from linkwright.pipeline.config.compose import compose_plan
+    from linkwright.pipeline.preflight import plan_problems
 
     return compose_plan(command.overrides, command.config_dirs, judge=plan_problems).plan
 
@@ -166,15 +166,15 @@ def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
     import functools
     import time
 
-    from pipeline.build import build as build_robot
-    from pipeline.config.compose import session
-    from pipeline.output.folder import named
-    from pipeline.preflight import sweep_problems
-    from pipeline.sweep.folder import keep, prepare
-    from pipeline.sweep.launch import Account, launch
-    from pipeline.sweep.outcome import Outcome, sweep_status, table
-    from pipeline.sweep.run import Task, jobs_of, judge_folders
-    from pipeline.terminal import say
+    from linkwright.pipeline.build import build as build_robot
+    from linkwright.pipeline.config.compose import session
+    from linkwright.pipeline.output.folder import named
+    from linkwright.pipeline.preflight import sweep_problems
+    from linkwright.pipeline.sweep.folder import keep, prepare
+    from linkwright.pipeline.sweep.launch import Account, launch
+    from linkwright.pipeline.sweep.outcome import Outcome, sweep_status, table
+    from linkwright.pipeline.sweep.run import Task, jobs_of, judge_folders
+    from linkwright.pipeline.terminal import say
 
     began = time.time()
     with session(command.config_dirs, judge=sweep_problems) as composer:
@@ -197,9 +197,9 @@ def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
 
 def _report(error: BaseException, detail: Detail) -> int:
     """Prints an error as one message; returns the exit status."""
-    from pipeline.errors import exit_status, render
-    from pipeline.interrupt import behind
-    from pipeline.terminal import say
+    from linkwright.pipeline.errors import exit_status, render
+    from linkwright.pipeline.interrupt import behind
+    from linkwright.pipeline.terminal import say
 
     error = KeyboardInterrupt() if behind(error) else error
     if os.environ.get("LINKWRIGHT_TRACEBACK", "") not in ("", "0"):

@@ -5,13 +5,13 @@ import sys
 from collections.abc import Iterator
 from typing import TextIO
 
-from pipeline.check_text import check_lines, tally
-from pipeline.finding_lines import Style, finding_lines
-from pipeline.options import Detail
-from pipeline.report import Report, spent
-from pipeline.terminal import clean, width_of
-from pipeline.wrapping import wrapped
-from stages.robot.printable import printable
+from linkwright.pipeline.check_text import check_lines, tally
+from linkwright.pipeline.finding_lines import Style, finding_lines
+from linkwright.pipeline.options import Detail
+from linkwright.pipeline.report import Report, spent
+from linkwright.pipeline.terminal import clean, width_of
+from linkwright.pipeline.wrapping import wrapped
+from linkwright.stages.robot.printable import printable
 
 MOST_FINDINGS = 3
 """Of a check, in the terminal."""

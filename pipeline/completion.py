@@ -11,8 +11,8 @@ import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
-from pipeline.motor_files import is_motor, library
-from pipeline.reference.key_entries import entries, is_any, matching
+from linkwright.pipeline.motor_files import is_motor, library
+from linkwright.pipeline.reference.key_entries import entries, is_any, matching
 
 CONF = Path(__file__).resolve().parents[1] / "conf"
 
@@ -188,13 +188,13 @@ def _starting(words: Iterable[str], start: str) -> list[str]:
 
 
 def _verbs() -> Iterable[str]:
-    from pipeline.verbs import VERBS
+    from linkwright.pipeline.verbs import VERBS
 
     return VERBS
 
 
 def _explained(word: str) -> list[str]:
-    from pipeline.verbs.explain import names
+    from linkwright.pipeline.verbs.explain import names
 
     return _starting(sorted(set(names())), word)
 

@@ -6,18 +6,18 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeline.caching.actions import Action, Cache, Files
-from pipeline.element_files import element_texts
-from stages.robot import codec
-from stages.robot.errors import Diagnostic
+from linkwright.pipeline.caching.actions import Action, Cache, Files
+from linkwright.pipeline.element_files import element_texts
+from linkwright.stages.robot import codec
+from linkwright.stages.robot.errors import Diagnostic
 
 if TYPE_CHECKING:
-    from pipeline.config.plan import Plan
-    from stages.fetch.source import Calls
-    from stages.formats.written import Written
-    from stages.robot.bundle import Bundle
-    from stages.robot.geometry import Geometry
-    from stages.robot.model import Robot
+    from linkwright.pipeline.config.plan import Plan
+    from linkwright.stages.fetch.source import Calls
+    from linkwright.stages.formats.written import Written
+    from linkwright.stages.robot.bundle import Bundle
+    from linkwright.stages.robot.geometry import Geometry
+    from linkwright.stages.robot.model import Robot
 
 NOTES = "notes.json"
 ROBOT = "robot.json"
@@ -79,7 +79,7 @@ class BuildContext:
     @property
     def written(self) -> "Written":
         """The robot as it is in the exported files, with its shapes but without the files of the meshes."""
-        from stages.formats.written import decode
+        from linkwright.stages.formats.written import decode
 
         shapes = codec.decode_geometry(self.files["mesh"], meshes=False)
         return decode(self.files["export"][WRITTEN], self.robot, shapes)

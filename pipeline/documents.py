@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 from pathlib import Path
 
-from pipeline.changes.since import since
-from pipeline.live.made import NOTHING, Live
-from pipeline.preview import NONE, Preview
-from pipeline.progress import Log
-from pipeline.report import Report
+from linkwright.pipeline.changes.since import since
+from linkwright.pipeline.live.made import NOTHING, Live
+from linkwright.pipeline.preview import NONE, Preview
+from linkwright.pipeline.progress import Log
+from linkwright.pipeline.report import Report
 
 
 def documents(
@@ -23,7 +23,7 @@ def documents(
     """The documents by file name, with secrets blanked. `files`: those of the robot; `shown`: views of the
     stages by name; `config`: the composed configuration as YAML; `last`: the folder that they replace, None
     where they replace no build; `seen`: what the page shows of the robot; `pictures` of it."""
-    from pipeline.page.document import page
+    from linkwright.pipeline.page.document import page
 
     sizes = {path: len(data) for path, data in files.items()}
     changes = (

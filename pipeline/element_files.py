@@ -4,12 +4,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipeline import observed
-from pipeline.errors import ConfigError, Diagnostic, as_problems, refusal
-from stages.robot import regular_files
+from linkwright.pipeline import observed
+from linkwright.pipeline.errors import ConfigError, Diagnostic, as_problems, refusal
+from linkwright.stages.robot import regular_files
 
 if TYPE_CHECKING:
-    from pipeline.config.plan import Plan
+    from linkwright.pipeline.config.plan import Plan
 
 LARGEST = 16 << 20
 """Largest size of such a file [bytes]."""
@@ -35,8 +35,8 @@ def require_entries(plan: "Plan") -> None:
     """ConfigError where `elements` has XML of no format, or names a file that cannot be read."""
     if not plan.elements:
         return
-    from stages.export.amend.documents import Refused
-    from stages.export.amend.entries import entries
+    from linkwright.stages.export.amend.documents import Refused
+    from linkwright.stages.export.amend.entries import entries
 
     texts = element_texts(plan)
     try:
@@ -46,7 +46,7 @@ def require_entries(plan: "Plan") -> None:
 
 
 def _text(path: str, key: str) -> str:
-    from stages.formats.xml import Malformed, fragment
+    from linkwright.stages.formats.xml import Malformed, fragment
 
     regular_files.require(path, key, "XML is in a file", "mount.xml")
     try:

@@ -8,9 +8,9 @@ Exit status: 0 built and valid; 1 failed while the stages ran; 2 an error found 
 import errno
 from collections.abc import Sequence
 
-from pipeline import interrupt
-from pipeline.finding_lines import Style, finding_lines
-from stages.robot.errors import (
+from linkwright.pipeline import interrupt
+from linkwright.pipeline.finding_lines import Style, finding_lines
+from linkwright.stages.robot.errors import (
     AssemblyError,
     AuthError,
     ConfigError,

@@ -4,9 +4,9 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from stages.robot.errors import Diagnostic
-from stages.robot.plural import count
-from stages.robot.printable import sentence
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.printable import sentence
 
 MOST = 3
 """Findings of a code that are shown."""

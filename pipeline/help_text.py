@@ -111,7 +111,7 @@ exit status:
 
 def whole() -> str:
     """The text of `--help-all`; its list of keys is generated from the schema."""
-    from pipeline.reference import HELP, environment
+    from linkwright.pipeline.reference import HELP, environment
 
     keys = HELP.read_text(encoding="utf-8").rstrip()
     return _WHOLE.replace("{keys}", keys).replace("{environment}", environment.text())

@@ -5,15 +5,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from pipeline.caching.actions import Remembered
-from pipeline.context import notes
-from stages.robot.exclude_names import excluded_colliders
-from stages.robot.plural import count
+from linkwright.pipeline.caching.actions import Remembered
+from linkwright.pipeline.context import notes
+from linkwright.stages.robot.exclude_names import excluded_colliders
+from linkwright.stages.robot.plural import count
 
 if TYPE_CHECKING:
-    from pipeline.context import BuildContext
-    from stages.mesh import Shown
-    from stages.robot.geometry import ColliderFigures, Exclude, Geometry, Touch
+    from linkwright.pipeline.context import BuildContext
+    from linkwright.stages.mesh import Shown
+    from linkwright.stages.robot.geometry import ColliderFigures, Exclude, Geometry, Touch
 
 _MM = 1e3
 

@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
-from pipeline import observed
+from linkwright.pipeline import observed
 
 FOLDER = "motors"
 

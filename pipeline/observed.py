@@ -14,8 +14,8 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
 
-import conf
-from stages.robot import regular_files
+import linkwright.conf
+from linkwright.stages.robot import regular_files
 
 LARGEST = 16 << 20
 """A larger file counts as unreadable [bytes]; of YAML and XML less is read."""
@@ -29,7 +29,7 @@ PREFIXES = ("LINKWRIGHT_", "ONSHAPE_")
 Answer = tuple[str, str, str]
 """A question, what it is about, and its answer."""
 
-_OURS = os.path.join(os.path.dirname(conf.__file__), "")  # noqa: PTH118, PTH120
+_OURS = os.path.join(os.path.dirname(linkwright.conf.__file__), "")  # noqa: PTH118, PTH120
 
 
 class Observed:

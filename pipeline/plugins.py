@@ -7,16 +7,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeline import pasted
-from pipeline.config.plan import Plan
-from pipeline.config.trust import TARGET, covered
-from pipeline.digest import sha256
-from pipeline.errors import ConfigError
-from pipeline.trusted_modules import NotTrusted, trust
-from stages.robot.globs import listed
+from linkwright.pipeline import pasted
+from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.config.trust import TARGET, covered
+from linkwright.pipeline.digest import sha256
+from linkwright.pipeline.errors import ConfigError
+from linkwright.pipeline.trusted_modules import NotTrusted, trust
+from linkwright.stages.robot.globs import listed
 
 if TYPE_CHECKING:
-    from stages.validate.own import OwnCheck
+    from linkwright.stages.validate.own import OwnCheck
 
 
 LOOKED_FOR = "it is looked for where Python looks, and in the working folder"
@@ -66,7 +66,7 @@ def own(plan: Plan) -> "tuple[OwnCheck, ...]":
     """The user's own checks of a build, each with its keys. ConfigError where one cannot be found."""
     if not plan.validate.checks:
         return ()
-    from stages.validate.own import OwnCheck
+    from linkwright.stages.validate.own import OwnCheck
 
     return tuple(
         OwnCheck(

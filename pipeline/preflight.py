@@ -4,16 +4,16 @@ import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from pipeline.caching import actions
-from pipeline.config.plan import Plan
-from pipeline.errors import ConfigError, Diagnostic, as_problems
-from pipeline.live.made import ENGINE_FILE
-from pipeline.output.folder import Output
-from pipeline.output.location import require_free
-from pipeline.output.manifest import DOCUMENTS
-from pipeline.preview import names, require
-from pipeline.stage import STAGES, Stage, stages_until
-from stages.graph.view.views import PICTURE
+from linkwright.pipeline.caching import actions
+from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.errors import ConfigError, Diagnostic, as_problems
+from linkwright.pipeline.live.made import ENGINE_FILE
+from linkwright.pipeline.output.folder import Output
+from linkwright.pipeline.output.location import require_free
+from linkwright.pipeline.output.manifest import DOCUMENTS
+from linkwright.pipeline.preview import names, require
+from linkwright.pipeline.stage import STAGES, Stage, stages_until
+from linkwright.stages.graph.view.views import PICTURE
 
 
 def plan_problems(
@@ -60,7 +60,7 @@ def expected_files(plan: Plan) -> list[str]:
     if plan.until != "fetch":
         files += ["robot.json", PICTURE]
     if not suffix_of(plan):
-        from stages import export
+        from linkwright.stages import export
 
         files += [*export.expected_paths(plan, plan.name), *_of_page(plan), *names(plan.page.preview)]
     return files
@@ -72,7 +72,7 @@ def _of_page(plan: Plan) -> list[str]:
 
 def sweep_problems(plan: Plan) -> list[Diagnostic]:
     """The problems of one job of a sweep: those of a build, and conflicts between jobs."""
-    from stages.fetch import writes
+    from linkwright.stages.fetch import writes
 
     found = plan_problems(plan)
     if writes(plan):

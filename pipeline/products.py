@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping
 
-from pipeline.context import FILES, ROBOT, BuildContext
-from pipeline.digest import sha256
-from pipeline.stage import STAGES, libraries
-from stages.graph.view.views import PICTURE
+from linkwright.pipeline.context import FILES, ROBOT, BuildContext
+from linkwright.pipeline.digest import sha256
+from linkwright.pipeline.stage import STAGES, libraries
+from linkwright.stages.graph.view.views import PICTURE
 
 
 def products(context: BuildContext) -> dict[str, bytes]:
@@ -34,16 +34,16 @@ def digests(context: BuildContext, files: Mapping[str, bytes]) -> dict[str, str]
 def described(context: BuildContext) -> bytes:
     """`robot.json` as the export stage writes it of a robot that nothing drives and only its source measures,
     since the trial run needs its meshes; cached, since writing it needs slow imports."""
-    from stages.export import VERSION
+    from linkwright.stages.export import VERSION
 
     def make() -> bytes:
-        from stages.export.mjcf.form import form_of as mjcf_form_of
-        from stages.export.robot_json import describe
-        from stages.export.urdf.form import form_of
-        from stages.formats.written import NO_SHAPES, Written
-        from stages.robot.actuation import NONE
-        from stages.robot.measuring import measuring
-        from stages.robot.sensing import Sensing
+        from linkwright.stages.export.mjcf.form import form_of as mjcf_form_of
+        from linkwright.stages.export.robot_json import describe
+        from linkwright.stages.export.urdf.form import form_of
+        from linkwright.stages.formats.written import NO_SHAPES, Written
+        from linkwright.stages.robot.actuation import NONE
+        from linkwright.stages.robot.measuring import measuring
+        from linkwright.stages.robot.sensing import Sensing
 
         robot, plan = context.robot, context.plan
         written = Written(

@@ -4,11 +4,11 @@ import time
 from collections.abc import Mapping
 from typing import Any, Protocol, TextIO
 
-from pipeline.report import StageReport
-from pipeline.secrets import Secrets
-from pipeline.terminal import clean, width_of
-from pipeline.wrapping import wrapped
-from stages.robot.printable import printable
+from linkwright.pipeline.report import StageReport
+from linkwright.pipeline.secrets import Secrets
+from linkwright.pipeline.terminal import clean, width_of
+from linkwright.pipeline.wrapping import wrapped
+from linkwright.stages.robot.printable import printable
 
 
 class Progress(Protocol):

@@ -7,11 +7,11 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any, Literal
 
-from pipeline.output.manifest import REPORT
-from pipeline.secrets import Secrets
-from stages.robot.check import Check
-from stages.robot.errors import Diagnostic
-from stages.robot.printable import printable_lines
+from linkwright.pipeline.output.manifest import REPORT
+from linkwright.pipeline.secrets import Secrets
+from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.printable import printable_lines
 
 Status = Literal["built", "stale", "invalid", "failed"]
 
@@ -139,6 +139,6 @@ def versions(libraries: Mapping[str, str]) -> dict[str, str]:
     """Versions of linkwright, of Python and of the libraries that made the result."""
     import platform
 
-    from pipeline.stage import installed
+    from linkwright.pipeline.stage import installed
 
     return {"linkwright": installed("linkwright"), "python": platform.python_version(), **libraries}

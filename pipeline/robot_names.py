@@ -1,15 +1,15 @@
 """Names of the configuration that the robot does not have, told before its meshes are made."""
 
-from pipeline.config.plan import Plan
-from pipeline.errors import as_problems
-from stages.robot.errors import AssemblyError, ConfigError
-from stages.robot.model import Robot
+from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.errors import as_problems
+from linkwright.stages.robot.errors import AssemblyError, ConfigError
+from linkwright.stages.robot.model import Robot
 
 
 def require_names(robot: Robot, plan: Plan) -> None:
     """AssemblyError with all that the stages after the meshes would refuse by the robot's names alone."""
-    from stages.export.unknown_names import unknown_names
-    from stages.validate.asked import known_payload
+    from linkwright.stages.export.unknown_names import unknown_names
+    from linkwright.stages.validate.asked import known_payload
 
     problems = unknown_names(robot, plan) if plan.until in ("export", "validate") else []
     try:

@@ -8,28 +8,28 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from pipeline import interrupt, report
-from pipeline.caching import bundles
-from pipeline.config.choices import name_of
-from pipeline.config.file_text import as_yaml
-from pipeline.config.plan import Plan
-from pipeline.context import FILES, NOTES, BuildContext
-from pipeline.documents import documents
-from pipeline.errors import LinkwrightError, SecretFound, exit_status
-from pipeline.live.made import NOTHING, Live, is_plain, live
-from pipeline.mesh_details import kept
-from pipeline.preview import NONE, Drawing, Preview, begun
-from pipeline.products import digests
-from pipeline.progress import Log, Progress
-from pipeline.report import Report, StageReport, Status
-from pipeline.stage import STAGES, Stage, libraries, perform
-from pipeline.strictness import strict_checks
-from stages.fetch import describe
-from stages.graph.view.views import NARROW_OUTLINE, OUTLINE, VIEWS
-from stages.mesh.view.views import PICTURES
-from stages.robot import codec
-from stages.robot.check import Check
-from stages.robot.errors import Diagnostic
+from linkwright.pipeline import interrupt, report
+from linkwright.pipeline.caching import bundles
+from linkwright.pipeline.config.choices import name_of
+from linkwright.pipeline.config.file_text import as_yaml
+from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.context import FILES, NOTES, BuildContext
+from linkwright.pipeline.documents import documents
+from linkwright.pipeline.errors import LinkwrightError, SecretFound, exit_status
+from linkwright.pipeline.live.made import NOTHING, Live, is_plain, live
+from linkwright.pipeline.mesh_details import kept
+from linkwright.pipeline.preview import NONE, Drawing, Preview, begun
+from linkwright.pipeline.products import digests
+from linkwright.pipeline.progress import Log, Progress
+from linkwright.pipeline.report import Report, StageReport, Status
+from linkwright.pipeline.stage import STAGES, Stage, libraries, perform
+from linkwright.pipeline.strictness import strict_checks
+from linkwright.stages.fetch import describe
+from linkwright.stages.graph.view.views import NARROW_OUTLINE, OUTLINE, VIEWS
+from linkwright.stages.mesh.view.views import PICTURES
+from linkwright.stages.robot import codec
+from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.errors import Diagnostic
 
 
 @dataclass(slots=True)

@@ -9,30 +9,30 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from pipeline import interrupt
-from pipeline.caching import bundles
-from pipeline.caching.actions import Action, Files, Remembered
-from pipeline.config.plan import Plan, section
-from pipeline.context import FILES, NOTES, ROBOT, WRITTEN, BuildContext, notes, spent
-from pipeline.digest import sha256
-from pipeline.element_files import require_entries
-from pipeline.mesh_details import noted, shown
-from pipeline.plugins import named, own, with_sources
-from pipeline.stage_base import Stage as Stage
-from pipeline.stage_base import StageBase
-from pipeline.stage_base import installed as installed
-from stages.robot import codec
-from stages.robot.errors import ConfigError
-from stages.robot.plural import count
-from stages.validate import external
+from linkwright.pipeline import interrupt
+from linkwright.pipeline.caching import bundles
+from linkwright.pipeline.caching.actions import Action, Files, Remembered
+from linkwright.pipeline.config.plan import Plan, section
+from linkwright.pipeline.context import FILES, NOTES, ROBOT, WRITTEN, BuildContext, notes, spent
+from linkwright.pipeline.digest import sha256
+from linkwright.pipeline.element_files import require_entries
+from linkwright.pipeline.mesh_details import noted, shown
+from linkwright.pipeline.plugins import named, own, with_sources
+from linkwright.pipeline.stage_base import Stage as Stage
+from linkwright.pipeline.stage_base import StageBase
+from linkwright.pipeline.stage_base import installed as installed
+from linkwright.stages.robot import codec
+from linkwright.stages.robot.errors import ConfigError
+from linkwright.stages.robot.plural import count
+from linkwright.stages.validate import external
 
 
 class FetchStage(StageBase):
     name = "fetch"
-    modules = ("stages.fetch.onshape.triangles.faces",)
+    modules = ("linkwright.stages.fetch.onshape.triangles.faces",)
 
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
-        from stages.fetch import preflight, writes
+        from linkwright.stages.fetch import preflight, writes
 
         preflight(plan, environ)
         if writes(plan) and plan.cache.mode == "bypass":
@@ -40,13 +40,13 @@ class FetchStage(StageBase):
             raise ConfigError(msg, "source.variables", "leave out cache.mode=bypass")
 
     def config(self, context: BuildContext) -> Any:
-        from stages.fetch import pinned
+        from linkwright.stages.fetch import pinned
 
         identity = pinned(context.plan, context.environ)
         return None if identity is None else {"pinned": identity}
 
     def force(self, context: BuildContext) -> bool:
-        from stages.fetch import force
+        from linkwright.stages.fetch import force
 
         return force(context.plan)
 
@@ -54,8 +54,8 @@ class FetchStage(StageBase):
         return {}
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
-        from stages.fetch import fetch, spends, summary
-        from stages.fetch.source import Calls, FetchContext
+        from linkwright.stages.fetch import fetch, spends, summary
+        from linkwright.stages.fetch.source import Calls, FetchContext
 
         if spends(context.plan):
             context.require_room()
@@ -97,10 +97,10 @@ class FetchStage(StageBase):
 class GraphStage(StageBase):
     name = "graph"
     libraries = ("numpy", "scipy", "networkx", "lxml")
-    modules = ("stages.graph.build", "stages.graph.view.views")
+    modules = ("linkwright.stages.graph.build", "linkwright.stages.graph.view.views")
 
     def config(self, context: BuildContext) -> Any:
-        from stages.graph.section import GraphSections
+        from linkwright.stages.graph.section import GraphSections
 
         return section(context.plan, GraphSections)
 
@@ -109,8 +109,8 @@ class GraphStage(StageBase):
         return {"manifest": context.files["fetch"].digests["manifest.json"]}
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
-        from stages.graph import build_robot
-        from stages.graph.view.views import views
+        from linkwright.stages.graph import build_robot
+        from linkwright.stages.graph.view.views import views
 
         robot = build_robot(context.bundle, context.plan)
         figures = {
@@ -136,10 +136,10 @@ class GraphStage(StageBase):
 class MeshStage(StageBase):
     name = "mesh"
     libraries = ("numpy", "scipy", "manifold3d", "mujoco")
-    modules = ("stages.mesh.geometry", "scipy.spatial", "scipy.sparse.csgraph")
+    modules = ("linkwright.stages.mesh.geometry", "scipy.spatial", "scipy.sparse.csgraph")
 
     def config(self, context: BuildContext) -> Any:
-        from stages.mesh.section import MeshSections
+        from linkwright.stages.mesh.section import MeshSections
 
         return section(context.plan, MeshSections)
 
@@ -149,9 +149,9 @@ class MeshStage(StageBase):
         return context.digests("graph")
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
-        from pipeline.robot_names import require_names
-        from stages.mesh import make_geometry
-        from stages.mesh.view.views import views
+        from linkwright.pipeline.robot_names import require_names
+        from linkwright.stages.mesh import make_geometry
+        from linkwright.stages.mesh.view.views import views
 
         require_names(context.robot, context.plan)
         # MuJoCo makes no mesh: what it decides has its version in the key.
@@ -172,31 +172,31 @@ class ExportStage(StageBase):
 
     @property
     def modules(self) -> tuple[str, ...]:
-        from stages.export import WRITERS, writer_of
+        from linkwright.stages.export import WRITERS, writer_of
 
         return tuple(module for name in WRITERS for module in writer_of(name).modules)
 
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
-        from stages.export.requirements import require
+        from linkwright.stages.export.requirements import require
 
         require(plan)
         require_entries(plan)
 
     def config(self, context: BuildContext) -> Any:
-        from stages.export.section import ExportSections
+        from linkwright.stages.export.section import ExportSections
 
         return section(context.plan, ExportSections)
 
     def inputs(self, context: BuildContext) -> Mapping[str, str]:
-        from stages.export.requirements import packages
+        from linkwright.stages.export.requirements import packages
 
         texts = {f"elements/{name}": sha256(text.encode()) for name, text in context.element_texts.items()}
         of = {f"libraries/{name}": sha256(installed(name).encode()) for name in packages(context.plan)}
         return {**context.digests("graph"), **context.digests("mesh"), **texts, **of}
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
-        from stages.export import export
-        from stages.formats.written import encode
+        from linkwright.stages.export import export
+        from linkwright.stages.formats.written import encode
 
         exported = export(context.robot, context.geometry, context.plan, context.element_texts)
         size = sum(len(data) for data in exported.files.values())
@@ -214,17 +214,17 @@ class ValidateStage(StageBase):
 
     @property
     def modules(self) -> tuple[str, ...]:
-        from stages.validate import CHECKS, ENGINES
+        from linkwright.stages.validate import CHECKS, ENGINES
 
-        checks = (f"stages.validate.checks.{name}" for name in CHECKS)
-        return (*(f"stages.validate.engines.{name}" for name in ENGINES), *checks)
+        checks = (f"linkwright.stages.validate.checks.{name}" for name in CHECKS)
+        return (*(f"linkwright.stages.validate.engines.{name}" for name in ENGINES), *checks)
 
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
         named(plan)
         external.require(plan.validate.external, environ)
 
     def config(self, context: BuildContext) -> Any:
-        from stages.validate.section import ValidateSections
+        from linkwright.stages.validate.section import ValidateSections
 
         return with_sources(section(context.plan, ValidateSections), context.plan)
 
@@ -235,7 +235,7 @@ class ValidateStage(StageBase):
         return {**context.digests("graph"), **context.digests("export"), "mesh/geometry.json": shapes, **said}
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
-        from stages.validate import measured, validate
+        from linkwright.stages.validate import measured, validate
 
         tools = context.plan.validate.external
         with context.cache.store.scratch(context.files["export"].below(FILES)) as folder:

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from importlib import import_module
 from typing import Any, Protocol
 
-from pipeline.config.plan import Plan
-from pipeline.context import BuildContext
+from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.context import BuildContext
 
 
 @functools.cache
@@ -66,7 +66,7 @@ class StageBase:
 
     @property
     def version(self) -> int:
-        version: int = import_module(f"stages.{self.name}").VERSION
+        version: int = import_module(f"linkwright.stages.{self.name}").VERSION
         return version
 
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterable
 
-from stages.robot.check import Check
-from stages.robot.errors import Diagnostic
+from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.errors import Diagnostic
 
 
 def strict_checks(level: str, found: Iterable[Diagnostic], checks: Iterable[Check]) -> tuple[Check, ...]:

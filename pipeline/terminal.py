@@ -10,9 +10,9 @@ import sys
 from collections.abc import Iterator
 from typing import Any, TextIO, cast
 
-from pipeline.secrets import Secrets
-from pipeline.wrapping import wrapped
-from stages.robot.printable import printable_lines
+from linkwright.pipeline.secrets import Secrets
+from linkwright.pipeline.wrapping import wrapped
+from linkwright.stages.robot.printable import printable_lines
 
 NARROW = 80
 """The columns of a terminal that does not say how many it has."""

@@ -8,7 +8,7 @@ from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
 from types import ModuleType
 
-from pipeline import pasted
+from linkwright.pipeline import pasted
 
 
 class NotTrusted(ModuleNotFoundError):

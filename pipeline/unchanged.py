@@ -19,27 +19,27 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeline import interrupt, observed, program
-from pipeline.caching import actions
-from pipeline.caching.actions import Action, Cache, Files, canonical
-from pipeline.changes.since import since
-from pipeline.digest import sha256
-from pipeline.documents import documents
-from pipeline.errors import LinkwrightError
-from pipeline.live.made import Engine, view_of
-from pipeline.observed import Answer, Observed
-from pipeline.options import Command
-from pipeline.output.folder import FAILED, Output
-from pipeline.output.location import require_free
-from pipeline.output.manifest import DOCUMENTS
-from pipeline.preview import Preview
-from pipeline.progress import Log, Progress, Tee
-from pipeline.report import Report
-from stages.fetch import force, keys_to_read_again, read_again
-from stages.robot import codec
+from linkwright.pipeline import interrupt, observed, program
+from linkwright.pipeline.caching import actions
+from linkwright.pipeline.caching.actions import Action, Cache, Files, canonical
+from linkwright.pipeline.changes.since import since
+from linkwright.pipeline.digest import sha256
+from linkwright.pipeline.documents import documents
+from linkwright.pipeline.errors import LinkwrightError
+from linkwright.pipeline.live.made import Engine, view_of
+from linkwright.pipeline.observed import Answer, Observed
+from linkwright.pipeline.options import Command
+from linkwright.pipeline.output.folder import FAILED, Output
+from linkwright.pipeline.output.location import require_free
+from linkwright.pipeline.output.manifest import DOCUMENTS
+from linkwright.pipeline.preview import Preview
+from linkwright.pipeline.progress import Log, Progress, Tee
+from linkwright.pipeline.report import Report
+from linkwright.stages.fetch import force, keys_to_read_again, read_again
+from linkwright.stages.robot import codec
 
 if TYPE_CHECKING:
-    from pipeline.build import Built
+    from linkwright.pipeline.build import Built
 
 VERSION = 1
 """Raised when a record changes its meaning."""
@@ -116,8 +116,8 @@ def _is_known_by_its_answers(built: "Built", cache: str | None) -> bool:
 
 
 def _kept(built: "Built", answers: tuple[Answer, ...]) -> Kept:
-    from pipeline.mesh_details import kept
-    from pipeline.preflight import suffix_of
+    from linkwright.pipeline.mesh_details import kept
+    from linkwright.pipeline.preflight import suffix_of
 
     run, report = built.run, built.report
     return Kept(

@@ -7,7 +7,7 @@ command goes on after a backslash.
 import re
 from collections.abc import Iterator
 
-from stages.robot.printable import columns
+from linkwright.stages.robot.printable import columns
 
 _COMMAND = re.compile(r"(?:^|(?<=[→:] ))linkwright(?: (?:'[^']*'|\"[^\"]*\"|[^\s'\"])+)+$")
 """What may be a command, at the end of a line."""

@@ -84,15 +84,15 @@ def guests_at_home(monkeypatch: pytest.MonkeyPatch) -> None:
     many tests of what is read, where tests of the guests show the rest."""
     from tests.support.mjcfs import at_home
 
-    monkeypatch.setattr("stages.robot.guest.ask", at_home)
-    monkeypatch.setattr("pipeline.checking.guest._limit", lambda *_: None)
+    monkeypatch.setattr("linkwright.stages.robot.guest.ask", at_home)
+    monkeypatch.setattr("linkwright.pipeline.checking.guest._limit", lambda *_: None)
 
 
 @pytest.fixture
 def no_score(monkeypatch: pytest.MonkeyPatch) -> None:
     """Checks without the score of readiness, which compiles the model three times and passes whatever it
     finds: for tests of what does not pass."""
-    monkeypatch.setattr("stages.validate.run.readiness", lambda *_: ())
+    monkeypatch.setattr("linkwright.stages.validate.run.readiness", lambda *_: ())
 
 
 @pytest.fixture

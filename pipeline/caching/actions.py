@@ -15,11 +15,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from pipeline import interrupt
-from pipeline.caching.store import Store
-from pipeline.digest import sha256
-from pipeline.errors import CacheError, ConfigError, reason
-from pipeline.secrets import Secrets
+from linkwright.pipeline import interrupt
+from linkwright.pipeline.caching.store import Store
+from linkwright.pipeline.digest import sha256
+from linkwright.pipeline.errors import CacheError, ConfigError, reason
+from linkwright.pipeline.secrets import Secrets
 
 Mode = Literal["use", "refresh", "bypass"]
 Memo = Callable[[str, Mapping[str, Any], Callable[[], bytes]], bytes]

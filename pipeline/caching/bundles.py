@@ -8,11 +8,11 @@ a workspace, whose fetch has no key.
 import json
 from typing import TYPE_CHECKING
 
-from pipeline.caching.actions import Action, Cache, Files
-from stages.robot.codec import REPLIES
+from linkwright.pipeline.caching.actions import Action, Cache, Files
+from linkwright.stages.robot.codec import REPLIES
 
 if TYPE_CHECKING:
-    from stages.robot.bundle import Bundle
+    from linkwright.stages.robot.bundle import Bundle
 
 _MANIFEST = "manifest.json"
 
@@ -30,14 +30,14 @@ def recall(cache: Cache, digest: str) -> "Bundle | None":
     files = cache.find(_action(digest).key)
     if files is None:
         return None
-    from stages.robot.codec import decode_bundle
+    from linkwright.stages.robot.codec import decode_bundle
 
     return decode_bundle(files)
 
 
 def named(bundle: "Bundle") -> dict[str, bytes]:
     """The content of a bundle by readable names: the robot's file, or the request of a reply."""
-    from stages.robot.bundle import FileBundle
+    from linkwright.stages.robot.bundle import FileBundle
 
     names = {digest: request for request, digest in bundle.requests.items()}
     about = {"root": dict(bundle.root), "requests": dict(bundle.requests)}

@@ -13,8 +13,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipeline.errors import CacheError
-from pipeline.lock import drop
+from linkwright.pipeline.errors import CacheError
+from linkwright.pipeline.lock import drop
 
 SPARED = 3600.0
 """Age [s] below which no file is removed: a running build may use it."""

@@ -21,10 +21,10 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from pipeline import disk_space
-from pipeline.digest import sha256
-from pipeline.errors import FULL, CacheError, OutputError, reason
-from pipeline.lock import acquired
+from linkwright.pipeline import disk_space
+from linkwright.pipeline.digest import sha256
+from linkwright.pipeline.errors import FULL, CacheError, OutputError, reason
+from linkwright.pipeline.lock import acquired
 
 STALE = 24 * 3600.0
 """Age [s] above which a file in `tmp/` must come from a killed process."""

@@ -4,9 +4,9 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from pipeline.changes.change import Change
-from pipeline.changes.pairs import Entry, Key, Names, name_of, paired, renamed
-from pipeline.changes.values import alike, described, is_pose
+from linkwright.pipeline.changes.change import Change
+from linkwright.pipeline.changes.pairs import Entry, Key, Names, name_of, paired, renamed
+from linkwright.pipeline.changes.values import alike, described, is_pose
 
 KEYED_BY: Mapping[str, Key] = {
     "links": "name",

@@ -8,8 +8,8 @@ pagers, helpers of remotes. `cat-file` starts only the helper of a remote from w
 import os
 import subprocess
 
-from pipeline.errors import OutputError
-from stages.robot.programs import program
+from linkwright.pipeline.errors import OutputError
+from linkwright.stages.robot.programs import program
 
 _LIMIT_S = 60
 

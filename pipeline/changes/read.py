@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from pipeline.changes.git import blob
-from pipeline.errors import ConfigError, OutputError
+from linkwright.pipeline.changes.git import blob
+from linkwright.pipeline.errors import ConfigError, OutputError
 
 FILE = "robot.json"
 FORMAT, VERSION = "linkwright-robot", 1

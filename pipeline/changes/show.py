@@ -6,10 +6,10 @@ from dataclasses import asdict
 from itertools import groupby
 from typing import Any
 
-from pipeline.changes.change import Change
-from pipeline.changes.read import FILE, Described
-from stages.robot.plural import count
-from stages.robot.printable import printable
+from linkwright.pipeline.changes.change import Change
+from linkwright.pipeline.changes.read import FILE, Described
+from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.printable import printable
 
 ONLY = f"of a folder only its {FILE} is compared; `linkwright check` compares the other files with that"
 """What is said where a folder was given."""

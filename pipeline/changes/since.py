@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pipeline.changes.change import Change
-from pipeline.changes.read import FILE
-from pipeline.output import manifest
-from stages.robot.check import Check
-from stages.robot.plural import count
+from linkwright.pipeline.changes.change import Change
+from linkwright.pipeline.changes.read import FILE
+from linkwright.pipeline.output import manifest
+from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.plural import count
 
 MOST = 20
 """So many differences of the robot are said in words."""
@@ -72,8 +72,8 @@ def since(
 
 def _compared(before: Mapping[str, Any], after: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
     """The differences of two robots, a thing and what is said of it each."""
-    from pipeline.changes.compare import compare
-    from pipeline.changes.show import moved_source, sentence
+    from linkwright.pipeline.changes.compare import compare
+    from linkwright.pipeline.changes.show import moved_source, sentence
 
     said = [("source", line) for line in moved_source(before, after)]
     said += [(_thing(change), sentence(change)) for change in compare(before, after)]

@@ -35,12 +35,12 @@ import math
 from pathlib import Path
 from typing import Any
 
-from pipeline.checking.lines import ElementLines
-from pipeline.checking.verdict import Issue, Verdict, file_of, issues
-from pipeline.errors import OutputError, reason
-from pipeline.reference.codes import remedy
-from stages.robot.check import Check
-from stages.robot.regular_files import FileTooLarge, content
+from linkwright.pipeline.checking.lines import ElementLines
+from linkwright.pipeline.checking.verdict import Issue, Verdict, file_of, issues
+from linkwright.pipeline.errors import OutputError, reason
+from linkwright.pipeline.reference.codes import remedy
+from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.regular_files import FileTooLarge, content
 
 FORMAT, VERSION = "linkwright-check", 1
 LARGEST_BASELINE = 1 << 27

@@ -2,13 +2,13 @@
 
 import json
 
-from pipeline.checking.verdict import Verdict
-from pipeline.checking.wire import load
-from pipeline.errors import OutputError
-from stages.robot import guest
-from stages.robot.errors import SourceError
+from linkwright.pipeline.checking.verdict import Verdict
+from linkwright.pipeline.checking.wire import load
+from linkwright.pipeline.errors import OutputError
+from linkwright.stages.robot import guest
+from linkwright.stages.robot.errors import SourceError
 
-GUEST = "pipeline.checking.guest"
+GUEST = "linkwright.pipeline.checking.guest"
 
 BOUNDS = guest.Bounds(seconds=900, memory=8 << 30, reply=256 << 20)
 """The most of any check; the guest holds itself to less, by the sizes of the files."""

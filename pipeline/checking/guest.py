@@ -4,8 +4,8 @@ import json
 import signal
 from pathlib import Path
 
-from pipeline.checking.wire import dump
-from stages.robot.errors import SourceError
+from linkwright.pipeline.checking.wire import dump
+from linkwright.stages.robot.errors import SourceError
 
 SECONDS, MEMORY = 4.0, 700 << 20
 """Of the processor and of memory: what the checks of the smallest file may take."""
@@ -28,8 +28,8 @@ _LARGE = "look for large counts or sizes, models in models, or a file that inclu
 def answer(request: bytes) -> bytes:
     """To {"place", "level"}: the verdict, as `wire` has it. SourceError where the files cannot be read, or
     need more time or memory than their sizes explain."""
-    from pipeline.checking.run import checked
-    from stages.validate.admission import admitted
+    from linkwright.pipeline.checking.run import checked
+    from linkwright.stages.validate.admission import admitted
 
     asked = json.loads(request)
     try:

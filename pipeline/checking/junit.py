@@ -1,11 +1,11 @@
 """The verdict of checks as JUnit XML, in the form that pytest writes."""
 
-from pipeline.checking.show import figures
-from pipeline.checking.verdict import Verdict, file_of
-from pipeline.reference.codes import remedy
-from stages.formats.xml import element, to_bytes
-from stages.robot.check import Check
-from stages.robot.printable import printable, printable_lines
+from linkwright.pipeline.checking.show import figures
+from linkwright.pipeline.checking.verdict import Verdict, file_of
+from linkwright.pipeline.reference.codes import remedy
+from linkwright.stages.formats.xml import element, to_bytes
+from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.printable import printable, printable_lines
 
 
 def as_junit(verdict: Verdict) -> bytes:

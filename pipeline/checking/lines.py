@@ -4,8 +4,8 @@ import re
 from pathlib import Path
 from typing import Any
 
-from stages.formats.mjcf_bounds import LARGEST_TEXT
-from stages.robot.regular_files import FileTooLarge, content
+from linkwright.stages.formats.mjcf_bounds import LARGEST_TEXT
+from linkwright.stages.robot.regular_files import FileTooLarge, content
 
 _LABEL = re.compile(r'(?P<tag>[\w:.-]+)(?: "(?P<name>.*)")?')
 """How a finding names an element: its tag, and its name."""
@@ -69,7 +69,7 @@ class ElementLines:
         return self._read[file]
 
     def _root(self, file: str) -> Any:
-        from stages.formats.xml import Malformed, parse
+        from linkwright.stages.formats.xml import Malformed, parse
 
         data = self._data(file)
         try:

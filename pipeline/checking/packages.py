@@ -5,9 +5,9 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from stages.formats.described import Truth
-from stages.robot.check import Check
-from stages.robot.regular_files import is_file
+from linkwright.stages.formats.described import Truth
+from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.regular_files import is_file
 
 CODES = {"ros2": "C-ROS2", "python": "C-PYTHON"}
 """By format."""
@@ -17,7 +17,7 @@ TRUTH = "robot.json"
 
 def check_packages(folder: Path, truth: Truth) -> Iterator[Check]:
     """That each says what a build would write again, and that copies are those of the files as they are."""
-    from stages.validate.guarded import guarded
+    from linkwright.stages.validate.guarded import guarded
 
     if truth.packages:
         files = _beside(folder, truth)
@@ -27,9 +27,9 @@ def check_packages(folder: Path, truth: Truth) -> Iterator[Check]:
 
 
 def _package(folder: Path, truth: Truth, name: str, files: dict[str, bytes]) -> Iterator[Check]:
-    from stages.export import VERSION
-    from stages.export.again import package_again
-    from stages.validate.rewritten.check import rewritten
+    from linkwright.stages.export import VERSION
+    from linkwright.stages.export.again import package_again
+    from linkwright.stages.validate.rewritten.check import rewritten
 
     expected = package_again(truth, name, files)
     place = truth.packages[name].folder

@@ -3,12 +3,12 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipeline.checking.verdict import Verdict, file_of
-from pipeline.errors import OutputError, reason
-from stages.robot.check import Check
+from linkwright.pipeline.checking.verdict import Verdict, file_of
+from linkwright.pipeline.errors import OutputError, reason
+from linkwright.stages.robot.check import Check
 
 if TYPE_CHECKING:
-    from stages.formats.described import Truth
+    from linkwright.stages.formats.described import Truth
 
 TRUTH = "robot.json"
 ENDINGS = (".urdf", ".xml", ".srdf", ".sdf", ".usda")
@@ -60,8 +60,8 @@ def _files_of(robot: str) -> tuple[str, ...]:
 
 def _truth(folder: Path) -> "Truth | None":
     """What the robot.json of a folder says; None where it has none."""
-    from stages.formats.described import described
-    from stages.formats.robot_json.codec import RobotJsonError
+    from linkwright.stages.formats.described import described
+    from linkwright.stages.formats.robot_json.codec import RobotJsonError
 
     file = folder / TRUTH
     if not file.is_file():
@@ -77,10 +77,10 @@ def _truth(folder: Path) -> "Truth | None":
 
 def _against(truth: "Truth", folder: Path, level: str) -> tuple[Check, ...]:
     """The checks of a build, of its files as they are."""
-    from pipeline.checking.packages import check_packages
-    from stages.validate import validate
-    from stages.validate.present import present
-    from stages.validate.section import ValidateSections
+    from linkwright.pipeline.checking.packages import check_packages
+    from linkwright.stages.validate import validate
+    from linkwright.stages.validate.present import present
+    from linkwright.stages.validate.section import ValidateSections
 
     keys = ValidateSections.model_validate({"validate": {"level": level}})
     checks = validate(folder, truth.written, keys)
@@ -89,7 +89,7 @@ def _against(truth: "Truth", folder: Path, level: str) -> tuple[Check, ...]:
 
 def _bare(path: Path, asked: str, level: str) -> Verdict:
     """The checks of a file, or of all in a folder, that nothing is known of but what they say."""
-    from stages.validate.bare import check_bare
+    from linkwright.stages.validate.bare import check_bare
 
     folder = path if path.is_dir() else path.parent
     note = f"there is no {TRUTH} of this robot beside it: nothing is compared with CAD"

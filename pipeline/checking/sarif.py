@@ -5,11 +5,11 @@ import json
 from pathlib import Path, PurePath
 from typing import Any
 
-from pipeline.checking.lines import ElementLines
-from pipeline.checking.verdict import Verdict, file_of, issues, told
-from pipeline.reference.codes import explanations, remedy
-from pipeline.stage import installed
-from stages.robot.check import Check, Finding
+from linkwright.pipeline.checking.lines import ElementLines
+from linkwright.pipeline.checking.verdict import Verdict, file_of, issues, told
+from linkwright.pipeline.reference.codes import explanations, remedy
+from linkwright.pipeline.stage import installed
+from linkwright.stages.robot.check import Check, Finding
 
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from stages.robot.check import Check, Finding
+from linkwright.stages.robot.check import Check, Finding
 
 Issue = tuple[str, str, str, str]
 """What a finding is known by again: the check's code and name, the element and the attribute. Its figures may

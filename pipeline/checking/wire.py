@@ -4,8 +4,8 @@ import json
 from dataclasses import asdict
 from typing import Any
 
-from pipeline.checking.verdict import Verdict
-from stages.robot.check import Check, Finding
+from linkwright.pipeline.checking.verdict import Verdict
+from linkwright.stages.robot.check import Check, Finding
 
 
 def dump(verdict: Verdict) -> bytes:

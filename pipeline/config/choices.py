@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import PurePath
 from typing import Any
 
-from stages.export.section import ExportSection
-from stages.fetch.section import SOURCES
+from linkwright.stages.export.section import ExportSection
+from linkwright.stages.fetch.section import SOURCES
 
 UNSET = "???"
 """Hydra's mark of a value that must be given."""

@@ -20,26 +20,33 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, open_dict
 from omegaconf.errors import OmegaConfBaseException
 
-from pipeline import pasted
-from pipeline.config import hosts, interpolated
-from pipeline.config.choices import resolved_tree
-from pipeline.config.hydra_errors import explained
-from pipeline.config.hydra_files import guarded
-from pipeline.config.hydra_loader import PRIMARY, aside, composed, swift, use_loader
-from pipeline.config.hydra_node import HydraNode, hydra_text, searching
-from pipeline.config.hydra_reading import Reading
-from pipeline.config.messages import fitting
-from pipeline.config.optional import add_optional
-from pipeline.config.overrides import Override, read, refused
-from pipeline.config.partial import Draft
-from pipeline.config.places import OUTPUT, SWEEP_DIR, outside
-from pipeline.config.plain import plain
-from pipeline.config.plan import Judge, Plan
-from pipeline.config.presets import GROUPS, Presets, chosen, content, stand_in
-from pipeline.config.trust import DEFAULTS, SweepSettings, not_allowed, overridden, targets, untrusted
-from pipeline.errors import ConfigError, Diagnostic, refusal
-from pipeline.key_path import Place
-from pipeline.secrets import Secrets
+from linkwright.pipeline import pasted
+from linkwright.pipeline.config import hosts, interpolated
+from linkwright.pipeline.config.choices import resolved_tree
+from linkwright.pipeline.config.hydra_errors import explained
+from linkwright.pipeline.config.hydra_files import guarded
+from linkwright.pipeline.config.hydra_loader import PRIMARY, aside, composed, swift, use_loader
+from linkwright.pipeline.config.hydra_node import HydraNode, hydra_text, searching
+from linkwright.pipeline.config.hydra_reading import Reading
+from linkwright.pipeline.config.messages import fitting
+from linkwright.pipeline.config.optional import add_optional
+from linkwright.pipeline.config.overrides import Override, read, refused
+from linkwright.pipeline.config.partial import Draft
+from linkwright.pipeline.config.places import OUTPUT, SWEEP_DIR, outside
+from linkwright.pipeline.config.plain import plain
+from linkwright.pipeline.config.plan import Judge, Plan
+from linkwright.pipeline.config.presets import GROUPS, Presets, chosen, content, stand_in
+from linkwright.pipeline.config.trust import (
+    DEFAULTS,
+    SweepSettings,
+    not_allowed,
+    overridden,
+    targets,
+    untrusted,
+)
+from linkwright.pipeline.errors import ConfigError, Diagnostic, refusal
+from linkwright.pipeline.key_path import Place
+from linkwright.pipeline.secrets import Secrets
 
 DEFAULT = "robot=sample"
 

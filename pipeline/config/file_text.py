@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from stages.robot.printable import printable_lines
+from linkwright.stages.robot.printable import printable_lines
 
 
 def as_yaml(plan: Mapping[str, Any]) -> bytes:

@@ -3,9 +3,9 @@
 from collections.abc import Collection, Mapping
 from typing import Any
 
-from pipeline.config.trust import CODE
-from stages.fetch.onshape.url import parse
-from stages.robot.errors import ConfigError, Diagnostic
+from linkwright.pipeline.config.trust import CODE
+from linkwright.stages.fetch.onshape.url import parse
+from linkwright.stages.robot.errors import ConfigError, Diagnostic
 
 VARIABLE = "LINKWRIGHT_HOST"
 """The variable that names the host on this computer that files may name: `http://127.0.0.1:8000`."""

@@ -7,15 +7,15 @@ import yaml
 from hydra.errors import HydraException, MissingConfigException
 from omegaconf.errors import OmegaConfBaseException
 
-from pipeline.config import yaml_file
-from pipeline.config.hydra_words import COMPOSING, in_words
-from pipeline.config.messages import GLOBAL
-from pipeline.config.presets import GROUPS, Presets
-from pipeline.config.reach import OutsideError, outside
-from pipeline.config.trust import not_allowed
-from pipeline.config.yaml_file import RefusedError
-from pipeline.errors import Diagnostic
-from stages.robot.install import install
+from linkwright.pipeline.config import yaml_file
+from linkwright.pipeline.config.hydra_words import COMPOSING, in_words
+from linkwright.pipeline.config.messages import GLOBAL
+from linkwright.pipeline.config.presets import GROUPS, Presets
+from linkwright.pipeline.config.reach import OutsideError, outside
+from linkwright.pipeline.config.trust import not_allowed
+from linkwright.pipeline.config.yaml_file import RefusedError
+from linkwright.pipeline.errors import Diagnostic
+from linkwright.stages.robot.install import install
 
 HEADER = f"the first line of a robot's file must be: {GLOBAL}"
 

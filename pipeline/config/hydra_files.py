@@ -22,8 +22,8 @@ from omegaconf import OmegaConf
 from omegaconf.base import Container
 from omegaconf.errors import InterpolationResolutionError
 
-from pipeline import observed
-from pipeline.config import reach, yaml_file
+from linkwright.pipeline import observed
+from linkwright.pipeline.config import reach, yaml_file
 
 MOST_RESOLVED = 2000
 """Most interpolations that one value may resolve."""

@@ -28,8 +28,8 @@ from hydra.plugins.config_source import ConfigResult, ConfigSource
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
-from pipeline.config.hydra_files import Guarded
-from pipeline.config.reach import OutsideError, is_plain
+from linkwright.pipeline.config.hydra_files import Guarded
+from linkwright.pipeline.config.reach import OutsideError, is_plain
 
 PRIMARY = "build"
 

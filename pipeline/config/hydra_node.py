@@ -7,15 +7,15 @@ from typing import Any
 from hydra.core.hydra_config import HydraConfig
 from omegaconf import DictConfig, open_dict
 
-from pipeline import pasted
-from pipeline.config.hydra_errors import explained
-from pipeline.config.hydra_loader import SEARCHPATH, composed
-from pipeline.config.overrides import Override
-from pipeline.config.partial import Draft
-from pipeline.config.plain import as_written, at
-from pipeline.config.presets import Presets
-from pipeline.config.trust import CODE, FOLDERS, LAUNCHER, PARAMS, SweepSettings, listed
-from pipeline.errors import Diagnostic
+from linkwright.pipeline import pasted
+from linkwright.pipeline.config.hydra_errors import explained
+from linkwright.pipeline.config.hydra_loader import SEARCHPATH, composed
+from linkwright.pipeline.config.overrides import Override
+from linkwright.pipeline.config.partial import Draft
+from linkwright.pipeline.config.plain import as_written, at
+from linkwright.pipeline.config.presets import Presets
+from linkwright.pipeline.config.trust import CODE, FOLDERS, LAUNCHER, PARAMS, SweepSettings, listed
+from linkwright.pipeline.errors import Diagnostic
 
 GROUP = f"hydra/{LAUNCHER}"
 

@@ -8,11 +8,11 @@ from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
 from hydra.core.override_parser.types import Glob, QuotedString
 from hydra.errors import HydraException
 
-from pipeline.config.hydra_loader import parsed
-from pipeline.config.hydra_node import hydra_text
-from pipeline.config.hydra_words import READING, in_words
-from pipeline.config.overrides import Override
-from pipeline.config.presets import GROUPS, Presets
+from linkwright.pipeline.config.hydra_loader import parsed
+from linkwright.pipeline.config.hydra_node import hydra_text
+from linkwright.pipeline.config.hydra_words import READING, in_words
+from linkwright.pipeline.config.overrides import Override
+from linkwright.pipeline.config.presets import GROUPS, Presets
 
 
 class Reading:

@@ -5,7 +5,7 @@ import re
 from collections.abc import Collection
 from typing import NamedTuple
 
-from pipeline.config.messages import nearest
+from linkwright.pipeline.config.messages import nearest
 
 
 class Words(NamedTuple):

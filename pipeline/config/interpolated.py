@@ -4,10 +4,10 @@ boolean."""
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from pipeline.config.plan import Plan
-from pipeline.config.schema import annotation_at
-from pipeline.key_path import Place
-from stages.fetch.section import SOURCES
+from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.config.schema import annotation_at
+from linkwright.pipeline.key_path import Place
+from linkwright.stages.fetch.section import SOURCES
 
 
 def decode(tree: dict[str, Any], places: Iterable[Place]) -> None:

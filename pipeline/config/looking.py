@@ -10,13 +10,13 @@ from typing import Any
 
 import yaml
 
-from pipeline.config.compose import Composed, session
-from pipeline.config.messages import nearest
-from pipeline.config.plain import as_written
-from pipeline.errors import ConfigError
-from pipeline.key_path import Place
-from pipeline.options import INFO, Command
-from pipeline.secrets import Secrets
+from linkwright.pipeline.config.compose import Composed, session
+from linkwright.pipeline.config.messages import nearest
+from linkwright.pipeline.config.plain import as_written
+from linkwright.pipeline.errors import ConfigError
+from linkwright.pipeline.key_path import Place
+from linkwright.pipeline.options import INFO, Command
+from linkwright.pipeline.secrets import Secrets
 
 
 def configuration(command: Command, environ: Mapping[str, str] = os.environ) -> str:

@@ -9,12 +9,12 @@ from typing import Any, get_args, get_origin
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from pipeline.config.schema import annotation_at, field_at, is_section, leaves, names, options
-from pipeline.key_path import Place, key_of
-from stages.fetch.section import SOURCES
-from stages.fetch.source_section import ADDRESS
-from stages.robot.errors import Diagnostic
-from stages.robot.section import NOT_YET, Section
+from linkwright.pipeline.config.schema import annotation_at, field_at, is_section, leaves, names, options
+from linkwright.pipeline.key_path import Place, key_of
+from linkwright.stages.fetch.section import SOURCES
+from linkwright.stages.fetch.source_section import ADDRESS
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.section import NOT_YET, Section
 
 GLOBAL = "# @package _global_"
 """The first line of a file whose keys start at the top of the tree."""

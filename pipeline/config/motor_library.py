@@ -8,12 +8,12 @@ from typing import Any
 import yaml
 from pydantic import ValidationError
 
-from pipeline.config import yaml_file
-from pipeline.config.messages import diagnostics, nearest
-from pipeline.motor_files import FOLDER, library
-from stages.export.motor_section import MotorSection
-from stages.robot.errors import Diagnostic
-from stages.robot.section import Section
+from linkwright.pipeline.config import yaml_file
+from linkwright.pipeline.config.messages import diagnostics, nearest
+from linkwright.pipeline.motor_files import FOLDER, library
+from linkwright.stages.export.motor_section import MotorSection
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.section import Section
 
 
 class _Library(Section):

@@ -10,10 +10,10 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from pipeline import pasted
-from pipeline.config import grammar
-from pipeline.config.messages import nearest
-from stages.robot.errors import Diagnostic
+from linkwright.pipeline import pasted
+from linkwright.pipeline.config import grammar
+from linkwright.pipeline.config.messages import nearest
+from linkwright.stages.robot.errors import Diagnostic
 
 CODE = "E-OVERRIDE"
 

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from stages.robot.section import Count, Section, example
+from linkwright.stages.robot.section import Count, Section, example
 
 MOST_FACES = 1_000_000
 """So many triangles that no page becomes too large to open or to send."""

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from pipeline.errors import Diagnostic
+from linkwright.pipeline.errors import Diagnostic
 
 
 @dataclass(slots=True)

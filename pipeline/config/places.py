@@ -8,11 +8,11 @@ from typing import Any
 
 from omegaconf import DictConfig
 
-from pipeline import observed
-from pipeline.config.messages import shown
-from pipeline.config.plain import as_written
-from pipeline.config.trust import CODE, override, trusted
-from stages.robot.errors import Diagnostic
+from linkwright.pipeline import observed
+from linkwright.pipeline.config.messages import shown
+from linkwright.pipeline.config.plain import as_written
+from linkwright.pipeline.config.trust import CODE, override, trusted
+from linkwright.stages.robot.errors import Diagnostic
 
 OUTPUT, SWEEP_DIR = "output", "hydra.sweep.dir"
 

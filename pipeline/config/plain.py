@@ -6,11 +6,11 @@ from typing import Any
 from omegaconf import DictConfig, ListConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
-from pipeline.config.hydra_words import RESOLVING, Words, in_words
-from pipeline.config.messages import how_to_give
-from pipeline.config.yaml_file import DEEPEST, MOST_VALUES
-from pipeline.errors import Diagnostic
-from pipeline.key_path import Place, key_of
+from linkwright.pipeline.config.hydra_words import RESOLVING, Words, in_words
+from linkwright.pipeline.config.messages import how_to_give
+from linkwright.pipeline.config.yaml_file import DEEPEST, MOST_VALUES
+from linkwright.pipeline.errors import Diagnostic
+from linkwright.pipeline.key_path import Place, key_of
 
 
 def as_written(node: DictConfig) -> dict[str, Any]:

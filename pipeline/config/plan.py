@@ -7,17 +7,17 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, ValidationError
 
-from pipeline.config.messages import diagnostics
-from pipeline.config.motor_library import with_motors
-from pipeline.config.optional import without_effect
-from pipeline.config.page_section import PageSection
-from pipeline.errors import Diagnostic, refusal
-from stages.export.section import ExportSections
-from stages.fetch.section import FetchSections
-from stages.graph.section import GraphSections
-from stages.mesh.section import MeshSections
-from stages.robot.section import Flag, Section, Text, example, invalid
-from stages.validate.section import ValidateSections
+from linkwright.pipeline.config.messages import diagnostics
+from linkwright.pipeline.config.motor_library import with_motors
+from linkwright.pipeline.config.optional import without_effect
+from linkwright.pipeline.config.page_section import PageSection
+from linkwright.pipeline.errors import Diagnostic, refusal
+from linkwright.stages.export.section import ExportSections
+from linkwright.stages.fetch.section import FetchSections
+from linkwright.stages.graph.section import GraphSections
+from linkwright.stages.mesh.section import MeshSections
+from linkwright.stages.robot.section import Flag, Section, Text, example, invalid
+from linkwright.stages.validate.section import ValidateSections
 
 SECTIONS: tuple[type[Section], ...] = (
     FetchSections,

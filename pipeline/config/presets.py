@@ -8,17 +8,17 @@ from typing import Any
 
 import yaml
 
-import conf
-from pipeline import observed, pasted
-from pipeline.config import reach, yaml_file
-from pipeline.config.choices import Choices
-from pipeline.config.messages import EXPERIMENT, nearest
-from pipeline.key_path import Place, key_of
-from pipeline.motor_files import FOLDER as MOTORS
-from pipeline.motor_files import is_motor
-from stages.robot.errors import ConfigError, Diagnostic
+import linkwright.conf
+from linkwright.pipeline import observed, pasted
+from linkwright.pipeline.config import reach, yaml_file
+from linkwright.pipeline.config.choices import Choices
+from linkwright.pipeline.config.messages import EXPERIMENT, nearest
+from linkwright.pipeline.key_path import Place, key_of
+from linkwright.pipeline.motor_files import FOLDER as MOTORS
+from linkwright.pipeline.motor_files import is_motor
+from linkwright.stages.robot.errors import ConfigError, Diagnostic
 
-OURS = Path(conf.__file__).parent
+OURS = Path(linkwright.conf.__file__).parent
 
 GROUPS = tuple(sorted(folder.name for folder in OURS.iterdir() if any(folder.glob("*.yaml"))))
 """The groups that a robot chooses from, and `robot` itself."""

@@ -7,7 +7,7 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-from stages.robot.errors import Diagnostic
+from linkwright.stages.robot.errors import Diagnostic
 
 HINT = "put the file below a folder that --config-dir names, as DIR/robot/NAME.yaml or DIR/mesh/NAME.yaml"
 

@@ -6,9 +6,9 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from pipeline.key_path import Place, key_of
-from stages.fetch.section import SOURCES
-from stages.robot.section import Section
+from linkwright.pipeline.key_path import Place, key_of
+from linkwright.stages.fetch.section import SOURCES
+from linkwright.stages.robot.section import Section
 
 
 def field_at(owner: Any, name: int | str) -> FieldInfo | None:

@@ -12,10 +12,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from pipeline import observed, pasted
-from pipeline.config.messages import shown
-from pipeline.key_path import Place, key_of
-from stages.robot.errors import Diagnostic
+from linkwright.pipeline import observed, pasted
+from linkwright.pipeline.config.messages import shown
+from linkwright.pipeline.key_path import Place, key_of
+from linkwright.stages.robot.errors import Diagnostic
 
 CODE = "E-TRUST"
 

@@ -11,8 +11,8 @@ from typing import Any
 
 import yaml
 
-from pipeline import observed
-from stages.robot import regular_files
+from linkwright.pipeline import observed
+from linkwright.stages.robot import regular_files
 
 LARGEST = 4 << 20
 """Larger files are not read [bytes]."""

@@ -5,8 +5,8 @@ from typing import Any
 
 import mujoco
 
-from pipeline.live.compiled import LiveModel
-from pipeline.live.rounding import rounded, vector
+from linkwright.pipeline.live.compiled import LiveModel
+from linkwright.pipeline.live.rounding import rounded, vector
 
 _OF_JOINTS = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
 _OF_ONE_VALUE = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)

@@ -6,9 +6,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from pipeline.live.rounding import rounded, vector
-from stages.robot.model import Array, Loop, Robot
-from stages.robot.start_pose import keyframes as named_poses
+from linkwright.pipeline.live.rounding import rounded, vector
+from linkwright.stages.robot.model import Array, Loop, Robot
+from linkwright.stages.robot.start_pose import keyframes as named_poses
 
 _POINTS = {"revolute": (0.0, 1.0), "ball": (0.0,)}
 """Of each type of loop the points on its axis that stay together, in levers from its origin."""

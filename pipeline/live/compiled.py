@@ -6,12 +6,12 @@ from typing import Any
 
 import mujoco
 
-from pipeline.live import flat
-from pipeline.preview.model_text import urdf_text
-from stages.formats.xml import Element, to_bytes
-from stages.mujoco.compile import spec_of, spec_of_text
-from stages.mujoco.state import at_key, keyframe_of
-from stages.mujoco.warnings import listening
+from linkwright.pipeline.live import flat
+from linkwright.pipeline.preview.model_text import urdf_text
+from linkwright.stages.formats.xml import Element, to_bytes
+from linkwright.stages.mujoco.compile import spec_of, spec_of_text
+from linkwright.stages.mujoco.state import at_key, keyframe_of
+from linkwright.stages.mujoco.warnings import listening
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,12 +12,12 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from pipeline.live import flat
-from pipeline.live.compiled import LiveModel
-from pipeline.live.engine_assets import with_assets
-from pipeline.live.engine_version import without_newer
-from stages.formats.xml import Element, element, tag, to_bytes
-from stages.mujoco.compile import NotCompiled, compiled_text
+from linkwright.pipeline.live import flat
+from linkwright.pipeline.live.compiled import LiveModel
+from linkwright.pipeline.live.engine_assets import with_assets
+from linkwright.pipeline.live.engine_version import without_newer
+from linkwright.stages.formats.xml import Element, element, tag, to_bytes
+from linkwright.stages.mujoco.compile import NotCompiled, compiled_text
 
 _SEEN = ("visual", "sensor", "custom")
 """Sections that move nothing."""

@@ -8,10 +8,10 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from pipeline.live.engine_version import is_newer_shape
-from pipeline.live.triangles import hull_of
-from stages.formats.xml import Element, tag
-from stages.robot.plural import count
+from linkwright.pipeline.live.engine_version import is_newer_shape
+from linkwright.pipeline.live.triangles import hull_of
+from linkwright.stages.formats.xml import Element, tag
+from linkwright.stages.robot.plural import count
 
 LARGE = 4_000_000
 """Meshes of colliders with more bytes in all are replaced by their convex hulls, which is what collides."""

@@ -6,8 +6,8 @@ import json
 from collections.abc import Iterator
 from pathlib import Path
 
-from stages.formats.xml import Element, tag
-from stages.validate.files.mjcf_schema import MjcfSchema
+from linkwright.stages.formats.xml import Element, tag
+from linkwright.stages.validate.files.mjcf_schema import MjcfSchema
 
 VERSION = "3.14.0"
 _LISTED = Path(__file__).parent / "viewer" / "engine" / f"mjcf-{VERSION}.json.gz"

@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 
-from stages.formats.xml import Element, parse, tag
-from stages.mujoco.includes import resolve
+from linkwright.stages.formats.xml import Element, parse, tag
+from linkwright.stages.mujoco.includes import resolve
 
 OWN = "linkwright:"
 """How the names begin that are given here to what has none."""

@@ -5,8 +5,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from pipeline.live.compiled import LiveModel
-from pipeline.live.rounding import vector
+from linkwright.pipeline.live.compiled import LiveModel
+from linkwright.pipeline.live.rounding import vector
 
 _GEOM = mujoco.mjtObj.mjOBJ_GEOM
 _TYPES = {

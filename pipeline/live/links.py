@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from pipeline.live.rounding import rounded
-from stages.robot.model import Part, Robot
+from linkwright.pipeline.live.rounding import rounded
+from linkwright.stages.robot.model import Part, Robot
 
 
 def links(robot: Robot, colliders: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:

@@ -10,13 +10,13 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, Literal
 
-from pipeline.caching.actions import Action, canonical
-from pipeline.context import FILES, ROBOT
-from pipeline.digest import sha256
-from stages.robot.errors import Diagnostic
+from linkwright.pipeline.caching.actions import Action, canonical
+from linkwright.pipeline.context import FILES, ROBOT
+from linkwright.pipeline.digest import sha256
+from linkwright.stages.robot.errors import Diagnostic
 
 if TYPE_CHECKING:
-    from pipeline.context import BuildContext
+    from linkwright.pipeline.context import BuildContext
 
 VERSION = 9
 """Raised when the same robot gives another pack."""
@@ -110,7 +110,7 @@ def view_of(pack: bytes | None, engine: Engine) -> Live:
 
 def engine_file() -> bytes:
     """The content of the engine's file."""
-    from pipeline.live.viewer import engine_script
+    from linkwright.pipeline.live.viewer import engine_script
 
     return engine_script()
 
@@ -127,15 +127,15 @@ def _made(
     context: "BuildContext", source: str, colliders: list[dict[str, Any]], say: Callable[[str], None]
 ) -> Mapping[str, bytes]:
     """What is kept of the view."""
-    from pipeline.stage import installed
+    from linkwright.pipeline.stage import installed
 
     exported = context.files["export"].below(FILES)
     needed = [path for path in sorted(exported) if not path.endswith(_NEVER_READ)]
     faces = context.plan.page.faces
 
     def make() -> dict[str, bytes]:
-        from pipeline.live.pack import unpacked
-        from pipeline.live.scene import pack_of
+        from linkwright.pipeline.live.pack import unpacked
+        from linkwright.pipeline.live.scene import pack_of
 
         start = time.perf_counter()
         with context.cache.store.scratch({path: exported[path] for path in needed}) as folder:

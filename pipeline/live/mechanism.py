@@ -5,8 +5,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from pipeline.live.compiled import LiveModel
-from pipeline.live.rounding import rounded, vector
+from linkwright.pipeline.live.compiled import LiveModel
+from linkwright.pipeline.live.rounding import rounded, vector
 
 _BODY, _JOINT, _SITE = mujoco.mjtObj.mjOBJ_BODY, mujoco.mjtObj.mjOBJ_JOINT, mujoco.mjtObj.mjOBJ_SITE
 _TYPES = {

@@ -4,11 +4,11 @@ import json
 from collections import Counter
 from typing import Any
 
-from pipeline.live import triangles
-from pipeline.live.geoms import Source
-from pipeline.live.pack import Buffers
-from pipeline.live.thin import fitted
-from pipeline.live.triangles import Facets
+from linkwright.pipeline.live import triangles
+from linkwright.pipeline.live.geoms import Source
+from linkwright.pipeline.live.pack import Buffers
+from linkwright.pipeline.live.thin import fitted
+from linkwright.pipeline.live.triangles import Facets
 
 Shown = tuple[dict[str, Any], Source | None]
 """A geom of the header and where its triangles are."""

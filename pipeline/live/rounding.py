@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stages.robot.errors import ExportError
+from linkwright.stages.robot.errors import ExportError
 
 _DIGITS = 12
 

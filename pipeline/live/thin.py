@@ -11,11 +11,11 @@ from typing import TypeVar
 
 import numpy as np
 
-from pipeline.live.triangles import Corners, Facets, Points
-from stages.mesh.surface import weld
-from stages.mesh.tessellation import PartMesh
-from stages.mesh.visuals.budget import lowest
-from stages.mesh.visuals.simplify import SimplifiablePart, simplified
+from linkwright.pipeline.live.triangles import Corners, Facets, Points
+from linkwright.stages.mesh.surface import weld
+from linkwright.stages.mesh.tessellation import PartMesh
+from linkwright.stages.mesh.visuals.budget import lowest
+from linkwright.stages.mesh.visuals.simplify import SimplifiablePart, simplified
 
 _FIRST = 2e-5
 _COARSE = 2e-2

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from pipeline.live.pack import Buffers
-from pipeline.live.rounding import vector
+from linkwright.pipeline.live.pack import Buffers
+from linkwright.pipeline.live.rounding import vector
 
 STEPS = 65_535
 _SHORT = 65_536

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from pipeline.errors import ConfigError
-from pipeline.output.manifest import is_build
+from linkwright.pipeline.errors import ConfigError
+from linkwright.pipeline.output.manifest import is_build
 
 
 def find(name: str, verb: str) -> Path:

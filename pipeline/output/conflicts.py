@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
-from pipeline.errors import ConfigError
-from pipeline.lock import FOLDER as LOCKS
-from pipeline.output import manifest
-from pipeline.output.location import ELSEWHERE
-from pipeline.output.manifest import DigestReader, Entry
-from stages.robot.printable import printable
+from linkwright.pipeline.errors import ConfigError
+from linkwright.pipeline.lock import FOLDER as LOCKS
+from linkwright.pipeline.output import manifest
+from linkwright.pipeline.output.location import ELSEWHERE
+from linkwright.pipeline.output.manifest import DigestReader, Entry
+from linkwright.stages.robot.printable import printable
 
 REPLACED = ".replaced"
 """The suffix of the folder for files that were in the way."""

@@ -14,13 +14,13 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 
-from pipeline import disk_space, lock
-from pipeline.caching.store import write_tree
-from pipeline.digest import sha256
-from pipeline.errors import ConfigError, InTheWay, LinkwrightError, OutputError, reason
-from pipeline.output import access, conflicts, manifest
-from pipeline.output.location import absolute
-from pipeline.output.manifest import is_folder
+from linkwright.pipeline import disk_space, lock
+from linkwright.pipeline.caching.store import write_tree
+from linkwright.pipeline.digest import sha256
+from linkwright.pipeline.errors import ConfigError, InTheWay, LinkwrightError, OutputError, reason
+from linkwright.pipeline.output import access, conflicts, manifest
+from linkwright.pipeline.output.location import absolute
+from linkwright.pipeline.output.manifest import is_folder
 
 FAILED = ".failed"
 """The suffix of the folder with the report of a failed build."""

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO, Literal
 
-from pipeline.lock import FOLDER as LOCKS
+from linkwright.pipeline.lock import FOLDER as LOCKS
 
 NAME = ".linkwright.json"
 STAGED = f"{NAME}.tmp"

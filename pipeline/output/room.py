@@ -2,9 +2,9 @@
 
 import contextlib
 
-from pipeline.caching.store import Store
-from pipeline.disk_space import LEAST
-from pipeline.output.folder import Output
+from linkwright.pipeline.caching.store import Store
+from linkwright.pipeline.disk_space import LEAST
+from linkwright.pipeline.output.folder import Output
 
 
 def require_room(store: Store, output: Output | None, suffix: str) -> None:

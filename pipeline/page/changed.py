@@ -1,9 +1,9 @@
 """What changed since the previous build of the folder, for people."""
 
-from pipeline.changes.since import Since
-from pipeline.page.markup import name, part, section, table, text
-from pipeline.secrets import Secrets
-from stages.robot.plural import count
+from linkwright.pipeline.changes.since import Since
+from linkwright.pipeline.page.markup import name, part, section, table, text
+from linkwright.pipeline.secrets import Secrets
+from linkwright.stages.robot.plural import count
 
 
 def changed(changes: Since | None, secrets: Secrets) -> str:

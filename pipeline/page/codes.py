@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from pipeline.page.markup import inline, link, section, table, text
-from pipeline.reference.codes import explanations
+from linkwright.pipeline.page.markup import inline, link, section, table, text
+from linkwright.pipeline.reference.codes import explanations
 
 LEVELS = {"E": "error", "W": "warning"}
 

@@ -4,9 +4,9 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from pipeline.page.markup import folded, image, name, plain_table, section, table, text
-from pipeline.secrets import Secrets
-from stages.robot.plural import count
+from linkwright.pipeline.page.markup import folded, image, name, plain_table, section, table, text
+from linkwright.pipeline.secrets import Secrets
+from linkwright.stages.robot.plural import count
 
 Row = Mapping[str, Any]
 

@@ -4,29 +4,29 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from pipeline.changes.since import Since
-from pipeline.live.made import NOTHING, Live
-from pipeline.page.changed import changed
-from pipeline.page.checks import checks
-from pipeline.page.codes import codes, problems_of
-from pipeline.page.colliders import colliders
-from pipeline.page.contacts import contacts
-from pipeline.page.files import files
-from pipeline.page.findings import diagnostics, error
-from pipeline.page.fix_first import MOST, fix_first, fixes
-from pipeline.page.graph import graph, tables_of
-from pipeline.page.head import facts, head
-from pipeline.page.hero import hero
-from pipeline.page.markup import text
-from pipeline.page.order import order
-from pipeline.page.provenance import cost, provenance
-from pipeline.page.readers import readers
-from pipeline.page.shell import ReportSection, Top, document
-from pipeline.preview import NONE, Preview
-from pipeline.report import Report
-from pipeline.secrets import Secrets
-from stages.graph.view.views import PICTURE, TABLES
-from stages.mesh.view.views import PICTURES
+from linkwright.pipeline.changes.since import Since
+from linkwright.pipeline.live.made import NOTHING, Live
+from linkwright.pipeline.page.changed import changed
+from linkwright.pipeline.page.checks import checks
+from linkwright.pipeline.page.codes import codes, problems_of
+from linkwright.pipeline.page.colliders import colliders
+from linkwright.pipeline.page.contacts import contacts
+from linkwright.pipeline.page.files import files
+from linkwright.pipeline.page.findings import diagnostics, error
+from linkwright.pipeline.page.fix_first import MOST, fix_first, fixes
+from linkwright.pipeline.page.graph import graph, tables_of
+from linkwright.pipeline.page.head import facts, head
+from linkwright.pipeline.page.hero import hero
+from linkwright.pipeline.page.markup import text
+from linkwright.pipeline.page.order import order
+from linkwright.pipeline.page.provenance import cost, provenance
+from linkwright.pipeline.page.readers import readers
+from linkwright.pipeline.page.shell import ReportSection, Top, document
+from linkwright.pipeline.preview import NONE, Preview
+from linkwright.pipeline.report import Report
+from linkwright.pipeline.secrets import Secrets
+from linkwright.stages.graph.view.views import PICTURE, TABLES
+from linkwright.stages.mesh.view.views import PICTURES
 
 
 def page(

@@ -3,9 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from pipeline.page.codes import level_of, to_code
-from pipeline.page.markup import folded, name, part, section, table, text
-from stages.robot.plural import count
+from linkwright.pipeline.page.codes import level_of, to_code
+from linkwright.pipeline.page.markup import folded, name, part, section, table, text
+from linkwright.stages.robot.plural import count
 
 LEVELS = {"error": "Errors", "warning": "Warnings", "info": "For information"}
 

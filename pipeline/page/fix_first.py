@@ -4,11 +4,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from pipeline.page.checks import outcome, said, split_name
-from pipeline.page.codes import level_of, problems_of, to_code
-from pipeline.page.markup import inline, section, shortened, text
-from pipeline.reference.codes import remedy
-from stages.robot.plural import count
+from linkwright.pipeline.page.checks import outcome, said, split_name
+from linkwright.pipeline.page.codes import level_of, problems_of, to_code
+from linkwright.pipeline.page.markup import inline, section, shortened, text
+from linkwright.pipeline.reference.codes import remedy
+from linkwright.stages.robot.plural import count
 
 MOST = 5
 """So many things are named."""

@@ -5,9 +5,9 @@ from collections.abc import Mapping, Sequence
 from html import escape, unescape
 from typing import Any
 
-from pipeline.page.markup import file_link, folded, part, plain_table, section, text
-from pipeline.secrets import Secrets
-from stages.graph.view.views import PICTURE
+from linkwright.pipeline.page.markup import file_link, folded, part, plain_table, section, text
+from linkwright.pipeline.secrets import Secrets
+from linkwright.stages.graph.view.views import PICTURE
 
 Table = Mapping[str, Any]
 """A table of the graph stage: title, header, rows."""

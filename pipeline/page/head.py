@@ -3,12 +3,12 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from pipeline.changes.since import Since
-from pipeline.page.checks import tally
-from pipeline.page.figures import NAMES
-from pipeline.page.files import top_level
-from pipeline.page.markup import file_link, link, text
-from stages.robot.plural import count
+from linkwright.pipeline.changes.since import Since
+from linkwright.pipeline.page.checks import tally
+from linkwright.pipeline.page.figures import NAMES
+from linkwright.pipeline.page.files import top_level
+from linkwright.pipeline.page.markup import file_link, link, text
+from linkwright.stages.robot.plural import count
 
 BESIDE = ("report.json", "config.yaml", "build.log")
 """The other documents of a build, in the same folder."""

@@ -3,10 +3,10 @@
 from base64 import b64encode
 from urllib.parse import quote
 
-from pipeline.live.made import Live
-from pipeline.live.viewer import LiveView, view
-from pipeline.page.markup import text
-from pipeline.preview import Preview
+from linkwright.pipeline.live.made import Live
+from linkwright.pipeline.live.viewer import LiveView, view
+from linkwright.pipeline.page.markup import text
+from linkwright.pipeline.preview import Preview
 
 _SLOT = "<!-- preview -->"
 

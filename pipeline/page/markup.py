@@ -6,7 +6,7 @@ from html import escape
 from typing import Any
 from urllib.parse import quote
 
-from stages.robot.printable import printable_lines
+from linkwright.stages.robot.printable import printable_lines
 
 DENSE = 8
 """Columns from which a table is set small."""

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from pipeline.page.axis import Axis
-from pipeline.page.markup import shortened, text
+from linkwright.pipeline.page.axis import Axis
+from linkwright.pipeline.page.markup import shortened, text
 
 WIDTH, HEIGHT = 360, 230
 """Of the drawing, in its own units, which are pixels where there is room."""

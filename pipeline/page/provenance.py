@@ -3,8 +3,17 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from pipeline.page.figures import name_of, shown
-from pipeline.page.markup import file_link, link, pairs, part, plain_pairs, plain_table, section, text
+from linkwright.pipeline.page.figures import name_of, shown
+from linkwright.pipeline.page.markup import (
+    file_link,
+    link,
+    pairs,
+    part,
+    plain_pairs,
+    plain_table,
+    section,
+    text,
+)
 
 
 def cost(tree: Mapping[str, Any]) -> str:

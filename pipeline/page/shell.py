@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipeline.page.markup import link, text
+from linkwright.pipeline.page.markup import link, text
 
 STYLE = Path(__file__).with_name("style.css")
 

@@ -5,13 +5,22 @@ from pathlib import PurePosixPath
 from typing import Any
 from urllib.parse import quote
 
-from pipeline.page.axis import numbers
-from pipeline.page.figures import counted, name_of, said, shown
-from pipeline.page.markup import folded, name, section, shortened, table, text
-from pipeline.page.plot import SERIES, Dot, mark, plot
-from pipeline.page.shell import ReportSection, Top, document
-from pipeline.page.swept import Job, depends, figures_of, keys, places, value_of, values_of, varying
-from stages.robot.plural import count
+from linkwright.pipeline.page.axis import numbers
+from linkwright.pipeline.page.figures import counted, name_of, said, shown
+from linkwright.pipeline.page.markup import folded, name, section, shortened, table, text
+from linkwright.pipeline.page.plot import SERIES, Dot, mark, plot
+from linkwright.pipeline.page.shell import ReportSection, Top, document
+from linkwright.pipeline.page.swept import (
+    Job,
+    depends,
+    figures_of,
+    keys,
+    places,
+    value_of,
+    values_of,
+    varying,
+)
+from linkwright.stages.robot.plural import count
 
 MOST_PLOTS = 24
 """So many plots are drawn."""

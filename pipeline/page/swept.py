@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from pipeline.page.axis import Axis, categories, numbers
+from linkwright.pipeline.page.axis import Axis, categories, numbers
 
 Job = Mapping[str, Any]
 """The outcome of a job as plain data (see `pipeline.sweep.outcome.Outcome`)."""

@@ -12,10 +12,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from pipeline.caching.actions import Action, Cache
-from pipeline.digest import sha256
-from stages.robot.errors import ConfigError, Diagnostic, LinkwrightError
-from stages.robot.install import install
+from linkwright.pipeline.caching.actions import Action, Cache
+from linkwright.pipeline.digest import sha256
+from linkwright.stages.robot.errors import ConfigError, Diagnostic, LinkwrightError
+from linkwright.stages.robot.install import install
 
 Kind = Literal["png", "turn", "none"]
 Make = Callable[[], Mapping[str, bytes]]
@@ -105,8 +105,8 @@ def _made(
 ) -> tuple[Make, Callable[[], None]]:
     """What waits for the pictures of a look, which are drawn beside the build unless they were made before,
     and what gives them up."""
-    from pipeline.preview.ask import Painting
-    from pipeline.preview.compiled import look_of_files
+    from linkwright.pipeline.preview.ask import Painting
+    from linkwright.pipeline.preview.compiled import look_of_files
 
     try:
         look = look_of_files(model, files)
@@ -171,7 +171,7 @@ def _is_asset(path: str) -> bool:
 
 
 def _versions(*libraries: str) -> dict[str, str]:
-    from pipeline.stage import installed
+    from linkwright.pipeline.stage import installed
 
     return {name: installed(name) for name in libraries}
 

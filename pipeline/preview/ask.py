@@ -7,13 +7,13 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from pipeline.preview import ENDED, REFUSED, Kind
-from pipeline.preview.look import Look, packed
-from stages.robot import guest
-from stages.robot.errors import LinkwrightError
-from stages.robot.guest import Bounds
+from linkwright.pipeline.preview import ENDED, REFUSED, Kind
+from linkwright.pipeline.preview.look import Look, packed
+from linkwright.stages.robot import guest
+from linkwright.stages.robot.errors import LinkwrightError
+from linkwright.stages.robot.guest import Bounds
 
-GUEST = "pipeline.preview.guest"
+GUEST = "linkwright.pipeline.preview.guest"
 
 BOUNDS = Bounds(seconds=60, memory=6 << 30, reply=64 << 20, shared=3)
 """Limits of a picture, the time that of its processor."""

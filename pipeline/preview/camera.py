@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stages.mesh.view.raster import Numbers
+from linkwright.stages.mesh.view.raster import Numbers
 
 _OPENING = 28.0
 """The angle of view, upright [deg]: a longer lens than a simulator's, which bends less."""

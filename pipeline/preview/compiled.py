@@ -9,12 +9,12 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from pipeline.preview.look import Blob, Geom, Look, Solid, Vector
-from pipeline.preview.model_text import Mesh, mjcf_text, urdf_text
-from stages.mesh.view.raster import Numbers
-from stages.mujoco.compile import NotCompiled, compiled_text
-from stages.mujoco.state import at_key, keyframe_of
-from stages.robot.errors import SourceError
+from linkwright.pipeline.preview.look import Blob, Geom, Look, Solid, Vector
+from linkwright.pipeline.preview.model_text import Mesh, mjcf_text, urdf_text
+from linkwright.stages.mesh.view.raster import Numbers
+from linkwright.stages.mujoco.compile import NotCompiled, compiled_text
+from linkwright.stages.mujoco.state import at_key, keyframe_of
+from linkwright.stages.robot.errors import SourceError
 
 _BARE = (0.45, 0.49, 0.54, 1.0)
 _MARKED = (0.93, 0.45, 0.16, 1.0)

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from pipeline.preview.surface import Single
-from pipeline.preview.vectors import cross, dot, unit
-from stages.mesh.view.raster import Indices
+from linkwright.pipeline.preview.surface import Single
+from linkwright.pipeline.preview.vectors import cross, dot, unit
+from linkwright.stages.mesh.view.raster import Indices
 
 _CREASE = np.float32(np.cos(np.radians(32.0)))
 _MOST_PAIRS = 12_000_000

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.preview.camera import Camera
-from pipeline.preview.creases import normals_of
-from pipeline.preview.pixels import linear, scattered, shown
-from pipeline.preview.studio import LitRobot
-from pipeline.preview.surface import Single
-from pipeline.preview.vectors import cross, dot, mixed, unit
-from stages.mesh.view.raster import Indices, Numbers
+from linkwright.pipeline.preview.camera import Camera
+from linkwright.pipeline.preview.creases import normals_of
+from linkwright.pipeline.preview.pixels import linear, scattered, shown
+from linkwright.pipeline.preview.studio import LitRobot
+from linkwright.pipeline.preview.surface import Single
+from linkwright.pipeline.preview.vectors import cross, dot, mixed, unit
+from linkwright.stages.mesh.view.raster import Indices, Numbers
 
 _BOUNCE = 0.42
 """The light that comes back from the ground."""

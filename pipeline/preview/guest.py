@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipeline.preview import PICTURE, SMALL, TURN
-from pipeline.preview.look import unpacked
-from pipeline.preview.painting import picture
-from pipeline.preview.pixels import reduced
-from pipeline.preview.studio import LitRobot, studio, swept, turned_by
-from pipeline.preview.surface import surface_of
-from stages.formats import png
-from stages.robot.errors import SourceError
+from linkwright.pipeline.preview import PICTURE, SMALL, TURN
+from linkwright.pipeline.preview.look import unpacked
+from linkwright.pipeline.preview.painting import picture
+from linkwright.pipeline.preview.pixels import reduced
+from linkwright.pipeline.preview.studio import LitRobot, studio, swept, turned_by
+from linkwright.pipeline.preview.surface import surface_of
+from linkwright.stages.formats import png
+from linkwright.stages.robot.errors import SourceError
 
 if TYPE_CHECKING:
-    from stages.mesh.view.raster import Pixels
+    from linkwright.stages.mesh.view.raster import Pixels
 
 SIZE = 960, 720
 SMALLER = (2, 3, 4, 6)
@@ -64,7 +64,7 @@ def _small(large: Pixels) -> bytes:
 
 def _turn(scene: LitRobot) -> bytes:
     """The robot as it turns once, and again."""
-    from pipeline.preview.webp import encode
+    from linkwright.pipeline.preview.webp import encode
 
     framed = swept(scene)
     frames: list[Pixels] = []

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from pipeline.preview.surface import Single
-from pipeline.preview.vectors import cross, length
-from stages.mesh.view.raster import Numbers
+from linkwright.pipeline.preview.surface import Single
+from linkwright.pipeline.preview.vectors import cross, length
+from linkwright.stages.mesh.view.raster import Numbers
 
 _KEY, _SKY = 2.1, 1.25
 """Power of the key light, and of the sky."""

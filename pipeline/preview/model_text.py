@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from posixpath import join, normpath
 
-from stages.formats.mesh_points import is_binary_stl
-from stages.formats.xml import Element, parse, to_bytes
-from stages.mujoco.includes import resolve
-from stages.mujoco.urdf import with_every_link
+from linkwright.stages.formats.mesh_points import is_binary_stl
+from linkwright.stages.formats.xml import Element, parse, to_bytes
+from linkwright.stages.mujoco.includes import resolve
+from linkwright.stages.mujoco.urdf import with_every_link
 
 _PLACEHOLDER = {"type": "sphere", "size": "0.001"}
 """Stands for a mesh: its place counts, and MuJoCo takes a tenth of a second for each 40,000 triangles."""

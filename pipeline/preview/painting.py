@@ -4,13 +4,13 @@ import functools
 
 import numpy as np
 
-from pipeline.preview.camera import Camera, framing
-from pipeline.preview.faces import Faces
-from pipeline.preview.pixels import blurred, enlarged, scattered
-from pipeline.preview.studio import LitRobot
-from pipeline.preview.surface import Single
-from pipeline.preview.vectors import dot
-from stages.mesh.view.raster import Indices, Numbers, Pixels, seen
+from linkwright.pipeline.preview.camera import Camera, framing
+from linkwright.pipeline.preview.faces import Faces
+from linkwright.pipeline.preview.pixels import blurred, enlarged, scattered
+from linkwright.pipeline.preview.studio import LitRobot
+from linkwright.pipeline.preview.surface import Single
+from linkwright.pipeline.preview.vectors import dot
+from linkwright.stages.mesh.view.raster import Indices, Numbers, Pixels, seen
 
 FINER = 2
 """Pixels that are looked at for one of the picture, each way."""

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from pipeline.preview.surface import Single
-from stages.mesh.view.raster import Indices, Numbers, Pixels
+from linkwright.pipeline.preview.surface import Single
+from linkwright.stages.mesh.view.raster import Indices, Numbers, Pixels
 
 _STEPS = 4095
 

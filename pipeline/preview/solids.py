@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from stages.mesh.view.raster import Corners, Numbers
+from linkwright.stages.mesh.view.raster import Corners, Numbers
 
 _AROUND = 48
 """Sides of what is round."""

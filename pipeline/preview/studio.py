@@ -4,12 +4,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeline.preview.camera import turned
-from pipeline.preview.light import Lamp, Throwing, key_lamps, sky_lamps, throwing
-from pipeline.preview.pixels import linear
-from pipeline.preview.surface import Single, Triangles
-from pipeline.preview.vectors import length
-from stages.mesh.view.raster import Numbers
+from linkwright.pipeline.preview.camera import turned
+from linkwright.pipeline.preview.light import Lamp, Throwing, key_lamps, sky_lamps, throwing
+from linkwright.pipeline.preview.pixels import linear
+from linkwright.pipeline.preview.surface import Single, Triangles
+from linkwright.pipeline.preview.vectors import length
+from linkwright.stages.mesh.view.raster import Numbers
 
 _LEVELS = 64
 _KEY_ASIDE = np.radians(-22.0)

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from pipeline.preview import solids
-from pipeline.preview.look import Blob, Geom, Look
-from pipeline.preview.thinning import thinned
-from stages.formats.mesh_points import mesh_points
-from stages.mesh.view.raster import Corners, Indices, Numbers
+from linkwright.pipeline.preview import solids
+from linkwright.pipeline.preview.look import Blob, Geom, Look
+from linkwright.pipeline.preview.thinning import thinned
+from linkwright.stages.formats.mesh_points import mesh_points
+from linkwright.stages.mesh.view.raster import Corners, Indices, Numbers
 
 Single = npt.NDArray[np.float32]
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from stages.mesh.view.raster import Corners
+from linkwright.stages.mesh.view.raster import Corners
 
 
 def thinned(corners: Corners, cell: float) -> Corners:

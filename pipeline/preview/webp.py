@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from PIL import Image
 
-from stages.mesh.view.raster import Pixels
+from linkwright.stages.mesh.view.raster import Pixels
 
 QUALITY = 90
 

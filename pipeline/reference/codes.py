@@ -5,7 +5,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-import stages
+import linkwright.stages
 
 _FILES = ("DIAGNOSTICS.md", "CHECKS.md")
 _ROW = re.compile(r"^\| `([EWIC]-[A-Z0-9-]+)` \| (.+?) \| (.+?) \| (.+?) \|$", re.MULTILINE)
@@ -25,7 +25,7 @@ class Explanation:
 @functools.cache
 def explanations() -> dict[str, Explanation]:
     """Every code; empty where the tables are not installed."""
-    files = [Path(folder) / name for folder in stages.__path__ for name in _FILES]
+    files = [Path(folder) / name for folder in linkwright.stages.__path__ for name in _FILES]
     rows = [row for file in files if file.is_file() for row in _ROW.findall(file.read_text(encoding="utf-8"))]
     return {code: Explanation(meaning, remedy, where) for code, where, meaning, remedy in rows}
 

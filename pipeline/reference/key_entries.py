@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from pipeline.reference import DATA
+from linkwright.pipeline.reference import DATA
 
 
 @dataclass(frozen=True, slots=True)

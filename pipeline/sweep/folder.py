@@ -8,19 +8,19 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeline.caching import actions
-from pipeline.config.plan import Plan
-from pipeline.digest import sha256
-from pipeline.errors import ConfigError
-from pipeline.live.made import ENGINE_FILE, engine_file, is_plain
-from pipeline.output import conflicts, manifest
-from pipeline.output.folder import move_aside, named
-from pipeline.output.location import ELSEWHERE, absolute, require_free
-from pipeline.secrets import Secrets
-from stages.robot.printable import printable_lines
+from linkwright.pipeline.caching import actions
+from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.digest import sha256
+from linkwright.pipeline.errors import ConfigError
+from linkwright.pipeline.live.made import ENGINE_FILE, engine_file, is_plain
+from linkwright.pipeline.output import conflicts, manifest
+from linkwright.pipeline.output.folder import move_aside, named
+from linkwright.pipeline.output.location import ELSEWHERE, absolute, require_free
+from linkwright.pipeline.secrets import Secrets
+from linkwright.stages.robot.printable import printable_lines
 
 if TYPE_CHECKING:
-    from pipeline.sweep.outcome import Outcome
+    from linkwright.pipeline.sweep.outcome import Outcome
 
 SUMMARY, PAGE, ACCOUNT = "summary.json", "summary.html", "multirun.yaml"
 OWN = (SUMMARY, PAGE, ACCOUNT, ENGINE_FILE)
@@ -96,7 +96,7 @@ def _write(root: Path, runs: Sequence[Mapping[str, Any]]) -> None:
 
 def _page(root: Path, jobs: Sequence[Mapping[str, Any]]) -> bytes:
     """The page about the last run."""
-    from pipeline.page.sweep import page
+    from linkwright.pipeline.page.sweep import page
 
     inside = [{**job, "folder": Path(os.path.relpath(job["folder"], root)).as_posix()} for job in jobs]
     beside = [name for name in (SUMMARY, ACCOUNT) if (root / name).is_file()]

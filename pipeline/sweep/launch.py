@@ -22,10 +22,10 @@ from hydra.types import HydraContext
 from omegaconf import DictConfig, OmegaConf, open_dict
 from omegaconf.errors import OmegaConfBaseException
 
-from pipeline.errors import ConfigError
-from pipeline.interrupt import kept_from_workers
-from pipeline.secrets import Secrets
-from pipeline.sweep.folder import ACCOUNT
+from linkwright.pipeline.errors import ConfigError
+from linkwright.pipeline.interrupt import kept_from_workers
+from linkwright.pipeline.secrets import Secrets
+from linkwright.pipeline.sweep.folder import ACCOUNT
 
 ALONE = "basic"
 """Hydra's launcher that runs the jobs one after the other in this process."""

@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeline.errors import exit_status
-from stages.robot.errors import LinkwrightError
+from linkwright.pipeline.errors import exit_status
+from linkwright.stages.robot.errors import LinkwrightError
 
 if TYPE_CHECKING:
-    from pipeline.report import Report
+    from linkwright.pipeline.report import Report
 
 REPORT = "report.json"
 

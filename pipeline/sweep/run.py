@@ -11,21 +11,21 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeline.config.overrides import Override
-from pipeline.config.plan import Judge, Plan, is_run_key
-from pipeline.config.trust import SweepSettings
-from pipeline.errors import as_problems, refusal
-from pipeline.interrupt import behind, check
-from pipeline.preflight import destination
-from pipeline.sweep.outcome import Outcome, built, failed
-from pipeline.terminal import clean, width_of
-from pipeline.wrapping import wrapped
-from stages.robot.errors import ConfigError, Diagnostic
-from stages.robot.printable import sentence
+from linkwright.pipeline.config.overrides import Override
+from linkwright.pipeline.config.plan import Judge, Plan, is_run_key
+from linkwright.pipeline.config.trust import SweepSettings
+from linkwright.pipeline.errors import as_problems, refusal
+from linkwright.pipeline.interrupt import behind, check
+from linkwright.pipeline.preflight import destination
+from linkwright.pipeline.sweep.outcome import Outcome, built, failed
+from linkwright.pipeline.terminal import clean, width_of
+from linkwright.pipeline.wrapping import wrapped
+from linkwright.stages.robot.errors import ConfigError, Diagnostic
+from linkwright.stages.robot.printable import sentence
 
 if TYPE_CHECKING:
-    from pipeline.config.compose import Composed, Composer, SweepRequest
-    from pipeline.report import Report
+    from linkwright.pipeline.config.compose import Composed, Composer, SweepRequest
+    from linkwright.pipeline.report import Report
 
 Build = Callable[[Plan], "Report"]
 """The function that a job calls: `pipeline.build.build`, or a replacement in tests."""

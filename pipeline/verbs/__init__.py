@@ -5,11 +5,11 @@ ConfigError for wrong usage (exit status 2), other errors for failures (1).
 """
 
 VERBS = {
-    "bundle": "pipeline.verbs.bundle",
-    "cache": "pipeline.verbs.cache",
-    "check": "pipeline.verbs.check",
-    "diff": "pipeline.verbs.diff",
-    "explain": "pipeline.verbs.explain",
-    "view": "pipeline.verbs.view",
+    "bundle": "linkwright.pipeline.verbs.bundle",
+    "cache": "linkwright.pipeline.verbs.cache",
+    "check": "linkwright.pipeline.verbs.check",
+    "diff": "linkwright.pipeline.verbs.diff",
+    "explain": "linkwright.pipeline.verbs.explain",
+    "view": "linkwright.pipeline.verbs.view",
 }
 """Verb → the module with its `HELP` and its `run(arguments) -> exit status`."""

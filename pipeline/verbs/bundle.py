@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pipeline import pasted
-from pipeline.errors import CacheError, ConfigError, OutputError
-from pipeline.output import access
-from pipeline.terminal import say
-from stages.robot.plural import count
+from linkwright.pipeline import pasted
+from linkwright.pipeline.errors import CacheError, ConfigError, OutputError
+from linkwright.pipeline.output import access
+from linkwright.pipeline.terminal import say
+from linkwright.stages.robot.plural import count
 
 HELP = """\
 linkwright bundle: pack the inputs of a build into one file, to build the robot
@@ -62,7 +62,7 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> in
     the build; OutputError where the build read nothing or the file cannot be written; SecretFound where
     the inputs hold an API key.
     """
-    from pipeline.output.builds import find
+    from linkwright.pipeline.output.builds import find
 
     asked = parse(arguments)
     folder = find(asked.name, "bundle")
@@ -104,7 +104,7 @@ def _check_place(out: Path) -> None:
 
 
 def _is_older_bundle(out: Path) -> bool:
-    from stages.fetch.bundle.archive import is_bundle
+    from linkwright.stages.fetch.bundle.archive import is_bundle
 
     return out.is_file() and is_bundle(out)
 
@@ -122,11 +122,11 @@ def _manifest(folder: Path) -> str:
 
 def _packed(folder: Path, manifest: str, asked: Request, environ: Mapping[str, str]) -> tuple[bytes, int]:
     """The zip's bytes and how many replies it holds."""
-    from pipeline.caching.actions import Cache
-    from pipeline.caching.bundles import named, recall
-    from pipeline.caching.store import Store
-    from pipeline.secrets import Secrets
-    from stages.fetch.bundle.archive import pack, read
+    from linkwright.pipeline.caching.actions import Cache
+    from linkwright.pipeline.caching.bundles import named, recall
+    from linkwright.pipeline.caching.store import Store
+    from linkwright.pipeline.secrets import Secrets
+    from linkwright.stages.fetch.bundle.archive import pack, read
 
     roots = _caches(folder, asked.cache, environ)
     for root in roots:
@@ -146,7 +146,7 @@ def _packed(folder: Path, manifest: str, asked: Request, environ: Mapping[str, s
 
 def _caches(folder: Path, named: str | None, environ: Mapping[str, str]) -> list[Path]:
     """The cache folders to search: the given folder, else the build's, then the default folder."""
-    from pipeline.caching.actions import folder as cache_folder
+    from linkwright.pipeline.caching.actions import folder as cache_folder
 
     wanted = [named] if named else [_configured(folder), None]
     return list(dict.fromkeys(cache_folder(one, environ) for one in wanted))
@@ -156,7 +156,7 @@ def _configured(folder: Path) -> str | None:
     """The key `cache.dir` of the build, if it had one."""
     import yaml
 
-    from pipeline.config import yaml_file
+    from linkwright.pipeline.config import yaml_file
 
     try:
         plan: Any = yaml_file.read(folder / "config.yaml")

@@ -5,13 +5,13 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from pipeline.caching import maintenance
-from pipeline.caching.actions import folder
-from pipeline.errors import ConfigError
-from pipeline.lock import FOLDER as LOCKS
-from pipeline.terminal import say
-from stages.fetch.onshape.api import ledger
-from stages.robot.plural import count
+from linkwright.pipeline.caching import maintenance
+from linkwright.pipeline.caching.actions import folder
+from linkwright.pipeline.errors import ConfigError
+from linkwright.pipeline.lock import FOLDER as LOCKS
+from linkwright.pipeline.terminal import say
+from linkwright.stages.fetch.onshape.api import ledger
+from linkwright.stages.robot.plural import count
 
 HELP = """\
 linkwright cache: look after the cache, where builds keep what they fetched and

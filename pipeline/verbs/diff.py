@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from pipeline.errors import ConfigError
-from pipeline.terminal import say
+from linkwright.pipeline.errors import ConfigError
+from linkwright.pipeline.terminal import say
 
 HELP = """\
 linkwright diff: what is different between two robots.
@@ -54,9 +54,9 @@ def run(arguments: Sequence[str]) -> int:
     if len(places) != 2:
         msg = f"expected two robots, got {len(places)}"
         raise ConfigError(msg, "diff", _USAGE)
-    from pipeline.changes import show
-    from pipeline.changes.compare import compare
-    from pipeline.changes.read import described
+    from linkwright.pipeline.changes import show
+    from linkwright.pipeline.changes.compare import compare
+    from linkwright.pipeline.changes.read import described
 
     before, after = map(described, places)
     changes = compare(before.robot, after.robot)

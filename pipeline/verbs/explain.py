@@ -5,13 +5,13 @@ import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 
-from pipeline.errors import ConfigError
-from pipeline.motor_files import library
-from pipeline.reference import SCHEMA
-from pipeline.reference.codes import explanations, level, remedy
-from pipeline.reference.environment import VARIABLES
-from pipeline.reference.key_entries import KeyEntry, entries, matching, nearest
-from pipeline.terminal import say
+from linkwright.pipeline.errors import ConfigError
+from linkwright.pipeline.motor_files import library
+from linkwright.pipeline.reference import SCHEMA
+from linkwright.pipeline.reference.codes import explanations, level, remedy
+from linkwright.pipeline.reference.environment import VARIABLES
+from linkwright.pipeline.reference.key_entries import KeyEntry, entries, matching, nearest
+from linkwright.pipeline.terminal import say
 
 HELP = """\
 linkwright explain: the meaning of a code, a key, a motor or an environment
@@ -86,8 +86,8 @@ def _code(code: str) -> str:
 
 def _motor(name: str, file: Path) -> str:
     """The entry of a motor; ConfigError where its file is wrong."""
-    from pipeline.config.plan import Plan
-    from stages.export.motor_section import QUANTITIES
+    from linkwright.pipeline.config.plan import Plan
+    from linkwright.stages.export.motor_section import QUANTITIES
 
     tree = {"source": {"kind": "sample"}, "actuators": {"*": {"motor": name}}}
     motor = Plan.parse(tree, folders=[Path.cwd()]).motors[name]

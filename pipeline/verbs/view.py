@@ -6,8 +6,8 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from pipeline.errors import ConfigError, OutputError
-from stages.robot.programs import program
+from linkwright.pipeline.errors import ConfigError, OutputError
+from linkwright.stages.robot.programs import program
 
 HELP = """\
 linkwright view: open the robot of a build in MuJoCo's own viewer, simulating,
@@ -28,7 +28,7 @@ wrong usage
 
 SCENE = "scene.xml"
 _USAGE = "linkwright view NAME; linkwright view --help shows more"
-_ON_MAC = "import sys; from pipeline.verbs.view import show; show(sys.argv[1])"
+_ON_MAC = "import sys; from linkwright.pipeline.verbs.view import show; show(sys.argv[1])"
 
 
 def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ, system: str = sys.platform) -> int:
@@ -39,7 +39,7 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ, syste
     if len(arguments) != 1 or arguments[0].startswith("-"):
         msg = f"expected one build, got {' '.join(arguments) or 'nothing'}"
         raise ConfigError(msg, "view", _USAGE)
-    from pipeline.output.builds import find
+    from linkwright.pipeline.output.builds import find
 
     folder = find(arguments[0], "view")
     scene = folder / SCENE
@@ -61,7 +61,7 @@ def show(scene: str, otherwise: str = "") -> None:
     what to do `otherwise`, where it cannot be opened."""
     import mujoco
 
-    from stages.mujoco.state import at_keyframe
+    from linkwright.stages.mujoco.state import at_keyframe
 
     try:
         import mujoco.viewer

@@ -5,16 +5,16 @@ from dataclasses import replace
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from stages.export.writer import Exported, FormatFiles, Writer, WriterInput
+from linkwright.stages.export.writer import Exported, FormatFiles, Writer, WriterInput
 
 if TYPE_CHECKING:
-    from stages.export.amend.amend import Amended
-    from stages.export.section import ExportSections
-    from stages.export.standing import Stance
-    from stages.formats.written import Written
-    from stages.robot.errors import Diagnostic
-    from stages.robot.geometry import Geometry
-    from stages.robot.model import Robot
+    from linkwright.stages.export.amend.amend import Amended
+    from linkwright.stages.export.section import ExportSections
+    from linkwright.stages.export.standing import Stance
+    from linkwright.stages.formats.written import Written
+    from linkwright.stages.robot.errors import Diagnostic
+    from linkwright.stages.robot.geometry import Geometry
+    from linkwright.stages.robot.model import Robot
 
 VERSION = 60
 """Grows with every change of what this stage makes of the same input."""
@@ -38,7 +38,7 @@ OF_ALL = ("python",)
 
 def writer_of(name: str) -> Writer:
     """The writer of a format."""
-    found: Writer = import_module(f"stages.export.{name}.writer").WRITER
+    found: Writer = import_module(f"linkwright.stages.export.{name}.writer").WRITER
     return found
 
 
@@ -54,15 +54,15 @@ def export(
 ) -> Exported:
     """The robot's files in every chosen format, sorted by path. A diagnostic names each thing that a
     format cannot express. `texts`: of the files that `elements` name, by entry."""
-    from stages.export.actuators.advice import advice
-    from stages.export.actuators.gravity import gravity_of
-    from stages.export.mjcf_only import mjcf_only
-    from stages.export.order_tables import order_of
-    from stages.export.python.writer import package_record
-    from stages.export.readers import dropped
-    from stages.export.robot_json import describe
-    from stages.export.settled import settled
-    from stages.export.standing import stand
+    from linkwright.stages.export.actuators.advice import advice
+    from linkwright.stages.export.actuators.gravity import gravity_of
+    from linkwright.stages.export.mjcf_only import mjcf_only
+    from linkwright.stages.export.order_tables import order_of
+    from linkwright.stages.export.python.writer import package_record
+    from linkwright.stages.export.readers import dropped
+    from linkwright.stages.export.robot_json import describe
+    from linkwright.stages.export.settled import settled
+    from linkwright.stages.export.standing import stand
 
     keys = settled(keys, robot)
     standing = stand(robot, geometry, keys)
@@ -104,13 +104,13 @@ def _written(
 ) -> "tuple[Written, tuple[Diagnostic, ...]]":
     """The robot as its files will have it, before the user's own XML; and what is worth knowing about what
     drives and measures it."""
-    from stages.export.driven import driven
-    from stages.export.mjcf.form import form_of as mjcf_form_of
-    from stages.export.scene import scene_of
-    from stages.export.sensors.resolve import sensing_of
-    from stages.export.urdf.form import form_of
-    from stages.formats.written import Written
-    from stages.robot.driven import as_driven
+    from linkwright.stages.export.driven import driven
+    from linkwright.stages.export.mjcf.form import form_of as mjcf_form_of
+    from linkwright.stages.export.scene import scene_of
+    from linkwright.stages.export.sensors.resolve import sensing_of
+    from linkwright.stages.export.urdf.form import form_of
+    from linkwright.stages.formats.written import Written
+    from linkwright.stages.robot.driven import as_driven
 
     written = Written(robot, geometry=geometry, mjcf_form=mjcf_form_of(robot, geometry, keys))
     actuation, of_actuators = driven(written, keys, standing)
@@ -140,8 +140,8 @@ def _amended(
     texts: Mapping[str, str],
 ) -> "Amended":
     """The files with the user's own XML. `written`: the formats."""
-    from stages.export.amend.amend import Amended, amended
-    from stages.export.amend.documents import ROLES as AMENDABLE
+    from linkwright.stages.export.amend.amend import Amended, amended
+    from linkwright.stages.export.amend.documents import ROLES as AMENDABLE
 
     if not keys.elements and not keys.attributes:
         return Amended({})

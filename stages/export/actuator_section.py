@@ -7,8 +7,17 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from stages.robot.quantity_keys import Coordinate
-from stages.robot.section import Flag, NonNegative, Number, Positive, Section, Text, example, invalid
+from linkwright.stages.robot.quantity_keys import Coordinate
+from linkwright.stages.robot.section import (
+    Flag,
+    NonNegative,
+    Number,
+    Positive,
+    Section,
+    Text,
+    example,
+    invalid,
+)
 
 DynamicsName = Literal["none", "integrator", "filter", "filterexact", "muscle", "user"]
 ActuatorName = Literal[

@@ -3,22 +3,22 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from stages.export import writer_of
-from stages.export.actuators.gravity import gravity_of
-from stages.export.actuators.resolve import actuate
-from stages.export.footing import supports
-from stages.export.writer import WriterInput
-from stages.formats.written import Written
-from stages.robot.actuation import Actuation
-from stages.robot.errors import Diagnostic
-from stages.robot.geometry import Geometry
-from stages.robot.model import Configuration, Robot
-from stages.robot.statics import GroundSupport
+from linkwright.stages.export import writer_of
+from linkwright.stages.export.actuators.gravity import gravity_of
+from linkwright.stages.export.actuators.resolve import actuate
+from linkwright.stages.export.footing import supports
+from linkwright.stages.export.writer import WriterInput
+from linkwright.stages.formats.written import Written
+from linkwright.stages.robot.actuation import Actuation
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.model import Configuration, Robot
+from linkwright.stages.robot.statics import GroundSupport
 
 if TYPE_CHECKING:
-    from stages.export.section import ExportSections
-    from stages.export.standing import Stance
-    from stages.mujoco.trial import Trial
+    from linkwright.stages.export.section import ExportSections
+    from linkwright.stages.export.standing import Stance
+    from linkwright.stages.mujoco.trial import Trial
 
 LARGE = 200
 """Dofs beyond which a robot without loops and relations is not simulated."""
@@ -47,8 +47,8 @@ def driven(
     as_it_is = robot.mjcf is not None and not keys.actuators
     if FORMAT not in keys.export.chosen or as_it_is or not _worth_a_trial(robot):
         return actuation, found
-    from stages.export.stability.compiled_trial import compiled_trial
-    from stages.export.stability.steadied import steadied
+    from linkwright.stages.export.stability.compiled_trial import compiled_trial
+    from linkwright.stages.export.stability.steadied import steadied
 
     solid = _solid(geometry)
 

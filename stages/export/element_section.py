@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import AfterValidator, BeforeValidator, model_validator
 
-from stages.robot.section import Section, Text, example, invalid
+from linkwright.stages.robot.section import Section, Text, example, invalid
 
 AmendableFormat = Literal["urdf", "mjcf"]
 """The formats that elements and attributes of the user's own reach."""
@@ -34,7 +34,7 @@ def _amendable(formats: Any) -> Any:
 
 
 def _well_formed(text: str) -> str:
-    from stages.formats.xml import Malformed, fragment
+    from linkwright.stages.formats.xml import Malformed, fragment
 
     try:
         fragment(text)

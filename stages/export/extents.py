@@ -4,9 +4,9 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from stages.formats.mesh_points import mesh_points
-from stages.robot.geometry import Geometry, Role, Shape
-from stages.robot.model import Array, Primitive
+from linkwright.stages.formats.mesh_points import mesh_points
+from linkwright.stages.robot.geometry import Geometry, Role, Shape
+from linkwright.stages.robot.model import Array, Primitive
 
 
 class Extents:

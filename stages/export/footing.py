@@ -5,15 +5,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stages.export.extents import Extents
-from stages.robot.geometry import Geometry
-from stages.robot.kinematics import link_poses
-from stages.robot.model import Array, Configuration, Robot
-from stages.robot.poses import inverse, rotation_from_rpy
-from stages.robot.statics import GroundSupport
+from linkwright.stages.export.extents import Extents
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.model import Array, Configuration, Robot
+from linkwright.stages.robot.poses import inverse, rotation_from_rpy
+from linkwright.stages.robot.statics import GroundSupport
 
 if TYPE_CHECKING:
-    from stages.export.scene_section import GroundSection
+    from linkwright.stages.export.scene_section import GroundSection
 
 NEAR = 2e-3
 """What is no further than this [m] above the ground touches it."""

@@ -2,10 +2,10 @@
 
 from collections.abc import Collection, Iterator
 
-from stages.formats.written import Written
-from stages.robot.errors import Diagnostic
-from stages.robot.globs import listed
-from stages.robot.mjcf_extras import MjcfExtras, children_of
+from linkwright.stages.formats.written import Written
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.globs import listed
+from linkwright.stages.robot.mjcf_extras import MjcfExtras, children_of
 
 OTHERS = ("urdf", "sdf", "usd")
 

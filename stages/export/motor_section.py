@@ -10,8 +10,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from stages.robot.globs import did_you_mean
-from stages.robot.section import Number, Section, Text, example, invalid
+from linkwright.stages.robot.globs import did_you_mean
+from linkwright.stages.robot.section import Number, Section, Text, example, invalid
 
 QUANTITIES: Mapping[str, str] = {
     "gear": "-",

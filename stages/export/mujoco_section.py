@@ -16,7 +16,16 @@ from pydantic import (
     model_validator,
 )
 
-from stages.robot.section import Flag, NonNegative, Number, Positive, Section, Text, Triple, invalid
+from linkwright.stages.robot.section import (
+    Flag,
+    NonNegative,
+    Number,
+    Positive,
+    Section,
+    Text,
+    Triple,
+    invalid,
+)
 
 Whole = Annotated[int, Field(strict=True, ge=0)]
 Switch = Literal["enable", "disable"]

@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping
 
-from stages.export.order.of_mjcf import MjcfOrder
-from stages.export.order.of_urdf import urdf_rows
-from stages.export.urdf.lowering import lower
-from stages.formats.robot_json.files import OrderRecord, UrdfOrderRecord
-from stages.formats.written import Written
-from stages.formats.xml import Element, Malformed, parse
+from linkwright.stages.export.order.of_mjcf import MjcfOrder
+from linkwright.stages.export.order.of_urdf import urdf_rows
+from linkwright.stages.export.urdf.lowering import lower
+from linkwright.stages.formats.robot_json.files import OrderRecord, UrdfOrderRecord
+from linkwright.stages.formats.written import Written
+from linkwright.stages.formats.xml import Element, Malformed, parse
 
 
 def order_of(written: Written, files: Mapping[str, bytes]) -> OrderRecord | None:

@@ -4,11 +4,11 @@ import importlib.util
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from stages.robot.errors import ConfigError
-from stages.robot.install import install
+from linkwright.stages.robot.errors import ConfigError
+from linkwright.stages.robot.install import install
 
 if TYPE_CHECKING:
-    from stages.export.section import ExportSections
+    from linkwright.stages.export.section import ExportSections
 
 NEEDS: Mapping[str, tuple[str, str]] = {"usd": ("pxr", "usd-core")}
 """Format → the module that writes it, and the optional package that has that."""
@@ -22,7 +22,7 @@ def packages(keys: "ExportSections") -> tuple[str, ...]:
 def require(keys: "ExportSections") -> None:
     """ConfigError where the optional package of a format is not installed, or an actuator needs a newer
     MuJoCo."""
-    from stages.export.actuators import versions
+    from linkwright.stages.export.actuators import versions
 
     versions.require(keys.actuators)
     for name, (module, package) in NEEDS.items():

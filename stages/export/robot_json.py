@@ -6,23 +6,29 @@ from collections.abc import Collection, Iterator, Mapping
 from types import MappingProxyType
 from typing import Any
 
-from stages.export.mjcf.joints import free_joint_name
-from stages.export.provenance import provenance
-from stages.export.urdf.lowering import lower, unset
-from stages.formats.robot_json import FORMAT, VERSION
-from stages.formats.robot_json.codec import write
-from stages.formats.robot_json.files import HeldRecord, LoweredRecord, OrderRecord, UrdfRecord
-from stages.formats.robot_json.joints import BallZeroRecord, DofRecord, FrameRecord, JointRecord, LoopRecord
-from stages.formats.robot_json.robot import BaseRecord, RobotRecord
-from stages.formats.robot_json.scene import KeyframeRecord
-from stages.formats.robot_json.shapes import ColliderRecord, ShapeRecord
-from stages.formats.robot_json.values import PoseRecord
-from stages.formats.written import FormatView, Written
-from stages.robot.geometry import Geometry
-from stages.robot.model import Dof, Joint, Loop, Robot
-from stages.robot.poses import at_rest
-from stages.robot.printable import printable_lines
-from stages.robot.start_pose import SAVED, keyframes
+from linkwright.stages.export.mjcf.joints import free_joint_name
+from linkwright.stages.export.provenance import provenance
+from linkwright.stages.export.urdf.lowering import lower, unset
+from linkwright.stages.formats.robot_json import FORMAT, VERSION
+from linkwright.stages.formats.robot_json.codec import write
+from linkwright.stages.formats.robot_json.files import HeldRecord, LoweredRecord, OrderRecord, UrdfRecord
+from linkwright.stages.formats.robot_json.joints import (
+    BallZeroRecord,
+    DofRecord,
+    FrameRecord,
+    JointRecord,
+    LoopRecord,
+)
+from linkwright.stages.formats.robot_json.robot import BaseRecord, RobotRecord
+from linkwright.stages.formats.robot_json.scene import KeyframeRecord
+from linkwright.stages.formats.robot_json.shapes import ColliderRecord, ShapeRecord
+from linkwright.stages.formats.robot_json.values import PoseRecord
+from linkwright.stages.formats.written import FormatView, Written
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.model import Dof, Joint, Loop, Robot
+from linkwright.stages.robot.poses import at_rest
+from linkwright.stages.robot.printable import printable_lines
+from linkwright.stages.robot.start_pose import SAVED, keyframes
 
 
 def describe(

@@ -4,9 +4,19 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from stages.export.mujoco_section import CompilerSection, OptionSection
-from stages.robot.quantity_keys import Degrees, Position, PositiveLength, Turns
-from stages.robot.section import Count, Flag, NonNegative, Number, Section, Text, Triple, example, invalid
+from linkwright.stages.export.mujoco_section import CompilerSection, OptionSection
+from linkwright.stages.robot.quantity_keys import Degrees, Position, PositiveLength, Turns
+from linkwright.stages.robot.section import (
+    Count,
+    Flag,
+    NonNegative,
+    Number,
+    Section,
+    Text,
+    Triple,
+    example,
+    invalid,
+)
 
 Share = Annotated[Number, Field(ge=0, le=1)]
 Colour = tuple[Share, Share, Share]

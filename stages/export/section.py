@@ -5,14 +5,14 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, create_model, model_serializer, model_validator
 
-from stages.export import WRITERS, writer_of
-from stages.export.actuator_section import ActuatorChoice
-from stages.export.element_section import AttributeChoice, ElementSection
-from stages.export.motor_section import MotorSection
-from stages.export.scene_section import GroundSection, SceneSection
-from stages.export.sensor_section import SensorChoice
-from stages.robot.optional_section import OptionalSection
-from stages.robot.section import (
+from linkwright.stages.export import WRITERS, writer_of
+from linkwright.stages.export.actuator_section import ActuatorChoice
+from linkwright.stages.export.element_section import AttributeChoice, ElementSection
+from linkwright.stages.export.motor_section import MotorSection
+from linkwright.stages.export.scene_section import GroundSection, SceneSection
+from linkwright.stages.export.sensor_section import SensorChoice
+from linkwright.stages.robot.optional_section import OptionalSection
+from linkwright.stages.robot.section import (
     Section,
     Text,
     example,
@@ -43,7 +43,7 @@ class _Formats(Section):
 
 def _section_of(name: str) -> Any:
     """The field of one format: its section, or null."""
-    keys = import_module(f"stages.export.{name}.section").SECTION
+    keys = import_module(f"linkwright.stages.export.{name}.section").SECTION
     files = " and ".join(f"`{path}`" for path in writer_of(name).paths("<name>"))
     return (keys | None, Field(default=None, description=f"{files}."))
 

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import there_are
-from stages.robot.model import Array, Robot, frozen
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import there_are
+from linkwright.stages.robot.model import Array, Robot, frozen
 
 if TYPE_CHECKING:
-    from stages.export.sensor_section import SensorSection
+    from linkwright.stages.export.sensor_section import SensorSection
 
 LOADED = ("force", "torque", "force_torque")
 """Types of sensors that measure what the link above exerts."""

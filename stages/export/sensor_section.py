@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from stages.robot.globs import fits
-from stages.robot.quantity_keys import (
+from linkwright.stages.robot.globs import fits
+from linkwright.stages.robot.quantity_keys import (
     Coordinate,
     Degrees,
     Position,
@@ -16,8 +16,8 @@ from stages.robot.quantity_keys import (
     Turns,
     TypedNumber,
 )
-from stages.robot.section import Count, Section, Text, example, invalid
-from stages.robot.units import Measure
+from linkwright.stages.robot.section import Count, Section, Text, example, invalid
+from linkwright.stages.robot.units import Measure
 
 SensorName = Literal[
     "joint",

@@ -2,13 +2,13 @@
 
 from typing import TYPE_CHECKING
 
-from stages.export.mujoco_section import DEFAULTS
-from stages.export.standing import stands_in_source
-from stages.robot.mjcf_extras import NO_EXTRAS
-from stages.robot.model import Robot
+from linkwright.stages.export.mujoco_section import DEFAULTS
+from linkwright.stages.export.standing import stands_in_source
+from linkwright.stages.robot.mjcf_extras import NO_EXTRAS
+from linkwright.stages.robot.model import Robot
 
 if TYPE_CHECKING:
-    from stages.export.section import ExportSections
+    from linkwright.stages.export.section import ExportSections
 
 
 def settled(keys: "ExportSections", robot: Robot) -> "ExportSections":

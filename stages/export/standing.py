@@ -6,17 +6,17 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from stages.export.extents import Extents
-from stages.robot.errors import Diagnostic, ExportError
-from stages.robot.geometry import Geometry
-from stages.robot.kinematics import link_poses
-from stages.robot.model import Array, Configuration, Robot
-from stages.robot.poses import from_parts, rotation_from_rpy
-from stages.robot.start_pose import home, roots_in_source
+from linkwright.stages.export.extents import Extents
+from linkwright.stages.robot.errors import Diagnostic, ExportError
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.model import Array, Configuration, Robot
+from linkwright.stages.robot.poses import from_parts, rotation_from_rpy
+from linkwright.stages.robot.start_pose import home, roots_in_source
 
 if TYPE_CHECKING:
-    from stages.export.scene_section import GroundSection
-    from stages.export.section import ExportSections
+    from linkwright.stages.export.scene_section import GroundSection
+    from linkwright.stages.export.section import ExportSections
 
 STEEPEST = 0.1
 """The least vertical part of the unit normal of a ground that a robot is put on."""

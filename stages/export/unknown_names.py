@@ -3,16 +3,16 @@ so: it is found before any mesh is made."""
 
 from typing import TYPE_CHECKING
 
-from stages.export.actuators.choices import wanted_of
-from stages.export.mjcf.cameras import unknown_frames
-from stages.export.sensor_mounts import mounts_of, report_unknown
-from stages.export.sensors.of_dofs import joint_sensors, report_unmatched
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.errors import Diagnostic
-from stages.robot.model import Robot
+from linkwright.stages.export.actuators.choices import wanted_of
+from linkwright.stages.export.mjcf.cameras import unknown_frames
+from linkwright.stages.export.sensor_mounts import mounts_of, report_unknown
+from linkwright.stages.export.sensors.of_dofs import joint_sensors, report_unmatched
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.model import Robot
 
 if TYPE_CHECKING:
-    from stages.export.section import ExportSections
+    from linkwright.stages.export.section import ExportSections
 
 
 def unknown_names(robot: Robot, keys: "ExportSections") -> list[Diagnostic]:

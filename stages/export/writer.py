@@ -4,13 +4,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
 
-from stages.robot.errors import Diagnostic
+from linkwright.stages.robot.errors import Diagnostic
 
 if TYPE_CHECKING:
-    from stages.export.section import ExportSections
-    from stages.export.standing import Stance
-    from stages.formats.robot_json.files import OrderRecord
-    from stages.formats.written import Written
+    from linkwright.stages.export.section import ExportSections
+    from linkwright.stages.export.standing import Stance
+    from linkwright.stages.formats.robot_json.files import OrderRecord
+    from linkwright.stages.formats.written import Written
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +30,7 @@ class Exported:
     @property
     def details(self) -> dict[str, Any]:
         """What the report tells of the files."""
-        from stages.formats.robot_json.codec import write
+        from linkwright.stages.formats.robot_json.codec import write
 
         tables = {"order": self.order and write(self.order), "readers": list(self.readers)}
         return {name: table for name, table in tables.items() if table}

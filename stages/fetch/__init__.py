@@ -14,20 +14,20 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from stages.fetch.section import FetchSections
-    from stages.fetch.source import FetchContext, Fetched, Source
-    from stages.robot.bundle import Bundle
-    from stages.robot.errors import Diagnostic
+    from linkwright.stages.fetch.section import FetchSections
+    from linkwright.stages.fetch.source import FetchContext, Fetched, Source
+    from linkwright.stages.robot.bundle import Bundle
+    from linkwright.stages.robot.errors import Diagnostic
 
 VERSION = 13
 """Grows with every change of what this stage makes of the same input."""
 
 ROOMS: Mapping[str, str] = {
-    "onshape": "stages.fetch.onshape",
-    "urdf": "stages.fetch.urdf",
-    "mjcf": "stages.fetch.mjcf",
-    "bundle": "stages.fetch.bundle",
-    "sample": "stages.fetch.bundle.sample",
+    "onshape": "linkwright.stages.fetch.onshape",
+    "urdf": "linkwright.stages.fetch.urdf",
+    "mjcf": "linkwright.stages.fetch.mjcf",
+    "bundle": "linkwright.stages.fetch.bundle",
+    "sample": "linkwright.stages.fetch.bundle.sample",
 }
 """Kind of source → its room, imported when it is needed."""
 

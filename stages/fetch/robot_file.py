@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from stages.fetch.source import FileSource
-from stages.robot.plural import count
+from linkwright.stages.fetch.source import FileSource
+from linkwright.stages.robot.plural import count
 
 if TYPE_CHECKING:
-    from stages.fetch.recording import Recording
-    from stages.robot.bundle import Bundle
+    from linkwright.stages.fetch.recording import Recording
+    from linkwright.stages.robot.bundle import Bundle
 
 MESH = "mesh/"
 """Prefix of the requests for meshes in a bundle."""
@@ -32,9 +32,9 @@ class RobotFileSource(FileSource):
     @staticmethod
     def replay(recording: Recording, where: str) -> Bundle:
         """The bundle of a recorded robot file; SourceError where a mesh or an image is not readable."""
-        from stages.formats import png, triangles
-        from stages.robot.bundle import FileBundle
-        from stages.robot.errors import ProtocolError, SourceError
+        from linkwright.stages.formats import png, triangles
+        from linkwright.stages.robot.bundle import FileBundle
+        from linkwright.stages.robot.errors import ProtocolError, SourceError
 
         meshes = {name for request, name in recording.requests.items() if request.startswith(MESH)}
         pictures = {name for request, name in recording.requests.items() if request.startswith(IMAGE)}
@@ -62,7 +62,7 @@ class RobotFileSource(FileSource):
     @staticmethod
     def largest_reply(request: str) -> int:
         if request.startswith(IMAGE):
-            from stages.formats import png
+            from linkwright.stages.formats import png
 
             return png.LARGEST
         return LARGEST_TRIANGLES if request.startswith(MESH) else LARGEST_TEXT

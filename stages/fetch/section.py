@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Union
 
 from pydantic import Discriminator, Tag
 
-from stages.fetch import ROOMS
-from stages.fetch.source_section import SourceSection
-from stages.robot.section import Section
+from linkwright.stages.fetch import ROOMS
+from linkwright.stages.fetch.source_section import SourceSection
+from linkwright.stages.robot.section import Section
 
 SOURCES: dict[str, type[SourceSection]] = {
     kind: import_module(f"{room}.section").SECTION for kind, room in ROOMS.items()

@@ -11,14 +11,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
-from stages.robot import regular_files
+from linkwright.stages.robot import regular_files
 
 if TYPE_CHECKING:
-    from stages.fetch.onshape.api.retries import Patience
-    from stages.fetch.onshape.reply_store import ReplyStore
-    from stages.fetch.recording import Recording
-    from stages.robot.bundle import Bundle
-    from stages.robot.errors import Diagnostic
+    from linkwright.stages.fetch.onshape.api.retries import Patience
+    from linkwright.stages.fetch.onshape.reply_store import ReplyStore
+    from linkwright.stages.fetch.recording import Recording
+    from linkwright.stages.robot.bundle import Bundle
+    from linkwright.stages.robot.errors import Diagnostic
 
 
 @dataclass(slots=True)

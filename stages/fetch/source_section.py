@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator
 
-from stages.robot.section import Section, invalid
+from linkwright.stages.robot.section import Section, invalid
 
 ADDRESS = "address"
 """The error type of an invalid address; its context holds `message` and `hint`."""

@@ -9,9 +9,9 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 import numpy.typing as npt
 
-from stages.formats import xml
-from stages.formats.damaged import Damaged
-from stages.formats.xml import Element, tag
+from linkwright.stages.formats import xml
+from linkwright.stages.formats.damaged import Damaged
+from linkwright.stages.formats.xml import Element, tag
 
 Points = npt.NDArray[np.float64]
 

@@ -11,18 +11,18 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 from typing import Any
 
-from stages.formats.mjcf_form import MjcfForm
-from stages.formats.robot_json import FORMAT, VERSION
-from stages.formats.robot_json.codec import RobotJsonError, modelled, read
-from stages.formats.robot_json.files import PackageRecord, SrdfRecord
-from stages.formats.robot_json.robot import RobotRecord
-from stages.formats.urdf.form import UrdfForm
-from stages.formats.urdf.srdf_form import SrdfForm
-from stages.formats.written import Written
-from stages.robot.amendments import Amendments
-from stages.robot.driven import as_driven
-from stages.robot.mjcf_extras import MjcfElement
-from stages.robot.model import Joint, Link, Robot
+from linkwright.stages.formats.mjcf_form import MjcfForm
+from linkwright.stages.formats.robot_json import FORMAT, VERSION
+from linkwright.stages.formats.robot_json.codec import RobotJsonError, modelled, read
+from linkwright.stages.formats.robot_json.files import PackageRecord, SrdfRecord
+from linkwright.stages.formats.robot_json.robot import RobotRecord
+from linkwright.stages.formats.urdf.form import UrdfForm
+from linkwright.stages.formats.urdf.srdf_form import SrdfForm
+from linkwright.stages.formats.written import Written
+from linkwright.stages.robot.amendments import Amendments
+from linkwright.stages.robot.driven import as_driven
+from linkwright.stages.robot.mjcf_extras import MjcfElement
+from linkwright.stages.robot.model import Joint, Link, Robot
 
 PACKAGES = ("ros2", "python")
 """The tables of packages that are written from the other files."""

@@ -15,10 +15,10 @@ import numpy as np
 import numpy.typing as npt
 import orjson
 
-from stages.formats.colours import NEUTRAL
-from stages.formats.damaged import Damaged
-from stages.robot.errors import ProtocolError
-from stages.robot.geometry import Colour
+from linkwright.stages.formats.colours import NEUTRAL
+from linkwright.stages.formats.damaged import Damaged
+from linkwright.stages.robot.errors import ProtocolError
+from linkwright.stages.robot.geometry import Colour
 
 MAGIC = b"glTF"
 

@@ -10,8 +10,8 @@ from urllib.parse import unquote
 
 import orjson
 
-from stages.formats.damaged import Damaged
-from stages.formats.gltf import LARGEST_STRIDE, MOST_VALUES, chunks, natural, room, values
+from linkwright.stages.formats.damaged import Damaged
+from linkwright.stages.formats.gltf import LARGEST_STRIDE, MOST_VALUES, chunks, natural, room, values
 
 _SIZES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from stages.formats.mesh_points import mesh_points
-from stages.formats.triangles import distinct
+from linkwright.stages.formats.mesh_points import mesh_points
+from linkwright.stages.formats.triangles import distinct
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,11 +8,11 @@ and joints are referred to by their numbers, which are MuJoCo's; a name is "" wh
 from dataclasses import dataclass
 from typing import Literal
 
-from stages.robot.errors import Diagnostic
-from stages.robot.geom_form import GeomForm
-from stages.robot.geometry import Colour
-from stages.robot.mjcf_extras import NO_EXTRAS, Attributes, MjcfElement, MjcfExtras
-from stages.robot.model import Array, Dynamics, Inertial, Limits, MeshRef, Spring
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.geom_form import GeomForm
+from linkwright.stages.robot.geometry import Colour
+from linkwright.stages.robot.mjcf_extras import NO_EXTRAS, Attributes, MjcfElement, MjcfExtras
+from linkwright.stages.robot.model import Array, Dynamics, Inertial, Limits, MeshRef, Spring
 
 MjcfJointType = Literal["hinge", "slide", "ball", "free"]
 MjcfGeomKind = Literal["box", "sphere", "cylinder", "capsule", "mesh"]

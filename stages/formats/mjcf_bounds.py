@@ -5,10 +5,10 @@ from collections.abc import Iterable, Iterator
 from math import prod
 from pathlib import Path
 
-from stages.formats import xml
-from stages.formats.xml import Element
-from stages.robot import regular_files
-from stages.robot.errors import SourceError
+from linkwright.stages.formats import xml
+from linkwright.stages.formats.xml import Element
+from linkwright.stages.robot import regular_files
+from linkwright.stages.robot.errors import SourceError
 
 LARGEST_TEXT = 1 << 25
 """Largest size of an XML file [bytes]: a model of 10,000 bodies has a tenth of that."""

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from stages.robot.mjcf_extras import MjcfExtras
+from linkwright.stages.robot.mjcf_extras import MjcfExtras
 
 
 @dataclass(frozen=True, slots=True)

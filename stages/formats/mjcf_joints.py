@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from stages.formats.xml import Element
+from linkwright.stages.formats.xml import Element
 
 JOINTS = ("joint", "freejoint")
 

@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from stages.formats.mjcf_form import MjcfForm
-from stages.robot.fusing import Holders, fused, on_fixed_joints
-from stages.robot.mjcf_extras import NO_EXTRAS, MjcfExtras, children_of
-from stages.robot.model import Frame, Robot, frozen
-from stages.robot.sensing import SensorTarget
+from linkwright.stages.formats.mjcf_form import MjcfForm
+from linkwright.stages.robot.fusing import Holders, fused, on_fixed_joints
+from linkwright.stages.robot.mjcf_extras import NO_EXTRAS, MjcfExtras, children_of
+from linkwright.stages.robot.model import Frame, Robot, frozen
+from linkwright.stages.robot.sensing import SensorTarget
 
 
 def form_with(robot: Robot, kept: Collection[str] = (), merges: bool = False) -> MjcfForm:

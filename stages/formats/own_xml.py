@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 
-from stages.formats.xml import Element
+from linkwright.stages.formats.xml import Element
 
 _SECTIONS = """
 actuator asset compiler contact custom default deformable equality extension keyframe option sensor

@@ -24,8 +24,8 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from stages.robot.errors import ProtocolError
-from stages.robot.geometry import Colour
+from linkwright.stages.robot.errors import ProtocolError
+from linkwright.stages.robot.geometry import Colour
 
 if TYPE_CHECKING:
     import numpy as np

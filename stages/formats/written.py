@@ -6,24 +6,24 @@ from typing import Any
 
 import orjson
 
-from stages.formats.mjcf_form import MjcfForm
-from stages.formats.mjcf_written import as_written as as_in_mjcf
-from stages.formats.urdf.as_written import as_written as as_in_urdf
-from stages.formats.urdf.form import UrdfForm
-from stages.formats.urdf.names import UrdfNames, urdf_names
-from stages.formats.urdf.srdf_form import SrdfForm
-from stages.robot import codec
-from stages.robot.actuation import NONE, Actuation
-from stages.robot.amendments import UNCHANGED, Amendments
-from stages.robot.driven import as_driven
-from stages.robot.fused_geometry import fused_geometry
-from stages.robot.fusing import Holders, holders, on_fixed_joints
-from stages.robot.geometry import Geometry
-from stages.robot.mjcf_extras import NO_EXTRAS, MjcfExtras
-from stages.robot.model import Configuration, Robot
-from stages.robot.scene import Scene
-from stages.robot.sensing import NOTHING, Sensing
-from stages.robot.start_pose import starting_point
+from linkwright.stages.formats.mjcf_form import MjcfForm
+from linkwright.stages.formats.mjcf_written import as_written as as_in_mjcf
+from linkwright.stages.formats.urdf.as_written import as_written as as_in_urdf
+from linkwright.stages.formats.urdf.form import UrdfForm
+from linkwright.stages.formats.urdf.names import UrdfNames, urdf_names
+from linkwright.stages.formats.urdf.srdf_form import SrdfForm
+from linkwright.stages.robot import codec
+from linkwright.stages.robot.actuation import NONE, Actuation
+from linkwright.stages.robot.amendments import UNCHANGED, Amendments
+from linkwright.stages.robot.driven import as_driven
+from linkwright.stages.robot.fused_geometry import fused_geometry
+from linkwright.stages.robot.fusing import Holders, holders, on_fixed_joints
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.mjcf_extras import NO_EXTRAS, MjcfExtras
+from linkwright.stages.robot.model import Configuration, Robot
+from linkwright.stages.robot.scene import Scene
+from linkwright.stages.robot.sensing import NOTHING, Sensing
+from linkwright.stages.robot.start_pose import starting_point
 
 NO_SHAPES = Geometry((), {})
 

@@ -4,17 +4,17 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from stages.graph.mechanism import MechanismReader
-    from stages.graph.section import GraphSections
-    from stages.robot.bundle import Bundle
-    from stages.robot.model import Robot
+    from linkwright.stages.graph.mechanism import MechanismReader
+    from linkwright.stages.graph.section import GraphSections
+    from linkwright.stages.robot.bundle import Bundle
+    from linkwright.stages.robot.model import Robot
 
 VERSION = 25
 
 READERS: Mapping[str, str] = {
-    "onshape": "stages.graph.onshape.reader",
-    "urdf": "stages.graph.urdf.reader",
-    "mjcf": "stages.graph.mjcf.reader",
+    "onshape": "linkwright.stages.graph.onshape.reader",
+    "urdf": "linkwright.stages.graph.urdf.reader",
+    "mjcf": "linkwright.stages.graph.mjcf.reader",
 }
 """Kind of bundle → the module whose `read_mechanism` is its reader."""
 
@@ -23,7 +23,7 @@ def build_robot(bundle: "Bundle", keys: "GraphSections") -> "Robot":
     """The robot in a bundle, with its diagnostics. AssemblyError names all problems at once."""
     import gc
 
-    from stages.graph.build import assemble
+    from linkwright.stages.graph.build import assemble
 
     # The stage makes values by the hundred thousand and next to no cycles: to look for those each time
     # that there are a quarter more would cost a fifth of its time, and a larger share of a larger robot's.
@@ -40,7 +40,7 @@ def reader_of(kind: str) -> "MechanismReader":
     """The reader of a kind of bundle; ProtocolError for a kind that has none."""
     from importlib import import_module
 
-    from stages.robot.errors import ProtocolError
+    from linkwright.stages.robot.errors import ProtocolError
 
     if kind not in READERS:
         msg = f"unknown kind of bundle {kind!r}: expected one of {', '.join(READERS)}"

@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, model_validator
 
-from stages.graph.mass_section import Inertia
-from stages.robot.quantity_keys import Position, PositiveLength, Range, Turns, misfit
-from stages.robot.section import Positive, Section, Text, Triple, example, invalid
+from linkwright.stages.graph.mass_section import Inertia
+from linkwright.stages.robot.quantity_keys import Position, PositiveLength, Range, Turns, misfit
+from linkwright.stages.robot.section import Positive, Section, Text, Triple, example, invalid
 
 if TYPE_CHECKING:
-    from stages.robot.model import PrimitiveKind
+    from linkwright.stages.robot.model import PrimitiveKind
 
 
 def _direction(axis: tuple[float, float, float]) -> tuple[float, float, float]:

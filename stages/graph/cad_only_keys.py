@@ -2,8 +2,8 @@
 
 from typing import Literal
 
-from stages.graph.section import GraphSections
-from stages.robot.diagnostics import Diagnostics
+from linkwright.stages.graph.section import GraphSections
+from linkwright.stages.robot.diagnostics import Diagnostics
 
 _CAD_ALONE = ("depth", "hidden", "mirror", "mirrors", "conventions")
 

@@ -5,10 +5,10 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from fnmatch import translate
 from typing import TypeVar
 
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import there_are
-from stages.robot.model import Joint, Loop, Robot
-from stages.robot.names import RESERVED
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import there_are
+from linkwright.stages.robot.model import Joint, Loop, Robot
+from linkwright.stages.robot.names import RESERVED
 
 Entry = TypeVar("Entry")
 

@@ -7,12 +7,12 @@ pose that the source was saved in.
 from dataclasses import dataclass
 from typing import Protocol
 
-from stages.graph.section import GraphSections
-from stages.robot.bundle import Bundle
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.errors import Diagnostic
-from stages.robot.mjcf_extras import MjcfExtras
-from stages.robot.model import (
+from linkwright.stages.graph.section import GraphSections
+from linkwright.stages.robot.bundle import Bundle
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.mjcf_extras import MjcfExtras
+from linkwright.stages.robot.model import (
     Actuator,
     Array,
     Dof,
@@ -26,7 +26,7 @@ from stages.robot.model import (
     Sensor,
     Transmission,
 )
-from stages.robot.semantics import NOTHING_MORE, RobotSemantics
+from linkwright.stages.robot.semantics import NOTHING_MORE, RobotSemantics
 
 WORLD_LINK = "world"
 """The link of the assembly's origin, where something moves relative to it."""

@@ -4,9 +4,9 @@ from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from stages.graph.mechanism import WORLD_LINK
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.names import free
+from linkwright.stages.graph.mechanism import WORLD_LINK
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.names import free
 
 Key = TypeVar("Key", bound=Hashable)
 FrameKey = TypeVar("FrameKey", bound=Hashable)

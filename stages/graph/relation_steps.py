@@ -6,10 +6,10 @@ from heapq import heappop, heappush
 
 import networkx as nx
 
-from stages.graph.mechanism import RelationSpec
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import as_key
-from stages.robot.model import Value
+from linkwright.stages.graph.mechanism import RelationSpec
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import as_key
+from linkwright.stages.robot.model import Value
 
 
 @dataclass(frozen=True, slots=True)

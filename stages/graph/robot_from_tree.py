@@ -10,15 +10,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from stages.graph.dofs import backwards
-from stages.graph.mechanism import Connection, Mechanism, RigidBody
-from stages.graph.root import base_of
-from stages.graph.section import GraphSections
-from stages.graph.tree import Edge, Tree
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import fits, there_are
-from stages.robot.inertia import merged, moved
-from stages.robot.model import (
+from linkwright.stages.graph.dofs import backwards
+from linkwright.stages.graph.mechanism import Connection, Mechanism, RigidBody
+from linkwright.stages.graph.root import base_of
+from linkwright.stages.graph.section import GraphSections
+from linkwright.stages.graph.tree import Edge, Tree
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import fits, there_are
+from linkwright.stages.robot.inertia import merged, moved
+from linkwright.stages.robot.model import (
     Array,
     Dof,
     Dynamics,
@@ -31,9 +31,9 @@ from stages.robot.model import (
     Robot,
     frozen,
 )
-from stages.robot.names import free
-from stages.robot.poses import at_rest, inverse
-from stages.robot.ways import ways_up
+from linkwright.stages.robot.names import free
+from linkwright.stages.robot.poses import at_rest, inverse
+from linkwright.stages.robot.ways import ways_up
 
 SOLREF = (0.005, 1.0)
 """MuJoCo's solref of a loop that says none: time constant [s] and damping ratio."""

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import networkx as nx
 
-from stages.graph.mechanism import WORLD_LINK, Marker, Mechanism
-from stages.graph.section import RootSection
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.errors import NoRoot
-from stages.robot.globs import matching, with_plain
-from stages.robot.model import Array, Base
+from linkwright.stages.graph.mechanism import WORLD_LINK, Marker, Mechanism
+from linkwright.stages.graph.section import RootSection
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.errors import NoRoot
+from linkwright.stages.robot.globs import matching, with_plain
+from linkwright.stages.robot.model import Array, Base
 
 
 def choose_root(mechanism: Mechanism, keys: RootSection) -> tuple[int, Array]:

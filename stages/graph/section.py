@@ -5,11 +5,11 @@ from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, Field, Strict, model_validator
 
-from stages.graph.added_section import AddedFrameSection, AddedLinkSection, Direction
-from stages.graph.mass_section import MassSection
-from stages.robot.optional_section import OptionalSection
-from stages.robot.quantity_keys import Coordinate, Position, Range
-from stages.robot.section import (
+from linkwright.stages.graph.added_section import AddedFrameSection, AddedLinkSection, Direction
+from linkwright.stages.graph.mass_section import MassSection
+from linkwright.stages.robot.optional_section import OptionalSection
+from linkwright.stages.robot.quantity_keys import Coordinate, Position, Range
+from linkwright.stages.robot.section import (
     Flag,
     NonNegative,
     Positive,

@@ -7,14 +7,14 @@ from typing import Literal
 
 import networkx as nx
 
-from stages.graph.mechanism import Connection, Mechanism
-from stages.graph.root import choose_root, heaviest
-from stages.graph.section import GraphSections, RootSection
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.errors import Diagnostic, Disconnected
-from stages.robot.globs import fits, there_are
-from stages.robot.model import Array, JointType
-from stages.robot.plural import count
+from linkwright.stages.graph.mechanism import Connection, Mechanism
+from linkwright.stages.graph.root import choose_root, heaviest
+from linkwright.stages.graph.section import GraphSections, RootSection
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.errors import Diagnostic, Disconnected
+from linkwright.stages.robot.globs import fits, there_are
+from linkwright.stages.robot.model import Array, JointType
+from linkwright.stages.robot.plural import count
 
 CUT_LAST: dict[JointType, int] = {"prismatic": 0, "revolute": 2, "ball": 3, "fixed": 4}
 """Connections go into the tree by this rank (others: 1); the last are the first to be cut."""

@@ -10,10 +10,10 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 if TYPE_CHECKING:
-    from stages.mesh.section import MeshSections
-    from stages.robot.bundle import Bundle
-    from stages.robot.geometry import Geometry
-    from stages.robot.model import Robot
+    from linkwright.stages.mesh.section import MeshSections
+    from linkwright.stages.robot.bundle import Bundle
+    from linkwright.stages.robot.geometry import Geometry
+    from linkwright.stages.robot.model import Robot
 
 VERSION = 51
 """Grows with every change of what this stage makes of the same input."""
@@ -80,6 +80,6 @@ def make_geometry(
     Each link's visual meshes and each part's collider are made through `memo`, by content: renaming one
     makes nothing again.
     """
-    from stages.mesh.geometry import geometry
+    from linkwright.stages.mesh.geometry import geometry
 
     return geometry(robot, bundle, keys, memo, shown)

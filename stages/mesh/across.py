@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.collision import Collision
-from stages.mesh.cut_pieces import PieceCutter
-from stages.mesh.pieces import Piece
-from stages.mesh.surface import Surface, joined
-from stages.mesh.verdict import Judge, miss
+from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.collision import Collision
+from linkwright.stages.mesh.cut_pieces import PieceCutter
+from linkwright.stages.mesh.pieces import Piece
+from linkwright.stages.mesh.surface import Surface, joined
+from linkwright.stages.mesh.verdict import Judge, miss
 
 _WORTH = 0.9
 """Pieces are joined where so small a share of them is near enough."""

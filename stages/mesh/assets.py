@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stages.formats.triangles import distinct
-from stages.mesh import obj, stl, textures
-from stages.mesh.surface import Surface
-from stages.robot.errors import Diagnostic
-from stages.robot.geometry import Shape
-from stages.robot.plural import count
+from linkwright.stages.formats.triangles import distinct
+from linkwright.stages.mesh import obj, stl, textures
+from linkwright.stages.mesh.surface import Surface
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.geometry import Shape
+from linkwright.stages.robot.plural import count
 
 if TYPE_CHECKING:
-    from stages.mesh.section import MeshSection
+    from linkwright.stages.mesh.section import MeshSection
 
 Assets = tuple[tuple[Shape, ...], Mapping[str, bytes]]
 """Shapes, and the files that they name."""

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stages.mesh.surface import Surface
+from linkwright.stages.mesh.surface import Surface
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

@@ -6,16 +6,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from stages.mesh import BY_CONTACT, COLLIDERS, GIVEN, Maker
-from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.unmatched import report_unmatched
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import fits, unnumbered
-from stages.robot.model import Link, Part
+from linkwright.stages.mesh import BY_CONTACT, COLLIDERS, GIVEN, Maker
+from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.unmatched import report_unmatched
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import fits, unnumbered
+from linkwright.stages.robot.model import Link, Part
 
 if TYPE_CHECKING:
-    from stages.mesh.collider_section import ColliderSection
-    from stages.mesh.section import MeshSection
+    from linkwright.stages.mesh.collider_section import ColliderSection
+    from linkwright.stages.mesh.section import MeshSection
 
 _WHERE = "mesh.colliders"
 

@@ -13,23 +13,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stages.mesh import collision
-from stages.mesh.across import MANY, across
-from stages.mesh.choices import Choice
-from stages.mesh.collision import Collision
-from stages.mesh.improvement import Improvement, improved
-from stages.mesh.library import MeshLibrary
-from stages.mesh.link_mesh import Use
-from stages.mesh.pieces import placed
-from stages.mesh.side_by_side import Making, side_by_side
-from stages.mesh.surface import Surface, moved
-from stages.mesh.verdict import miss
-from stages.robot.errors import DecompositionFailed
-from stages.robot.guest import Guest
-from stages.robot.model import Array, frozen
+from linkwright.stages.mesh import collision
+from linkwright.stages.mesh.across import MANY, across
+from linkwright.stages.mesh.choices import Choice
+from linkwright.stages.mesh.collision import Collision
+from linkwright.stages.mesh.improvement import Improvement, improved
+from linkwright.stages.mesh.library import MeshLibrary
+from linkwright.stages.mesh.link_mesh import Use
+from linkwright.stages.mesh.pieces import placed
+from linkwright.stages.mesh.side_by_side import Making, side_by_side
+from linkwright.stages.mesh.surface import Surface, moved
+from linkwright.stages.mesh.verdict import miss
+from linkwright.stages.robot.errors import DecompositionFailed
+from linkwright.stages.robot.guest import Guest
+from linkwright.stages.robot.model import Array, frozen
 
 if TYPE_CHECKING:
-    from stages.mesh import Memo, Shown
+    from linkwright.stages.mesh import Memo, Shown
 
 _HERE = frozen(np.eye(4))
 
@@ -208,7 +208,7 @@ def _whole(group: Sequence[Collided]) -> ColliderJob:
 
 
 def _maker(job: ColliderJob) -> Any:
-    return import_module(f"stages.mesh.colliders.{job.choice.maker}")
+    return import_module(f"linkwright.stages.mesh.colliders.{job.choice.maker}")
 
 
 def _off(made: Collision) -> float:

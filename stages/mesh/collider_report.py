@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from stages.mesh.collide import Collided
-from stages.mesh.collision import Collision
-from stages.mesh.pieces import vertices
-from stages.mesh.verdict import miss
-from stages.robot.errors import Diagnostic
-from stages.robot.geometry import ColliderFigures
-from stages.robot.globs import escaped, unnumbered
-from stages.robot.plural import count
+from linkwright.stages.mesh.collide import Collided
+from linkwright.stages.mesh.collision import Collision
+from linkwright.stages.mesh.pieces import vertices
+from linkwright.stages.mesh.verdict import miss
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.geometry import ColliderFigures
+from linkwright.stages.robot.globs import escaped, unnumbered
+from linkwright.stages.robot.plural import count
 
 
 def figures_of(one: Collided, names: Sequence[str]) -> ColliderFigures:

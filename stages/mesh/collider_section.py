@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from stages.mesh import COLLIDERS, PRIMITIVES
-from stages.mesh.decompose_options import search
-from stages.robot.errors import ConfigError
-from stages.robot.quantity_keys import PositiveLength
-from stages.robot.section import Count, NonNegative, Section, Text, example, invalid
+from linkwright.stages.mesh import COLLIDERS, PRIMITIVES
+from linkwright.stages.mesh.decompose_options import search
+from linkwright.stages.robot.errors import ConfigError
+from linkwright.stages.robot.quantity_keys import PositiveLength
+from linkwright.stages.robot.section import Count, NonNegative, Section, Text, example, invalid
 
 if TYPE_CHECKING:
     ColliderName = str

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 if TYPE_CHECKING:
-    from stages.mesh.section import MeshSection
-    from stages.mesh.surface import Surface
+    from linkwright.stages.mesh.section import MeshSection
+    from linkwright.stages.mesh.surface import Surface
 
 LEAST_TOLERANCE = 0.001
 """The tolerance [m] of a small part where `mesh.tolerance` says nothing."""

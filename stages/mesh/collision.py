@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 import orjson
 
-from stages.mesh import mesh_file
-from stages.mesh.measure import Measures
-from stages.mesh.mesh_file import MeshFile
-from stages.mesh.pieces import Piece, placed
-from stages.mesh.surface import Surface
-from stages.robot import codec
-from stages.robot.geometry import NEUTRAL
-from stages.robot.model import Array, Primitive
+from linkwright.stages.mesh import mesh_file
+from linkwright.stages.mesh.measure import Measures
+from linkwright.stages.mesh.mesh_file import MeshFile
+from linkwright.stages.mesh.pieces import Piece, placed
+from linkwright.stages.mesh.surface import Surface
+from linkwright.stages.robot import codec
+from linkwright.stages.robot.geometry import NEUTRAL
+from linkwright.stages.robot.model import Array, Primitive
 
 Collider = MeshFile | Primitive
 

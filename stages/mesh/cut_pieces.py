@@ -15,18 +15,18 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from stages.mesh.by_contact import planes
-from stages.mesh.by_contact.cutting import slicer
-from stages.mesh.by_contact.piece import cloud_of, whole_hull
-from stages.mesh.convex_hull import convex_hull
-from stages.mesh.field import Field
-from stages.mesh.measure import even
-from stages.mesh.pieces import Piece, beyond, half_spaces, surface_of, vertices
-from stages.mesh.seams import containing_hull
-from stages.mesh.sectors import in_sectors
-from stages.mesh.snapping import on_grid, snapped
-from stages.mesh.surface import Points, Surface
-from stages.mesh.verdict import Judge, miss
+from linkwright.stages.mesh.by_contact import planes
+from linkwright.stages.mesh.by_contact.cutting import slicer
+from linkwright.stages.mesh.by_contact.piece import cloud_of, whole_hull
+from linkwright.stages.mesh.convex_hull import convex_hull
+from linkwright.stages.mesh.field import Field
+from linkwright.stages.mesh.measure import even
+from linkwright.stages.mesh.pieces import Piece, beyond, half_spaces, surface_of, vertices
+from linkwright.stages.mesh.seams import containing_hull
+from linkwright.stages.mesh.sectors import in_sectors
+from linkwright.stages.mesh.snapping import on_grid, snapped
+from linkwright.stages.mesh.surface import Points, Surface
+from linkwright.stages.mesh.verdict import Judge, miss
 
 Numbers = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
-from stages.robot.errors import ConfigError
-from stages.robot.globs import did_you_mean
+from linkwright.stages.robot.errors import ConfigError
+from linkwright.stages.robot.globs import did_you_mean
 
 _OF_TOLERANCE = 2.0
 """CoACD's threshold, where none is given, in tolerances: its measure is the largest distance anywhere, and

@@ -4,8 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Strict
 
-from stages.robot.quantity_keys import NonNegativeLength
-from stages.robot.section import NonNegative, Number, Section, Solref, example, invalid
+from linkwright.stages.robot.quantity_keys import NonNegativeLength
+from linkwright.stages.robot.section import NonNegative, Number, Section, Solref, example, invalid
 
 Solimp = tuple[Number, Number, Number, Number, Number]
 

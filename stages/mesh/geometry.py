@@ -7,45 +7,45 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from stages.mesh import mesh_file, primitives, textures
-from stages.mesh.assets import written
-from stages.mesh.by_contact.made import by_contact
-from stages.mesh.by_contact.meeting import wanted
-from stages.mesh.by_contact.report import false_contacts
-from stages.mesh.by_contact.request import ContactRequest, FalsePair
-from stages.mesh.choices import Choice, choices
-from stages.mesh.collide import Collided, ColliderJob, collide
-from stages.mesh.collider_report import colliders_reported, figures_of
-from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.collision import Collider, colliders
-from stages.mesh.com_check import unbalanced
-from stages.mesh.contact_parts import reported as too_small_reported
-from stages.mesh.contact_parts import with_basis
-from stages.mesh.contacts.analysis import self_contacts
-from stages.mesh.contacts.apart import apart
-from stages.mesh.contacts.chosen import chosen_pairs
-from stages.mesh.diagnostics import diagnostics
-from stages.mesh.geoms import GeomRules
-from stages.mesh.idle_keys import BY_CONTACT, idle_keys
-from stages.mesh.ignored import without_ignored
-from stages.mesh.library import MeshLibrary
-from stages.mesh.link_mesh import PartFinding
-from stages.mesh.link_uses import LinkUses, link_visuals, used_meshes
-from stages.mesh.mesh_file import MeshFile
-from stages.mesh.names import file_names, part_words
-from stages.mesh.pieces import Piece, placed
-from stages.mesh.visuals.make import LinkVisuals
-from stages.robot.adjacency import Pair
-from stages.robot.bundle import Bundle
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.errors import MeshError
-from stages.robot.geom_form import PLAIN
-from stages.robot.geometry import ColliderFigures, Geometry, Role, Shape
-from stages.robot.model import Link, Part, Primitive, Robot
+from linkwright.stages.mesh import mesh_file, primitives, textures
+from linkwright.stages.mesh.assets import written
+from linkwright.stages.mesh.by_contact.made import by_contact
+from linkwright.stages.mesh.by_contact.meeting import wanted
+from linkwright.stages.mesh.by_contact.report import false_contacts
+from linkwright.stages.mesh.by_contact.request import ContactRequest, FalsePair
+from linkwright.stages.mesh.choices import Choice, choices
+from linkwright.stages.mesh.collide import Collided, ColliderJob, collide
+from linkwright.stages.mesh.collider_report import colliders_reported, figures_of
+from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.collision import Collider, colliders
+from linkwright.stages.mesh.com_check import unbalanced
+from linkwright.stages.mesh.contact_parts import reported as too_small_reported
+from linkwright.stages.mesh.contact_parts import with_basis
+from linkwright.stages.mesh.contacts.analysis import self_contacts
+from linkwright.stages.mesh.contacts.apart import apart
+from linkwright.stages.mesh.contacts.chosen import chosen_pairs
+from linkwright.stages.mesh.diagnostics import diagnostics
+from linkwright.stages.mesh.geoms import GeomRules
+from linkwright.stages.mesh.idle_keys import BY_CONTACT, idle_keys
+from linkwright.stages.mesh.ignored import without_ignored
+from linkwright.stages.mesh.library import MeshLibrary
+from linkwright.stages.mesh.link_mesh import PartFinding
+from linkwright.stages.mesh.link_uses import LinkUses, link_visuals, used_meshes
+from linkwright.stages.mesh.mesh_file import MeshFile
+from linkwright.stages.mesh.names import file_names, part_words
+from linkwright.stages.mesh.pieces import Piece, placed
+from linkwright.stages.mesh.visuals.make import LinkVisuals
+from linkwright.stages.robot.adjacency import Pair
+from linkwright.stages.robot.bundle import Bundle
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.errors import MeshError
+from linkwright.stages.robot.geom_form import PLAIN
+from linkwright.stages.robot.geometry import ColliderFigures, Geometry, Role, Shape
+from linkwright.stages.robot.model import Link, Part, Primitive, Robot
 
 if TYPE_CHECKING:
-    from stages.mesh import Memo, Shown
-    from stages.mesh.section import MeshSection, MeshSections
+    from linkwright.stages.mesh import Memo, Shown
+    from linkwright.stages.mesh.section import MeshSection, MeshSections
 
 
 _Piece = tuple[int, Collider, list[Part]]

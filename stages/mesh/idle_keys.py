@@ -3,10 +3,10 @@
 from collections.abc import Collection, Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from stages.robot.errors import Diagnostic
+from linkwright.stages.robot.errors import Diagnostic
 
 if TYPE_CHECKING:
-    from stages.mesh.section import MeshSections
+    from linkwright.stages.mesh.section import MeshSections
 
 BY_CONTACT = "ladder without a tolerance"
 """The maker of colliders by contact, as it is called here."""

@@ -6,14 +6,14 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from stages.mesh.choices import names_of
-from stages.mesh.unmatched import report_unmatched
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import fits
-from stages.robot.model import Link, Part
+from linkwright.stages.mesh.choices import names_of
+from linkwright.stages.mesh.unmatched import report_unmatched
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import fits
+from linkwright.stages.robot.model import Link, Part
 
 if TYPE_CHECKING:
-    from stages.mesh.section import IgnoreSection
+    from linkwright.stages.mesh.section import IgnoreSection
 
 
 def without_ignored(links: Sequence[Link], keys: IgnoreSection, log: Diagnostics) -> list[Link]:

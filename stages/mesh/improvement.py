@@ -10,14 +10,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import import_module
 
-from stages.mesh import collision
-from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.collision import Collision
-from stages.mesh.surface import Surface
-from stages.robot.errors import DecompositionFailed
-from stages.robot.guest import ONE_THREAD, Bounds, Ended, Guest
+from linkwright.stages.mesh import collision
+from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.collision import Collision
+from linkwright.stages.mesh.surface import Surface
+from linkwright.stages.robot.errors import DecompositionFailed
+from linkwright.stages.robot.guest import ONE_THREAD, Bounds, Ended, Guest
 
-TASKS = "stages.mesh.task_guest"
+TASKS = "linkwright.stages.mesh.task_guest"
 
 BOUNDS = Bounds(seconds=120, memory=4 << 30, reply=64 << 20, shared=4)
 """Limits of one part, the time that of its processor: by the clock it would depend on what else the machine
@@ -35,7 +35,7 @@ class Improvement:
 
     def reply(self) -> bytes:
         """The improved collider, as bytes."""
-        maker = import_module(f"stages.mesh.colliders.{self.maker}")
+        maker = import_module(f"linkwright.stages.mesh.colliders.{self.maker}")
         return collision.encode(maker.improve(self.surfaces, self.settings, self.made))
 
 

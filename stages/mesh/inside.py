@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from stages.mesh.rays import DIRECTIONS, LineGrid
-from stages.mesh.shells import Edges, components
-from stages.mesh.surface import Points, Surface
+from linkwright.stages.mesh.rays import DIRECTIONS, LineGrid
+from linkwright.stages.mesh.shells import Edges, components
+from linkwright.stages.mesh.surface import Points, Surface
 
 Indices = npt.NDArray[np.int64]
 

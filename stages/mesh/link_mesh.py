@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import orjson
 
-from stages.mesh.mesh_file import MeshFile
-from stages.mesh.surface import Surface, moved
-from stages.mesh.tessellation import PartMesh
-from stages.mesh.visuals.budget import Decimation, Decimator
-from stages.mesh.visuals.make import Drawn, LinkVisuals, visuals
-from stages.robot.model import Array, MeshRef
+from linkwright.stages.mesh.mesh_file import MeshFile
+from linkwright.stages.mesh.surface import Surface, moved
+from linkwright.stages.mesh.tessellation import PartMesh
+from linkwright.stages.mesh.visuals.budget import Decimation, Decimator
+from linkwright.stages.mesh.visuals.make import Drawn, LinkVisuals, visuals
+from linkwright.stages.robot.model import Array, MeshRef
 
 if TYPE_CHECKING:
-    from stages.mesh.section import VisualSection
+    from linkwright.stages.mesh.section import VisualSection
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,20 +4,20 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from stages.mesh import link_mesh
-from stages.mesh.choices import Choice
-from stages.mesh.collide import ColliderJob, jobs_of
-from stages.mesh.contact_parts import too_small
-from stages.mesh.geoms import GeomRules
-from stages.mesh.library import MeshLibrary
-from stages.mesh.link_mesh import LinkParts, Use
-from stages.mesh.visuals.make import LinkVisuals
-from stages.robot.geom_form import PLAIN
-from stages.robot.model import Link, Part
+from linkwright.stages.mesh import link_mesh
+from linkwright.stages.mesh.choices import Choice
+from linkwright.stages.mesh.collide import ColliderJob, jobs_of
+from linkwright.stages.mesh.contact_parts import too_small
+from linkwright.stages.mesh.geoms import GeomRules
+from linkwright.stages.mesh.library import MeshLibrary
+from linkwright.stages.mesh.link_mesh import LinkParts, Use
+from linkwright.stages.mesh.visuals.make import LinkVisuals
+from linkwright.stages.robot.geom_form import PLAIN
+from linkwright.stages.robot.model import Link, Part
 
 if TYPE_CHECKING:
-    from stages.mesh import Memo
-    from stages.mesh.section import MeshSection
+    from linkwright.stages.mesh import Memo
+    from linkwright.stages.mesh.section import MeshSection
 
 _MOST_CORNERS = 10_000
 """Of the hull of an ellipsoid: as many as it has."""

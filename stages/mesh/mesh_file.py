@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stages.mesh import obj, stl
-from stages.mesh.surface import Surface, chosen, joined, rounded
-from stages.robot.geometry import Colour
+from linkwright.stages.mesh import obj, stl
+from linkwright.stages.mesh.surface import Surface, chosen, joined, rounded
+from linkwright.stages.robot.geometry import Colour
 
 MOST_FACES = 200_000
 """The largest number of triangles in one file: MuJoCo reads no more."""

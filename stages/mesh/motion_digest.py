@@ -4,13 +4,13 @@ import hashlib
 from collections.abc import Sequence
 from typing import Any
 
-from stages.robot import codec
-from stages.robot.model import Dof, Robot
+from linkwright.stages.robot import codec
+from linkwright.stages.robot.model import Dof, Robot
 
 
 def motion_digest(robot: Robot) -> str:
     """A digest of all that decides where links are: not of masses, dynamics or the origins in CAD."""
-    from stages.robot.start_pose import HOME
+    from linkwright.stages.robot.start_pose import HOME
 
     def dofs(every: Sequence[Dof]) -> list[Any]:
         return [[dof.name, dof.kind, dof.axis, dof.origin, dof.limits, dof.saved] for dof in every]

@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
-from stages.robot.names import plain, shortest_unique
+from linkwright.stages.robot.names import plain, shortest_unique
 
 _LONGEST = 200
 """Letters of a link's name in that of a file, which may have 255."""

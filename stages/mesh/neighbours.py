@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from stages.mesh.surface import Surface
+from linkwright.stages.mesh.surface import Surface
 
 
 def neighbours(surface: Surface) -> npt.NDArray[np.int64]:

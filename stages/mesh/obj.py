@@ -3,8 +3,8 @@
 import numpy as np
 import numpy.typing as npt
 
-from stages.mesh.surface import Surface
-from stages.robot.geometry import Colour
+from linkwright.stages.mesh.surface import Surface
+from linkwright.stages.robot.geometry import Colour
 
 
 def write(surface: Surface) -> bytes:

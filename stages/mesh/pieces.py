@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from stages.mesh.surface import Points, Surface, moved
-from stages.robot.inertia import primitive_volume
-from stages.robot.model import Array, Primitive, frozen
+from linkwright.stages.mesh.surface import Points, Surface, moved
+from linkwright.stages.robot.inertia import primitive_volume
+from linkwright.stages.robot.model import Array, Primitive, frozen
 
 Piece = Surface | Primitive
 """A `Surface` here is closed, convex and faces outwards."""

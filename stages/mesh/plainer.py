@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from stages.mesh.fit import fits
-from stages.mesh.pieces import Piece
-from stages.mesh.surface import Surface
-from stages.mesh.verdict import Judge
+from linkwright.stages.mesh.fit import fits
+from linkwright.stages.mesh.pieces import Piece
+from linkwright.stages.mesh.surface import Surface
+from linkwright.stages.mesh.verdict import Judge
 
 if TYPE_CHECKING:
-    from stages.mesh.fit.kinds import Fitted
-    from stages.robot.model import PrimitiveKind
+    from linkwright.stages.mesh.fit.kinds import Fitted
+    from linkwright.stages.robot.model import PrimitiveKind
 
 _NEAR = 0.75
 """A fit is tried whose error, against its piece, is at most so many tolerances."""

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from stages.mesh.convex_hull import convex_hull
-from stages.mesh.surface import Points, Surface
-from stages.robot.geometry import NEUTRAL, Colour, Role, Shape
-from stages.robot.inertia import primitive_volume
-from stages.robot.model import Link, Primitive
+from linkwright.stages.mesh.convex_hull import convex_hull
+from linkwright.stages.mesh.surface import Points, Surface
+from linkwright.stages.robot.geometry import NEUTRAL, Colour, Role, Shape
+from linkwright.stages.robot.inertia import primitive_volume
+from linkwright.stages.robot.model import Link, Primitive
 
 _AROUND = 48
 _UPWARDS = 24

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from stages.mesh.pieces import along
-from stages.mesh.surface import Points, Surface, Triangles
+from linkwright.stages.mesh.pieces import along
+from linkwright.stages.mesh.surface import Points, Surface, Triangles
 
 Indices = npt.NDArray[np.int64]
 

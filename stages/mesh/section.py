@@ -4,11 +4,11 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from stages.mesh.collider_section import CoacdParameters, ColliderChoice, ColliderName, VertexCount
-from stages.mesh.geom_section import GeomSection
-from stages.robot.optional_section import OptionalSection
-from stages.robot.quantity_keys import NonNegativeLength, PositiveLength
-from stages.robot.section import Count, NonNegative, Section, Text, example
+from linkwright.stages.mesh.collider_section import CoacdParameters, ColliderChoice, ColliderName, VertexCount
+from linkwright.stages.mesh.geom_section import GeomSection
+from linkwright.stages.robot.optional_section import OptionalSection
+from linkwright.stages.robot.quantity_keys import NonNegativeLength, PositiveLength
+from linkwright.stages.robot.section import Count, NonNegative, Section, Text, example
 
 
 class VisualSection(Section):

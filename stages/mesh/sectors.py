@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from stages.mesh.by_contact.cutting import slicer
-from stages.mesh.surface import Surface
+from linkwright.stages.mesh.by_contact.cutting import slicer
+from linkwright.stages.mesh.surface import Surface
 
 _PLANES = (4, 8)
 """Through the axis: 8 and 16 sectors."""

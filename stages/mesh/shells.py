@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from stages.mesh.rays import LineGrid
-from stages.mesh.surface import Surface
+from linkwright.stages.mesh.rays import LineGrid
+from linkwright.stages.mesh.surface import Surface
 
 Indices = npt.NDArray[np.int64]
 Flags = npt.NDArray[np.bool_]

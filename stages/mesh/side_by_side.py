@@ -9,11 +9,11 @@ from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from stages.mesh import Shown
-from stages.mesh.improvement import helper
-from stages.robot import process_usage
-from stages.robot.errors import DecompositionFailed
-from stages.robot.guest import Guest
+from linkwright.stages.mesh import Shown
+from linkwright.stages.mesh.improvement import helper
+from linkwright.stages.robot import process_usage
+from linkwright.stages.robot.errors import DecompositionFailed
+from linkwright.stages.robot.guest import Guest
 
 Made = TypeVar("Made")
 

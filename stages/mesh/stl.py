@@ -5,8 +5,8 @@ import struct
 import numpy as np
 import numpy.typing as npt
 
-from stages.formats.mesh_points import STL_FACE, STL_HEADER, mesh_points
-from stages.mesh.surface import Surface
+from linkwright.stages.formats.mesh_points import STL_FACE, STL_HEADER, mesh_points
+from linkwright.stages.mesh.surface import Surface
 
 HEADER = b"linkwright".ljust(STL_HEADER, b"\0")
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stages.formats.triangles import distinct
+from linkwright.stages.formats.triangles import distinct
 
 Points = npt.NDArray[np.float64]
 """(n, 3) coordinates [m]."""

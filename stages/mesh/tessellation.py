@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from stages.formats import triangles
-from stages.formats.triangles import Body
-from stages.mesh.surface import Surface, weld
-from stages.robot.geometry import Colour
+from linkwright.stages.formats import triangles
+from linkwright.stages.formats.triangles import Body
+from linkwright.stages.mesh.surface import Surface, weld
+from linkwright.stages.robot.geometry import Colour
 
 
 @dataclass(frozen=True, slots=True, eq=False)

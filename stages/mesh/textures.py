@@ -2,10 +2,10 @@
 
 from collections.abc import Iterable
 
-from stages.mesh import obj
-from stages.mesh.visuals.make import LinkVisuals
-from stages.robot.bundle import Bundle
-from stages.robot.geometry import NEUTRAL, Shape
+from linkwright.stages.mesh import obj
+from linkwright.stages.mesh.visuals.make import LinkVisuals
+from linkwright.stages.robot.bundle import Bundle
+from linkwright.stages.robot.geometry import NEUTRAL, Shape
 
 IMAGE = ".png"
 

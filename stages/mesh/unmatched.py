@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import there_are, unnumbered
-from stages.robot.model import Link
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import there_are, unnumbered
+from linkwright.stages.robot.model import Link
 
 
 def report_unmatched(glob: str, links: Sequence[Link], where: str, log: Diagnostics) -> None:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from stages.mesh.clean import clean
-from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.collision import Collision
-from stages.mesh.fit.score import MOST_OF_TOLERANCE
-from stages.mesh.measure import FEW, Measures, Target, hopeless, measure, near
-from stages.mesh.pieces import Piece
-from stages.mesh.surface import Surface, joined
+from linkwright.stages.mesh.clean import clean
+from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.collision import Collision
+from linkwright.stages.mesh.fit.score import MOST_OF_TOLERANCE
+from linkwright.stages.mesh.measure import FEW, Measures, Target, hopeless, measure, near
+from linkwright.stages.mesh.pieces import Piece
+from linkwright.stages.mesh.surface import Surface, joined
 
 
 @dataclass(frozen=True, slots=True, eq=False)

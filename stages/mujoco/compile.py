@@ -7,9 +7,9 @@ from typing import Any
 
 import mujoco
 
-from stages.formats.xml import parse, to_bytes
-from stages.mujoco.urdf import with_floating_on_world, without_packages
-from stages.mujoco.warnings import listening, unquoted
+from linkwright.stages.formats.xml import parse, to_bytes
+from linkwright.stages.mujoco.urdf import with_floating_on_world, without_packages
+from linkwright.stages.mujoco.warnings import listening, unquoted
 
 KEPT_MESHES = 20_000_000
 """The size of MuJoCo's cache of processed meshes [bytes]."""

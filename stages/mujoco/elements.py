@@ -6,8 +6,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.formats.numbers import exact
-from stages.mujoco.fields import (
+from linkwright.stages.formats.numbers import exact
+from linkwright.stages.mujoco.fields import (
     ACTUATOR,
     CAMERA,
     CONTACT,
@@ -23,8 +23,8 @@ from stages.mujoco.fields import (
     attributes,
     bare,
 )
-from stages.robot.mjcf_extras import Attributes, MjcfElement
-from stages.robot.poses import rotation_from_quat
+from linkwright.stages.robot.mjcf_extras import Attributes, MjcfElement
+from linkwright.stages.robot.poses import rotation_from_quat
 
 OBJ = mujoco.mjtObj
 

@@ -12,8 +12,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.formats.numbers import exact
-from stages.robot.mjcf_extras import Attributes
+from linkwright.stages.formats.numbers import exact
+from linkwright.stages.robot.mjcf_extras import Attributes
 
 _BARE = """<mujoco><worldbody><light/><camera/><geom name="floor" size="1"/>
 <body name="a"><joint name="a"/><geom name="a" size="1"/><site name="a"/></body>

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 
-from stages.formats.xml import Element
+from linkwright.stages.formats.xml import Element
 
 
 def put_in_place(include: Element, content: Sequence[Element]) -> None:

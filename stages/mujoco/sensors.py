@@ -5,9 +5,9 @@ from typing import Any
 
 import mujoco
 
-from stages.mujoco.elements import KINDS, OBJ, Name, name_of, named
-from stages.mujoco.fields import SENSOR, attributes
-from stages.robot.mjcf_extras import Attributes, MjcfElement
+from linkwright.stages.mujoco.elements import KINDS, OBJ, Name, name_of, named
+from linkwright.stages.mujoco.fields import SENSOR, attributes
+from linkwright.stages.robot.mjcf_extras import Attributes, MjcfElement
 
 _TAGS = {
     "jointactfrc": "jointactuatorfrc",

@@ -8,9 +8,9 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from stages.mujoco.state import at_keyframe
-from stages.mujoco.warnings import listening
-from stages.robot.model import Array
+from linkwright.stages.mujoco.state import at_keyframe
+from linkwright.stages.mujoco.warnings import listening
+from linkwright.stages.robot.model import Array
 
 SECONDS = 2.0
 """The length of a trial run."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from stages.formats.xml import Element, element
+from linkwright.stages.formats.xml import Element, element
 
 
 def without_packages(root: Element) -> None:

@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from itertools import combinations, product
 
-from stages.robot.model import Robot
+from linkwright.stages.robot.model import Robot
 
 Pair = tuple[str, str]
 """Two links, in the order of the robot's links."""

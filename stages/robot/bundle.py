@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from stages.robot.errors import ProtocolError
+from linkwright.stages.robot.errors import ProtocolError
 
 
 @dataclass(frozen=True, slots=True, order=True)

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
-    from stages.robot.model import Array
+    from linkwright.stages.robot.model import Array
 
 Mesh = Any
 """Triangles as an engine keeps them."""

@@ -11,10 +11,10 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from stages.robot.dof_ranges import ranges
-from stages.robot.loops import CLOSED
-from stages.robot.model import Array, Dof, DofKind, Robot
-from stages.robot.pose_batch import (
+from linkwright.stages.robot.dof_ranges import ranges
+from linkwright.stages.robot.loops import CLOSED
+from linkwright.stages.robot.model import Array, Dof, DofKind, Robot
+from linkwright.stages.robot.pose_batch import (
     Values,
     along,
     cross,
@@ -24,7 +24,7 @@ from stages.robot.pose_batch import (
     rotations_of_quats,
     turns_of,
 )
-from stages.robot.ways import Ways
+from linkwright.stages.robot.ways import Ways
 
 _DAMPED = 1e-10
 """Of the mean square of the Jacobian's rows: what keeps conditions that follow from others from counting."""

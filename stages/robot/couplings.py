@@ -10,9 +10,9 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from stages.robot.closing import Closer
-from stages.robot.model import Array, Robot
-from stages.robot.pose_batch import Values, count_of
+from linkwright.stages.robot.closing import Closer
+from linkwright.stages.robot.model import Array, Robot
+from linkwright.stages.robot.pose_batch import Values, count_of
 
 RANK = 1e-6
 """A singular value below this share of the largest counts as zero: poses close to about 1e-8."""

@@ -4,8 +4,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from stages.robot.errors import AssemblyError, Diagnostic
-from stages.robot.plural import count
+from linkwright.stages.robot.errors import AssemblyError, Diagnostic
+from linkwright.stages.robot.plural import count
 
 
 @dataclass(slots=True)

@@ -2,7 +2,7 @@
 
 import math
 
-from stages.robot.model import Relation, Robot
+from linkwright.stages.robot.model import Relation, Robot
 
 
 def ranges(robot: Robot) -> dict[str, tuple[float, float]]:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from stages.robot.arrays import Array
+from linkwright.stages.robot.arrays import Array
 
 DofKind = Literal["turn", "slide", "ball", "free"]
 

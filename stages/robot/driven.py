@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from stages.robot.actuation import Actuation, Supplied
-from stages.robot.model import Dof, Robot
+from linkwright.stages.robot.actuation import Actuation, Supplied
+from linkwright.stages.robot.model import Dof, Robot
 
 
 def as_driven(robot: Robot, actuation: Actuation) -> Robot:

@@ -4,11 +4,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from stages.robot.inertia import moved
-from stages.robot.kinematics import link_poses
-from stages.robot.model import Array, Configuration, Dof, Inertial, Joint, Robot
-from stages.robot.poses import at_rest, motion
-from stages.robot.ways import Ways
+from linkwright.stages.robot.inertia import moved
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.model import Array, Configuration, Dof, Inertial, Joint, Robot
+from linkwright.stages.robot.poses import at_rest, motion
+from linkwright.stages.robot.ways import Ways
 
 SPEEDS = {"turn": 1, "slide": 1, "ball": 3, "free": 6}
 """How many speeds a dof has, by its kind."""

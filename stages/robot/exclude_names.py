@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from stages.robot.geometry import ColliderFigures, Exclude, Shape
-from stages.robot.plural import count
+from linkwright.stages.robot.geometry import ColliderFigures, Exclude, Shape
+from linkwright.stages.robot.plural import count
 
 Names = tuple[str, ...]
 

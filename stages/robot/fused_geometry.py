@@ -3,9 +3,9 @@
 from dataclasses import dataclass, replace
 from itertools import product
 
-from stages.robot.fusing import Holders, members
-from stages.robot.geometry import Exclude, Geometry, Shape, Touch
-from stages.robot.model import Robot
+from linkwright.stages.robot.fusing import Holders, members
+from linkwright.stages.robot.geometry import Exclude, Geometry, Shape, Touch
+from linkwright.stages.robot.model import Robot
 
 
 @dataclass(frozen=True, slots=True)

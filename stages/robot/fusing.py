@@ -3,9 +3,9 @@
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
-from stages.robot.inertia import merged, moved
-from stages.robot.model import Array, Frame, Inertial, Joint, Link, Loop, Robot, frozen
-from stages.robot.poses import UNMOVED
+from linkwright.stages.robot.inertia import merged, moved
+from linkwright.stages.robot.model import Array, Frame, Inertial, Joint, Link, Loop, Robot, frozen
+from linkwright.stages.robot.poses import UNMOVED
 
 Holders = Mapping[str, tuple[str, Array]]
 """By link: the link that it is part of, and holder_from_link (4, 4)."""

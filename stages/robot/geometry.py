@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-from stages.robot.errors import Diagnostic
-from stages.robot.geom_form import PLAIN, ContactProperties, GeomForm
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.geom_form import PLAIN, ContactProperties, GeomForm
 
 if TYPE_CHECKING:  # numpy comes with the model
-    from stages.robot.model import Primitive
+    from linkwright.stages.robot.model import Primitive
 
 Role = Literal["visual", "collision"]
 Colour = tuple[float, float, float, float]

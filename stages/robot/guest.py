@@ -22,8 +22,8 @@ from pathlib import Path
 from queue import SimpleQueue
 from typing import IO
 
-from stages.robot import process_usage
-from stages.robot.errors import ConfigError, LinkwrightError, SourceError
+from linkwright.stages.robot import process_usage
+from linkwright.stages.robot.errors import ConfigError, LinkwrightError, SourceError
 
 _MAIN = Path(__file__).with_name("guestmain.py")
 _LIBRARIES = str(Path(__file__).parents[2])

@@ -24,7 +24,7 @@ def main() -> None:
     for name in set(os.environ) - set(head["environ"]):
         del os.environ[name]
     sys.path[:] = head["path"]
-    errors = importlib.import_module("stages.robot.errors")
+    errors = importlib.import_module("linkwright.stages.robot.errors")
     guest = importlib.import_module(head["module"])
     while length := requests.read(8):
         request = requests.read(int.from_bytes(length, "big"))

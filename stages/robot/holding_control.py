@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 
-from stages.robot.actuation import Actuator
+from linkwright.stages.robot.actuation import Actuator
 
 _FILTERS = ("filter", "filterexact")
 """Dynamics whose state follows the control: at rest it is the control."""

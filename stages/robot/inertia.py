@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from stages.robot.model import Array, Inertial, PrimitiveKind, frozen
+from linkwright.stages.robot.model import Array, Inertial, PrimitiveKind, frozen
 
 ZERO = Inertial(0.0, frozen(np.zeros(3)), frozen(np.zeros((3, 3))))
 

@@ -4,8 +4,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from stages.robot.model import Array, Configuration, Dof, Robot
-from stages.robot.poses import UNMOVED, at_rest, motion
+from linkwright.stages.robot.model import Array, Configuration, Dof, Robot
+from linkwright.stages.robot.poses import UNMOVED, at_rest, motion
 
 
 def link_poses(robot: Robot, q: Configuration | None = None) -> dict[str, Array]:

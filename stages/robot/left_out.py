@@ -1,6 +1,6 @@
 """Which links MuJoCo never lets collide."""
 
-from stages.robot.model import Robot
+from linkwright.stages.robot.model import Robot
 
 _WORLD = ""
 """The body of all that is fixed to the world, as MuJoCo's filter sees it."""

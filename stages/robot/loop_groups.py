@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import networkx as nx
 
-from stages.robot.model import Loop, Relation, Robot
-from stages.robot.ways import Ways
+from linkwright.stages.robot.model import Loop, Relation, Robot
+from linkwright.stages.robot.ways import Ways
 
 
 class LoopGroups:

@@ -12,14 +12,14 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from stages.robot.closing import Closer
-from stages.robot.couplings import RANK, Couplings, Rates, nearest_first
-from stages.robot.dof_ranges import ranges
-from stages.robot.linear_coupling import LinearCoupling
-from stages.robot.loop_groups import LoopGroups
-from stages.robot.model import Array, Configuration, Robot
-from stages.robot.pose_batch import Values, chosen, count_of, repeated
-from stages.robot.pose_samples import ends_of
+from linkwright.stages.robot.closing import Closer
+from linkwright.stages.robot.couplings import RANK, Couplings, Rates, nearest_first
+from linkwright.stages.robot.dof_ranges import ranges
+from linkwright.stages.robot.linear_coupling import LinearCoupling
+from linkwright.stages.robot.loop_groups import LoopGroups
+from linkwright.stages.robot.model import Array, Configuration, Robot
+from linkwright.stages.robot.pose_batch import Values, chosen, count_of, repeated
+from linkwright.stages.robot.pose_samples import ends_of
 
 EXACT = 1e-9
 """A follower is on its line where it is never further off [rad or m]."""

@@ -5,9 +5,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from stages.robot.kinematics import chain
-from stages.robot.model import Array, Dof, Loop, Value
-from stages.robot.poses import at_rest, inverse, quat_from_rotation
+from linkwright.stages.robot.kinematics import chain
+from linkwright.stages.robot.model import Array, Dof, Loop, Value
+from linkwright.stages.robot.poses import at_rest, inverse, quat_from_rotation
 
 CLOSED = 1e-6
 """A loop counts as closed when its frames meet within this [m, and rad]."""

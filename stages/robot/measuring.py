@@ -1,7 +1,7 @@
 """The sensors that a robot has with what drives it."""
 
-from stages.robot.actuation import Actuation
-from stages.robot.model import Robot, Sensor
+from linkwright.stages.robot.actuation import Actuation
+from linkwright.stages.robot.model import Robot, Sensor
 
 
 def measuring(robot: Robot, actuation: Actuation) -> tuple[Sensor, ...]:

@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from stages.robot.model import Array
+from linkwright.stages.robot.model import Array
 
 
 def meeting_boxes(low: Array, high: Array) -> npt.NDArray[np.intp]:

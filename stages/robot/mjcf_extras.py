@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from stages.robot.scene import Setting
+from linkwright.stages.robot.scene import Setting
 
 if TYPE_CHECKING:  # numpy comes with it
-    from stages.robot.arrays import Array
+    from linkwright.stages.robot.arrays import Array
 
 Attributes = tuple[tuple[str, str], ...]
 """Attributes of an element of an MJCF: (name, text)."""

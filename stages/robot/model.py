@@ -12,23 +12,23 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 # Part of the model, each in a module of its own.
-from stages.robot.actuation import Actuator as Actuator
-from stages.robot.arrays import Array as Array
-from stages.robot.arrays import frozen as frozen
-from stages.robot.dofs import Configuration as Configuration
-from stages.robot.dofs import Dof as Dof
-from stages.robot.dofs import DofKind as DofKind
-from stages.robot.dofs import Dynamics as Dynamics
-from stages.robot.dofs import Limits as Limits
-from stages.robot.dofs import MateValue as MateValue
-from stages.robot.dofs import Spring as Spring
-from stages.robot.dofs import Value as Value
-from stages.robot.errors import Diagnostic
-from stages.robot.geom_form import PLAIN, GeomForm
-from stages.robot.mjcf_extras import MjcfExtras
-from stages.robot.semantics import NOTHING_MORE, RobotSemantics
-from stages.robot.sensing import Sensor as Sensor
-from stages.robot.transmission import Transmission as Transmission
+from linkwright.stages.robot.actuation import Actuator as Actuator
+from linkwright.stages.robot.arrays import Array as Array
+from linkwright.stages.robot.arrays import frozen as frozen
+from linkwright.stages.robot.dofs import Configuration as Configuration
+from linkwright.stages.robot.dofs import Dof as Dof
+from linkwright.stages.robot.dofs import DofKind as DofKind
+from linkwright.stages.robot.dofs import Dynamics as Dynamics
+from linkwright.stages.robot.dofs import Limits as Limits
+from linkwright.stages.robot.dofs import MateValue as MateValue
+from linkwright.stages.robot.dofs import Spring as Spring
+from linkwright.stages.robot.dofs import Value as Value
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.geom_form import PLAIN, GeomForm
+from linkwright.stages.robot.mjcf_extras import MjcfExtras
+from linkwright.stages.robot.semantics import NOTHING_MORE, RobotSemantics
+from linkwright.stages.robot.sensing import Sensor as Sensor
+from linkwright.stages.robot.transmission import Transmission as Transmission
 
 JointType = Literal[
     "fixed",

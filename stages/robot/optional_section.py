@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from stages.robot.section import Section, Text, example
+from linkwright.stages.robot.section import Section, Text, example
 
 GLOB_KEYS = (
     "actuators",

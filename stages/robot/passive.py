@@ -1,7 +1,7 @@
 """The joints that nothing drives: neither an actuator, nor a relation."""
 
-from stages.robot.actuation import Actuation
-from stages.robot.model import Robot
+from linkwright.stages.robot.actuation import Actuation
+from linkwright.stages.robot.model import Robot
 
 
 def passive_dofs(robot: Robot, written: Robot, actuation: Actuation) -> tuple[str, ...]:
@@ -15,9 +15,9 @@ def passive_dofs(robot: Robot, written: Robot, actuation: Actuation) -> tuple[st
     said = {*robot.semantics.passive} - followers
     if not robot.loops:
         return tuple(one.name for one in robot.dofs if one.name in said)
-    from stages.robot.couplings import Couplings, nearest_first
-    from stages.robot.pose_batch import repeated
-    from stages.robot.start_pose import home
+    from linkwright.stages.robot.couplings import Couplings, nearest_first
+    from linkwright.stages.robot.pose_batch import repeated
+    from linkwright.stages.robot.start_pose import home
 
     couplings = Couplings(robot, repeated(home(robot), 1))
     rest = couplings.in_loops - followers - set(couplings.independent(nearest_first(robot)))

@@ -5,8 +5,8 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 import numpy.typing as npt
 
-from stages.robot.model import Array, Configuration, Dof, Joint, Robot
-from stages.robot.poses import at_rest
+from linkwright.stages.robot.model import Array, Configuration, Dof, Joint, Robot
+from linkwright.stages.robot.poses import at_rest
 
 Values = Mapping[str, Array]
 """By dof: (n,) of a turn or slide, (n, 4) of a ball, (n, 7) of a free joint."""

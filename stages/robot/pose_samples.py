@@ -6,10 +6,10 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from stages.robot.closing import Closer
-from stages.robot.dof_ranges import ranges
-from stages.robot.model import Array, Configuration, Dof, Robot, Value
-from stages.robot.pose_batch import chosen, count_of, repeated
+from linkwright.stages.robot.closing import Closer
+from linkwright.stages.robot.dof_ranges import ranges
+from linkwright.stages.robot.model import Array, Configuration, Dof, Robot, Value
+from linkwright.stages.robot.pose_batch import chosen, count_of, repeated
 
 _ROUNDS = 4
 """How often poses are drawn again in place of those whose loops do not close."""

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from stages.robot.model import Array, DofKind, Value, frozen
+from linkwright.stages.robot.model import Array, DofKind, Value, frozen
 
 UNMOVED = frozen(np.eye(4))
 """The pose (4, 4) of what has not moved; not to be written to."""

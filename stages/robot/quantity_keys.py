@@ -13,11 +13,11 @@ from pydantic import (
     WrapValidator,
 )
 
-from stages.robot.section import invalid
-from stages.robot.units import SI, UNITS, Measure
+from linkwright.stages.robot.section import invalid
+from linkwright.stages.robot.units import SI, UNITS, Measure
 
 if TYPE_CHECKING:  # numpy comes with it
-    from stages.robot.dofs import DofKind
+    from linkwright.stages.robot.dofs import DofKind
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _TYPED = re.compile(rf"\s*({_NUMBER})\s*(\S.*?)?\s*")

@@ -13,7 +13,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import BinaryIO
 
-from stages.robot.errors import ConfigError
+from linkwright.stages.robot.errors import ConfigError
 
 NOT_REGULAR = "it is a device, a pipe or a socket, and only regular files are read"
 

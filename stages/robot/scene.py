@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # numpy comes with it
-    from stages.robot.arrays import Array
+    from linkwright.stages.robot.arrays import Array
 
 FLOOR = "floor"
 """The geom of a scene that is its ground."""

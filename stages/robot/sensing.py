@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
-    from stages.robot.arrays import Array
+    from linkwright.stages.robot.arrays import Array
 
 SensorTarget = Literal["", "joint", "actuator", "site", "body", "xbody", "camera"]
 """What a sensor is on; "" for the whole model. body: a link's centre of mass; xbody: its frame."""

@@ -5,11 +5,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from stages.robot.dof_ranges import ranges
-from stages.robot.kinematics import link_poses, saved_configuration
-from stages.robot.loops import CLOSED, across, closing, gap
-from stages.robot.model import Array, Configuration, Robot, Value
-from stages.robot.poses import at_rest, from_parts, rotation_from_quat
+from linkwright.stages.robot.dof_ranges import ranges
+from linkwright.stages.robot.kinematics import link_poses, saved_configuration
+from linkwright.stages.robot.loops import CLOSED, across, closing, gap
+from linkwright.stages.robot.model import Array, Configuration, Robot, Value
+from linkwright.stages.robot.poses import at_rest, from_parts, rotation_from_quat
 
 _ROUNDING = 1e-12
 """A value that is outside its limits by less, or by that share of it, is within them."""
@@ -116,8 +116,8 @@ def nearest_closed(
     robot: Robot, start: Configuration, near: Configuration, given: Mapping[str, float]
 ) -> dict[str, Value]:
     """The configuration with closed loops that is nearest to `near`; `start` where there is none."""
-    from stages.robot.closing import Closer
-    from stages.robot.pose_batch import repeated
+    from linkwright.stages.robot.closing import Closer
+    from linkwright.stages.robot.pose_batch import repeated
 
     closer = Closer(robot, held=given)
     values = closer.nearest(repeated(start, 1), repeated(near, 1))

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stages.robot.model import Array, Dof, Robot
-from stages.robot.pose_batch import Values, count_of, placed
+from linkwright.stages.robot.model import Array, Dof, Robot
+from linkwright.stages.robot.pose_batch import Values, count_of, placed
 
 GRAVITY = (0.0, 0.0, -9.81)
 """m/s², MuJoCo's own."""

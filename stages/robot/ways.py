@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping
 from typing import TypeVar
 
-from stages.robot.model import Dof, Joint, Loop, Robot
+from linkwright.stages.robot.model import Dof, Joint, Loop, Robot
 
 Node = TypeVar("Node")
 

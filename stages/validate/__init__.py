@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from stages.formats.written import Written
-    from stages.robot.check import Check
-    from stages.validate.compiled import FileKind
-    from stages.validate.own import OwnCheck
-    from stages.validate.section import ValidateSections
+    from linkwright.stages.formats.written import Written
+    from linkwright.stages.robot.check import Check
+    from linkwright.stages.validate.compiled import FileKind
+    from linkwright.stages.validate.own import OwnCheck
+    from linkwright.stages.validate.section import ValidateSections
 
 VERSION = 52
 """Grows with every change of what this stage makes of the same input."""
@@ -76,8 +76,8 @@ def validate(
 ) -> "tuple[Check, ...]":
     """The checks of every model file in `folder`; with `validate=quick` only of its text, and that it
     compiles. A check that fails does not stop the others. `own`: the user's checks."""
-    from stages.validate.asked import Asked, known_payload
-    from stages.validate.run import check_files, check_read_back, check_texts, readiness
+    from linkwright.stages.validate.asked import Asked, known_payload
+    from linkwright.stages.validate.run import check_files, check_read_back, check_texts, readiness
 
     checks = {} if keys.validate.level == "quick" else CHECKS
     payload = known_payload(written.robot, keys.validate.payload)
@@ -94,7 +94,7 @@ def measured(folder: Path, robot: str, level: str) -> dict[str, float]:
     """Figures of the finished files, with `validate=strict`: the machine's as much as the robot's."""
     if level != "strict":
         return {}
-    from stages.validate.speed import steps_per_second
+    from linkwright.stages.validate.speed import steps_per_second
 
     speed = steps_per_second(folder, robot)
     return {} if speed is None else {"steps_per_second": speed}

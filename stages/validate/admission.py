@@ -7,14 +7,14 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from stages.formats import mjcf_bounds, png
-from stages.formats.mjcf_bounds import LARGEST_TEXT
-from stages.formats.xml import Element, Malformed, parse, tag
-from stages.mujoco.includes import resolve
-from stages.robot import regular_files
-from stages.robot.errors import SourceError
-from stages.validate.asset_files import named_files
-from stages.validate.documents import ModelDocument, read
+from linkwright.stages.formats import mjcf_bounds, png
+from linkwright.stages.formats.mjcf_bounds import LARGEST_TEXT
+from linkwright.stages.formats.xml import Element, Malformed, parse, tag
+from linkwright.stages.mujoco.includes import resolve
+from linkwright.stages.robot import regular_files
+from linkwright.stages.robot.errors import SourceError
+from linkwright.stages.validate.asset_files import named_files
+from linkwright.stages.validate.documents import ModelDocument, read
 
 MODELS = (".urdf", ".xml", ".mjcf")
 TEXTS = (*MODELS, ".srdf", ".sdf", ".usda", ".json", ".yaml", ".py", ".xacro", ".config")

@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from stages.robot.errors import ConfigError
-from stages.robot.globs import there_are
-from stages.robot.model import Robot
+from linkwright.stages.robot.errors import ConfigError
+from linkwright.stages.robot.globs import there_are
+from linkwright.stages.robot.model import Robot
 
 
 @dataclass(frozen=True, slots=True)

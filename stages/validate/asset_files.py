@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from urllib.parse import unquote
 
-from stages.formats.xml import Element, tag
-from stages.robot.regular_files import is_file
-from stages.validate.documents import ModelDocument
+from linkwright.stages.formats.xml import Element, tag
+from linkwright.stages.robot.regular_files import is_file
+from linkwright.stages.validate.documents import ModelDocument
 
 _MESH_FOLDER = ("mesh", "hfield", "skin", "flexcomp")
 """Elements of an MJCF whose files lie in the compiler's `meshdir`."""

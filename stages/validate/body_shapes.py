@@ -9,9 +9,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.robot.model import Array
-from stages.validate.mujoco_poses import rotation
-from stages.validate.shapes import vertices
+from linkwright.stages.robot.model import Array
+from linkwright.stages.validate.mujoco_poses import rotation
+from linkwright.stages.validate.shapes import vertices
 
 _CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
 

@@ -6,14 +6,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
-from stages.formats.written import FormatView, Written
-from stages.robot.amendments import Surplus, tag_of
-from stages.robot.check import Check, CheckLevel, Finding
-from stages.robot.fusing import Holders
-from stages.robot.geometry import Geometry
-from stages.robot.mjcf_extras import children_of
-from stages.robot.model import Robot
-from stages.validate.asked import AS_STANDARD, Asked
+from linkwright.stages.formats.written import FormatView, Written
+from linkwright.stages.robot.amendments import Surplus, tag_of
+from linkwright.stages.robot.check import Check, CheckLevel, Finding
+from linkwright.stages.robot.fusing import Holders
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.mjcf_extras import children_of
+from linkwright.stages.robot.model import Robot
+from linkwright.stages.validate.asked import AS_STANDARD, Asked
 
 LOOKS = frozenset(["rgba", "material", "texture", "color", "default", "class"])
 """Elements and attributes on which colours depend."""

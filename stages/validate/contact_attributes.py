@@ -8,12 +8,12 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.robot.amendments import tag_of
-from stages.robot.check import Finding
-from stages.robot.geom_form import ContactProperties
-from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import SAME
-from stages.validate.findings import differs
+from linkwright.stages.robot.amendments import tag_of
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.robot.geom_form import ContactProperties
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.coordinates import SAME
+from linkwright.stages.validate.findings import differs
 
 ATTRIBUTES = ("friction", "condim", "solref", "solimp", "solmix", "priority", "margin", "gap")
 

@@ -12,18 +12,18 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.robot.geometry import ExcludeReason
-from stages.robot.meeting_boxes import meeting_boxes
-from stages.robot.model import Array, Link
-from stages.robot.pose_batch import count_of
-from stages.robot.pose_samples import sampled_poses
-from stages.robot.poses import inverse
-from stages.robot.start_pose import home
-from stages.validate.checks.bare_links import asked_bare
-from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import body_index, pose_of, set_values
-from stages.validate.seen_surfaces import SeenSurfaces
-from stages.validate.shapes import seen_and_solid
+from linkwright.stages.robot.geometry import ExcludeReason
+from linkwright.stages.robot.meeting_boxes import meeting_boxes
+from linkwright.stages.robot.model import Array, Link
+from linkwright.stages.robot.pose_batch import count_of
+from linkwright.stages.robot.pose_samples import sampled_poses
+from linkwright.stages.robot.poses import inverse
+from linkwright.stages.robot.start_pose import home
+from linkwright.stages.validate.checks.bare_links import asked_bare
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.coordinates import body_index, pose_of, set_values
+from linkwright.stages.validate.seen_surfaces import SeenSurfaces
+from linkwright.stages.validate.shapes import seen_and_solid
 
 DEEP = 2e-3
 """Colliders that are in each other by less [m] are no false contact, and what is seen is near within it."""

@@ -12,11 +12,11 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.formats.urdf.names import urdf_names
-from stages.robot.model import Array, Configuration, Dof, Joint, Robot, Value
-from stages.robot.poses import UNMOVED, inverse, motion, quat_from_rotation, turns_from_rotation
-from stages.validate.compiled import CompiledModel
-from stages.validate.mujoco_poses import placed
+from linkwright.stages.formats.urdf.names import urdf_names
+from linkwright.stages.robot.model import Array, Configuration, Dof, Joint, Robot, Value
+from linkwright.stages.robot.poses import UNMOVED, inverse, motion, quat_from_rotation, turns_from_rotation
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.mujoco_poses import placed
 
 HINGE, SLIDE = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
 BALL, FREE = mujoco.mjtJoint.mjJNT_BALL, mujoco.mjtJoint.mjJNT_FREE

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from stages.formats.mjcf_bounds import LARGEST_TEXT
-from stages.formats.own_xml import name_of
-from stages.formats.xml import Element, Malformed, parse, tag
-from stages.mujoco.includes import resolve
-from stages.robot.check import Finding
-from stages.robot.plural import count
-from stages.robot.regular_files import FileTooLarge, content, is_file
-from stages.validate.findings import named
+from linkwright.stages.formats.mjcf_bounds import LARGEST_TEXT
+from linkwright.stages.formats.own_xml import name_of
+from linkwright.stages.formats.xml import Element, Malformed, parse, tag
+from linkwright.stages.mujoco.includes import resolve
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.regular_files import FileTooLarge, content, is_file
+from linkwright.stages.validate.findings import named
 
 Language = Literal["urdf", "mjcf"]
 

@@ -5,9 +5,9 @@ from typing import Any
 
 import mujoco
 
-from stages.mujoco.state import at_keyframe
-from stages.validate.coordinates import FREE, SLIDE, WIDTH
-from stages.validate.running import PASSIVE, drawn, flags, with_options
+from linkwright.stages.mujoco.state import at_keyframe
+from linkwright.stages.validate.coordinates import FREE, SLIDE, WIDTH
+from linkwright.stages.validate.running import PASSIVE, drawn, flags, with_options
 
 SECONDS = 0.5
 """The length of a run."""

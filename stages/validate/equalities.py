@@ -6,13 +6,13 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.robot.check import Finding
-from stages.robot.model import Array, Loop, Robot
-from stages.robot.poses import inverse
-from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import BY_EQUALITY, SAME, body_index, joint_index
-from stages.validate.findings import differs, named, shown, worst_first
-from stages.validate.mujoco_poses import placed
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.robot.model import Array, Loop, Robot
+from linkwright.stages.robot.poses import inverse
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.coordinates import BY_EQUALITY, SAME, body_index, joint_index
+from linkwright.stages.validate.findings import differs, named, shown, worst_first
+from linkwright.stages.validate.mujoco_poses import placed
 
 CLOSED = 1e-6
 """Loops and relations [m, rad]: the error that CAD's own solver leaves is below this."""

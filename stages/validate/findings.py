@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from stages.robot.check import Finding
-from stages.robot.model import Array
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.robot.model import Array
 
 MOST = 5
 """Findings of one check: the rest would say no more."""

@@ -6,8 +6,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.robot.model import Array
-from stages.validate.coordinates import HINGE, SLIDE
+from linkwright.stages.robot.model import Array
+from linkwright.stages.validate.coordinates import HINGE, SLIDE
 
 ITERATIONS = 6
 CLOSED = 1e-5

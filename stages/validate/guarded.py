@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 
-from stages.robot.check import Check
+from linkwright.stages.robot.check import Check
 
 
 def guarded(name: str, make: Callable[[], Iterable[Check]]) -> Iterator[Check]:

@@ -6,8 +6,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.robot.model import Array, Configuration, Robot
-from stages.validate.coordinates import (
+from linkwright.stages.robot.model import Array, Configuration, Robot
+from linkwright.stages.validate.coordinates import (
     FREE,
     HINGE,
     SLIDE,
@@ -17,7 +17,7 @@ from stages.validate.coordinates import (
     site_index,
     site_pose,
 )
-from stages.validate.running import flags, with_options
+from linkwright.stages.validate.running import flags, with_options
 
 
 def driven(model: Any) -> list[int]:

@@ -6,10 +6,10 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.robot.model import Array, Robot, Value
-from stages.robot.pose_batch import Values
-from stages.robot.statics import GRAVITY
-from stages.validate.coordinates import (
+from linkwright.stages.robot.model import Array, Robot, Value
+from linkwright.stages.robot.pose_batch import Values
+from linkwright.stages.robot.statics import GRAVITY
+from linkwright.stages.validate.coordinates import (
     body_from_link,
     body_index,
     joint_index,
@@ -17,7 +17,7 @@ from stages.validate.coordinates import (
     root_pose,
     set_values,
 )
-from stages.validate.tree_dynamics import Moving, scalar_dofs
+from linkwright.stages.validate.tree_dynamics import Moving, scalar_dofs
 
 
 def in_mujoco(

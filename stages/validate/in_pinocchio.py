@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from stages.formats.urdf.names import urdf_names
-from stages.robot.model import Array, Robot
-from stages.robot.pose_batch import Values, rotations_of_quats
-from stages.robot.poses import turns_from_rotation
-from stages.robot.statics import GRAVITY
-from stages.validate.tree_dynamics import Moving, scalar_dofs
+from linkwright.stages.formats.urdf.names import urdf_names
+from linkwright.stages.robot.model import Array, Robot
+from linkwright.stages.robot.pose_batch import Values, rotations_of_quats
+from linkwright.stages.robot.poses import turns_from_rotation
+from linkwright.stages.robot.statics import GRAVITY
+from linkwright.stages.validate.tree_dynamics import Moving, scalar_dofs
 
 
 def installed() -> bool:

@@ -11,10 +11,10 @@ from typing import Literal
 
 import numpy as np
 
-from stages.robot.check import Check, CheckLevel, Finding
-from stages.robot.model import Array
-from stages.robot.plural import count
-from stages.validate.body_shapes import BodyExtents, outside, reaches
+from linkwright.stages.robot.check import Check, CheckLevel, Finding
+from linkwright.stages.robot.model import Array
+from linkwright.stages.robot.plural import count
+from linkwright.stages.validate.body_shapes import BodyExtents, outside, reaches
 
 CODE = "C-INERTIAL"
 

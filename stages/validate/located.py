@@ -4,9 +4,9 @@ import re
 from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 
-from stages.formats.xml import Element, Malformed, parse, tag
-from stages.robot.check import Finding
-from stages.validate.findings import link, named
+from linkwright.stages.formats.xml import Element, Malformed, parse, tag
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.validate.findings import link, named
 
 WRONG = (
     ("axis", "joint", "axis"),

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from stages.robot.model import Array, Inertial, Link
+from linkwright.stages.robot.model import Array, Inertial, Link
 
 EXACT = 1e-9
 """Mass (relative), centre of mass [m], inertia (relative to its tensor's largest entry)."""

@@ -3,8 +3,8 @@ whole, which has as many entries as its dofs squared."""
 
 import numpy as np
 
-from stages.robot.model import Array
-from stages.validate.tree_dynamics import WHOLE
+from linkwright.stages.robot.model import Array
+from linkwright.stages.validate.tree_dynamics import WHOLE
 
 PRODUCTS = 4
 """Vectors: an entry that is off is hidden only where others that are off cancel it in each."""

@@ -8,9 +8,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.formats.xml import parse
-from stages.robot.model import Array
-from stages.validate.mujoco_poses import rotation
+from linkwright.stages.formats.xml import parse
+from linkwright.stages.robot.model import Array
+from linkwright.stages.validate.mujoco_poses import rotation
 
 _PROBES = [
     (np.array(moments), np.array(quat))

@@ -3,8 +3,8 @@
 import mujoco
 import numpy as np
 
-from stages.robot.model import Array
-from stages.robot.poses import from_parts
+from linkwright.stages.robot.model import Array
+from linkwright.stages.robot.poses import from_parts
 
 
 def rotation(quat: Array) -> Array:

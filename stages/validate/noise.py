@@ -6,11 +6,11 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.mujoco.state import at_keyframe
-from stages.mujoco.trial import EFFORT, failure
-from stages.mujoco.warnings import listening
-from stages.robot.model import Array
-from stages.validate.coordinates import HINGE
+from linkwright.stages.mujoco.state import at_keyframe
+from linkwright.stages.mujoco.trial import EFFORT, failure
+from linkwright.stages.mujoco.warnings import listening
+from linkwright.stages.robot.model import Array
+from linkwright.stages.validate.coordinates import HINGE
 
 HOLD = 0.1
 """In the second half of a run each control keeps a value for so long [s]: what is moved by it gets further

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from stages.robot.check import Check
-from stages.validate.compiled import CompiledModel
+from linkwright.stages.robot.check import Check
+from linkwright.stages.validate.compiled import CompiledModel
 
 PREFIX = "X-"
 """How the codes of the user's own checks begin."""
@@ -48,11 +48,11 @@ class OwnCheck:
         if isinstance(made, Check):
             made = [made]
         if made is None or isinstance(made, str) or not isinstance(made, Iterable):
-            msg = f"it gave {made!r}, and shall yield checks (stages.robot.check.Check)"
+            msg = f"it gave {made!r}, and shall yield checks (linkwright.stages.robot.check.Check)"
             raise TypeError(msg)
         for one in made:
             if not isinstance(one, Check):
-                msg = f"it gave {one!r}, and shall yield checks (stages.robot.check.Check)"
+                msg = f"it gave {one!r}, and shall yield checks (linkwright.stages.robot.check.Check)"
                 raise TypeError(msg)
             yield one
 

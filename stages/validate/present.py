@@ -3,9 +3,9 @@
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from stages.robot.check import Check, Finding
-from stages.robot.plural import count
-from stages.validate.findings import named
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.plural import count
+from linkwright.stages.validate.findings import named
 
 CODE = "C-PRESENT"
 

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from stages.robot.model import Array, Robot
-from stages.validate.tree_dynamics import scalar_dofs
+from linkwright.stages.robot.model import Array, Robot
+from linkwright.stages.validate.tree_dynamics import scalar_dofs
 
 POSES = 100
 SEED = 31415

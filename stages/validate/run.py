@@ -7,19 +7,26 @@ from functools import partial
 from importlib import import_module
 from pathlib import Path
 
-from stages.formats.written import Written
-from stages.robot.amendments import Amendment
-from stages.robot.check import Check
-from stages.robot.globs import listed
-from stages.validate.asked import AS_STANDARD, Asked
-from stages.validate.compiled import SCENE, CheckFunction, CompiledModel, Engine, FileKind, without_warnings
-from stages.validate.coordinates import missing_names
-from stages.validate.files.model_config import model_config
-from stages.validate.files.run import check_folder
-from stages.validate.guarded import guarded
-from stages.validate.own import OwnCheck
-from stages.validate.readiness.finished import Finished
-from stages.validate.readiness.score import score
+from linkwright.stages.formats.written import Written
+from linkwright.stages.robot.amendments import Amendment
+from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.globs import listed
+from linkwright.stages.validate.asked import AS_STANDARD, Asked
+from linkwright.stages.validate.compiled import (
+    SCENE,
+    CheckFunction,
+    CompiledModel,
+    Engine,
+    FileKind,
+    without_warnings,
+)
+from linkwright.stages.validate.coordinates import missing_names
+from linkwright.stages.validate.files.model_config import model_config
+from linkwright.stages.validate.files.run import check_folder
+from linkwright.stages.validate.guarded import guarded
+from linkwright.stages.validate.own import OwnCheck
+from linkwright.stages.validate.readiness.finished import Finished
+from linkwright.stages.validate.readiness.score import score
 
 OTHERS = (".sdf", ".srdf", ".usda")
 """Endings of files of a build that no engine reads, and that may name assets."""
@@ -38,7 +45,7 @@ def check_files(
     """The results of every file in `folder` that one of the engines reads. Without `checks`, whether each
     compiles. `own`: the user's checks, of the first file."""
     for name in engines:
-        engine: Engine = import_module(f"stages.validate.engines.{name}")
+        engine: Engine = import_module(f"linkwright.stages.validate.engines.{name}")
         files = engine.files(written.robot.name)
         for file in files:
             if (folder / file).exists():
@@ -54,7 +61,7 @@ def check_texts(folder: Path, written: Written, engines: Sequence[str]) -> Itera
     robot, amendments = written.robot.name, written.amendments
     models: list[str] = []
     for name in engines:
-        models += import_module(f"stages.validate.engines.{name}").files(robot)
+        models += import_module(f"linkwright.stages.validate.engines.{name}").files(robot)
     # What the user's own XML names may be of any package.
     packages = None if amendments.of(f"{robot}.urdf") else (written.urdf_form.package,)
     for one in check_folder(folder, models, (f"{robot}{ending}" for ending in OTHERS), packages):
@@ -80,7 +87,7 @@ def check_read_back(
     for ending, name in formats.items():
         path = folder / f"{written.robot.name}{ending}"
         if path.exists():
-            reader = import_module(f"stages.validate.{name}")
+            reader = import_module(f"linkwright.stages.validate.{name}")
             read = partial(reader.check_file, path, written, quick=quick)
             found = guarded(f"{path.name}: checks", read)
             yield from (replace(one, code=reader.CODE) for one in found)
@@ -107,7 +114,7 @@ def readiness(
     """The score of a robot that has an MJCF which compiles. `checks`: the results so far, which prove some of
     its points."""
     for name in engines:
-        engine: Engine = import_module(f"stages.validate.engines.{name}")
+        engine: Engine = import_module(f"linkwright.stages.validate.engines.{name}")
         there = [
             folder / file
             for file in engine.files(written.robot.name)
@@ -133,7 +140,7 @@ def _with_changes(check: Check, changes: Sequence[Amendment]) -> Check:
 def _check_model(compiled: CompiledModel, checks: Sequence[str]) -> Iterator[Check]:
     """The results of the checks; of the first alone where a link or joint is missing."""
     for name in checks[:1] if missing_names(compiled) else checks:
-        module = import_module(f"stages.validate.checks.{name}")
+        module = import_module(f"linkwright.stages.validate.checks.{name}")
         check: CheckFunction = module.check
         found = guarded(f"{compiled.path.name}: {name.replace('_', ' ')}", partial(check, compiled))
         yield from (replace(one, code=one.code or module.CODE) for one in found)

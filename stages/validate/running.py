@@ -9,7 +9,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.robot.model import Array
+from linkwright.stages.robot.model import Array
 
 DEEP = 5e-4
 """Contacts at the start may be so deep [m], the skin of soft contact: deeper ones push the robot apart."""

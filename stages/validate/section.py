@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field
 
-from stages.robot.section import Positive, Section, Text, example, invalid
+from linkwright.stages.robot.section import Positive, Section, Text, example, invalid
 
 
 def _with_target(entry: Mapping[str, Any]) -> Mapping[str, Any]:

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stages.robot.clearance import Mesh, engine
-from stages.robot.model import Array
-from stages.robot.poses import inverse
-from stages.validate.mujoco_poses import placed
-from stages.validate.shapes import BOX, CAPSULE, CYLINDER, ELLIPSOID, MESH, vertices
+from linkwright.stages.robot.clearance import Mesh, engine
+from linkwright.stages.robot.model import Array
+from linkwright.stages.robot.poses import inverse
+from linkwright.stages.validate.mujoco_poses import placed
+from linkwright.stages.validate.shapes import BOX, CAPSULE, CYLINDER, ELLIPSOID, MESH, vertices
 
 Faces = npt.NDArray[np.int64]
 

@@ -11,9 +11,9 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from stages.robot.model import Array
-from stages.validate.findings import named
-from stages.validate.mujoco_poses import placed
+from linkwright.stages.robot.model import Array
+from linkwright.stages.validate.findings import named
+from linkwright.stages.validate.mujoco_poses import placed
 
 GEOM = mujoco.mjtGeom
 SPHERE, CAPSULE, CYLINDER = int(GEOM.mjGEOM_SPHERE), int(GEOM.mjGEOM_CAPSULE), int(GEOM.mjGEOM_CYLINDER)

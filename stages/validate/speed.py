@@ -5,9 +5,9 @@ from pathlib import Path
 
 import mujoco
 
-from stages.mujoco.compile import NotCompiled, compiled_file
-from stages.mujoco.state import at_keyframe
-from stages.mujoco.warnings import listening
+from linkwright.stages.mujoco.compile import NotCompiled, compiled_file
+from linkwright.stages.mujoco.state import at_keyframe
+from linkwright.stages.mujoco.warnings import listening
 
 SECONDS = 0.5
 """So long it is measured, in pieces of `PIECE` steps."""

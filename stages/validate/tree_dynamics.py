@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stages.robot.model import Array, Dof, Inertial, Robot
-from stages.robot.pose_batch import Values, count_of, cross, placed
-from stages.robot.ways import Ways
+from linkwright.stages.robot.model import Array, Dof, Inertial, Robot
+from linkwright.stages.robot.pose_batch import Values, count_of, cross, placed
+from linkwright.stages.robot.ways import Ways
 
 WHOLE = 100
 """Up to this many dofs mass matrices are compared as a whole."""

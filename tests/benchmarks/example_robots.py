@@ -17,13 +17,13 @@ from pathlib import Path
 
 import mujoco
 
-from pipeline.config.plan import Plan
-from stages.export import export
-from stages.fetch.urdf.gather import gather
-from stages.graph import build_robot
-from stages.mesh import make_geometry
-from stages.mujoco.warnings import listening
-from stages.robot.errors import LinkwrightError
+from linkwright.pipeline.config.plan import Plan
+from linkwright.stages.export import export
+from linkwright.stages.fetch.urdf.gather import gather
+from linkwright.stages.graph import build_robot
+from linkwright.stages.mesh import make_geometry
+from linkwright.stages.mujoco.warnings import listening
+from linkwright.stages.robot.errors import LinkwrightError
 from tests.support.building import plan_of
 from tests.support.checked import checked
 from tests.support.urdfs import lost_names, parity, same_bounds

@@ -12,10 +12,10 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from stages.export import export
-from stages.graph import build_robot
-from stages.graph.view.views import views
-from stages.robot.codec import decode_robot, encode_robot
+from linkwright.stages.export import export
+from linkwright.stages.graph import build_robot
+from linkwright.stages.graph.view.views import views
+from linkwright.stages.robot.codec import decode_robot, encode_robot
 from tests.benchmarks.large import PARTS, large
 from tests.benchmarks.shapes import SHAPES
 from tests.support.building import NO_MESHES, plan_of, write

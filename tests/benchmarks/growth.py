@@ -19,10 +19,10 @@ from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
-from pipeline.build import build_files
-from pipeline.config.compose import compose_plan
-from pipeline.progress import Quiet
-from stages.fetch.bundle.archive import pack
+from linkwright.pipeline.build import build_files
+from linkwright.pipeline.config.compose import compose_plan
+from linkwright.pipeline.progress import Quiet
+from linkwright.stages.fetch.bundle.archive import pack
 from tests.benchmarks.large import PARTS, large
 from tests.benchmarks.many_parts import many_parts
 from tests.fake_onshape.bundle import bundle_bytes

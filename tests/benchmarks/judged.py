@@ -8,7 +8,7 @@ from typing import Any
 
 import yaml
 
-from stages.robot.check import Check
+from linkwright.stages.robot.check import Check
 
 FILE = Path(__file__).with_name("public_models.yaml")
 

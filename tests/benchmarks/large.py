@@ -7,7 +7,7 @@ from hashlib import sha256
 
 import numpy as np
 
-from stages.robot.bundle import Bundle
+from linkwright.stages.robot.bundle import Bundle
 from tests.fake_onshape import solids
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.frames import frame, turn

@@ -20,8 +20,8 @@ from typing import Any
 
 import mujoco
 
-from stages.mujoco.warnings import listening
-from stages.robot.errors import LinkwrightError
+from linkwright.stages.mujoco.warnings import listening
+from linkwright.stages.robot.errors import LinkwrightError
 from tests.support.mjcfs import built
 from tests.support.same_motion import LIMIT, Apart, farthest
 

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from pipeline.config.compose import compose_plan, session
+from linkwright.pipeline.config.compose import compose_plan, session
 from tests.support.users import MY_ARM, write
 
 TIMES = 20

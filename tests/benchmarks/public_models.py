@@ -20,10 +20,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import linkwright
-
-from pipeline.checking.ask import checked
-from pipeline.errors import OutputError
-from stages.robot.check import Check
+from linkwright.pipeline.checking.ask import checked
+from linkwright.pipeline.errors import OutputError
+from linkwright.stages.robot.check import Check
 from tests.benchmarks.judged import Judgement, judged, judgements, level_of, lines_of
 from tests.support.urdfs import lost_names
 

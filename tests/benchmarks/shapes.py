@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from stages.robot.bundle import Bundle
+from linkwright.stages.robot.bundle import Bundle
 from tests.fake_onshape import solids
 from tests.fake_onshape.document import Document
 from tests.support.building import bundle_of

@@ -19,18 +19,18 @@ import mujoco
 import numpy as np
 from lxml import etree
 
-from pipeline.config.plan import Plan
-from stages.export import Exported, export
-from stages.export.footing import balanced, mass_and_center, touching
-from stages.export.standing import stand
-from stages.fetch.urdf.gather import gather
-from stages.graph import build_robot
-from stages.mesh import make_geometry
-from stages.robot.bundle import Bundle
-from stages.robot.errors import LinkwrightError
-from stages.robot.geometry import Geometry
-from stages.robot.model import Robot
-from stages.robot.start_pose import home
+from linkwright.pipeline.config.plan import Plan
+from linkwright.stages.export import Exported, export
+from linkwright.stages.export.footing import balanced, mass_and_center, touching
+from linkwright.stages.export.standing import stand
+from linkwright.stages.fetch.urdf.gather import gather
+from linkwright.stages.graph import build_robot
+from linkwright.stages.mesh import make_geometry
+from linkwright.stages.robot.bundle import Bundle
+from linkwright.stages.robot.errors import LinkwrightError
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.start_pose import home
 from tests.benchmarks.example_robots import SETTLES, installed
 from tests.support.building import plan_of
 

@@ -51,8 +51,8 @@ def replies(parts: int, triangles: int) -> dict[str, bytes]:
 
 def read(folder: Path, kind: str, traced: bool) -> dict[str, float]:
     """What reading the reply of this kind takes; run in a process of its own."""
-    from stages.fetch.onshape.triangles import faces, gltf_parts
-    from stages.formats import triangles as codec
+    from linkwright.stages.fetch.onshape.triangles import faces, gltf_parts
+    from linkwright.stages.formats import triangles as codec
 
     mass = (folder / "mass").read_bytes()
     small = replies(2, 60)  # so that imports are not measured

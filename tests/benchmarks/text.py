@@ -11,14 +11,14 @@ from itertools import pairwise
 
 import numpy as np
 
-from stages.export import export, writer_of
-from stages.export.mjcf.form import form_of as mjcf_form_of
-from stages.export.standing import stand
-from stages.export.urdf.form import form_of
-from stages.export.writer import WriterInput
-from stages.formats.written import Written
-from stages.robot.actuation import NONE
-from stages.robot.model import Limits, Robot
+from linkwright.stages.export import export, writer_of
+from linkwright.stages.export.mjcf.form import form_of as mjcf_form_of
+from linkwright.stages.export.standing import stand
+from linkwright.stages.export.urdf.form import form_of
+from linkwright.stages.export.writer import WriterInput
+from linkwright.stages.formats.written import Written
+from linkwright.stages.robot.actuation import NONE
+from linkwright.stages.robot.model import Limits, Robot
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.robots import joint, pose, robot_with
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from pipeline.live.viewer import view
+from linkwright.pipeline.live.viewer import view
 from tests.browser.webdriver import Browser, missing
 
 PAGE = """<!doctype html>

@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import pytest
 
-from pipeline.live.made import NOTHING, Live
-from pipeline.page.document import page
-from pipeline.page.sweep import page as sweep_page
-from pipeline.secrets import Secrets
-from stages.graph.view.views import views
+from linkwright.pipeline.live.made import NOTHING, Live
+from linkwright.pipeline.page.document import page
+from linkwright.pipeline.page.sweep import page as sweep_page
+from linkwright.pipeline.secrets import Secrets
+from linkwright.stages.graph.view.views import views
 from tests.browser.models import ALL_JOINTS, small_pack
 from tests.browser.words import complaints
 from tests.unit.graph.view.test_picture import nasty_robot, random_robot

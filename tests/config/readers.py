@@ -1,6 +1,6 @@
 """The page of what other readers keep, from the table of the export stage."""
 
-from stages.export.readers import READERS, WHOLE, ReaderRow
+from linkwright.stages.export.readers import READERS, WHOLE, ReaderRow
 
 INTRO = """# What each reader keeps
 

@@ -13,13 +13,13 @@ import yaml
 from pydantic import TypeAdapter
 from pydantic.fields import FieldInfo
 
-from pipeline.config.plan import SECTIONS, Plan
-from pipeline.config.schema import is_section
-from pipeline.motor_files import library
-from pipeline.reference.environment import VARIABLES
-from pipeline.reference.key_entries import KeyEntry, is_any
-from stages.fetch.section import SOURCES
-from stages.robot.section import NOT_YET, Section
+from linkwright.pipeline.config.plan import SECTIONS, Plan
+from linkwright.pipeline.config.schema import is_section
+from linkwright.pipeline.motor_files import library
+from linkwright.pipeline.reference.environment import VARIABLES
+from linkwright.pipeline.reference.key_entries import KeyEntry, is_any
+from linkwright.stages.fetch.section import SOURCES
+from linkwright.stages.robot.section import NOT_YET, Section
 
 UNIT = re.compile(r"\s?\[((?:-|rad|m[²³]?|kg|s|N|/| |or(?= ))+)\]")
 """A unit in the documentation of a key: [m], [N m s/rad or N s/m]."""

@@ -9,9 +9,9 @@ from typing import Any
 
 import yaml
 
-from pipeline.config.compose import HYDRA, compose_plan
-from pipeline.config.presets import OURS
-from pipeline.reference import (
+from linkwright.pipeline.config.compose import HYDRA, compose_plan
+from linkwright.pipeline.config.presets import OURS
+from linkwright.pipeline.reference import (
     DATA,
     HELP,
     MUTATIONS,

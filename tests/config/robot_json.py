@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, is_dataclass
 from typing import Any, get_args
 
-from stages.formats.robot_json.codec import entries_of
-from stages.formats.robot_json.robot import RobotRecord
+from linkwright.stages.formats.robot_json.codec import entries_of
+from linkwright.stages.formats.robot_json.robot import RobotRecord
 from tests.config.reference import DIALECT
 
 TITLE = "robot.json of Linkwright"

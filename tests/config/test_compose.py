@@ -2,9 +2,9 @@
 
 import pytest
 
-from pipeline.config.compose import compose_plan
-from pipeline.preflight import plan_problems
-from stages.robot.errors import ConfigError
+from linkwright.pipeline.config.compose import compose_plan
+from linkwright.pipeline.preflight import plan_problems
+from linkwright.stages.robot.errors import ConfigError
 from tests.support.users import MY_ARM, URL, write
 
 

@@ -2,10 +2,10 @@
 
 import pytest
 
-from pipeline.cli import run
-from pipeline.config.compose import compose_plan
-from pipeline.report import Report
-from stages.robot.errors import ConfigError
+from linkwright.pipeline.cli import run
+from linkwright.pipeline.config.compose import compose_plan
+from linkwright.pipeline.report import Report
+from linkwright.stages.robot.errors import ConfigError
 from tests.support.users import write
 
 GLOBAL = "# @package _global_\n"

@@ -3,8 +3,8 @@
 import pytest
 import yaml
 
-from pipeline.config.plan import Plan
-from pipeline.config.presets import GROUPS, OURS, Presets
+from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.config.presets import GROUPS, OURS, Presets
 from tests.config.regenerate import GOLDEN, names, text
 
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.config.compose import compose_plan
-from pipeline.options import UsageError, parse
-from stages.robot.errors import ConfigError
+from linkwright.pipeline.config.compose import compose_plan
+from linkwright.pipeline.options import UsageError, parse
+from linkwright.stages.robot.errors import ConfigError
 from tests.support.cases import mostly_slow
 from tests.support.users import URL, write
 
@@ -236,8 +236,8 @@ def test_a_robot_by_its_path_is_judged_as_any(tmp_path):
 
 
 def test_robots_by_their_paths_are_swept_over(here, monkeypatch):
-    from pipeline.cli import run
-    from pipeline.report import Report
+    from linkwright.pipeline.cli import run
+    from linkwright.pipeline.report import Report
 
     write(here / "there", other=SAMPLE)
     plans = []

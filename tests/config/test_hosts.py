@@ -1,11 +1,11 @@
 """A file alone sends the API key to no port of this computer."""
 
-import linkwright
 import pytest
 
-from pipeline.config.compose import compose_plan, session
-from pipeline.sweep.run import jobs_of
-from stages.robot.errors import ConfigError
+import linkwright
+from linkwright.pipeline.config.compose import compose_plan, session
+from linkwright.pipeline.sweep.run import jobs_of
+from linkwright.stages.robot.errors import ConfigError
 from tests.support.users import URL, write
 
 LOCAL = "http://127.0.0.1:8123"

@@ -6,12 +6,12 @@ from typing import Any
 import pytest
 import yaml
 
-from pipeline.config.compose import compose_plan
-from stages.export import export
-from stages.graph import build_robot
-from stages.mesh import make_geometry
-from stages.robot.errors import ConfigError, LinkwrightError
-from stages.robot.optional_section import GLOB_KEYS, all_globs
+from linkwright.pipeline.config.compose import compose_plan
+from linkwright.stages.export import export
+from linkwright.stages.graph import build_robot
+from linkwright.stages.mesh import make_geometry
+from linkwright.stages.robot.errors import ConfigError, LinkwrightError
+from linkwright.stages.robot.optional_section import GLOB_KEYS, all_globs
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import bundle_of
 from tests.support.touching import no_memo

@@ -11,14 +11,14 @@ import mujoco
 import pytest
 import yaml
 
-from pipeline import face
-from pipeline.build import build_files
-from pipeline.cli import parse
-from pipeline.config.compose import compose_plan
-from pipeline.face.building import Build
-from pipeline.verbs import VERBS
-from stages.formats.xml import Element
-from stages.formats.xml import parse as parse_xml
+from linkwright.pipeline import face
+from linkwright.pipeline.api.building import Build
+from linkwright.pipeline.build import build_files
+from linkwright.pipeline.cli import parse
+from linkwright.pipeline.config.compose import compose_plan
+from linkwright.pipeline.verbs import VERBS
+from linkwright.stages.formats.xml import Element
+from linkwright.stages.formats.xml import parse as parse_xml
 from tests.config.peers import ONSHAPE_TO_ROBOT, ROBOT_CLASS, Row
 from tests.support.places import PROJECT, SHARED
 from tests.support.users import URL, write

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.cli import run
-from pipeline.config.compose import compose_plan
-from pipeline.errors import ConfigError
-from pipeline.face.arguments import plan_of
-from pipeline.report import Report
+from linkwright.pipeline.api.arguments import plan_of
+from linkwright.pipeline.cli import run
+from linkwright.pipeline.config.compose import compose_plan
+from linkwright.pipeline.errors import ConfigError
+from linkwright.pipeline.report import Report
 from tests.support.users import write
 
 SAMPLE = "# @package _global_\ndefaults:\n  - override /source: sample\n"

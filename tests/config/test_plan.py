@@ -3,16 +3,16 @@
 import pytest
 from pydantic import ValidationError
 
-from pipeline.config.messages import diagnostics
-from pipeline.config.plan import SECTIONS, Plan, section
-from pipeline.config.schema import annotation_at, is_section, leaves, names
-from stages.fetch.onshape.section import OnshapeSourceSection
-from stages.fetch.section import SOURCES
-from stages.graph.section import GraphSections
-from stages.mesh.section import MeshSections
-from stages.robot.errors import ConfigError
-from stages.robot.optional_section import OptionalSection
-from stages.robot.section import Section, not_yet
+from linkwright.pipeline.config.messages import diagnostics
+from linkwright.pipeline.config.plan import SECTIONS, Plan, section
+from linkwright.pipeline.config.schema import annotation_at, is_section, leaves, names
+from linkwright.stages.fetch.onshape.section import OnshapeSourceSection
+from linkwright.stages.fetch.section import SOURCES
+from linkwright.stages.graph.section import GraphSections
+from linkwright.stages.mesh.section import MeshSections
+from linkwright.stages.robot.errors import ConfigError
+from linkwright.stages.robot.optional_section import OptionalSection
+from linkwright.stages.robot.section import Section, not_yet
 from tests.support.users import URL
 
 SAMPLE = {"kind": "sample"}

@@ -2,8 +2,8 @@
 
 import pytest
 
-from pipeline.config.compose import compose_plan
-from stages.robot.errors import ConfigError
+from linkwright.pipeline.config.compose import compose_plan
+from linkwright.stages.robot.errors import ConfigError
 
 SAMPLE = "# @package _global_\ndefaults:\n  - override /source: sample\n"
 SECRET = "swordfish"

@@ -11,18 +11,18 @@ import pytest
 import yaml
 from pydantic import TypeAdapter
 
-from pipeline.cli import run
-from pipeline.config.plan import Plan
-from pipeline.config.schema import is_section
-from pipeline.help_text import whole
-from pipeline.reference import SCHEMA
-from pipeline.reference.codes import explanations
-from pipeline.reference.environment import VARIABLES
-from pipeline.reference.key_entries import entries
-from pipeline.verbs import VERBS
-from pipeline.verbs.explain import explained, names
-from stages.fetch.section import SOURCES
-from stages.robot.section import Section
+from linkwright.pipeline.cli import run
+from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.config.schema import is_section
+from linkwright.pipeline.help_text import whole
+from linkwright.pipeline.reference import SCHEMA
+from linkwright.pipeline.reference.codes import explanations
+from linkwright.pipeline.reference.environment import VARIABLES
+from linkwright.pipeline.reference.key_entries import entries
+from linkwright.pipeline.verbs import VERBS
+from linkwright.pipeline.verbs.explain import explained, names
+from linkwright.stages.fetch.section import SOURCES
+from linkwright.stages.robot.section import Section
 from tests.config import reference
 from tests.config.regenerate import GOLDEN, REFERENCE
 from tests.support.places import PROJECT

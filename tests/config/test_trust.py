@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.cli import run
-from pipeline.config.compose import compose_plan, session
-from pipeline.config.trust import listed
-from pipeline.preflight import plan_problems
-from pipeline.report import Report
-from stages.robot.errors import ConfigError
+from linkwright.pipeline.cli import run
+from linkwright.pipeline.config.compose import compose_plan, session
+from linkwright.pipeline.config.trust import listed
+from linkwright.pipeline.preflight import plan_problems
+from linkwright.pipeline.report import Report
+from linkwright.stages.robot.errors import ConfigError
 from tests.support.cases import mostly_slow
 from tests.support.hostile import CODE, MARK, ROBOTS
 from tests.support.hostile import write as hostile

@@ -5,8 +5,8 @@ import math
 import pytest
 import yaml
 
-from pipeline.config.plan import Plan
-from stages.robot.errors import AssemblyError, ConfigError
+from linkwright.pipeline.config.plan import Plan
+from linkwright.stages.robot.errors import AssemblyError, ConfigError
 from tests.support.building import plan_of, robot_of
 from tests.support.kit import Kit, frame
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stages.validate.contact_errors import contact_errors
-from stages.validate.shapes import seen_and_solid
+from linkwright.stages.validate.contact_errors import contact_errors
+from linkwright.stages.validate.shapes import seen_and_solid
 from tests.benchmarks.contacts import compiled, counts
 from tests.benchmarks.dropped import VARIANTS, models, recorded
 from tests.benchmarks.walker import PARTS, walker_document

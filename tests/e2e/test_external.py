@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from stages.validate.external import TOOLS
+from linkwright.stages.validate.external import TOOLS
 from tests.support.command import called
 from tests.support.other_robots import AS_IT_IS, ROBOTS, is_here, source_of
 

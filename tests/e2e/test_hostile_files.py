@@ -11,8 +11,8 @@ from unittest.mock import patch
 
 import pytest
 
-from stages.fetch.mjcf import gather
-from stages.fetch.urdf import expand
+from linkwright.stages.fetch.mjcf import gather
+from linkwright.stages.fetch.urdf import expand
 from tests.support.command import called, environment, linkwright, tree
 from tests.support.mjcfs import model
 

@@ -7,10 +7,10 @@ from typing import Any
 import mujoco
 import pytest
 
-from stages.formats.described import described
-from stages.formats.robot_json.codec import RobotJsonError
-from stages.robot import codec
-from stages.validate import validate
+from linkwright.stages.formats.described import described
+from linkwright.stages.formats.robot_json.codec import RobotJsonError
+from linkwright.stages.robot import codec
+from linkwright.stages.validate import validate
 from tests.e2e.test_mjcf_motion import BITS, CASES, LOOSE
 from tests.support.building import plan_of
 from tests.support.command import called

@@ -14,8 +14,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from lxml import etree
 
-import stages.validate
-from pipeline.reference import MUTATIONS
+import linkwright.stages.validate
+from linkwright.pipeline.reference import MUTATIONS
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.support import mutation_table
@@ -51,13 +51,13 @@ def builds(tmp_path_factory: pytest.TempPathFactory) -> Builds:
 def fewer_checks(monkeypatch: pytest.MonkeyPatch) -> None:
     """Only the checks that name faults: a simulation takes seconds."""
     codes = {code for one in KINDS for code in one.codes}
-    table = stages.validate.CHECKS
+    table = linkwright.stages.validate.CHECKS
     kept = {name: of for name, of in table.items() if _code(name) in codes}
-    monkeypatch.setattr(stages.validate, "CHECKS", kept)
+    monkeypatch.setattr(linkwright.stages.validate, "CHECKS", kept)
 
 
 def _code(check: str) -> str:
-    return str(import_module(f"stages.validate.checks.{check}").CODE)
+    return str(import_module(f"linkwright.stages.validate.checks.{check}").CODE)
 
 
 def called(one: Kind) -> str:

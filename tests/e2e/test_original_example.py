@@ -6,9 +6,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from pipeline.build import Built, build_files
-from pipeline.config.compose import compose_plan
-from stages.formats.xml import parse
+from linkwright.pipeline.build import Built, build_files
+from linkwright.pipeline.config.compose import compose_plan
+from linkwright.stages.formats.xml import parse
 from tests.support.users import write
 
 TEXT = Path(__file__).with_name("original_example.yaml").read_text(encoding="utf-8")

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from pipeline.checking.run import checked
+from linkwright.pipeline.checking.run import checked
 from tests.support.command import called
 
 ELEMENTS = {

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pipeline.build import build
-from pipeline.config.plan import Plan
-from stages.robot.errors import Disconnected
-from stages.robot.kinematics import link_poses, saved_configuration
-from stages.robot.model import Configuration, Robot
-from stages.robot.poses import inverse
+from linkwright.pipeline.build import build
+from linkwright.pipeline.config.plan import Plan
+from linkwright.stages.robot.errors import Disconnected
+from linkwright.stages.robot.kinematics import link_poses, saved_configuration
+from linkwright.stages.robot.model import Configuration, Robot
+from linkwright.stages.robot.poses import inverse
 from tests.support.building import plan_of, write
 from tests.support.engines import Mujoco, Pinocchio
 from tests.support.recorded import (
@@ -53,9 +53,9 @@ WAYS: Mapping[str, Mapping[str, Any]] = {
 @pytest.fixture(scope="module")
 def kbot(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict, Robot]:
     """The built folder, its report, and the robot that the graph stage made."""
-    from stages.fetch import fetch
-    from stages.fetch.source import FetchContext
-    from stages.graph import build_robot
+    from linkwright.stages.fetch import fetch
+    from linkwright.stages.fetch.source import FetchContext
+    from linkwright.stages.graph import build_robot
 
     here = tmp_path_factory.mktemp("kbot")
     (here / "kbot.zip").write_bytes(kbot_bundle())
@@ -134,7 +134,7 @@ def test_masses_are_the_direct_sum_over_the_recorded_parts(kbot: tuple[Path, dic
 
 def recorded(name: str, **keys: Any) -> Robot:
     """The robot that the graph stage makes of a recorded assembly."""
-    from stages.graph import build_robot
+    from linkwright.stages.graph import build_robot
 
     make, given = ASSEMBLIES[name]
     return build_robot(bundle_in(make()), plan_of(**given, **keys))
@@ -229,7 +229,7 @@ def test_every_link_can_be_the_root(name: str) -> None:
 @pytest.mark.parametrize("name", ASSEMBLIES)
 def test_all_recorded_mate_frames_coincide(name: str) -> None:
     """FASTENED frames wholly, those of hinges but for the turn, through the robot's own kinematics."""
-    from stages.graph.onshape.definition import read_assembly
+    from linkwright.stages.graph.onshape.definition import read_assembly
 
     robot = recorded(name)
     world_from_part = world_from_parts(robot, saved_configuration(robot))

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from stages.validate.external import TOOLS
+from linkwright.stages.validate.external import TOOLS
 from tests.support.command import environment
 from tests.support.places import PROJECT
 

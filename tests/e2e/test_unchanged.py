@@ -15,11 +15,11 @@ from unittest.mock import patch
 
 import pytest
 
-import pipeline.build
-from pipeline import program, unchanged
-from pipeline.caching.maintenance import collect, verify
-from pipeline.options import parse
-from pipeline.progress import Quiet
+import linkwright.pipeline.build
+from linkwright.pipeline import program, unchanged
+from linkwright.pipeline.caching.maintenance import collect, verify
+from linkwright.pipeline.options import parse
+from linkwright.pipeline.progress import Quiet
 from tests.e2e.test_traps import ROBOT, URDF
 from tests.support.command import called, environment, robot_files
 from tests.unit.pipeline.test_cli import HEAVY
@@ -60,13 +60,13 @@ def here(tmp_path: Path) -> Path:
 def builds(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The names of the robots whose builds ran their stages."""
     names: list[str] = []
-    build_files = pipeline.build.build_files
+    build_files = linkwright.pipeline.build.build_files
 
     def counted(plan: Any, *args: Any, **more: Any) -> Any:
         names.append(plan.name)
         return build_files(plan, *args, **more)
 
-    monkeypatch.setattr(pipeline.build, "build_files", counted)
+    monkeypatch.setattr(linkwright.pipeline.build, "build_files", counted)
     return names
 
 
@@ -113,7 +113,7 @@ def test_a_recognised_build_leaves_what_a_cached_build_leaves(
 def test_it_imports_neither_the_composer_nor_the_schema(here: Path) -> None:
     heavy = [*HEAVY, "antlr4", "httpx"]
     code = (
-        "import sys; from pipeline.cli import main; status = main(['robot=arm', 'until=graph']); "
+        "import sys; from linkwright.pipeline.cli import main; status = main(['robot=arm', 'until=graph']); "
         f"print(status, sorted(set({heavy!r}) & set(sys.modules)), file=sys.stderr)"
     )
     environ = environment(here, seeded=False)

@@ -6,15 +6,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.config.plan import Plan
-from stages.export import export
-from stages.fetch.urdf.gather import gather
-from stages.graph import build_robot
-from stages.mesh import make_geometry
-from stages.robot.bundle import Bundle
-from stages.robot.geometry import Geometry
-from stages.robot.kinematics import link_poses
-from stages.robot.model import Robot
+from linkwright.pipeline.config.plan import Plan
+from linkwright.stages.export import export
+from linkwright.stages.fetch.urdf.gather import gather
+from linkwright.stages.graph import build_robot
+from linkwright.stages.mesh import make_geometry
+from linkwright.stages.robot.bundle import Bundle
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.model import Robot
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.prefixed import prefixed
 from tests.fake_onshape.sample import sample_document

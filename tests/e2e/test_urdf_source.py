@@ -58,7 +58,7 @@ def test_an_unchanged_file_is_cached_without_a_heavy_import_and_changed_files_ar
 ) -> None:
     assert called(here, *source()).returncode == 0
     code = (
-        "import sys; from pipeline.cli import run; assert run(sys.argv[1:]) == 0\n"
+        "import sys; from linkwright.pipeline.cli import run; assert run(sys.argv[1:]) == 0\n"
         "heavy = 'numpy scipy trimesh mujoco networkx lxml collada xacro'.split()\n"
         "print('heavy:', [name for name in heavy if name in sys.modules])"
     )

@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stages.export import export
-from stages.fetch.urdf.gather import gather
-from stages.graph import build_robot
-from stages.mesh import make_geometry
+from linkwright.stages.export import export
+from linkwright.stages.fetch.urdf.gather import gather
+from linkwright.stages.graph import build_robot
+from linkwright.stages.mesh import make_geometry
 from tests.e2e.test_urdf_robots import FILES, ROBOTS
 from tests.support.building import plan_of
 from tests.support.usd import pxr
@@ -20,7 +20,7 @@ from tests.support.usd_parity import UsdParity
 @pytest.mark.parametrize("name", FILES)
 def test_a_real_robot_is_one_in_three_files(name: str, tmp_path: Path) -> None:
     assert pxr.Usd
-    from stages.validate.read.usd import check_file
+    from linkwright.stages.validate.read.usd import check_file
 
     plan = plan_of(
         source={"kind": "urdf", "path": str(ROBOTS / FILES[name])},

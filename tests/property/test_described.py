@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stages.formats.described import described
-from stages.robot.driven import as_driven
-from stages.validate import validate
+from linkwright.stages.formats.described import described
+from linkwright.stages.robot.driven import as_driven
+from linkwright.stages.validate import validate
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.fake_onshape.sample import sample_document

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.changes.compare import compare
-from pipeline.changes.pairs import renamed
-from pipeline.changes.read import Described
-from pipeline.changes.show import as_json, as_markdown, as_text
+from linkwright.pipeline.changes.compare import compare
+from linkwright.pipeline.changes.pairs import renamed
+from linkwright.pipeline.changes.read import Described
+from linkwright.pipeline.changes.show import as_json, as_markdown, as_text
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.support.building import write

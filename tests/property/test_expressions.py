@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stages.graph.onshape.expressions.evaluate import ExpressionError, Scope, evaluate
-from stages.graph.onshape.expressions.quantity import Quantity
+from linkwright.stages.graph.onshape.expressions.evaluate import ExpressionError, Scope, evaluate
+from linkwright.stages.graph.onshape.expressions.quantity import Quantity
 
 UNITS = {
     "mm": (1e-3, (1, 0)),

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from stages.robot.errors import SourceError
+from linkwright.stages.robot.errors import SourceError
 from tests.fake_onshape.server import OnshapeServer
 from tests.support.faulty import CALLS, DECLINED, FINAL, PASSING, Fetching, desk, reference
 

@@ -10,16 +10,16 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.config.plan import Plan, section
-from pipeline.reference.key_entries import KeyEntry, entries
-from stages.export import export
-from stages.export.section import ExportSections
-from stages.graph import build_robot
-from stages.graph.section import GraphSections
-from stages.mesh import make_geometry
-from stages.mesh.section import MeshSections
-from stages.robot.bundle import Bundle
-from stages.robot.errors import LinkwrightError
+from linkwright.pipeline.config.plan import Plan, section
+from linkwright.pipeline.reference.key_entries import KeyEntry, entries
+from linkwright.stages.export import export
+from linkwright.stages.export.section import ExportSections
+from linkwright.stages.graph import build_robot
+from linkwright.stages.graph.section import GraphSections
+from linkwright.stages.mesh import make_geometry
+from linkwright.stages.mesh.section import MeshSections
+from linkwright.stages.robot.bundle import Bundle
+from linkwright.stages.robot.errors import LinkwrightError
 from tests.fake_onshape.frames import frame, turn
 from tests.support.building import bundle_of
 from tests.support.drawn import SLOWLY

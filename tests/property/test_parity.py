@@ -15,12 +15,12 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from stages.graph.dofs import conjugate
-from stages.robot.codec import decode_robot, encode_robot
-from stages.robot.dynamics import mass_matrix
-from stages.robot.model import Configuration, Joint, Robot, Value
-from stages.robot.start_pose import starting_point
-from stages.validate import validate
+from linkwright.stages.graph.dofs import conjugate
+from linkwright.stages.robot.codec import decode_robot, encode_robot
+from linkwright.stages.robot.dynamics import mass_matrix
+from linkwright.stages.robot.model import Configuration, Joint, Robot, Value
+from linkwright.stages.robot.start_pose import starting_point
+from linkwright.stages.validate import validate
 from tests.fake_onshape.copies import within
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents

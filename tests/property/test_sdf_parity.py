@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.config.plan import Plan
-from stages.robot.kinematics import link_poses
-from stages.robot.model import JointType, Robot
-from stages.robot.poses import at_rest
-from stages.validate.read.sdf import check_file
+from linkwright.pipeline.config.plan import Plan
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.model import JointType, Robot
+from linkwright.stages.robot.poses import at_rest
+from linkwright.stages.validate.read.sdf import check_file
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.fake_onshape.sample import sample_document

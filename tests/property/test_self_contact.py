@@ -6,13 +6,13 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from stages.mesh.contacts.analysis import POSES
-from stages.mesh.contacts.colliders import measures_overlaps
-from stages.robot.geometry import Geometry, Shape
-from stages.robot.left_out import LeftOut
-from stages.robot.model import Limits
-from stages.robot.pose_samples import sampled_poses
-from stages.robot.start_pose import home
+from linkwright.stages.mesh.contacts.analysis import POSES
+from linkwright.stages.mesh.contacts.colliders import measures_overlaps
+from linkwright.stages.robot.geometry import Geometry, Shape
+from linkwright.stages.robot.left_out import LeftOut
+from linkwright.stages.robot.model import Limits
+from linkwright.stages.robot.pose_samples import sampled_poses
+from linkwright.stages.robot.start_pose import home
 from tests.support.robots import EVERY, joint, pose, robot_with
 from tests.support.touching import (
     apart,

@@ -13,11 +13,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from stages.export.urdf.srdf.convex import at_least, bodies_of
-from stages.robot.geometry import Geometry
-from stages.robot.model import Limits, Robot, frozen
-from stages.robot.poses import inverse
-from stages.robot.start_pose import home
+from linkwright.stages.export.urdf.srdf.convex import at_least, bodies_of
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.model import Limits, Robot, frozen
+from linkwright.stages.robot.poses import inverse
+from linkwright.stages.robot.start_pose import home
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.property.test_self_contact import random_robot

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from stages.export import export
+from linkwright.stages.export import export
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.support.building import NO_MESHES, plan_of, robot_of

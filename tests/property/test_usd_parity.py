@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.config.plan import Plan
-from stages.robot.model import Robot
-from stages.validate import validate
+from linkwright.pipeline.config.plan import Plan
+from linkwright.stages.robot.model import Robot
+from linkwright.stages.validate import validate
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.fake_onshape.sample import sample_document

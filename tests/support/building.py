@@ -3,15 +3,15 @@
 from pathlib import Path
 from typing import Any
 
-from pipeline.config.plan import Plan
-from stages.export import Exported, export
-from stages.fetch.bundle.archive import read
-from stages.fetch.onshape.gather import gather
-from stages.fetch.onshape.recorded import Recorded
-from stages.graph import build_robot
-from stages.robot.bundle import Bundle
-from stages.robot.geometry import Geometry
-from stages.robot.model import Robot
+from linkwright.pipeline.config.plan import Plan
+from linkwright.stages.export import Exported, export
+from linkwright.stages.fetch.bundle.archive import read
+from linkwright.stages.fetch.onshape.gather import gather
+from linkwright.stages.fetch.onshape.recorded import Recorded
+from linkwright.stages.graph import build_robot
+from linkwright.stages.robot.bundle import Bundle
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.model import Robot
 from tests.fake_onshape.bundle import bundle_bytes
 from tests.fake_onshape.document import Document
 

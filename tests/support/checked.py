@@ -3,13 +3,13 @@
 from pathlib import Path
 from typing import Any
 
-from stages.formats import mjcf_written
-from stages.formats.urdf.as_written import form_with
-from stages.formats.written import Written
-from stages.robot.check import Check
-from stages.robot.model import Robot
-from stages.validate import validate
-from stages.validate.section import ValidateSections
+from linkwright.stages.formats import mjcf_written
+from linkwright.stages.formats.urdf.as_written import form_with
+from linkwright.stages.formats.written import Written
+from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.model import Robot
+from linkwright.stages.validate import validate
+from linkwright.stages.validate.section import ValidateSections
 
 
 def checked(folder: Path, robot: Robot, keys: ValidateSections, **known: Any) -> tuple[Check, ...]:

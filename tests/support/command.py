@@ -10,7 +10,7 @@ from tempfile import TemporaryFile
 from typing import TextIO
 from unittest.mock import patch
 
-from pipeline import cli
+from linkwright.pipeline import cli
 from tests.support import kept_colliders
 
 COMMAND = Path(sys.executable).with_name("linkwright")

@@ -5,11 +5,11 @@ from typing import Any
 
 import mujoco
 
-from stages.formats.mjcf_form import MjcfForm
-from stages.formats.written import Written
-from stages.robot.check import Check
-from stages.robot.model import Robot
-from stages.validate.compiled import CompiledModel
+from linkwright.stages.formats.mjcf_form import MjcfForm
+from linkwright.stages.formats.written import Written
+from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.model import Robot
+from linkwright.stages.validate.compiled import CompiledModel
 from tests.support.robots import robot_with
 
 

@@ -3,16 +3,16 @@
 from contextlib import closing
 from typing import Any
 
-from stages.mesh import improvement
-from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.colliders import coacd
-from stages.mesh.cut_pieces import PieceCutter
-from stages.mesh.decompose import DecomposeOptions, decomposed
-from stages.mesh.improvement import Improvement, helper
-from stages.mesh.pieces import surface_of
-from stages.mesh.surface import Surface
-from stages.mesh.verdict import Judge
-from stages.robot.errors import DecompositionFailed
+from linkwright.stages.mesh import improvement
+from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.colliders import coacd
+from linkwright.stages.mesh.cut_pieces import PieceCutter
+from linkwright.stages.mesh.decompose import DecomposeOptions, decomposed
+from linkwright.stages.mesh.improvement import Improvement, helper
+from linkwright.stages.mesh.pieces import surface_of
+from linkwright.stages.mesh.surface import Surface
+from linkwright.stages.mesh.verdict import Judge
+from linkwright.stages.robot.errors import DecompositionFailed
 
 
 def task(surface: Surface, tolerance: float = 0.001, **options: Any) -> Improvement:

@@ -5,8 +5,8 @@ from typing import Any
 from hypothesis import HealthCheck
 from hypothesis import strategies as st
 
-from pipeline.config.plan import Plan
-from stages.robot.model import Robot
+from linkwright.pipeline.config.plan import Plan
+from linkwright.stages.robot.model import Robot
 from tests.fake_onshape.document import Document
 from tests.support.building import plan_of, robot_of
 

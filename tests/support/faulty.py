@@ -7,13 +7,13 @@ from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
-from pipeline.caching.actions import Cache
-from pipeline.caching.maintenance import verify
-from pipeline.caching.store import Store
-from stages import fetch as stage
-from stages.fetch.onshape.api.ledger import years
-from stages.fetch.source import Calls, FetchContext
-from stages.robot.errors import SourceError
+from linkwright.pipeline.caching.actions import Cache
+from linkwright.pipeline.caching.maintenance import verify
+from linkwright.pipeline.caching.store import Store
+from linkwright.stages import fetch as stage
+from linkwright.stages.fetch.onshape.api.ledger import years
+from linkwright.stages.fetch.source import Calls, FetchContext
+from linkwright.stages.robot.errors import SourceError
 from tests.fake_onshape import solids
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.faults import Fault

@@ -4,10 +4,10 @@ import contextlib
 from collections import defaultdict
 from threading import Lock, RLock
 
-from stages import fetch as stage
-from stages.fetch.onshape.api.retries import Patience
-from stages.fetch.section import FetchSections
-from stages.fetch.source import FetchContext
+from linkwright.stages import fetch as stage
+from linkwright.stages.fetch.onshape.api.retries import Patience
+from linkwright.stages.fetch.section import FetchSections
+from linkwright.stages.fetch.source import FetchContext
 
 QUICK = Patience(first_wait=0.001, longest_wait=0.004, jitter=0.001, connect=5, read=10, whole=20)
 """Asks again at once: tests have no time to wait."""

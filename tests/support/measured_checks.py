@@ -9,12 +9,12 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from stages.formats.described import Truth, described
-from stages.robot.check import Check
-from stages.validate import validate
-from stages.validate.compiled import Loaded
-from stages.validate.engines import mujoco_engine
-from stages.validate.section import ValidateSections
+from linkwright.stages.formats.described import Truth, described
+from linkwright.stages.robot.check import Check
+from linkwright.stages.validate import validate
+from linkwright.stages.validate.compiled import Loaded
+from linkwright.stages.validate.engines import mujoco_engine
+from linkwright.stages.validate.section import ValidateSections
 
 
 def checks_of(folder: Path, truth: Truth) -> tuple[Check, ...]:

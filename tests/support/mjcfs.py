@@ -7,15 +7,15 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.export import export
-from stages.fetch.mjcf.gather import gather
-from stages.fetch.mjcf.section import MjcfSourceSection
-from stages.graph import build_robot
-from stages.mesh import make_geometry
-from stages.robot.bundle import Bundle
-from stages.robot.errors import Diagnostic
-from stages.robot.model import Robot
-from stages.validate import validate
+from linkwright.stages.export import export
+from linkwright.stages.fetch.mjcf.gather import gather
+from linkwright.stages.fetch.mjcf.section import MjcfSourceSection
+from linkwright.stages.graph import build_robot
+from linkwright.stages.mesh import make_geometry
+from linkwright.stages.robot.bundle import Bundle
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.model import Robot
+from linkwright.stages.validate import validate
 from tests.support.building import plan_of
 from tests.support.engines import Mujoco
 

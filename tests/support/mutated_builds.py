@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.checking.run import checked
-from stages.graph import build_robot
-from stages.mesh import make_geometry
-from stages.robot.check import Check
+from linkwright.pipeline.checking.run import checked
+from linkwright.stages.graph import build_robot
+from linkwright.stages.mesh import make_geometry
+from linkwright.stages.robot.check import Check
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.frames import frame, turn
 from tests.fake_onshape.sample import sample_document

@@ -3,16 +3,16 @@
 import numpy as np
 import orjson
 
-from stages.graph.onshape.assembly import Assembly, Mate
-from stages.graph.onshape.bodies import Bodies, find_bodies
-from stages.graph.onshape.definition import read_assembly
-from stages.graph.onshape.mates import dofs_of, right_handed
-from stages.graph.onshape.part_solids import PartSolids
-from stages.graph.onshape.patterns import with_copies
-from stages.graph.section import GraphSections
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.kinematics import chain
-from stages.robot.poses import inverse
+from linkwright.stages.graph.onshape.assembly import Assembly, Mate
+from linkwright.stages.graph.onshape.bodies import Bodies, find_bodies
+from linkwright.stages.graph.onshape.definition import read_assembly
+from linkwright.stages.graph.onshape.mates import dofs_of, right_handed
+from linkwright.stages.graph.onshape.part_solids import PartSolids
+from linkwright.stages.graph.onshape.patterns import with_copies
+from linkwright.stages.graph.section import GraphSections
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.kinematics import chain
+from linkwright.stages.robot.poses import inverse
 from tests.fake_onshape.definition import definition
 from tests.fake_onshape.document import ORIGIN, Document
 from tests.fake_onshape.frames import turn

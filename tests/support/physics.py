@@ -9,11 +9,11 @@ import mujoco
 import numpy as np
 import trimesh
 
-from stages.export import export
-from stages.mesh import make_geometry
-from stages.robot.bundle import Bundle
-from stages.robot.geometry import Geometry
-from stages.robot.model import Inertial, Link, MeshRef, Part, Robot, frozen
+from linkwright.stages.export import export
+from linkwright.stages.mesh import make_geometry
+from linkwright.stages.robot.bundle import Bundle
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.model import Inertial, Link, MeshRef, Part, Robot, frozen
 from tests.support.building import plan_of
 from tests.support.robots import robot_with
 from tests.support.solids import bodies_of

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stages.formats import png
+from linkwright.stages.formats import png
 
 _BY_DRIVER = """
 import json, sys

@@ -9,11 +9,11 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from stages.fetch.bundle.archive import read
-from stages.fetch.onshape import requests
-from stages.fetch.onshape.gather import gather
-from stages.fetch.onshape.recorded import Recorded
-from stages.robot.bundle import Bundle, StudioKey
+from linkwright.stages.fetch.bundle.archive import read
+from linkwright.stages.fetch.onshape import requests
+from linkwright.stages.fetch.onshape.gather import gather
+from linkwright.stages.fetch.onshape.recorded import Recorded
+from linkwright.stages.robot.bundle import Bundle, StudioKey
 from tests.support.places import SHARED
 
 DATA = SHARED / "data" / "onshape"

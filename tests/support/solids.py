@@ -5,9 +5,9 @@ from collections.abc import Mapping
 import numpy as np
 import trimesh
 
-from stages.formats import triangles
-from stages.mesh import surface
-from stages.mesh.surface import Surface, weld
+from linkwright.stages.formats import triangles
+from linkwright.stages.mesh import surface
+from linkwright.stages.mesh.surface import Surface, weld
 
 
 def of_mesh(mesh: trimesh.Trimesh) -> Surface:

@@ -3,9 +3,9 @@
 from dataclasses import replace
 from pathlib import Path
 
-from stages.formats.described import described
-from stages.robot.check import Check
-from stages.validate.srdf.read_back import check_file
+from linkwright.stages.formats.described import described
+from linkwright.stages.robot.check import Check
+from linkwright.stages.validate.srdf.read_back import check_file
 
 
 def srdf_checks(folder: Path) -> list[Check]:

@@ -12,13 +12,13 @@ import numpy as np
 import numpy.typing as npt
 import trimesh
 
-from pipeline.config.plan import Plan
-from stages.fetch.source import Fetched
-from stages.graph import build_robot
-from stages.mesh import make_geometry
-from stages.robot import codec
-from stages.robot.geometry import Geometry
-from stages.robot.model import Robot
+from linkwright.pipeline.config.plan import Plan
+from linkwright.stages.fetch.source import Fetched
+from linkwright.stages.graph import build_robot
+from linkwright.stages.mesh import make_geometry
+from linkwright.stages.robot import codec
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.model import Robot
 from tests.support.building import plan_of, write
 
 Corners = npt.NDArray[np.float64]
@@ -102,8 +102,8 @@ def visual(file: str, scale: str = "1 1 1", xyz: str = "0 0 0", inside: str = ""
 
 def built(source: Any, **mesh: Any) -> tuple[Robot, Geometry, Plan, Fetched]:
     """A robot's file through the stages from fetch to mesh, once through the codec."""
-    from stages.fetch import fetch
-    from stages.fetch.source import FetchContext
+    from linkwright.stages.fetch import fetch
+    from linkwright.stages.fetch.source import FetchContext
 
     plan = plan_of(source=source, mesh=mesh)
     fetched = fetch(plan, FetchContext(replies=None, environ={}))  # type: ignore[arg-type]

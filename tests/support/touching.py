@@ -7,14 +7,14 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from stages.export import export
-from stages.export.writer import Exported
-from stages.mesh import make_geometry
-from stages.robot.bundle import Bundle
-from stages.robot.geometry import Exclude, Geometry
-from stages.robot.kinematics import link_poses
-from stages.robot.model import Primitive, Robot, frozen
-from stages.validate.coordinates import set_values
+from linkwright.stages.export import export
+from linkwright.stages.export.writer import Exported
+from linkwright.stages.mesh import make_geometry
+from linkwright.stages.robot.bundle import Bundle
+from linkwright.stages.robot.geometry import Exclude, Geometry
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.model import Primitive, Robot, frozen
+from linkwright.stages.validate.coordinates import set_values
 from tests.support.building import plan_of
 
 Pairs = dict[tuple[str, str], float]

@@ -13,12 +13,12 @@ from pathlib import Path
 import numpy as np
 from lxml import etree
 
-from pipeline.config.plan import Plan
-from stages.export import Exported
-from stages.graph import build_robot
-from stages.robot.bundle import Bundle, FileBundle
-from stages.robot.codec import decode_robot, encode_robot
-from stages.robot.model import Inertial, Robot
+from linkwright.pipeline.config.plan import Plan
+from linkwright.stages.export import Exported
+from linkwright.stages.graph import build_robot
+from linkwright.stages.robot.bundle import Bundle, FileBundle
+from linkwright.stages.robot.codec import decode_robot, encode_robot
+from linkwright.stages.robot.model import Inertial, Robot
 from tests.support.building import plan_of, write
 from tests.support.engines import Mujoco, Pinocchio
 

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import mujoco
 
-from stages.formats.written import Written
-from stages.robot.geometry import Geometry
-from stages.robot.model import Robot
-from stages.validate.compiled import CompiledModel
+from linkwright.stages.formats.written import Written
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.model import Robot
+from linkwright.stages.validate.compiled import CompiledModel
 from tests.support.robots import joint, robot_with
 
 ONE_HINGE = robot_with([joint("revolute", "base", "arm")])

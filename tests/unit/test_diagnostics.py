@@ -7,14 +7,14 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from stages.formats.urdf.diagnostics import HINTS
-from stages.graph.mechanism import Mechanism, RelationSpec, RigidBody
-from stages.graph.passes.relation_dofs import dof_relations
-from stages.graph.section import GraphSections
-from stages.graph.tree import spanning_tree
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.errors import Diagnostic, Disconnected
-from stages.robot.model import Provenance
+from linkwright.stages.formats.urdf.diagnostics import HINTS
+from linkwright.stages.graph.mechanism import Mechanism, RelationSpec, RigidBody
+from linkwright.stages.graph.passes.relation_dofs import dof_relations
+from linkwright.stages.graph.section import GraphSections
+from linkwright.stages.graph.tree import spanning_tree
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.errors import Diagnostic, Disconnected
+from linkwright.stages.robot.model import Provenance
 from tests.support.places import PROJECT
 from tests.support.robots import joint, robot_with
 

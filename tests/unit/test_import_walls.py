@@ -104,16 +104,16 @@ def test_a_module_keeps_within_the_walls(path):
 @pytest.mark.parametrize(
     ("place", "line"),
     [
-        ("stages/graph/x.py", "from stages.mesh import make_geometry"),
-        ("stages/graph/x.py", "import stages.export.urdf.model"),
+        ("stages/graph/x.py", "from linkwright.stages.mesh import make_geometry"),
+        ("stages/graph/x.py", "import linkwright.stages.export.urdf.model"),
         ("stages/graph/x.py", "from ..mesh import section"),
-        ("stages/robot/x.py", "from stages.graph.tree import span"),
-        ("stages/robot/x.py", "from stages.formats.xml import parse"),
-        ("stages/formats/x.py", "from stages.graph.tree import span"),
-        ("stages/formats/x.py", "from stages.mujoco.compile import compiled_text"),
-        ("stages/mujoco/x.py", "from stages.validate.running import flags"),
-        ("stages/mesh/x.py", "def f():\n    from pipeline.caching.actions import Cache"),
-        ("stages/mesh/x.py", "import_module('stages.export')"),
+        ("stages/robot/x.py", "from linkwright.stages.graph.tree import span"),
+        ("stages/robot/x.py", "from linkwright.stages.formats.xml import parse"),
+        ("stages/formats/x.py", "from linkwright.stages.graph.tree import span"),
+        ("stages/formats/x.py", "from linkwright.stages.mujoco.compile import compiled_text"),
+        ("stages/mujoco/x.py", "from linkwright.stages.validate.running import flags"),
+        ("stages/mesh/x.py", "def f():\n    from linkwright.pipeline.caching.actions import Cache"),
+        ("stages/mesh/x.py", "import_module('linkwright.stages.export')"),
         ("stages/graph/x.py", "import httpx"),
         ("stages/export/x.py", "from lxml import etree"),
         ("stages/robot/x.py", "def f():\n    import mujoco"),
@@ -130,13 +130,13 @@ def test_a_breach_is_found(place, line):
 @pytest.mark.parametrize(
     ("place", "line"),
     [
-        ("pipeline/stage.py", "from stages.mesh import make_geometry"),
-        ("stages/mesh/x.py", "from stages.robot.model import Robot"),
-        ("stages/mesh/x.py", "from stages.formats.triangles import Body"),
-        ("stages/mesh/x.py", "from stages.mujoco.compile import compiled_text"),
-        ("stages/mujoco/x.py", "from stages.formats.xml import parse"),
-        ("stages/formats/x.py", "from stages.robot.model import Robot"),
-        ("stages/mesh/x.py", "from stages.mesh.weld import weld"),
+        ("pipeline/stage.py", "from linkwright.stages.mesh import make_geometry"),
+        ("stages/mesh/x.py", "from linkwright.stages.robot.model import Robot"),
+        ("stages/mesh/x.py", "from linkwright.stages.formats.triangles import Body"),
+        ("stages/mesh/x.py", "from linkwright.stages.mujoco.compile import compiled_text"),
+        ("stages/mujoco/x.py", "from linkwright.stages.formats.xml import parse"),
+        ("stages/formats/x.py", "from linkwright.stages.robot.model import Robot"),
+        ("stages/mesh/x.py", "from linkwright.stages.mesh.weld import weld"),
         ("stages/mesh/section.py", "from pydantic import Field"),
         ("stages/formats/xml.py", "from lxml import etree"),
         ("pipeline/config/compose.py", "import hydra"),
@@ -148,8 +148,8 @@ def test_what_is_allowed_is_let_through(place, line):
 
 def test_the_faces_of_the_stages_and_the_build_import_nothing_heavy():
     code = (
-        "import sys, pipeline.build, pipeline.report, pipeline.progress\n"
-        "import stages.fetch, stages.graph, stages.mesh, stages.export, stages.validate\n"
+        "import sys, linkwright.pipeline.build, linkwright.pipeline.report, linkwright.pipeline.progress\n"
+        "import linkwright.stages.fetch, linkwright.stages.graph, linkwright.stages.mesh, linkwright.stages.export, linkwright.stages.validate\n"
         "heavy = 'numpy scipy trimesh mujoco networkx lxml httpx hydra omegaconf rich'.split()\n"
         "print([name for name in heavy if name in sys.modules])"
     )

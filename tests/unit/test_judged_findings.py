@@ -2,7 +2,7 @@
 
 import pytest
 
-from stages.robot.check import Check, Finding
+from linkwright.stages.robot.check import Check, Finding
 from tests.benchmarks.judged import FILE, judged, judgements
 
 TEXT = """

@@ -73,7 +73,7 @@ class Tree:
         # The installed command would run the product as it is, not its copy.
         self.run(
             "-c",
-            "import sys; from pipeline.cli import main; sys.exit(main())",
+            "import sys; from linkwright.pipeline.cli import main; sys.exit(main())",
             *overrides,
             f"output={output}",
         )
@@ -98,8 +98,8 @@ def test_a_source_is_a_folder_a_line_an_option_and_its_golden(tree: Tree) -> Non
 
 from typing import Literal
 
-from stages.fetch.source_section import SourceSection
-from stages.robot.section import Count
+from linkwright.stages.fetch.source_section import SourceSection
+from linkwright.stages.robot.section import Count
 
 
 class ToySourceSection(SourceSection):
@@ -121,8 +121,8 @@ SECTION = ToySourceSection
 
 from hashlib import sha256
 
-from stages.fetch.source import FetchContext, Fetched, Source
-from stages.robot.bundle import FileBundle
+from linkwright.stages.fetch.source import FetchContext, Fetched, Source
+from linkwright.stages.robot.bundle import FileBundle
 
 LINK = """<link name="l{0}"><inertial><mass value="1"/>
 <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>"""
@@ -153,8 +153,8 @@ SOURCE = ToySource
     )
     tree.add_line(
         "stages/fetch/__init__.py",
-        '    "sample": "stages.fetch.bundle.sample",',
-        '    "toy": "stages.fetch.toy",',
+        '    "sample": "linkwright.stages.fetch.bundle.sample",',
+        '    "toy": "linkwright.stages.fetch.toy",',
     )
     tree.add("conf/source/toy.yaml", "kind: toy\n")
     tree.add("tests/config/golden/source.toy.yaml", "source:\n  kind: toy\n  count: 2\n")
@@ -170,7 +170,7 @@ def test_a_format_is_a_folder_a_line_an_option_and_its_golden(tree: Tree) -> Non
         "stages/export/toy/section.py",
         '''"""Configuration of the toy writer."""
 
-from stages.robot.section import Section, Text
+from linkwright.stages.robot.section import Section, Text
 
 
 class ToySection(Section):
@@ -187,7 +187,7 @@ SECTION = ToySection
         "stages/export/toy/writer.py",
         '''"""The toy writer."""
 
-from stages.export.writer import FormatFiles, WriterInput
+from linkwright.stages.export.writer import FormatFiles, WriterInput
 
 
 class ToyWriter:
@@ -248,8 +248,8 @@ from functools import partial
 
 import numpy as np
 
-from stages.robot.poses import inverse, motion
-from stages.validate.same.found import (
+from linkwright.stages.robot.poses import inverse, motion
+from linkwright.stages.validate.same.found import (
     FormatWords,
     FoundMimic,
     FoundPlace,
@@ -258,7 +258,7 @@ from stages.validate.same.found import (
     UnreadableFile,
     FoundJoint,
 )
-from stages.validate.read.run import checks_by
+from linkwright.stages.validate.read.run import checks_by
 
 CODE = "C-TOY"
 
@@ -339,9 +339,9 @@ check_file = partial(checks_by, ReadToy)
 PROOF = """\
 import json, sys
 from pathlib import Path
-from stages.formats.described import described
-from stages.validate import READ_BACK
-from stages.validate.run import check_read_back
+from linkwright.stages.formats.described import described
+from linkwright.stages.validate import READ_BACK
+from linkwright.stages.validate.run import check_read_back
 
 folder = Path(sys.argv[1])
 written = described((folder / "robot.json").read_bytes()).written
@@ -431,7 +431,7 @@ def test_the_proof_of_a_format_is_a_reader_and_a_line(tree: Tree) -> None:
 READ_BACK = """
 import json, sys
 from pathlib import Path
-from stages.formats.described import described
+from linkwright.stages.formats.described import described
 from tests.config.robot_json import markdown, schema
 data = Path(sys.argv[1], "robot.json").read_bytes()
 row = schema()["$defs"]["LinkRecord"]["properties"]["density"]

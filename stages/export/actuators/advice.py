@@ -4,14 +4,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stages.export.actuators.choices import Wanted, driven_order
-from stages.export.actuators.loads import postures
-from stages.robot.actuation import Actuation
-from stages.robot.couplings import Couplings
-from stages.robot.kinematics import link_poses
-from stages.robot.model import Array, Robot
-from stages.robot.start_pose import home
-from stages.robot.statics import GRAVITY
+from linkwright.stages.export.actuators.choices import Wanted, driven_order
+from linkwright.stages.export.actuators.loads import postures
+from linkwright.stages.robot.actuation import Actuation
+from linkwright.stages.robot.couplings import Couplings
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.model import Array, Robot
+from linkwright.stages.robot.start_pose import home
+from linkwright.stages.robot.statics import GRAVITY
 
 _MANY = 50
 """Of a robot with more dofs the driver of a follower is not looked for: that takes time by their square."""

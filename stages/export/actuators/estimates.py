@@ -13,8 +13,8 @@ than what it moves: beyond that the servo is softer.
 
 import math
 
-from stages.export.actuators.loads import Load
-from stages.robot.dofs import DofKind
+from linkwright.stages.export.actuators.loads import Load
+from linkwright.stages.robot.dofs import DofKind
 
 SAG = {"turn": 0.01, "slide": 0.001}
 """How far [rad, m] a servo with estimated stiffness sags, where its effort and the time step allow it."""

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from stages.robot.statics import GRAVITY
+from linkwright.stages.robot.statics import GRAVITY
 
 
 def gravity_of(option: Any) -> tuple[float, ...]:

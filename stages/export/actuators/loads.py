@@ -6,15 +6,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from stages.robot.couplings import Couplings, Rates
-from stages.robot.dynamics import SPEEDS, held_inertias, mass_matrix
-from stages.robot.kinematics import link_poses
-from stages.robot.model import Array, Configuration, DofKind, Robot
-from stages.robot.pose_batch import Values, chosen, count_of, many_link_poses, repeated
-from stages.robot.pose_samples import sampled_poses
-from stages.robot.start_pose import home
-from stages.robot.statics import holding_forces
-from stages.robot.ways import Ways
+from linkwright.stages.robot.couplings import Couplings, Rates
+from linkwright.stages.robot.dynamics import SPEEDS, held_inertias, mass_matrix
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.model import Array, Configuration, DofKind, Robot
+from linkwright.stages.robot.pose_batch import Values, chosen, count_of, many_link_poses, repeated
+from linkwright.stages.robot.pose_samples import sampled_poses
+from linkwright.stages.robot.start_pose import home
+from linkwright.stages.robot.statics import holding_forces
+from linkwright.stages.robot.ways import Ways
 
 POSES = 64
 """How many poses stand for a robot's range."""

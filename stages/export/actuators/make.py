@@ -7,18 +7,18 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
-from stages.export.actuators import estimates
-from stages.export.actuators.choices import Wanted
-from stages.export.actuators.holding import Holds
-from stages.export.actuators.loads import Load
-from stages.export.actuators.motors import Motors, Overruled, equipped
-from stages.export.actuators.ranges import control_range, widened
-from stages.export.actuators.terms import terms_of
-from stages.robot.actuation import SERVOS, Actuator, ActuatorType, Armature
-from stages.robot.holding_control import can_hold, control_at
-from stages.robot.model import Dof, Robot, Value
-from stages.robot.names import free
-from stages.robot.start_pose import HOME, keyframes
+from linkwright.stages.export.actuators import estimates
+from linkwright.stages.export.actuators.choices import Wanted
+from linkwright.stages.export.actuators.holding import Holds
+from linkwright.stages.export.actuators.loads import Load
+from linkwright.stages.export.actuators.motors import Motors, Overruled, equipped
+from linkwright.stages.export.actuators.ranges import control_range, widened
+from linkwright.stages.export.actuators.terms import terms_of
+from linkwright.stages.robot.actuation import SERVOS, Actuator, ActuatorType, Armature
+from linkwright.stages.robot.holding_control import can_hold, control_at
+from linkwright.stages.robot.model import Dof, Robot, Value
+from linkwright.stages.robot.names import free
+from linkwright.stages.robot.start_pose import HOME, keyframes
 
 
 @dataclass(frozen=True, slots=True)

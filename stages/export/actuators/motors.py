@@ -14,14 +14,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from stages.export.actuators.choices import WHERE, Wanted
-from stages.robot.actuation import SERVOS, Supplied
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import as_key, listed
-from stages.robot.model import Dof
+from linkwright.stages.export.actuators.choices import WHERE, Wanted
+from linkwright.stages.robot.actuation import SERVOS, Supplied
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import as_key, listed
+from linkwright.stages.robot.model import Dof
 
 if TYPE_CHECKING:
-    from stages.export.motor_section import MotorSection, MotorValue
+    from linkwright.stages.export.motor_section import MotorSection, MotorValue
 
 Motors = Mapping[str, "MotorSection"]
 

@@ -5,13 +5,13 @@ from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
-from stages.export.actuators.choices import Wanted
-from stages.export.actuators.make import ActuatorMaker, strongest
-from stages.robot.actuation import Actuation
-from stages.robot.couplings import Rates
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import as_key, listed
-from stages.robot.model import Dof, Robot
+from linkwright.stages.export.actuators.choices import Wanted
+from linkwright.stages.export.actuators.make import ActuatorMaker, strongest
+from linkwright.stages.robot.actuation import Actuation
+from linkwright.stages.robot.couplings import Rates
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import as_key, listed
+from linkwright.stages.robot.model import Dof, Robot
 
 WHERE = "actuators"
 

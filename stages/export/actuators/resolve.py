@@ -7,25 +7,25 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stages.export.actuators.alike import shared
-from stages.export.actuators.choices import Wanted, driven_order, wanted_of
-from stages.export.actuators.holding import GroundSupports, holding, standing_nowhere
-from stages.export.actuators.loads import bounds_of, lighter, loads, postures
-from stages.export.actuators.make import ActuatorMaker
-from stages.export.actuators.motors import Motors, report_overruled, supplied
-from stages.export.actuators.remarks import remark, remark_couplings, remark_passive, remark_servos
-from stages.robot.actuation import Actuation, Actuator
-from stages.robot.couplings import Couplings, Rates
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.driven import with_motors
-from stages.robot.errors import Diagnostic, ExportError
-from stages.robot.model import Array, Robot
-from stages.robot.plural import count
-from stages.robot.pose_batch import count_of
-from stages.robot.statics import GRAVITY
+from linkwright.stages.export.actuators.alike import shared
+from linkwright.stages.export.actuators.choices import Wanted, driven_order, wanted_of
+from linkwright.stages.export.actuators.holding import GroundSupports, holding, standing_nowhere
+from linkwright.stages.export.actuators.loads import bounds_of, lighter, loads, postures
+from linkwright.stages.export.actuators.make import ActuatorMaker
+from linkwright.stages.export.actuators.motors import Motors, report_overruled, supplied
+from linkwright.stages.export.actuators.remarks import remark, remark_couplings, remark_passive, remark_servos
+from linkwright.stages.robot.actuation import Actuation, Actuator
+from linkwright.stages.robot.couplings import Couplings, Rates
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.driven import with_motors
+from linkwright.stages.robot.errors import Diagnostic, ExportError
+from linkwright.stages.robot.model import Array, Robot
+from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.pose_batch import count_of
+from linkwright.stages.robot.statics import GRAVITY
 
 if TYPE_CHECKING:
-    from stages.export.actuator_section import ActuatorSection
+    from linkwright.stages.export.actuator_section import ActuatorSection
 
 NO_MOTORS: Motors = {}
 EVERY_GLOB_MATCHES: Mapping[Any, Sequence[str]] = {}

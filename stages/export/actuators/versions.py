@@ -5,10 +5,10 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from stages.robot.errors import ConfigError, Diagnostic
+from linkwright.stages.robot.errors import ConfigError, Diagnostic
 
 if TYPE_CHECKING:
-    from stages.export.actuator_section import ActuatorSection
+    from linkwright.stages.export.actuator_section import ActuatorSection
 
 TYPES: Mapping[str, str] = {"dcmotor": "3.7", "pid": "3.12"}
 """Type → the first MuJoCo that has it."""

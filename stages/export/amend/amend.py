@@ -4,15 +4,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from stages.export.amend.documents import Documents, Refused
-from stages.export.amend.entries import Entry, entries
-from stages.formats.xml import Element
-from stages.robot.amendments import UNCHANGED, Amendment, Amendments, Surplus
-from stages.robot.errors import Diagnostic, ExportError
-from stages.robot.globs import listed
+from linkwright.stages.export.amend.documents import Documents, Refused
+from linkwright.stages.export.amend.entries import Entry, entries
+from linkwright.stages.formats.xml import Element
+from linkwright.stages.robot.amendments import UNCHANGED, Amendment, Amendments, Surplus
+from linkwright.stages.robot.errors import Diagnostic, ExportError
+from linkwright.stages.robot.globs import listed
 
 if TYPE_CHECKING:
-    from stages.export.section import ExportSections
+    from linkwright.stages.export.section import ExportSections
 
 _MESSAGE = "the robot's files cannot be amended"
 
@@ -97,8 +97,8 @@ class _FormatWork:
         return Documents(self.form, self._paths, self._files)
 
     def _of_mjcf(self) -> list[Surplus]:
-        from stages.export.amend.compiled import fit, likely
-        from stages.mujoco.compile import NotCompiled
+        from linkwright.stages.export.amend.compiled import fit, likely
+        from linkwright.stages.mujoco.compile import NotCompiled
 
         meshes = {path: data for path, data in self._files.items() if path.startswith("assets/")}
         try:
@@ -115,8 +115,8 @@ class _FormatWork:
 
     def _culprit(self, meshes: Mapping[str, bytes]) -> str:
         """The key of the last entry without which the file compiles; "" where it never did."""
-        from stages.export.amend.compiled import compiled
-        from stages.mujoco.compile import NotCompiled
+        from linkwright.stages.export.amend.compiled import compiled
+        from linkwright.stages.mujoco.compile import NotCompiled
 
         for count in reversed(range(len(self.entries))):
             documents = self._read()

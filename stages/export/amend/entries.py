@@ -5,16 +5,16 @@ from copy import deepcopy
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from stages.export.amend.documents import Documents, Refused, XmlFile, said
-from stages.formats.numbers import number
-from stages.formats.own_xml import language_of, names, unknown_tag
-from stages.formats.xml import Element, Malformed, element, fragment
-from stages.robot.amendments import Amendment
-from stages.robot.globs import listed
+from linkwright.stages.export.amend.documents import Documents, Refused, XmlFile, said
+from linkwright.stages.formats.numbers import number
+from linkwright.stages.formats.own_xml import language_of, names, unknown_tag
+from linkwright.stages.formats.xml import Element, Malformed, element, fragment
+from linkwright.stages.robot.amendments import Amendment
+from linkwright.stages.robot.globs import listed
 
 if TYPE_CHECKING:
-    from stages.export.element_section import IntoSection
-    from stages.export.section import ExportSections
+    from linkwright.stages.export.element_section import IntoSection
+    from linkwright.stages.export.section import ExportSections
 
 FORMATS, TAG = "formats", "tag"
 """What stands beside attributes."""

@@ -3,12 +3,12 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from stages.formats.numbers import TURN, number, spaced
-from stages.formats.xml import Element, element
-from stages.robot.actuation import Actuation
-from stages.robot.holding_control import control_at, state_at
-from stages.robot.mjcf_extras import MjcfExtras
-from stages.robot.model import Configuration, Sensor
+from linkwright.stages.formats.numbers import TURN, number, spaced
+from linkwright.stages.formats.xml import Element, element
+from linkwright.stages.robot.actuation import Actuation
+from linkwright.stages.robot.holding_control import control_at, state_at
+from linkwright.stages.robot.mjcf_extras import MjcfExtras
+from linkwright.stages.robot.model import Configuration, Sensor
 
 
 def write_actuation(

@@ -4,22 +4,22 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from stages.export.mjcf.filters import WORLD, Geom
-from stages.export.mjcf.joints import free_joint_name, write_joints
-from stages.export.mjcf.loops import Closures
-from stages.export.mjcf.placement import above_bodies, orientation, placement, write_placed
-from stages.export.paints import Paint, paint
-from stages.formats.numbers import LENGTH, number, rounded_tensor, spaced
-from stages.formats.written import Written
-from stages.formats.xml import Element, element
-from stages.robot.fusing import members
-from stages.robot.geom_form import ContactProperties
-from stages.robot.geometry import Shape
-from stages.robot.inertia import moved, principal_axes
-from stages.robot.kinematics import chain
-from stages.robot.model import Array, Frame, Inertial, Joint, Link, Primitive
-from stages.robot.names import free
-from stages.robot.poses import UNMOVED, inverse
+from linkwright.stages.export.mjcf.filters import WORLD, Geom
+from linkwright.stages.export.mjcf.joints import free_joint_name, write_joints
+from linkwright.stages.export.mjcf.loops import Closures
+from linkwright.stages.export.mjcf.placement import above_bodies, orientation, placement, write_placed
+from linkwright.stages.export.paints import Paint, paint
+from linkwright.stages.formats.numbers import LENGTH, number, rounded_tensor, spaced
+from linkwright.stages.formats.written import Written
+from linkwright.stages.formats.xml import Element, element
+from linkwright.stages.robot.fusing import members
+from linkwright.stages.robot.geom_form import ContactProperties
+from linkwright.stages.robot.geometry import Shape
+from linkwright.stages.robot.inertia import moved, principal_axes
+from linkwright.stages.robot.kinematics import chain
+from linkwright.stages.robot.model import Array, Frame, Inertial, Joint, Link, Primitive
+from linkwright.stages.robot.names import free
+from linkwright.stages.robot.poses import UNMOVED, inverse
 
 PRINCIPAL = 1e-9
 """What an MJCF source's axes of inertia may leave off the diagonal, as a share of the largest moment."""

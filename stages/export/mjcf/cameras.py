@@ -5,17 +5,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stages.export.mjcf.placement import placement
-from stages.formats.numbers import number
-from stages.formats.xml import Element, element
-from stages.robot.errors import Diagnostic, ExportError
-from stages.robot.globs import there_are
-from stages.robot.model import Array, Robot, frozen
-from stages.robot.poses import UNMOVED, from_parts, rotation_from_rpy
-from stages.robot.sensing import SensorCamera
+from linkwright.stages.export.mjcf.placement import placement
+from linkwright.stages.formats.numbers import number
+from linkwright.stages.formats.xml import Element, element
+from linkwright.stages.robot.errors import Diagnostic, ExportError
+from linkwright.stages.robot.globs import there_are
+from linkwright.stages.robot.model import Array, Robot, frozen
+from linkwright.stages.robot.poses import UNMOVED, from_parts, rotation_from_rpy
+from linkwright.stages.robot.sensing import SensorCamera
 
 if TYPE_CHECKING:
-    from stages.export.scene_section import CameraSection
+    from linkwright.stages.export.scene_section import CameraSection
 
 OURS_FROM_MUJOCO = frozen(np.diag([1.0, -1.0, -1.0, 1.0]))
 

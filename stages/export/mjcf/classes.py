@@ -7,8 +7,8 @@ elements has it, most of them with this value: what an element still says itself
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 
-from stages.export.mjcf.class_names import motor_of, named_after
-from stages.formats.xml import Element, element
+from linkwright.stages.export.mjcf.class_names import motor_of, named_after
+from linkwright.stages.formats.xml import Element, element
 
 OWN = ("name", "joint", "joint1", "joint2", "site1", "site2", "pos", "ref", "polycoef")
 """What is never shared: names, places, and a relation's own numbers."""

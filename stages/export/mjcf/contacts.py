@@ -9,10 +9,10 @@ larger counts where there is no pair.
 
 from collections.abc import Mapping
 
-from stages.export.mjcf.filters import Filters, Geom
-from stages.formats.numbers import spaced
-from stages.formats.xml import Element, element
-from stages.robot.geom_form import ContactProperties
+from linkwright.stages.export.mjcf.filters import Filters, Geom
+from linkwright.stages.formats.numbers import spaced
+from linkwright.stages.formats.xml import Element, element
+from linkwright.stages.robot.geom_form import ContactProperties
 
 Vector = tuple[float, ...]
 

@@ -5,16 +5,16 @@ from dataclasses import replace
 from itertools import product
 from typing import TYPE_CHECKING
 
-from stages.formats.written import Written
-from stages.robot.dofs import AS_THE_MATE
-from stages.robot.errors import Diagnostic
-from stages.robot.geometry import Geometry
-from stages.robot.globs import listed
-from stages.robot.mjcf_extras import MjcfElement, MjcfExtras
-from stages.robot.model import Robot
+from linkwright.stages.formats.written import Written
+from linkwright.stages.robot.dofs import AS_THE_MATE
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.globs import listed
+from linkwright.stages.robot.mjcf_extras import MjcfElement, MjcfExtras
+from linkwright.stages.robot.model import Robot
 
 if TYPE_CHECKING:
-    from stages.export.section import ExportSections
+    from linkwright.stages.export.section import ExportSections
 
 COUNTED = ("tendon", "equality", "actuator")
 """Sections whose elements mean values of joints as the source counts them."""

@@ -16,10 +16,10 @@ from itertools import product
 import numpy as np
 import numpy.typing as npt
 
-from stages.robot.adjacency import Pair
-from stages.robot.geometry import Exclude, Geometry
-from stages.robot.left_out import LeftOut
-from stages.robot.model import Robot
+from linkwright.stages.robot.adjacency import Pair
+from linkwright.stages.robot.geometry import Exclude, Geometry
+from linkwright.stages.robot.left_out import LeftOut
+from linkwright.stages.robot.model import Robot
 
 Geom = tuple[str, int]
 """A link, and a position among its collision shapes."""

@@ -4,17 +4,17 @@ from collections import Counter
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from stages.export.mjcf.extras import extras_of
-from stages.export.mjcf.filters import filters
-from stages.export.sensor_mounts import loaded_links
-from stages.formats.mjcf_form import MjcfForm
-from stages.formats.mjcf_written import form_with
-from stages.formats.written import Written
-from stages.robot.geometry import Geometry
-from stages.robot.model import Robot
+from linkwright.stages.export.mjcf.extras import extras_of
+from linkwright.stages.export.mjcf.filters import filters
+from linkwright.stages.export.sensor_mounts import loaded_links
+from linkwright.stages.formats.mjcf_form import MjcfForm
+from linkwright.stages.formats.mjcf_written import form_with
+from linkwright.stages.formats.written import Written
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.model import Robot
 
 if TYPE_CHECKING:
-    from stages.export.section import ExportSections
+    from linkwright.stages.export.section import ExportSections
 
 
 def form_of(robot: Robot, geometry: Geometry, keys: "ExportSections") -> MjcfForm:

@@ -7,12 +7,12 @@ ball's value is relative to the pose at qpos0; a free joint's value is the pose 
 
 from collections.abc import Collection, Mapping, Sequence
 
-from stages.formats.numbers import LENGTH, least_of, number, spaced
-from stages.formats.xml import Element, element
-from stages.robot.kinematics import chain
-from stages.robot.model import Array, Configuration, Dof, Robot, Value
-from stages.robot.names import free
-from stages.robot.poses import UNMOVED, inverse, motion, quat_from_rotation
+from linkwright.stages.formats.numbers import LENGTH, least_of, number, spaced
+from linkwright.stages.formats.xml import Element, element
+from linkwright.stages.robot.kinematics import chain
+from linkwright.stages.robot.model import Array, Configuration, Dof, Robot, Value
+from linkwright.stages.robot.names import free
+from linkwright.stages.robot.poses import UNMOVED, inverse, motion, quat_from_rotation
 
 OPEN = "1e6"
 """The open end of a one-sided limit: MuJoCo has no one-sided range."""

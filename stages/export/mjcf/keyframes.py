@@ -3,19 +3,19 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from stages.export.mjcf.actuators import KeyedActuator, drives, key_attributes
-from stages.export.mjcf.joints import free_joint_name, free_qpos, qpos
-from stages.export.mjcf.sections import drives_of
-from stages.formats.mjcf_joints import joints_in_order
-from stages.formats.numbers import TURN, number
-from stages.formats.xml import Element, element
-from stages.robot.model import Array, Configuration, Robot
-from stages.robot.poses import UNMOVED
-from stages.robot.start_pose import keyframes
+from linkwright.stages.export.mjcf.actuators import KeyedActuator, drives, key_attributes
+from linkwright.stages.export.mjcf.joints import free_joint_name, free_qpos, qpos
+from linkwright.stages.export.mjcf.sections import drives_of
+from linkwright.stages.formats.mjcf_joints import joints_in_order
+from linkwright.stages.formats.numbers import TURN, number
+from linkwright.stages.formats.xml import Element, element
+from linkwright.stages.robot.model import Array, Configuration, Robot
+from linkwright.stages.robot.poses import UNMOVED
+from linkwright.stages.robot.start_pose import keyframes
 
 if TYPE_CHECKING:
-    from stages.export.writer import WriterInput
-    from stages.formats.written import Written
+    from linkwright.stages.export.writer import WriterInput
+    from linkwright.stages.formats.written import Written
 
 
 def write_keyframes(root: Element, given: "WriterInput", model: Element | None = None) -> None:

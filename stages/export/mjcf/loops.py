@@ -16,15 +16,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stages.export.mjcf.placement import placement
-from stages.formats.numbers import spaced
-from stages.formats.xml import Element, element
-from stages.robot.inertia import moved
-from stages.robot.kinematics import chain
-from stages.robot.loops import POINTWISE
-from stages.robot.model import Array, Configuration, Dof, Inertial, Loop, Robot, frozen
-from stages.robot.names import free
-from stages.robot.poses import inverse
+from linkwright.stages.export.mjcf.placement import placement
+from linkwright.stages.formats.numbers import spaced
+from linkwright.stages.formats.xml import Element, element
+from linkwright.stages.robot.inertia import moved
+from linkwright.stages.robot.kinematics import chain
+from linkwright.stages.robot.loops import POINTWISE
+from linkwright.stages.robot.model import Array, Configuration, Dof, Inertial, Loop, Robot, frozen
+from linkwright.stages.robot.names import free
+from linkwright.stages.robot.poses import inverse
 
 Site = tuple[str, str, Array]
 """The link (or carrier) that has the site, the site's name, and its pose (4, 4) on the link."""

@@ -1,10 +1,10 @@
 """Poses as MJCF attributes, and elements that have one."""
 
-from stages.formats.numbers import LENGTH, spaced
-from stages.formats.xml import Element, element
-from stages.robot.mjcf_extras import MjcfElement
-from stages.robot.model import Array
-from stages.robot.poses import quat_from_rotation
+from linkwright.stages.formats.numbers import LENGTH, spaced
+from linkwright.stages.formats.xml import Element, element
+from linkwright.stages.robot.mjcf_extras import MjcfElement
+from linkwright.stages.robot.model import Array
+from linkwright.stages.robot.poses import quat_from_rotation
 
 
 def placement(pose: Array) -> dict[str, str]:

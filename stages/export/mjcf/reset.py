@@ -3,8 +3,8 @@ other."""
 
 from collections.abc import Iterator
 
-from stages.formats.written import Written
-from stages.robot.errors import Diagnostic
+from linkwright.stages.formats.written import Written
+from linkwright.stages.robot.errors import Diagnostic
 
 FAR = {"turn": 0.1, "slide": 0.01}
 """How far [rad, m] a servo may go after a plain reset until that is reported."""

@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping
 
-from stages.export.mjcf.cameras import write_sensor_camera
-from stages.export.mjcf.placement import above_bodies, placement
-from stages.formats.numbers import spaced
-from stages.formats.xml import Element, element
-from stages.robot.fusing import Holders
-from stages.robot.model import Array
-from stages.robot.sensing import Sensing, SensorSite
+from linkwright.stages.export.mjcf.cameras import write_sensor_camera
+from linkwright.stages.export.mjcf.placement import above_bodies, placement
+from linkwright.stages.formats.numbers import spaced
+from linkwright.stages.formats.xml import Element, element
+from linkwright.stages.robot.fusing import Holders
+from linkwright.stages.robot.model import Array
+from linkwright.stages.robot.sensing import Sensing, SensorSite
 
 HIDDEN = "3"
 """A group of sites that MuJoCo's viewers do not show unless asked."""

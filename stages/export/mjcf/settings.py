@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from stages.formats.numbers import number
+from linkwright.stages.formats.numbers import number
 
 
 def text(value: Any) -> str:

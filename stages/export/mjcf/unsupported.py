@@ -4,11 +4,11 @@ which links have no bodies."""
 import math
 from collections.abc import Iterator, Sequence
 
-from stages.export.mjcf.filters import CLASSES
-from stages.formats.written import Written
-from stages.robot.adjacency import Pair
-from stages.robot.errors import Diagnostic
-from stages.robot.model import Value
+from linkwright.stages.export.mjcf.filters import CLASSES
+from linkwright.stages.formats.written import Written
+from linkwright.stages.robot.adjacency import Pair
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.model import Value
 
 
 def unsupported(written: Written, wide: Sequence[Pair] = ()) -> Iterator[Diagnostic]:

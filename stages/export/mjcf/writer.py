@@ -1,24 +1,24 @@
 """MJCF: the robot, and a scene around it, for MuJoCo."""
 
-from stages.export.writer import FormatFiles, WriterInput
+from linkwright.stages.export.writer import FormatFiles, WriterInput
 
 
 class MjcfWriter:
     """`<name>.xml`, the robot alone, and `scene.xml`, which includes it."""
 
     reads: tuple[str, ...] = ()
-    modules: tuple[str, ...] = ("stages.export.mjcf.model", "stages.export.mjcf.scene")
+    modules: tuple[str, ...] = ("linkwright.stages.export.mjcf.model", "linkwright.stages.export.mjcf.scene")
 
     def paths(self, robot: str) -> tuple[str, ...]:
         return (f"{robot}.xml", "scene.xml")
 
     def write(self, given: WriterInput) -> FormatFiles:
-        from stages.export.mjcf.extras import lost
-        from stages.export.mjcf.filters import filters
-        from stages.export.mjcf.model import write_mjcf
-        from stages.export.mjcf.reset import reset
-        from stages.export.mjcf.scene import write_scene
-        from stages.export.mjcf.unsupported import unsupported
+        from linkwright.stages.export.mjcf.extras import lost
+        from linkwright.stages.export.mjcf.filters import filters
+        from linkwright.stages.export.mjcf.model import write_mjcf
+        from linkwright.stages.export.mjcf.reset import reset
+        from linkwright.stages.export.mjcf.scene import write_scene
+        from linkwright.stages.export.mjcf.unsupported import unsupported
 
         written = given.written
         model, scene = self.paths(written.robot.name)

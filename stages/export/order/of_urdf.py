@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator, Mapping
 
-from stages.formats.robot_json.files import UrdfJointRow
-from stages.formats.xml import Element
+from linkwright.stages.formats.robot_json.files import UrdfJointRow
+from linkwright.stages.formats.xml import Element
 
 UNITS = {"revolute": "rad", "continuous": "rad", "prismatic": "m", "floating": "m, rad", "planar": "m, rad"}
 """Type of joint → its unit; others do not move."""

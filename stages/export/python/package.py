@@ -6,7 +6,7 @@ The constants have the names of those of robot_descriptions, whose loaders take 
 import json
 from collections.abc import Collection
 
-from stages.export.python.section import PythonFormatSection, module_of
+from linkwright.stages.export.python.section import PythonFormatSection, module_of
 
 OF_FILES = (
     ("URDF_PATH", "{}.urdf"),

@@ -2,10 +2,10 @@
 
 from typing import TYPE_CHECKING
 
-from stages.export.writer import FormatFiles, WriterInput
+from linkwright.stages.export.writer import FormatFiles, WriterInput
 
 if TYPE_CHECKING:
-    from stages.formats.robot_json.files import PackageRecord
+    from linkwright.stages.formats.robot_json.files import PackageRecord
 
 FOLDER = "python"
 """Where the package lies in the output."""
@@ -15,15 +15,15 @@ class PythonWriter:
     """`python/`."""
 
     reads: tuple[str, ...] = ("urdf", "mjcf")
-    modules: tuple[str, ...] = ("stages.export.python.package",)
+    modules: tuple[str, ...] = ("linkwright.stages.export.python.package",)
 
     def paths(self, robot: str) -> tuple[str, ...]:
         return (f"{FOLDER}/*",)
 
     def write(self, given: WriterInput) -> FormatFiles:
         """Its files, with copies of all that the other formats have, and of robot.json."""
-        from stages.export.python.package import module, pyproject, readme
-        from stages.export.python.section import PythonFormatSection, module_of
+        from linkwright.stages.export.python.package import module, pyproject, readme
+        from linkwright.stages.export.python.section import PythonFormatSection, module_of
 
         robot = given.written.robot.name
         keys = given.keys.export.python or PythonFormatSection()
@@ -42,9 +42,9 @@ class PythonWriter:
 
 def package_record(given: WriterInput) -> "dict[str, PackageRecord]":
     """What robot.json tells of the package, which holds it."""
-    from stages.export import VERSION
-    from stages.export.python.section import module_of
-    from stages.formats.robot_json.files import PackageRecord
+    from linkwright.stages.export import VERSION
+    from linkwright.stages.export.python.section import module_of
+    from linkwright.stages.formats.robot_json.files import PackageRecord
 
     package, folder = _names(given)
     place = f"{FOLDER}/{module_of(package)}/{folder}"
@@ -53,8 +53,8 @@ def package_record(given: WriterInput) -> "dict[str, PackageRecord]":
 
 def _names(given: WriterInput) -> tuple[str, str]:
     """The name of the package, and that of the folder of the robot's files in its module."""
-    from stages.export.package_names import package_of
-    from stages.export.python.section import PythonFormatSection
+    from linkwright.stages.export.package_names import package_of
+    from linkwright.stages.export.python.section import PythonFormatSection
 
     robot, urdf = given.written.robot.name, given.keys.export.urdf
     keys = given.keys.export.python or PythonFormatSection()

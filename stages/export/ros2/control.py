@@ -6,17 +6,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from stages.export.ros2.description import Description
-from stages.export.ros2.names import legal_names
-from stages.formats.urdf.names import UrdfNames
-from stages.formats.written import Written
-from stages.formats.xml import Element
-from stages.robot.actuation import Actuation
-from stages.robot.model import Robot, Sensor
-from stages.robot.names import free
-from stages.robot.poses import motion, turns_from_rotation
-from stages.robot.sensing import Sensing
-from stages.robot.start_pose import home
+from linkwright.stages.export.ros2.description import Description
+from linkwright.stages.export.ros2.names import legal_names
+from linkwright.stages.formats.urdf.names import UrdfNames
+from linkwright.stages.formats.written import Written
+from linkwright.stages.formats.xml import Element
+from linkwright.stages.robot.actuation import Actuation
+from linkwright.stages.robot.model import Robot, Sensor
+from linkwright.stages.robot.names import free
+from linkwright.stages.robot.poses import motion, turns_from_rotation
+from linkwright.stages.robot.sensing import Sensing
+from linkwright.stages.robot.start_pose import home
 
 COMMANDS: Mapping[str, str] = {
     "position": "position",

@@ -8,8 +8,8 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from stages.export.ros2.control import Control
-from stages.robot.names import free
+from linkwright.stages.export.ros2.control import Control
+from linkwright.stages.robot.names import free
 
 RATE = 100
 """Hz: the default of ros2_control."""

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from copy import deepcopy
 from dataclasses import dataclass
 
-from stages.export.ros2.names import RosNames, ros_names
-from stages.formats.xml import Element, parse, tag
+from linkwright.stages.export.ros2.names import RosNames, ros_names
+from linkwright.stages.formats.xml import Element, parse, tag
 
 _OURS = re.compile("(?:package://[^/]+/)?assets/([^/]+)$")
 """A path of ours, in either of the ways in which a URDF can have it."""

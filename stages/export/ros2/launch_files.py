@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stages.formats.numbers import number
-from stages.robot.poses import inverse
+from linkwright.stages.formats.numbers import number
+from linkwright.stages.robot.poses import inverse
 
 if TYPE_CHECKING:
-    from stages.export.standing import Stance
+    from linkwright.stages.export.standing import Stance
 
 _DISPLAY = '''"""Shows @ROBOT@ in RViz, with sliders for its joints.
 

@@ -9,9 +9,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain as following
 
-from stages.export.ros2.description import Description
-from stages.export.ros2.names import legal_names
-from stages.formats.xml import Element, parse, to_bytes
+from linkwright.stages.export.ros2.description import Description
+from linkwright.stages.export.ros2.names import legal_names
+from linkwright.stages.formats.xml import Element, parse, to_bytes
 
 ENOUGH = 6
 """Joints that a chain needs to reach any pose: with fewer only the place of its tip is asked for."""

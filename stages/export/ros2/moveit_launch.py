@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from stages.export.ros2.launch_files import filled
+from linkwright.stages.export.ros2.launch_files import filled
 
 _MOVEIT = '''"""Starts MoveIt for @ROBOT@, with RViz, and ros2_control with mock hardware.
 

@@ -2,8 +2,8 @@
 
 from collections.abc import Collection, Iterable
 
-from stages.export.ros2.section import Ros2FormatSection
-from stages.formats.xml import element, to_bytes
+from linkwright.stages.export.ros2.section import Ros2FormatSection
+from linkwright.stages.formats.xml import element, to_bytes
 
 ALWAYS = (
     "ament_index_python",

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 
-from stages.export.ros2.control import OTHERS, Control
-from stages.export.ros2.names import RosNames
-from stages.robot.errors import Diagnostic
+from linkwright.stages.export.ros2.control import OTHERS, Control
+from linkwright.stages.export.ros2.names import RosNames
+from linkwright.stages.robot.errors import Diagnostic
 
 
 def unsupported(

@@ -4,13 +4,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from stages.export.writer import FormatFiles, WriterInput
+from linkwright.stages.export.writer import FormatFiles, WriterInput
 
 if TYPE_CHECKING:
-    from stages.export.ros2.control import Control
-    from stages.export.ros2.controllers import Controller
-    from stages.export.ros2.description import Description
-    from stages.export.ros2.moveit import Semantics
+    from linkwright.stages.export.ros2.control import Control
+    from linkwright.stages.export.ros2.controllers import Controller
+    from linkwright.stages.export.ros2.description import Description
+    from linkwright.stages.export.ros2.moveit import Semantics
 
 FOLDER = "ros2"
 """Where the package lies in the output: a folder that can be a workspace's `src`."""
@@ -30,9 +30,9 @@ class Ros2Writer:
 
     reads: tuple[str, ...] = ("urdf",)
     modules: tuple[str, ...] = (
-        "stages.export.ros2.xacro_files",
-        "stages.export.ros2.launch_files",
-        "stages.export.ros2.moveit",
+        "linkwright.stages.export.ros2.xacro_files",
+        "linkwright.stages.export.ros2.launch_files",
+        "linkwright.stages.export.ros2.moveit",
     )
 
     def paths(self, robot: str) -> tuple[str, ...]:
@@ -40,16 +40,16 @@ class Ros2Writer:
 
     def write(self, given: WriterInput) -> FormatFiles:
         """Its files, with copies of the meshes, and those of MoveIt's package beside it."""
-        from stages.export import VERSION
-        from stages.export.package_names import package_of
-        from stages.export.ros2.control import control_of
-        from stages.export.ros2.controllers import controllers_of
-        from stages.export.ros2.description import described
-        from stages.export.ros2.moveit import semantics_of
-        from stages.export.ros2.section import Ros2FormatSection
-        from stages.export.ros2.trajectories import trajectories_of
-        from stages.export.ros2.unsupported import unsupported
-        from stages.formats.robot_json.files import PackageRecord, RenamedRecord
+        from linkwright.stages.export import VERSION
+        from linkwright.stages.export.package_names import package_of
+        from linkwright.stages.export.ros2.control import control_of
+        from linkwright.stages.export.ros2.controllers import controllers_of
+        from linkwright.stages.export.ros2.description import described
+        from linkwright.stages.export.ros2.moveit import semantics_of
+        from linkwright.stages.export.ros2.section import Ros2FormatSection
+        from linkwright.stages.export.ros2.trajectories import trajectories_of
+        from linkwright.stages.export.ros2.unsupported import unsupported
+        from linkwright.stages.formats.robot_json.files import PackageRecord, RenamedRecord
 
         robot = given.written.robot
         keys = given.keys.export.ros2 or Ros2FormatSection()
@@ -74,14 +74,14 @@ def _files(
     given: WriterInput, package: str, description: "Description", driven: Driven
 ) -> list[tuple[str, bytes]]:
     """(path in the package, bytes)."""
-    from stages.export.ros2.controllers import controllers_yaml
-    from stages.export.ros2.launch_files import control_launch, display_launch, rviz
-    from stages.export.ros2.names import macro_of
-    from stages.export.ros2.package import ALWAYS, CONTROLLED, cmake_lists, package_xml
-    from stages.export.ros2.section import Ros2FormatSection
-    from stages.export.ros2.xacro_files import control_macro, entry, macro
-    from stages.formats.xml import to_bytes
-    from stages.robot.names import free
+    from linkwright.stages.export.ros2.controllers import controllers_yaml
+    from linkwright.stages.export.ros2.launch_files import control_launch, display_launch, rviz
+    from linkwright.stages.export.ros2.names import macro_of
+    from linkwright.stages.export.ros2.package import ALWAYS, CONTROLLED, cmake_lists, package_xml
+    from linkwright.stages.export.ros2.section import Ros2FormatSection
+    from linkwright.stages.export.ros2.xacro_files import control_macro, entry, macro
+    from linkwright.stages.formats.xml import to_bytes
+    from linkwright.stages.robot.names import free
 
     name = given.written.robot.name
     keys = given.keys.export.ros2 or Ros2FormatSection()
@@ -125,11 +125,11 @@ def _beside(
     given: WriterInput, package: str, description: "Description", semantics: "Semantics", driven: Driven
 ) -> dict[str, bytes]:
     """The files of MoveIt's package by path: none where the configuration wants none, or nothing moves."""
-    from stages.export.ros2.moveit import semantic_files, setup_assistant
-    from stages.export.ros2.moveit_launch import moveit_launch, moveit_rviz
-    from stages.export.ros2.names import moveit_package_of
-    from stages.export.ros2.package import MOVEIT, cmake_lists, package_xml
-    from stages.export.ros2.section import Ros2FormatSection
+    from linkwright.stages.export.ros2.moveit import semantic_files, setup_assistant
+    from linkwright.stages.export.ros2.moveit_launch import moveit_launch, moveit_rviz
+    from linkwright.stages.export.ros2.names import moveit_package_of
+    from linkwright.stages.export.ros2.package import MOVEIT, cmake_lists, package_xml
+    from linkwright.stages.export.ros2.section import Ros2FormatSection
 
     name, keys = given.written.robot.name, given.keys.export.ros2 or Ros2FormatSection()
     if not keys.moveit or not semantics.groups:

@@ -7,10 +7,10 @@ the robot several times.
 
 from collections.abc import Sequence
 
-from stages.export.ros2.control import INTERFACES, JOINT, Control, Parameters
-from stages.export.ros2.description import Description, references, without_control
-from stages.formats.numbers import TURN, number
-from stages.formats.xml import Element, element, rooted, to_bytes
+from linkwright.stages.export.ros2.control import INTERFACES, JOINT, Control, Parameters
+from linkwright.stages.export.ros2.description import Description, references, without_control
+from linkwright.stages.formats.numbers import TURN, number
+from linkwright.stages.formats.xml import Element, element, rooted, to_bytes
 
 XACRO = "http://www.ros.org/wiki/xacro"
 

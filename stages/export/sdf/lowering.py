@@ -8,10 +8,10 @@ from typing import Literal
 
 import numpy as np
 
-from stages.formats.sdf.names import SdfNames
-from stages.robot.kinematics import link_poses
-from stages.robot.loops import CLOSED, across, closing, gap
-from stages.robot.model import (
+from linkwright.stages.formats.sdf.names import SdfNames
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.loops import CLOSED, across, closing, gap
+from linkwright.stages.robot.model import (
     Array,
     Configuration,
     Dof,
@@ -23,8 +23,8 @@ from stages.robot.model import (
     Robot,
     Value,
 )
-from stages.robot.poses import at_rest, inverse, motion
-from stages.robot.ways import Ways
+from linkwright.stages.robot.poses import at_rest, inverse, motion
+from linkwright.stages.robot.ways import Ways
 
 SdfJointType = Literal["fixed", "continuous", "revolute", "prismatic", "ball"]
 

@@ -10,19 +10,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stages.export.paints import paint
-from stages.export.sdf.contacts import SdfContacts
-from stages.export.sdf.lowering import SdfJoint, SdfJoints
-from stages.export.sdf.section import SdfFormatSection
-from stages.export.sdf.sensors import SdfSensor, Sensors, write_sensor
-from stages.formats.numbers import LENGTH, TURN, number, numbers, spaced
-from stages.formats.sdf.names import SdfNames
-from stages.formats.xml import Element, element, to_bytes
-from stages.robot.geometry import Geometry, Shape
-from stages.robot.inertia import SPECK
-from stages.robot.model import Array, Inertial, Primitive, Robot
-from stages.robot.names import free
-from stages.robot.poses import rpy_from_rotation
+from linkwright.stages.export.paints import paint
+from linkwright.stages.export.sdf.contacts import SdfContacts
+from linkwright.stages.export.sdf.lowering import SdfJoint, SdfJoints
+from linkwright.stages.export.sdf.section import SdfFormatSection
+from linkwright.stages.export.sdf.sensors import SdfSensor, Sensors, write_sensor
+from linkwright.stages.formats.numbers import LENGTH, TURN, number, numbers, spaced
+from linkwright.stages.formats.sdf.names import SdfNames
+from linkwright.stages.formats.xml import Element, element, to_bytes
+from linkwright.stages.robot.geometry import Geometry, Shape
+from linkwright.stages.robot.inertia import SPECK
+from linkwright.stages.robot.model import Array, Inertial, Primitive, Robot
+from linkwright.stages.robot.names import free
+from linkwright.stages.robot.poses import rpy_from_rotation
 
 VERSION = "1.9"
 """The newest that Gazebo Fortress and Debian 12 read."""

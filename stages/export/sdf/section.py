@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from stages.robot.section import Section
+from linkwright.stages.robot.section import Section
 
 
 class SdfFormatSection(Section):

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stages.formats.numbers import number
-from stages.formats.xml import Element, element
-from stages.robot.model import Array, Robot
-from stages.robot.names import free
-from stages.robot.poses import from_parts
-from stages.robot.sensing import Sensing, Sensor, SensorCamera
+from linkwright.stages.formats.numbers import number
+from linkwright.stages.formats.xml import Element, element
+from linkwright.stages.robot.model import Array, Robot
+from linkwright.stages.robot.names import free
+from linkwright.stages.robot.poses import from_parts
+from linkwright.stages.robot.sensing import Sensing, Sensor, SensorCamera
 
 KINDS: Mapping[str, str] = {
     "gyro": "imu",

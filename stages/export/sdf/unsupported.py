@@ -3,15 +3,15 @@
 import math
 from collections.abc import Iterator
 
-from stages.export.sdf.contacts import BITS, LOW
-from stages.export.sdf.model import SdfPlan
-from stages.formats.numbers import number
-from stages.robot.actuation import Actuation
-from stages.robot.errors import Diagnostic
-from stages.robot.geometry import Geometry
-from stages.robot.globs import listed
-from stages.robot.inertia import NEXT_TO_NOTHING
-from stages.robot.model import Joint, Loop, Robot, Value
+from linkwright.stages.export.sdf.contacts import BITS, LOW
+from linkwright.stages.export.sdf.model import SdfPlan
+from linkwright.stages.formats.numbers import number
+from linkwright.stages.robot.actuation import Actuation
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.globs import listed
+from linkwright.stages.robot.inertia import NEXT_TO_NOTHING
+from linkwright.stages.robot.model import Joint, Loop, Robot, Value
 
 
 def unsupported(

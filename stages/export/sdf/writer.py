@@ -2,26 +2,26 @@
 
 from typing import TYPE_CHECKING
 
-from stages.export.writer import FormatFiles, WriterInput
+from linkwright.stages.export.writer import FormatFiles, WriterInput
 
 if TYPE_CHECKING:
-    from stages.export.sdf.model import SdfPlan
-    from stages.formats.robot_json.files import FormatRecord
+    from linkwright.stages.export.sdf.model import SdfPlan
+    from linkwright.stages.formats.robot_json.files import FormatRecord
 
 
 class SdfWriter:
     """`<name>.sdf` and `model.config`."""
 
     reads: tuple[str, ...] = ()
-    modules: tuple[str, ...] = ("stages.export.sdf.model",)
+    modules: tuple[str, ...] = ("linkwright.stages.export.sdf.model",)
 
     def paths(self, robot: str) -> tuple[str, ...]:
         return (f"{robot}.sdf", "model.config")
 
     def write(self, given: WriterInput) -> FormatFiles:
-        from stages.export.sdf.model import write_config, write_sdf
-        from stages.export.sdf.section import SdfFormatSection
-        from stages.export.sdf.unsupported import unsupported
+        from linkwright.stages.export.sdf.model import write_config, write_sdf
+        from linkwright.stages.export.sdf.section import SdfFormatSection
+        from linkwright.stages.export.sdf.unsupported import unsupported
 
         written, plan = given.written, _plan(given)
         model, config = self.paths(written.robot.name)
@@ -36,19 +36,19 @@ class SdfWriter:
 
 def _record(plan: "SdfPlan") -> "FormatRecord":
     """What robot.json tells of the SDF."""
-    from stages.formats.robot_json.files import FormatRecord, RenamedRecord
-    from stages.formats.robot_json.values import as_value
+    from linkwright.stages.formats.robot_json.files import FormatRecord, RenamedRecord
+    from linkwright.stages.formats.robot_json.values import as_value
 
     zeros = {name: as_value(value) for name, value in plan.lowered.moved.items()}
     return FormatRecord(RenamedRecord.from_model(plan.names), zeros)
 
 
 def _plan(given: WriterInput) -> "SdfPlan":
-    from stages.export.sdf.contacts import sdf_contacts
-    from stages.export.sdf.lowering import lower
-    from stages.export.sdf.model import SdfPlan
-    from stages.export.sdf.sensors import sensors_of
-    from stages.formats.sdf.names import sdf_names
+    from linkwright.stages.export.sdf.contacts import sdf_contacts
+    from linkwright.stages.export.sdf.lowering import lower
+    from linkwright.stages.export.sdf.model import SdfPlan
+    from linkwright.stages.export.sdf.sensors import sensors_of
+    from linkwright.stages.formats.sdf.names import sdf_names
 
     robot, geometry = given.written.robot, given.written.shapes
     names = sdf_names(robot)

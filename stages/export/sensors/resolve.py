@@ -3,20 +3,20 @@
 from collections.abc import Collection
 from typing import TYPE_CHECKING
 
-from stages.export.sensors.mounted import Mounted
-from stages.export.sensors.of_dofs import actuator_sensors, encoders, joint_sensors
-from stages.robot.actuation import Actuation
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.errors import Diagnostic, ExportError
-from stages.robot.geometry import Geometry
-from stages.robot.measuring import measuring
-from stages.robot.model import Robot, Sensor
-from stages.robot.names import plain
-from stages.robot.plural import count
-from stages.robot.sensing import Sensing
+from linkwright.stages.export.sensors.mounted import Mounted
+from linkwright.stages.export.sensors.of_dofs import actuator_sensors, encoders, joint_sensors
+from linkwright.stages.robot.actuation import Actuation
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.errors import Diagnostic, ExportError
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.measuring import measuring
+from linkwright.stages.robot.model import Robot, Sensor
+from linkwright.stages.robot.names import plain
+from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.sensing import Sensing
 
 if TYPE_CHECKING:
-    from stages.export.section import ExportSections
+    from linkwright.stages.export.section import ExportSections
 
 OVERVIEW = "overview"
 """The camera that every scene has."""

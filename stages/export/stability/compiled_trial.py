@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping
 
-from stages.mujoco.compile import NotCompiled, compiled_text
-from stages.mujoco.trial import OPEN, SECONDS, Trial, trial_run
+from linkwright.stages.mujoco.compile import NotCompiled, compiled_text
+from linkwright.stages.mujoco.trial import OPEN, SECONDS, Trial, trial_run
 
 
 def compiled_trial(mjcf: bytes, meshes: Mapping[str, bytes], margin: float) -> Trial | None:

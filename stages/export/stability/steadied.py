@@ -9,16 +9,16 @@ armature keeps it.
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
-from stages.mujoco.trial import Trial
-from stages.robot.actuation import Actuation, Armature
-from stages.robot.driven import as_driven
-from stages.robot.dynamics import SPEEDS, mass_matrix
-from stages.robot.errors import Diagnostic
-from stages.robot.globs import listed
-from stages.robot.loops import POINTWISE
-from stages.robot.model import Dof, Robot
-from stages.robot.start_pose import home
-from stages.robot.ways import Ways
+from linkwright.stages.mujoco.trial import Trial
+from linkwright.stages.robot.actuation import Actuation, Armature
+from linkwright.stages.robot.driven import as_driven
+from linkwright.stages.robot.dynamics import SPEEDS, mass_matrix
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.globs import listed
+from linkwright.stages.robot.loops import POINTWISE
+from linkwright.stages.robot.model import Dof, Robot
+from linkwright.stages.robot.start_pose import home
+from linkwright.stages.robot.ways import Ways
 
 SHARES = (1 / 64, 1 / 16, 1 / 4, 1.0, 4.0)
 """The armatures that are tried, as shares of the largest inertia that a dof of the group moves."""

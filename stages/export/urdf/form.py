@@ -3,14 +3,14 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from stages.formats.urdf.as_written import form_with
-from stages.formats.urdf.form import UrdfForm
-from stages.robot.actuation import Actuation
-from stages.robot.model import Robot
+from linkwright.stages.formats.urdf.as_written import form_with
+from linkwright.stages.formats.urdf.form import UrdfForm
+from linkwright.stages.robot.actuation import Actuation
+from linkwright.stages.robot.model import Robot
 
 if TYPE_CHECKING:
-    from stages.export.section import ExportSections
-    from stages.export.urdf.section import UrdfFormatSection
+    from linkwright.stages.export.section import ExportSections
+    from linkwright.stages.export.urdf.section import UrdfFormatSection
 
 
 def form_of(robot: Robot, keys: "ExportSections", actuation: Actuation) -> UrdfForm:

@@ -9,18 +9,18 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from stages.export.paints import Paint, materials, paint
-from stages.export.urdf.form import package_of
-from stages.export.urdf.lowering import LoweredJoint, lower
-from stages.export.urdf.section import UrdfFormatSection
-from stages.formats.numbers import LENGTH, TURN, number, numbers, spaced
-from stages.formats.urdf.names import UrdfNames
-from stages.formats.written import Written
-from stages.formats.xml import Element, element, parse, to_bytes
-from stages.robot.geometry import Geometry, Role, Shape
-from stages.robot.inertia import SPECK, ZERO
-from stages.robot.model import Array, Inertial, Limits, Primitive, Robot
-from stages.robot.poses import from_parts, rpy_from_rotation
+from linkwright.stages.export.paints import Paint, materials, paint
+from linkwright.stages.export.urdf.form import package_of
+from linkwright.stages.export.urdf.lowering import LoweredJoint, lower
+from linkwright.stages.export.urdf.section import UrdfFormatSection
+from linkwright.stages.formats.numbers import LENGTH, TURN, number, numbers, spaced
+from linkwright.stages.formats.urdf.names import UrdfNames
+from linkwright.stages.formats.written import Written
+from linkwright.stages.formats.xml import Element, element, parse, to_bytes
+from linkwright.stages.robot.geometry import Geometry, Role, Shape
+from linkwright.stages.robot.inertia import SPECK, ZERO
+from linkwright.stages.robot.model import Array, Inertial, Limits, Primitive, Robot
+from linkwright.stages.robot.poses import from_parts, rpy_from_rotation
 
 UNSET_EFFORT = 100.0
 UNSET_VELOCITY = 10.0

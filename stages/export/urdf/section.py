@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator
 
-from stages.robot.section import Section, Text, example, invalid
+from linkwright.stages.robot.section import Section, Text, example, invalid
 
 
 def _as_package(name: str) -> str:

@@ -2,17 +2,17 @@
 
 from collections.abc import Callable, Iterator
 
-from stages.export.urdf.lowering import lower, unset
-from stages.formats.numbers import number
-from stages.formats.urdf.form import UrdfForm
-from stages.formats.urdf.names import urdf_names, urdf_steps
-from stages.formats.written import Written
-from stages.robot.errors import Diagnostic
-from stages.robot.fusing import Holders
-from stages.robot.geometry import Geometry
-from stages.robot.inertia import NEXT_TO_NOTHING
-from stages.robot.linear_coupling import LinearCoupling
-from stages.robot.model import Robot
+from linkwright.stages.export.urdf.lowering import lower, unset
+from linkwright.stages.formats.numbers import number
+from linkwright.stages.formats.urdf.form import UrdfForm
+from linkwright.stages.formats.urdf.names import urdf_names, urdf_steps
+from linkwright.stages.formats.written import Written
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.fusing import Holders
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.inertia import NEXT_TO_NOTHING
+from linkwright.stages.robot.linear_coupling import LinearCoupling
+from linkwright.stages.robot.model import Robot
 
 
 def unsupported(written: Written) -> Iterator[Diagnostic]:

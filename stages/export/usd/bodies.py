@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from stages.export.usd.joints import UsdJoint
-from stages.export.usd.layer import Prim, rounded
-from stages.formats.numbers import LENGTH, rounded_tensor
-from stages.formats.usd.names import UsdNames
-from stages.robot.inertia import SPECK, principal_axes
-from stages.robot.kinematics import link_poses
-from stages.robot.loops import across, closing
-from stages.robot.model import Array, Configuration, Inertial, Robot
-from stages.robot.poses import at_rest, motion
+from linkwright.stages.export.usd.joints import UsdJoint
+from linkwright.stages.export.usd.layer import Prim, rounded
+from linkwright.stages.formats.numbers import LENGTH, rounded_tensor
+from linkwright.stages.formats.usd.names import UsdNames
+from linkwright.stages.robot.inertia import SPECK, principal_axes
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.loops import across, closing
+from linkwright.stages.robot.model import Array, Configuration, Inertial, Robot
+from linkwright.stages.robot.poses import at_rest, motion
 
 
 def body_poses(

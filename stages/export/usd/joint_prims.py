@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping
 
-from stages.export.usd.joints import UsdJoint
-from stages.export.usd.layer import Prim
-from stages.formats.numbers import LENGTH, TURN
-from stages.formats.usd.joint_facts import DEGREES, JointFacts, resistance, units
-from stages.robot.model import Array, Limits
+from linkwright.stages.export.usd.joints import UsdJoint
+from linkwright.stages.export.usd.layer import Prim
+from linkwright.stages.formats.numbers import LENGTH, TURN
+from linkwright.stages.formats.usd.joint_facts import DEGREES, JointFacts, resistance, units
+from linkwright.stages.robot.model import Array, Limits
 
 
 def write_joint(prim: Prim, joint: UsdJoint) -> None:

@@ -15,9 +15,9 @@ import numpy as np
 import numpy.typing as npt
 from pxr import Gf, Sdf, Vt
 
-from stages.formats.numbers import LENGTH, TURN, number, numbers
-from stages.robot.model import Array
-from stages.robot.poses import quat_from_rotation
+from linkwright.stages.formats.numbers import LENGTH, TURN, number, numbers
+from linkwright.stages.robot.model import Array
+from linkwright.stages.robot.poses import quat_from_rotation
 
 _TYPES: Mapping[str, Any] = {
     "asset": Sdf.ValueTypeNames.Asset,

@@ -18,20 +18,20 @@ from pathlib import PurePosixPath
 
 import numpy as np
 
-from stages.export.usd.bodies import body_poses, write_mass
-from stages.export.usd.joint_prims import write_facts, write_frames, write_joint
-from stages.export.usd.joints import UsdJoint, added_links
-from stages.export.usd.layer import Layer, Prim
-from stages.export.usd.shapes import write_colliders, write_materials, write_visuals
-from stages.formats.usd.drives import Drives
-from stages.formats.usd.joint_facts import JointFacts, driven, mimic, state
-from stages.formats.usd.names import UsdNames, identifiers
-from stages.robot.geometry import Geometry
-from stages.robot.inertia import SPECK
-from stages.robot.model import Array, Configuration, Robot
-from stages.robot.names import free
-from stages.robot.poses import from_parts
-from stages.robot.sensing import Sensing, SensorCamera
+from linkwright.stages.export.usd.bodies import body_poses, write_mass
+from linkwright.stages.export.usd.joint_prims import write_facts, write_frames, write_joint
+from linkwright.stages.export.usd.joints import UsdJoint, added_links
+from linkwright.stages.export.usd.layer import Layer, Prim
+from linkwright.stages.export.usd.shapes import write_colliders, write_materials, write_visuals
+from linkwright.stages.formats.usd.drives import Drives
+from linkwright.stages.formats.usd.joint_facts import JointFacts, driven, mimic, state
+from linkwright.stages.formats.usd.names import UsdNames, identifiers
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.inertia import SPECK
+from linkwright.stages.robot.model import Array, Configuration, Robot
+from linkwright.stages.robot.names import free
+from linkwright.stages.robot.poses import from_parts
+from linkwright.stages.robot.sensing import Sensing, SensorCamera
 
 _FROM_IMAGE = np.diag([1.0, -1.0, -1.0])
 """camera_from_prim (3, 3): cameras of USD look along −z, with y up; ours along z, with y down."""

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stages.export.paints import Paint, materials, paint
-from stages.export.usd.layer import Layer, Prim
-from stages.formats.mesh_faces import MeshFaces, mesh_faces
-from stages.formats.usd.colours import ROUGHNESS, linear
-from stages.formats.usd.names import identifiers
-from stages.robot.geometry import Geometry, Shape
-from stages.robot.model import Array, Primitive
-from stages.robot.names import free
+from linkwright.stages.export.paints import Paint, materials, paint
+from linkwright.stages.export.usd.layer import Layer, Prim
+from linkwright.stages.formats.mesh_faces import MeshFaces, mesh_faces
+from linkwright.stages.formats.usd.colours import ROUGHNESS, linear
+from linkwright.stages.formats.usd.names import identifiers
+from linkwright.stages.robot.geometry import Geometry, Shape
+from linkwright.stages.robot.model import Array, Primitive
+from linkwright.stages.robot.names import free
 
 Friction = tuple[float, float, float]
 """Sliding [-], torsional [m] and rolling [m]."""

@@ -2,15 +2,15 @@
 
 from collections.abc import Iterator
 
-from stages.export.usd.model import UsdPlan
-from stages.formats.numbers import number
-from stages.formats.usd.zeros import is_turned
-from stages.robot.actuation import Actuation
-from stages.robot.errors import Diagnostic
-from stages.robot.geometry import Geometry
-from stages.robot.inertia import NEXT_TO_NOTHING
-from stages.robot.model import Robot
-from stages.robot.start_pose import HOME
+from linkwright.stages.export.usd.model import UsdPlan
+from linkwright.stages.formats.numbers import number
+from linkwright.stages.formats.usd.zeros import is_turned
+from linkwright.stages.robot.actuation import Actuation
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.inertia import NEXT_TO_NOTHING
+from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.start_pose import HOME
 
 
 def unsupported(

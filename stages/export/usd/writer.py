@@ -2,11 +2,11 @@
 
 from typing import TYPE_CHECKING
 
-from stages.export.writer import FormatFiles, WriterInput
+from linkwright.stages.export.writer import FormatFiles, WriterInput
 
 if TYPE_CHECKING:
-    from stages.export.usd.model import UsdPlan
-    from stages.formats.robot_json.files import FormatRecord
+    from linkwright.stages.export.usd.model import UsdPlan
+    from linkwright.stages.formats.robot_json.files import FormatRecord
 
 
 class UsdWriter:
@@ -19,10 +19,10 @@ class UsdWriter:
         return (f"{robot}.usda", f"{robot}_meshes.usd")
 
     def write(self, given: WriterInput) -> FormatFiles:
-        from stages.export.usd.model import write_usd
-        from stages.export.usd.section import UsdFormatSection
-        from stages.export.usd.shapes import meshes_layer
-        from stages.export.usd.unsupported import unsupported
+        from linkwright.stages.export.usd.model import write_usd
+        from linkwright.stages.export.usd.section import UsdFormatSection
+        from linkwright.stages.export.usd.shapes import meshes_layer
+        from linkwright.stages.export.usd.unsupported import unsupported
 
         robot, geometry, plan = given.written.robot, given.written.shapes, _plan(given)
         keys = given.keys.export.usd or UsdFormatSection()
@@ -38,7 +38,7 @@ class UsdWriter:
 
 def _record(plan: "UsdPlan") -> "dict[str, FormatRecord]":
     """What `robot.json` tells of the USD: names and zeros that are not the robot's."""
-    from stages.formats.robot_json.files import FormatRecord, RenamedRecord
+    from linkwright.stages.formats.robot_json.files import FormatRecord, RenamedRecord
 
     renamed = RenamedRecord.from_model(plan.names) if any(plan.names.changed) else None
     told = FormatRecord(renamed, plan.zeros or None)
@@ -46,12 +46,12 @@ def _record(plan: "UsdPlan") -> "dict[str, FormatRecord]":
 
 
 def _plan(given: WriterInput) -> "UsdPlan":
-    from stages.export.usd.joints import usd_joints
-    from stages.export.usd.model import UsdPlan
-    from stages.formats.usd.drives import drives_of
-    from stages.formats.usd.names import usd_names
-    from stages.formats.usd.zeros import ball_zeros
-    from stages.robot.start_pose import home
+    from linkwright.stages.export.usd.joints import usd_joints
+    from linkwright.stages.export.usd.model import UsdPlan
+    from linkwright.stages.formats.usd.drives import drives_of
+    from linkwright.stages.formats.usd.names import usd_names
+    from linkwright.stages.formats.usd.zeros import ball_zeros
+    from linkwright.stages.robot.start_pose import home
 
     robot = given.written.robot
     names = usd_names(robot)

@@ -46,10 +46,10 @@ from pydantic import (
     model_validator,
 )
 
-from stages.fetch import ROOMS, source_class
-from stages.fetch.recording import LARGEST, Recording
-from stages.robot.bundle import Bundle, FileBundle, OnshapeBundle
-from stages.robot.errors import SourceError
+from linkwright.stages.fetch import ROOMS, source_class
+from linkwright.stages.fetch.recording import LARGEST, Recording
+from linkwright.stages.robot.bundle import Bundle, FileBundle, OnshapeBundle
+from linkwright.stages.robot.errors import SourceError
 
 FORMAT = 1
 _MANIFEST = "manifest.json"

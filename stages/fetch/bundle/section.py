@@ -2,8 +2,8 @@
 
 from typing import Annotated, Literal
 
-from stages.fetch.source_section import SourceSection
-from stages.robot.section import Text, example
+from linkwright.stages.fetch.source_section import SourceSection
+from linkwright.stages.robot.section import Text, example
 
 
 class BundleSourceSection(SourceSection):

@@ -7,11 +7,11 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any, ClassVar
 
-from stages.fetch import source_class
-from stages.fetch.recording import LARGEST
-from stages.fetch.source import FetchContext, Fetched, FileSource
-from stages.robot import regular_files
-from stages.robot.errors import SourceError
+from linkwright.stages.fetch import source_class
+from linkwright.stages.fetch.recording import LARGEST
+from linkwright.stages.fetch.source import FetchContext, Fetched, FileSource
+from linkwright.stages.robot import regular_files
+from linkwright.stages.robot.errors import SourceError
 
 
 class BundleSource(FileSource):
@@ -27,7 +27,7 @@ class BundleSource(FileSource):
         return {"kind": "recording", "sha256": sha256(self.content()).hexdigest()}
 
     def fetch(self, context: FetchContext) -> Fetched:
-        from stages.fetch.bundle.archive import read
+        from linkwright.stages.fetch.bundle.archive import read
 
         recording = read(self.content(), self.label())
         return Fetched(source_class(recording.kind).replay(recording, self.label()))

@@ -5,10 +5,10 @@ from typing import Any
 
 import mujoco
 
-from stages.formats.mjcf import MjcfActuator, MjcfSensor, MjcfSensorEnd
-from stages.formats.numbers import exact
-from stages.mujoco.elements import actuator_attributes
-from stages.mujoco.sensors import sensor_attributes
+from linkwright.stages.formats.mjcf import MjcfActuator, MjcfSensor, MjcfSensorEnd
+from linkwright.stages.formats.numbers import exact
+from linkwright.stages.mujoco.elements import actuator_attributes
+from linkwright.stages.mujoco.sensors import sensor_attributes
 
 _SCALAR = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
 

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import mujoco
 
-from stages.fetch.mjcf.compiled import convert
-from stages.fetch.mjcf.meshes import Meshes
-from stages.fetch.mjcf.textures import Textures
-from stages.formats import mjcf_bounds
-from stages.mujoco.compile import NotCompiled, refusals
-from stages.mujoco.warnings import listening
-from stages.robot import codec
-from stages.robot.errors import SourceError
+from linkwright.stages.fetch.mjcf.compiled import convert
+from linkwright.stages.fetch.mjcf.meshes import Meshes
+from linkwright.stages.fetch.mjcf.textures import Textures
+from linkwright.stages.formats import mjcf_bounds
+from linkwright.stages.mujoco.compile import NotCompiled, refusals
+from linkwright.stages.mujoco.warnings import listening
+from linkwright.stages.robot import codec
+from linkwright.stages.robot.errors import SourceError
 
 _HINT = "MuJoCo's own viewer gives the same error (python -m mujoco.viewer --mjcf=...)"
 

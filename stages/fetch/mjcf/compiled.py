@@ -7,24 +7,24 @@ from collections.abc import Iterable, Mapping
 import mujoco
 import numpy as np
 
-from stages.fetch.mjcf.actuation import Numbers, actuator, driven, sensor
-from stages.fetch.mjcf.effort import efforts
-from stages.fetch.mjcf.equalities import closures, relations
-from stages.fetch.mjcf.extras import ExtrasReader
-from stages.fetch.mjcf.geoms import Geoms
-from stages.fetch.mjcf.joints import joints_of
-from stages.fetch.mjcf.keyframes import keyframes
-from stages.fetch.mjcf.meshes import Meshes
-from stages.fetch.mjcf.textures import Textures
-from stages.fetch.mjcf.trees import robot_bodies
-from stages.fetch.mjcf.unsupported import in_the_scene, left_out
-from stages.formats.mjcf import Mjcf, MjcfBody, MjcfSite
-from stages.mujoco.bodies import pose_of
-from stages.mujoco.elements import site_attributes
-from stages.mujoco.fields import BODY, attributes
-from stages.robot.errors import SourceError
-from stages.robot.inertia import moved
-from stages.robot.model import Inertial, frozen
+from linkwright.stages.fetch.mjcf.actuation import Numbers, actuator, driven, sensor
+from linkwright.stages.fetch.mjcf.effort import efforts
+from linkwright.stages.fetch.mjcf.equalities import closures, relations
+from linkwright.stages.fetch.mjcf.extras import ExtrasReader
+from linkwright.stages.fetch.mjcf.geoms import Geoms
+from linkwright.stages.fetch.mjcf.joints import joints_of
+from linkwright.stages.fetch.mjcf.keyframes import keyframes
+from linkwright.stages.fetch.mjcf.meshes import Meshes
+from linkwright.stages.fetch.mjcf.textures import Textures
+from linkwright.stages.fetch.mjcf.trees import robot_bodies
+from linkwright.stages.fetch.mjcf.unsupported import in_the_scene, left_out
+from linkwright.stages.formats.mjcf import Mjcf, MjcfBody, MjcfSite
+from linkwright.stages.mujoco.bodies import pose_of
+from linkwright.stages.mujoco.elements import site_attributes
+from linkwright.stages.mujoco.fields import BODY, attributes
+from linkwright.stages.robot.errors import SourceError
+from linkwright.stages.robot.inertia import moved
+from linkwright.stages.robot.model import Inertial, frozen
 
 _FINITE = (
     *("qpos0", "body_pos", "body_quat", "body_mass", "body_ipos", "body_iquat", "body_inertia"),

@@ -8,13 +8,13 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.formats.mjcf import MjcfClosure, MjcfRelation
-from stages.formats.numbers import exact
-from stages.mujoco.bodies import pose_of
-from stages.mujoco.elements import OBJ
-from stages.mujoco.fields import EQUALITY, attributes
-from stages.robot.mjcf_extras import Attributes
-from stages.robot.model import frozen
+from linkwright.stages.formats.mjcf import MjcfClosure, MjcfRelation
+from linkwright.stages.formats.numbers import exact
+from linkwright.stages.mujoco.bodies import pose_of
+from linkwright.stages.mujoco.elements import OBJ
+from linkwright.stages.mujoco.fields import EQUALITY, attributes
+from linkwright.stages.robot.mjcf_extras import Attributes
+from linkwright.stages.robot.model import frozen
 
 _STILL = np.array([1.0, 0.0, 0.0, 0.0])
 

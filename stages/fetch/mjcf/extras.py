@@ -9,17 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from stages.fetch.mjcf.equalities import carried
-from stages.fetch.mjcf.geoms import touches
-from stages.fetch.mjcf.options import flags, options
-from stages.formats.mjcf import MjcfPlaced
-from stages.mujoco import elements
-from stages.mujoco.bodies import CompiledBodies, light_pose, pose_of
-from stages.mujoco.elements import OBJ, name_of
-from stages.mujoco.sensors import sensor
-from stages.robot.mjcf_extras import Attributes, MjcfElement, MjcfExtras
-from stages.robot.model import frozen
-from stages.robot.names import free
+from linkwright.stages.fetch.mjcf.equalities import carried
+from linkwright.stages.fetch.mjcf.geoms import touches
+from linkwright.stages.fetch.mjcf.options import flags, options
+from linkwright.stages.formats.mjcf import MjcfPlaced
+from linkwright.stages.mujoco import elements
+from linkwright.stages.mujoco.bodies import CompiledBodies, light_pose, pose_of
+from linkwright.stages.mujoco.elements import OBJ, name_of
+from linkwright.stages.mujoco.sensors import sensor
+from linkwright.stages.robot.mjcf_extras import Attributes, MjcfElement, MjcfExtras
+from linkwright.stages.robot.model import frozen
+from linkwright.stages.robot.names import free
 
 _ON_BODIES = (
     ("joint", "njnt", OBJ.mjOBJ_JOINT, "jnt_bodyid"),

@@ -13,9 +13,9 @@ from html import unescape
 from itertools import chain, product
 from pathlib import Path, PurePath
 
-from stages.formats.mjcf_bounds import LARGEST_TEXT
-from stages.robot import regular_files
-from stages.robot.errors import SourceError
+from linkwright.stages.formats.mjcf_bounds import LARGEST_TEXT
+from linkwright.stages.robot import regular_files
+from linkwright.stages.robot.errors import SourceError
 
 LARGEST_FILE = 1 << 29
 """Largest size of one file [bytes]."""
@@ -115,7 +115,7 @@ def _own_text(path: Path) -> str:
 
 def _is_xml(text: str) -> bool:
     """Whether a text without its comments is XML, so that a message may quote it."""
-    from stages.formats import xml
+    from linkwright.stages.formats import xml
 
     try:
         xml.parse(text.encode("latin-1"))

@@ -16,13 +16,13 @@ from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stages.fetch.robot_file import IMAGE, MESH
-from stages.robot import guest
-from stages.robot.bundle import FileBundle
-from stages.robot.errors import Diagnostic, ProtocolError, SourceError
+from linkwright.stages.fetch.robot_file import IMAGE, MESH
+from linkwright.stages.robot import guest
+from linkwright.stages.robot.bundle import FileBundle
+from linkwright.stages.robot.errors import Diagnostic, ProtocolError, SourceError
 
 if TYPE_CHECKING:
-    from stages.fetch.mjcf.section import MjcfSourceSection
+    from linkwright.stages.fetch.mjcf.section import MjcfSourceSection
 
 READER = 4
 """Raised with every change of the result for the same files."""
@@ -55,14 +55,16 @@ def gather(
     SourceError where the file is not an MJCF, a file is missing, or MuJoCo cannot compile it within its
     limits.
     """
-    from stages.fetch.mjcf.files import survey
+    from linkwright.stages.fetch.mjcf.files import survey
 
     path = Path(source.path)
     files = survey(path)
     request = {"path": str(path), "texts": [str(text) for text in files.texts]}
     while_waiting()
     try:
-        reply = guest.ask("stages.fetch.mjcf.compile_guest", json.dumps(request).encode(), BOUNDS, _ENVIRON)
+        reply = guest.ask(
+            "linkwright.stages.fetch.mjcf.compile_guest", json.dumps(request).encode(), BOUNDS, _ENVIRON
+        )
         warnings, model, meshes, images = _read(reply)
     except guest.Ended as ended:
         msg = f"not readable as an MJCF: MuJoCo's compiler {ended}"
@@ -85,7 +87,7 @@ def gather(
 
 def identity(source: MjcfSourceSection) -> dict[str, Any]:
     """What identifies the source, by content, as plain data."""
-    from stages.fetch.mjcf.files import survey
+    from linkwright.stages.fetch.mjcf.files import survey
 
     path = Path(source.path)
     return {
@@ -103,7 +105,7 @@ def _read(reply: bytes) -> tuple[list[str], bytes, dict[str, bytes], dict[str, b
 
     The guest may run any code by then, so its reply is not trusted; the reader checks the model.
     """
-    from stages.formats import png, triangles
+    from linkwright.stages.formats import png, triangles
 
     head, _, body = reply.partition(b"\n")
     try:

@@ -9,16 +9,16 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.fetch.mjcf.meshes import Meshes
-from stages.fetch.mjcf.textures import Textures
-from stages.formats.mjcf import MjcfGeom, MjcfGeomKind, MjcfPlaced
-from stages.mujoco.bodies import pose_of
-from stages.mujoco.elements import geom, geom_attributes
-from stages.mujoco.fields import bare
-from stages.robot.geom_form import ContactProperties, GeomForm
-from stages.robot.geometry import Colour
-from stages.robot.model import Array, frozen
-from stages.robot.poses import inverse
+from linkwright.stages.fetch.mjcf.meshes import Meshes
+from linkwright.stages.fetch.mjcf.textures import Textures
+from linkwright.stages.formats.mjcf import MjcfGeom, MjcfGeomKind, MjcfPlaced
+from linkwright.stages.mujoco.bodies import pose_of
+from linkwright.stages.mujoco.elements import geom, geom_attributes
+from linkwright.stages.mujoco.fields import bare
+from linkwright.stages.robot.geom_form import ContactProperties, GeomForm
+from linkwright.stages.robot.geometry import Colour
+from linkwright.stages.robot.model import Array, frozen
+from linkwright.stages.robot.poses import inverse
 
 GEOMS: Mapping[int, MjcfGeomKind] = {
     int(mujoco.mjtGeom.mjGEOM_BOX): "box",

@@ -8,11 +8,11 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.formats.mjcf import MjcfJoint, MjcfJointType
-from stages.formats.numbers import exact
-from stages.mujoco.fields import joint_attributes
-from stages.robot.mjcf_extras import Attributes
-from stages.robot.model import Dynamics, Limits, Spring, frozen
+from linkwright.stages.formats.mjcf import MjcfJoint, MjcfJointType
+from linkwright.stages.formats.numbers import exact
+from linkwright.stages.mujoco.fields import joint_attributes
+from linkwright.stages.robot.mjcf_extras import Attributes
+from linkwright.stages.robot.model import Dynamics, Limits, Spring, frozen
 
 JOINTS: Mapping[int, MjcfJointType] = {
     int(mujoco.mjtJoint.mjJNT_HINGE): "hinge",

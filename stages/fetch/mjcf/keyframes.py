@@ -7,9 +7,9 @@ from collections.abc import Collection, Iterator, Mapping
 import mujoco
 import numpy as np
 
-from stages.fetch.mjcf.extras import qpos_of
-from stages.fetch.mjcf.unsupported_fields import Omission
-from stages.formats.mjcf import MjcfNamedPose
+from linkwright.stages.fetch.mjcf.extras import qpos_of
+from linkwright.stages.fetch.mjcf.unsupported_fields import Omission
+from linkwright.stages.formats.mjcf import MjcfNamedPose
 
 _SCALAR = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 _SIZES = {int(mujoco.mjtJoint.mjJNT_FREE): 7, int(mujoco.mjtJoint.mjJNT_BALL): 4}

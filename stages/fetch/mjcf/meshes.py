@@ -10,10 +10,10 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from stages.formats import triangles
-from stages.mujoco.bodies import pose_of
-from stages.robot.geometry import NEUTRAL, Colour
-from stages.robot.model import Array, MeshRef
+from linkwright.stages.formats import triangles
+from linkwright.stages.mujoco.bodies import pose_of
+from linkwright.stages.robot.geometry import NEUTRAL, Colour
+from linkwright.stages.robot.model import Array, MeshRef
 
 
 class Meshes:

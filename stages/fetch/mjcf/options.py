@@ -6,8 +6,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.mujoco.fields import bare
-from stages.robot.scene import Setting
+from linkwright.stages.mujoco.fields import bare
+from linkwright.stages.robot.scene import Setting
 
 _CHOICES = {
     "cone": mujoco.mjtCone,

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from stages.fetch.robot_file import RobotFileSource
-from stages.fetch.source import FetchContext, Fetched
+from linkwright.stages.fetch.robot_file import RobotFileSource
+from linkwright.stages.fetch.source import FetchContext, Fetched
 
 if TYPE_CHECKING:
-    from stages.fetch.mjcf.section import MjcfSourceSection
+    from linkwright.stages.fetch.mjcf.section import MjcfSourceSection
 
 
 class MjcfSource(RobotFileSource):
@@ -21,12 +21,12 @@ class MjcfSource(RobotFileSource):
     _keys: MjcfSourceSection
 
     def pinned(self, environ: Mapping[str, str]) -> dict[str, Any]:
-        from stages.fetch.mjcf.gather import identity
+        from linkwright.stages.fetch.mjcf.gather import identity
 
         return identity(self._keys)
 
     def fetch(self, context: FetchContext) -> Fetched:
-        from stages.fetch.mjcf.gather import gather
+        from linkwright.stages.fetch.mjcf.gather import gather
 
         bundle, found = gather(self._keys, context.while_waiting)
         return Fetched(bundle, diagnostics=found)

@@ -7,7 +7,7 @@ from hashlib import sha256
 import mujoco
 import numpy as np
 
-from stages.formats import png
+from linkwright.stages.formats import png
 
 _COLOURS = (mujoco.mjtTextureRole.mjTEXROLE_RGB, mujoco.mjtTextureRole.mjTEXROLE_RGBA)
 """The uses of a texture that are a colour."""

@@ -5,14 +5,14 @@ from typing import Any
 
 import mujoco
 
-from stages.fetch.mjcf.geoms import GEOMS, is_extra, shows, touches
-from stages.fetch.mjcf.keyframes import left_of_keyframes
-from stages.fetch.mjcf.textures import Textures
-from stages.fetch.mjcf.unsupported_fields import Omission, of_elements, of_the_file, of_the_viewer
-from stages.mujoco.bodies import WRITTEN
-from stages.robot.errors import Diagnostic
-from stages.robot.globs import listed
-from stages.robot.plural import count
+from linkwright.stages.fetch.mjcf.geoms import GEOMS, is_extra, shows, touches
+from linkwright.stages.fetch.mjcf.keyframes import left_of_keyframes
+from linkwright.stages.fetch.mjcf.textures import Textures
+from linkwright.stages.fetch.mjcf.unsupported_fields import Omission, of_elements, of_the_file, of_the_viewer
+from linkwright.stages.mujoco.bodies import WRITTEN
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.globs import listed
+from linkwright.stages.robot.plural import count
 
 _SHOWN = 5
 """The most names of each kind that are reported."""

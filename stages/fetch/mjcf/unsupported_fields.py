@@ -13,7 +13,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.mujoco.fields import ARRAYS, bare
+from linkwright.stages.mujoco.fields import ARRAYS, bare
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,14 +6,14 @@ from functools import partial
 from threading import Lock
 from typing import Any
 
-from stages.fetch.onshape.api.http_errors import Declined
-from stages.fetch.onshape.api.threads import run_all
-from stages.fetch.onshape.call_budget import allow
-from stages.fetch.onshape.reply_store import ReplyStore
-from stages.fetch.onshape.requests import API, api, describe, is_definition
-from stages.fetch.onshape.session import Promise, Session
-from stages.robot.errors import NotFound, Offline, ProtocolError
-from stages.robot.plural import count
+from linkwright.stages.fetch.onshape.api.http_errors import Declined
+from linkwright.stages.fetch.onshape.api.threads import run_all
+from linkwright.stages.fetch.onshape.call_budget import allow
+from linkwright.stages.fetch.onshape.reply_store import ReplyStore
+from linkwright.stages.fetch.onshape.requests import API, api, describe, is_definition
+from linkwright.stages.fetch.onshape.session import Promise, Session
+from linkwright.stages.robot.errors import NotFound, Offline, ProtocolError
+from linkwright.stages.robot.plural import count
 
 Refused = dict[str, NotFound | Declined]
 

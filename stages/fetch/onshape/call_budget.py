@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from threading import Lock
 
-from stages.robot.errors import SourceError
-from stages.robot.plural import count
+from linkwright.stages.robot.errors import SourceError
+from linkwright.stages.robot.plural import count
 
 
 class Budget:

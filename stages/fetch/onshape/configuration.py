@@ -12,11 +12,11 @@ from typing import Any, Literal, get_args
 
 import orjson
 
-from stages.formats.onshape_configuration import encoded, joined, split
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.errors import ProtocolError, SourceError
-from stages.robot.globs import did_you_mean
-from stages.robot.units import SI, UNITS, Measure
+from linkwright.stages.formats.onshape_configuration import encoded, joined, split
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.errors import ProtocolError, SourceError
+from linkwright.stages.robot.globs import did_you_mean
+from linkwright.stages.robot.units import SI, UNITS, Measure
 
 Kind = Literal["Enum", "Boolean", "Quantity", "String"]
 _KEY = "source.configuration"

@@ -9,11 +9,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from stages.fetch.onshape import configuration, requests
-from stages.fetch.onshape.cached_client import CachedClient
-from stages.fetch.onshape.freshness import Workspace
-from stages.fetch.onshape.url import AssemblyUrl
-from stages.robot.errors import SourceError
+from linkwright.stages.fetch.onshape import configuration, requests
+from linkwright.stages.fetch.onshape.cached_client import CachedClient
+from linkwright.stages.fetch.onshape.freshness import Workspace
+from linkwright.stages.fetch.onshape.url import AssemblyUrl
+from linkwright.stages.robot.errors import SourceError
 
 
 class Configured:

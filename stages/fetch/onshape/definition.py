@@ -6,8 +6,8 @@ from typing import Any
 
 import orjson
 
-from stages.robot.bundle import StudioKey
-from stages.robot.errors import AssemblyError, ProtocolError
+from linkwright.stages.robot.bundle import StudioKey
+from linkwright.stages.robot.errors import AssemblyError, ProtocolError
 
 _Record = Mapping[str, Any]
 

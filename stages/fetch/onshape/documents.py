@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import orjson
 
-from stages.robot.errors import ProtocolError
+from linkwright.stages.robot.errors import ProtocolError
 
 _HINT = "run the same command again; if it fails each time, the API has changed"
 

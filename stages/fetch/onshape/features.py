@@ -11,10 +11,10 @@ from typing import Any
 
 import orjson
 
-from stages.fetch.onshape import definition
-from stages.formats.onshape_configuration import split
-from stages.robot.bundle import StudioKey
-from stages.robot.errors import ProtocolError
+from linkwright.stages.fetch.onshape import definition
+from linkwright.stages.formats.onshape_configuration import split
+from linkwright.stages.robot.bundle import StudioKey
+from linkwright.stages.robot.errors import ProtocolError
 
 _Record = Mapping[str, Any]
 _VARIABLE = re.compile(r"#([A-Za-z_]\w*)")

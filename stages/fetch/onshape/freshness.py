@@ -9,10 +9,10 @@ import time
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from stages.fetch.onshape import definition, documents, requests
-from stages.fetch.onshape.cached_client import CachedClient
-from stages.fetch.onshape.url import AssemblyUrl
-from stages.robot.errors import Offline
+from linkwright.stages.fetch.onshape import definition, documents, requests
+from linkwright.stages.fetch.onshape.cached_client import CachedClient
+from linkwright.stages.fetch.onshape.url import AssemblyUrl
+from linkwright.stages.robot.errors import Offline
 
 
 class Workspace:

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from hashlib import sha256
 from typing import Protocol
 
-from stages.fetch.onshape import definition, features
-from stages.fetch.onshape.features import Owner
-from stages.robot.bundle import Features, OnshapeBundle, Studio, StudioKey
+from linkwright.stages.fetch.onshape import definition, features
+from linkwright.stages.fetch.onshape.features import Owner
+from linkwright.stages.robot.bundle import Features, OnshapeBundle, Studio, StudioKey
 
 
 @dataclass(frozen=True, slots=True)

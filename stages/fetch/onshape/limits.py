@@ -8,11 +8,11 @@ microversion such limits stay unknown.
 from collections.abc import Sequence
 from dataclasses import replace
 
-from stages.fetch.onshape import documents, features, requests
-from stages.fetch.onshape.cached_client import CachedClient
-from stages.fetch.onshape.features import Owner
-from stages.fetch.onshape.gather import LimitReplies, Reply
-from stages.fetch.onshape.url import AssemblyUrl
+from linkwright.stages.fetch.onshape import documents, features, requests
+from linkwright.stages.fetch.onshape.cached_client import CachedClient
+from linkwright.stages.fetch.onshape.features import Owner
+from linkwright.stages.fetch.onshape.gather import LimitReplies, Reply
+from linkwright.stages.fetch.onshape.url import AssemblyUrl
 
 
 def limits_of(

@@ -4,20 +4,20 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from stages.fetch.onshape import documents, features, mass_check, requests
-from stages.fetch.onshape.cached_client import CachedClient
-from stages.fetch.onshape.configured import Configured
-from stages.fetch.onshape.features import Owner
-from stages.fetch.onshape.freshness import Workspace, tabs_to_ask, unchanged
-from stages.fetch.onshape.gather import LimitReplies, Needs, Reply, StudioReplies
-from stages.fetch.onshape.limits import limits_of
-from stages.fetch.onshape.triangles.requests import NOTHING, Shapes
-from stages.fetch.onshape.url import AssemblyUrl
-from stages.robot.errors import Diagnostic, NotFound, ProtocolError
-from stages.robot.plural import count
+from linkwright.stages.fetch.onshape import documents, features, mass_check, requests
+from linkwright.stages.fetch.onshape.cached_client import CachedClient
+from linkwright.stages.fetch.onshape.configured import Configured
+from linkwright.stages.fetch.onshape.features import Owner
+from linkwright.stages.fetch.onshape.freshness import Workspace, tabs_to_ask, unchanged
+from linkwright.stages.fetch.onshape.gather import LimitReplies, Needs, Reply, StudioReplies
+from linkwright.stages.fetch.onshape.limits import limits_of
+from linkwright.stages.fetch.onshape.triangles.requests import NOTHING, Shapes
+from linkwright.stages.fetch.onshape.url import AssemblyUrl
+from linkwright.stages.robot.errors import Diagnostic, NotFound, ProtocolError
+from linkwright.stages.robot.plural import count
 
 if TYPE_CHECKING:
-    from stages.fetch.onshape.section import OnshapeSourceSection
+    from linkwright.stages.fetch.onshape.section import OnshapeSourceSection
 
 _Bodies = dict[str, bytes]
 

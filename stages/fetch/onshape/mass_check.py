@@ -11,8 +11,8 @@ from typing import Any
 
 import orjson
 
-from stages.robot.bundle import StudioKey
-from stages.robot.errors import Diagnostic, ProtocolError, SourceError
+from linkwright.stages.robot.bundle import StudioKey
+from linkwright.stages.robot.errors import Diagnostic, ProtocolError, SourceError
 
 _RELATIVE = 1e-6
 """Sums of the same parts agree to rounding; a part that changed shows as more."""

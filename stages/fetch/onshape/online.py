@@ -1,15 +1,15 @@
 """Fetches from the server: sets variables first; uses the last complete fetch where the quota is used up."""
 
-from stages.fetch.onshape.cached_client import CachedClient
-from stages.fetch.onshape.gather import gather
-from stages.fetch.onshape.live import LiveAnswers
-from stages.fetch.onshape.section import OnshapeSourceSection
-from stages.fetch.onshape.session import Session
-from stages.fetch.onshape.url import AssemblyUrl
-from stages.fetch.onshape.variables import Variables
-from stages.fetch.source import FetchContext, Fetched
-from stages.robot.bundle import OnshapeBundle
-from stages.robot.errors import Diagnostic, QuotaExhausted, SourceError
+from linkwright.stages.fetch.onshape.cached_client import CachedClient
+from linkwright.stages.fetch.onshape.gather import gather
+from linkwright.stages.fetch.onshape.live import LiveAnswers
+from linkwright.stages.fetch.onshape.section import OnshapeSourceSection
+from linkwright.stages.fetch.onshape.session import Session
+from linkwright.stages.fetch.onshape.url import AssemblyUrl
+from linkwright.stages.fetch.onshape.variables import Variables
+from linkwright.stages.fetch.source import FetchContext, Fetched
+from linkwright.stages.robot.bundle import OnshapeBundle
+from linkwright.stages.robot.errors import Diagnostic, QuotaExhausted, SourceError
 
 
 def fetch(keys: OnshapeSourceSection, context: FetchContext) -> Fetched:

@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 
-from stages.fetch.onshape import definition, requests
-from stages.fetch.onshape.features import Owner
-from stages.fetch.onshape.gather import LimitReplies, Needs, Reply, StudioReplies
-from stages.fetch.onshape.reply_checks import accepted, compacted
-from stages.fetch.recording import Recording
-from stages.robot.errors import ProtocolError, SourceError
+from linkwright.stages.fetch.onshape import definition, requests
+from linkwright.stages.fetch.onshape.features import Owner
+from linkwright.stages.fetch.onshape.gather import LimitReplies, Needs, Reply, StudioReplies
+from linkwright.stages.fetch.onshape.reply_checks import accepted, compacted
+from linkwright.stages.fetch.recording import Recording
+from linkwright.stages.robot.errors import ProtocolError, SourceError
 
 
 class Recorded:

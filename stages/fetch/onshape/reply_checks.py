@@ -4,8 +4,8 @@ from threading import Lock
 
 import orjson
 
-from stages.fetch.onshape import configuration, definition, documents, features, mass_check
-from stages.fetch.onshape.requests import (
+from linkwright.stages.fetch.onshape import configuration, definition, documents, features, mass_check
+from linkwright.stages.fetch.onshape.requests import (
     describe,
     is_assembly_mass,
     is_definition,
@@ -13,8 +13,8 @@ from stages.fetch.onshape.requests import (
     is_gltf,
     is_triangles,
 )
-from stages.formats import triangles as compact
-from stages.robot.errors import ProtocolError
+from linkwright.stages.formats import triangles as compact
+from linkwright.stages.robot.errors import ProtocolError
 
 NOT_JSON, NO_BODIES = "not JSON", "no bodies"
 _ALONE = Lock()
@@ -28,11 +28,11 @@ def accepted(request: str, body: bytes) -> bytes:
         compact.check(body)
         return body
     if is_triangles(request):
-        from stages.fetch.onshape.triangles import faces
+        from linkwright.stages.fetch.onshape.triangles import faces
 
         return faces.compact(body)
     if is_gltf(request):
-        from stages.formats import gltf
+        from linkwright.stages.formats import gltf
 
         gltf.read(body)
         return body
@@ -46,7 +46,7 @@ def compacted(request: str, body: bytes, mass: bytes) -> bytes:
     `mass`: the reply with the mass properties of the part studio, which identifies the bodies of a glTF.
     """
     if is_gltf(request) and not compact.is_compact(body):
-        from stages.fetch.onshape.triangles import gltf_parts
+        from linkwright.stages.fetch.onshape.triangles import gltf_parts
 
         return gltf_parts.compact(body, mass)
     return accepted(request, body)

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from typing import Protocol
 from urllib.parse import parse_qsl, quote
 
-from stages.robot.bundle import StudioKey
+from linkwright.stages.robot.bundle import StudioKey
 
 API = "v16"
 """The API version that is asked: the shape of replies depends on it."""

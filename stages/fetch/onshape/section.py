@@ -5,11 +5,11 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, GetCoreSchemaHandler, GetPydanticSchema, ValidationInfo, field_validator
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from stages.fetch.onshape.url import AssemblyUrl, parse
-from stages.fetch.source_section import ADDRESS, Setting, SourceSection
-from stages.robot.errors import ConfigError
-from stages.robot.quantity_keys import PositiveAngle, PositiveLength
-from stages.robot.section import Count, Flag, NonNegative, Section, Text, example, invalid
+from linkwright.stages.fetch.onshape.url import AssemblyUrl, parse
+from linkwright.stages.fetch.source_section import ADDRESS, Setting, SourceSection
+from linkwright.stages.robot.errors import ConfigError
+from linkwright.stages.robot.quantity_keys import PositiveAngle, PositiveLength
+from linkwright.stages.robot.section import Count, Flag, NonNegative, Section, Text, example, invalid
 
 
 def _parsed(text: str) -> AssemblyUrl:

@@ -3,17 +3,17 @@
 from collections.abc import Callable
 from dataclasses import replace
 
-from stages.fetch.onshape import definition, requests
-from stages.fetch.onshape.api import network_settings
-from stages.fetch.onshape.api.client import AT_ONCE, Client
-from stages.fetch.onshape.api.credentials import find
-from stages.fetch.onshape.api.http_errors import Declined
-from stages.fetch.onshape.api.ledger import Ledger
-from stages.fetch.onshape.api.retries import Patience
-from stages.fetch.onshape.reply_checks import accepted
-from stages.fetch.onshape.section import OnshapeSourceSection
-from stages.fetch.source import Calls, FetchContext
-from stages.robot.errors import ConfigError, ProtocolError
+from linkwright.stages.fetch.onshape import definition, requests
+from linkwright.stages.fetch.onshape.api import network_settings
+from linkwright.stages.fetch.onshape.api.client import AT_ONCE, Client
+from linkwright.stages.fetch.onshape.api.credentials import find
+from linkwright.stages.fetch.onshape.api.http_errors import Declined
+from linkwright.stages.fetch.onshape.api.ledger import Ledger
+from linkwright.stages.fetch.onshape.api.retries import Patience
+from linkwright.stages.fetch.onshape.reply_checks import accepted
+from linkwright.stages.fetch.onshape.section import OnshapeSourceSection
+from linkwright.stages.fetch.source import Calls, FetchContext
+from linkwright.stages.robot.errors import ConfigError, ProtocolError
 
 Promise = Callable[[bytes], None]
 """Raises ProtocolError for an accepted reply without its required content."""

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from stages.fetch.onshape import reply_sizes
-from stages.fetch.source import FetchContext, Fetched, Source
-from stages.robot.bundle import OnshapeBundle
-from stages.robot.errors import ConfigError
-from stages.robot.plural import count
+from linkwright.stages.fetch.onshape import reply_sizes
+from linkwright.stages.fetch.source import FetchContext, Fetched, Source
+from linkwright.stages.robot.bundle import OnshapeBundle
+from linkwright.stages.robot.errors import ConfigError
+from linkwright.stages.robot.plural import count
 
 if TYPE_CHECKING:
-    from stages.fetch.onshape.section import OnshapeSourceSection
-    from stages.fetch.recording import Recording
-    from stages.robot.bundle import Bundle
-    from stages.robot.errors import Diagnostic
+    from linkwright.stages.fetch.onshape.section import OnshapeSourceSection
+    from linkwright.stages.fetch.recording import Recording
+    from linkwright.stages.robot.bundle import Bundle
+    from linkwright.stages.robot.errors import Diagnostic
 
 
 class OnshapeSource(Source):
@@ -45,14 +45,14 @@ class OnshapeSource(Source):
             hint = "give the address of a workspace (…/w/…), or set the variables in Onshape"
             raise ConfigError(msg, "source.variables", hint)
         if not url.pinned and not keys.offline:
-            from stages.fetch.onshape.api import network_settings
-            from stages.fetch.onshape.api.credentials import find
+            from linkwright.stages.fetch.onshape.api import network_settings
+            from linkwright.stages.fetch.onshape.api.credentials import find
 
             find(environ)
             network_settings.require(environ, proxies=not url.loopback)
 
     def pinned(self, environ: Mapping[str, str]) -> dict[str, Any] | None:
-        from stages.fetch.onshape.requests import API, definition
+        from linkwright.stages.fetch.onshape.requests import API, definition
 
         url, quality = self._keys.url, self._keys.tessellation
         if not url.pinned:
@@ -66,7 +66,7 @@ class OnshapeSource(Source):
         }
 
     def fetch(self, context: FetchContext) -> Fetched:
-        from stages.fetch.onshape.online import fetch
+        from linkwright.stages.fetch.onshape.online import fetch
 
         return fetch(self._keys, context)
 
@@ -83,7 +83,7 @@ class OnshapeSource(Source):
         return self._keys.refresh
 
     def remarks(self) -> tuple[Diagnostic, ...]:
-        from stages.fetch.onshape.api import credentials
+        from linkwright.stages.fetch.onshape.api import credentials
 
         return credentials.remarks()
 
@@ -92,8 +92,8 @@ class OnshapeSource(Source):
 
     @staticmethod
     def replay(recording: Recording, where: str) -> OnshapeBundle:
-        from stages.fetch.onshape.gather import gather
-        from stages.fetch.onshape.recorded import Recorded
+        from linkwright.stages.fetch.onshape.gather import gather
+        from linkwright.stages.fetch.onshape.recorded import Recorded
 
         return gather(Recorded(recording, where))
 

@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass, field
 from urllib.parse import SplitResult, unquote, urlsplit
 
-from stages.robot.errors import ConfigError
+from linkwright.stages.robot.errors import ConfigError
 
 EXAMPLE = (
     "https://cad.onshape.com/documents/5f1a0c2b9d8e7f6a5b4c3d2e"

@@ -17,12 +17,12 @@ from typing import Any
 
 import orjson
 
-from stages.fetch.onshape import definition, documents, requests
-from stages.fetch.onshape.cached_client import CachedClient
-from stages.fetch.onshape.freshness import Workspace
-from stages.fetch.onshape.session import Session
-from stages.fetch.onshape.url import AssemblyUrl
-from stages.robot.errors import (
+from linkwright.stages.fetch.onshape import definition, documents, requests
+from linkwright.stages.fetch.onshape.cached_client import CachedClient
+from linkwright.stages.fetch.onshape.freshness import Workspace
+from linkwright.stages.fetch.onshape.session import Session
+from linkwright.stages.fetch.onshape.url import AssemblyUrl
+from linkwright.stages.robot.errors import (
     AuthError,
     Diagnostic,
     NotFound,
@@ -31,8 +31,8 @@ from stages.robot.errors import (
     RateLimited,
     SourceError,
 )
-from stages.robot.plural import count
-from stages.robot.units import SI, Measure
+from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.units import SI, Measure
 
 _KEY = "source.variables"
 _SENT = ("name", "type", "expression", "description")

@@ -8,9 +8,9 @@ from itertools import islice
 from pathlib import Path
 from urllib.parse import unquote
 
-from stages.fetch.urdf import gltf_materials, obj_materials
-from stages.formats import png
-from stages.robot import regular_files
+from linkwright.stages.fetch.urdf import gltf_materials, obj_materials
+from linkwright.stages.formats import png
+from linkwright.stages.robot import regular_files
 
 NAMING_FILES = (".obj", ".gltf", ".glb")
 """The endings of mesh files that name others."""

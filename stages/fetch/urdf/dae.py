@@ -5,8 +5,8 @@ Otherwise the library silently drops every shape with a material that it cannot 
 
 from __future__ import annotations
 
-from stages.formats import xml
-from stages.formats.xml import Element
+from linkwright.stages.formats import xml
+from linkwright.stages.formats.xml import Element
 
 _WHITE = "1 1 1 1"
 

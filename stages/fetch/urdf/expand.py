@@ -15,14 +15,14 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stages.fetch.urdf.ros_packages import VARIABLES
-from stages.fetch.urdf.text import LARGEST
-from stages.robot import guest
-from stages.robot.errors import ConfigError, SourceError
-from stages.robot.install import install
+from linkwright.stages.fetch.urdf.ros_packages import VARIABLES
+from linkwright.stages.fetch.urdf.text import LARGEST
+from linkwright.stages.robot import guest
+from linkwright.stages.robot.errors import ConfigError, SourceError
+from linkwright.stages.robot.install import install
 
 if TYPE_CHECKING:
-    from stages.fetch.urdf.section import UrdfSourceSection
+    from linkwright.stages.fetch.urdf.section import UrdfSourceSection
 
 BOUNDS = guest.Bounds(seconds=60, memory=2 << 30, reply=LARGEST + (1 << 16))
 """Limits of the guest process: xacro files of whole humanoids take some seconds."""
@@ -95,7 +95,9 @@ def _asked(request: Mapping[str, Any], where: str, environ: Mapping[str, str]) -
     """The expanded text, or the missing package, or xacro's error."""
     variables = {name: environ[name] for name in VARIABLES if name in environ}
     try:
-        reply = guest.ask("stages.fetch.urdf.expand_guest", json.dumps(request).encode(), BOUNDS, variables)
+        reply = guest.ask(
+            "linkwright.stages.fetch.urdf.expand_guest", json.dumps(request).encode(), BOUNDS, variables
+        )
     except guest.Ended as ended:
         raise _refused(f"it {ended}", where, f"look for an endless recursion, or {EXPAND}") from None
     head, _, made = reply.partition(b"\n")

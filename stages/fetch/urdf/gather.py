@@ -8,25 +8,25 @@ from hashlib import sha256
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
-from stages.fetch.robot_file import IMAGE
-from stages.fetch.urdf.companions import companions
-from stages.fetch.urdf.loose_mesh import LooseMesh, body
-from stages.fetch.urdf.mesh_file import Unreadable, read
-from stages.fetch.urdf.resolve import MeshPlace
-from stages.fetch.urdf.srdf_file import NAME, SRDF, SrdfFile, is_asked
-from stages.fetch.urdf.survey import LARGEST_MESH, Survey, survey
-from stages.fetch.urdf.textures import NO_COORDINATES, Texture, texture
-from stages.formats import png, triangles
-from stages.formats.srdf.parse import parse_srdf
-from stages.formats.urdf.model import Urdf, UrdfShape, mesh_key
-from stages.formats.urdf.parse import parse
-from stages.formats.xml import Malformed
-from stages.robot import regular_files
-from stages.robot.bundle import FileBundle
-from stages.robot.errors import Diagnostic, SourceError
+from linkwright.stages.fetch.robot_file import IMAGE
+from linkwright.stages.fetch.urdf.companions import companions
+from linkwright.stages.fetch.urdf.loose_mesh import LooseMesh, body
+from linkwright.stages.fetch.urdf.mesh_file import Unreadable, read
+from linkwright.stages.fetch.urdf.resolve import MeshPlace
+from linkwright.stages.fetch.urdf.srdf_file import NAME, SRDF, SrdfFile, is_asked
+from linkwright.stages.fetch.urdf.survey import LARGEST_MESH, Survey, survey
+from linkwright.stages.fetch.urdf.textures import NO_COORDINATES, Texture, texture
+from linkwright.stages.formats import png, triangles
+from linkwright.stages.formats.srdf.parse import parse_srdf
+from linkwright.stages.formats.urdf.model import Urdf, UrdfShape, mesh_key
+from linkwright.stages.formats.urdf.parse import parse
+from linkwright.stages.formats.xml import Malformed
+from linkwright.stages.robot import regular_files
+from linkwright.stages.robot.bundle import FileBundle
+from linkwright.stages.robot.errors import Diagnostic, SourceError
 
 if TYPE_CHECKING:
-    from stages.fetch.urdf.section import UrdfSourceSection
+    from linkwright.stages.fetch.urdf.section import UrdfSourceSection
 
 ROBOT = "robot.urdf"
 """The request that stands for the robot's text."""

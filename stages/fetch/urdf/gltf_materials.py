@@ -8,7 +8,7 @@ import struct
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from stages.formats.damaged import Damaged
+from linkwright.stages.formats.damaged import Damaged
 
 MALFORMED = (AttributeError, IndexError, KeyError, TypeError, ValueError)
 """The errors for an unknown structure, and for base64 that is none."""

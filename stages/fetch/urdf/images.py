@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterable, Mapping
 from pathlib import PurePosixPath
 
-from stages.fetch.urdf import gltf_materials, obj_materials
+from linkwright.stages.fetch.urdf import gltf_materials, obj_materials
 
 _OF_COLLADA = re.compile(rb"<init_from>\s*(?:<ref>)?\s*([^<]+\.\w+)\s*<")
 

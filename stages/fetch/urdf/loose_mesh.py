@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from stages.fetch.urdf.textures import Texture
-from stages.formats.triangles import Body, merged
-from stages.robot.geometry import Colour
+from linkwright.stages.fetch.urdf.textures import Texture
+from linkwright.stages.formats.triangles import Body, merged
+from linkwright.stages.robot.geometry import Colour
 
 WHITE: Colour = (1.0, 1.0, 1.0, 1.0)
 """The colour of an image that is as it is."""

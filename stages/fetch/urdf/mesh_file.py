@@ -19,19 +19,19 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stages.fetch.urdf import gltf_materials
-from stages.fetch.urdf.companions import Companions
-from stages.fetch.urdf.dae import cleaned
-from stages.fetch.urdf.images import images
-from stages.fetch.urdf.loose_mesh import WHITE, LooseMesh, Texcoords, joined
-from stages.fetch.urdf.textures import NO_COORDINATES, Texture, of_gltf, of_obj
-from stages.formats import gltf_claims
-from stages.formats.damaged import Damaged
-from stages.formats.mesh_points import is_binary_stl, mesh_points
-from stages.formats.triangles import distinct
-from stages.formats.xml import Malformed
-from stages.robot.geometry import NEUTRAL, Colour
-from stages.robot.install import install
+from linkwright.stages.fetch.urdf import gltf_materials
+from linkwright.stages.fetch.urdf.companions import Companions
+from linkwright.stages.fetch.urdf.dae import cleaned
+from linkwright.stages.fetch.urdf.images import images
+from linkwright.stages.fetch.urdf.loose_mesh import WHITE, LooseMesh, Texcoords, joined
+from linkwright.stages.fetch.urdf.textures import NO_COORDINATES, Texture, of_gltf, of_obj
+from linkwright.stages.formats import gltf_claims
+from linkwright.stages.formats.damaged import Damaged
+from linkwright.stages.formats.mesh_points import is_binary_stl, mesh_points
+from linkwright.stages.formats.triangles import distinct
+from linkwright.stages.formats.xml import Malformed
+from linkwright.stages.robot.geometry import NEUTRAL, Colour
+from linkwright.stages.robot.install import install
 
 FORMATS = ("stl", "obj", "dae", "gltf", "glb", "ply")
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from stages.fetch.urdf.expand import EXPAND
-from stages.robot.errors import SourceError
+from linkwright.stages.fetch.urdf.expand import EXPAND
+from linkwright.stages.robot.errors import SourceError
 
 if TYPE_CHECKING:
-    from stages.formats.xml import Element
+    from linkwright.stages.formats.xml import Element
 
 _MAYBE = re.compile(r"xacro|\$[{(]")
 _NAMED = re.compile(r"\{[^{}]*\bxacro/?\}|xacro:")
@@ -22,7 +22,7 @@ def require(text: str, where: str) -> None:
     Elements for Gazebo are not read, and may contain anything."""
     if not _MAYBE.search(text):
         return
-    from stages.formats import xml
+    from linkwright.stages.formats import xml
 
     try:
         root = xml.parse(text.encode())

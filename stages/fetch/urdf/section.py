@@ -4,8 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from stages.fetch.source_section import Setting, SourceSection
-from stages.robot.section import Flag, Text, example
+from linkwright.stages.fetch.source_section import Setting, SourceSection
+from linkwright.stages.robot.section import Flag, Text, example
 
 
 class UrdfSourceSection(SourceSection):

@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from stages.fetch.robot_file import RobotFileSource
-from stages.fetch.source import FetchContext, Fetched
-from stages.robot.errors import ConfigError
+from linkwright.stages.fetch.robot_file import RobotFileSource
+from linkwright.stages.fetch.source import FetchContext, Fetched
+from linkwright.stages.robot.errors import ConfigError
 
 if TYPE_CHECKING:
-    from stages.fetch.urdf.section import UrdfSourceSection
+    from linkwright.stages.fetch.urdf.section import UrdfSourceSection
 
 
 class UrdfSource(RobotFileSource):
@@ -23,7 +23,7 @@ class UrdfSource(RobotFileSource):
     _keys: UrdfSourceSection
 
     def preflight(self, environ: Mapping[str, str]) -> None:
-        from stages.fetch.urdf import expand, srdf_file
+        from linkwright.stages.fetch.urdf import expand, srdf_file
 
         super().preflight(environ)
         for name, folder in self._keys.packages.items():
@@ -34,12 +34,12 @@ class UrdfSource(RobotFileSource):
         srdf_file.require(self._keys)
 
     def pinned(self, environ: Mapping[str, str]) -> dict[str, Any]:
-        from stages.fetch.urdf.survey import identity
+        from linkwright.stages.fetch.urdf.survey import identity
 
         return identity(self._keys, environ)
 
     def fetch(self, context: FetchContext) -> Fetched:
-        from stages.fetch.urdf.gather import gather
+        from linkwright.stages.fetch.urdf.gather import gather
 
         bundle, found = gather(self._keys, context.environ)
         return Fetched(bundle, diagnostics=found)

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stages.fetch.urdf import text
-from stages.robot import regular_files
-from stages.robot.errors import ConfigError, Diagnostic, SourceError
+from linkwright.stages.fetch.urdf import text
+from linkwright.stages.robot import regular_files
+from linkwright.stages.robot.errors import ConfigError, Diagnostic, SourceError
 
 if TYPE_CHECKING:
-    from stages.fetch.urdf.section import UrdfSourceSection
+    from linkwright.stages.fetch.urdf.section import UrdfSourceSection
 
 SRDF = "robot.srdf"
 """The request that stands for the SRDF's text."""

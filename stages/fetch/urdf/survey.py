@@ -14,16 +14,16 @@ from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stages.fetch.urdf import expand, plain, srdf_file, text
-from stages.fetch.urdf.companions import NAMING_FILES, companions
-from stages.fetch.urdf.resolve import MeshPlace, MeshPlaces
-from stages.fetch.urdf.ros_packages import Packages
-from stages.fetch.urdf.srdf_file import SrdfFile
-from stages.robot import regular_files
-from stages.robot.errors import SourceError
+from linkwright.stages.fetch.urdf import expand, plain, srdf_file, text
+from linkwright.stages.fetch.urdf.companions import NAMING_FILES, companions
+from linkwright.stages.fetch.urdf.resolve import MeshPlace, MeshPlaces
+from linkwright.stages.fetch.urdf.ros_packages import Packages
+from linkwright.stages.fetch.urdf.srdf_file import SrdfFile
+from linkwright.stages.robot import regular_files
+from linkwright.stages.robot.errors import SourceError
 
 if TYPE_CHECKING:
-    from stages.fetch.urdf.section import UrdfSourceSection
+    from linkwright.stages.fetch.urdf.section import UrdfSourceSection
 
 READER = 3
 """Raised with every change of the result for the same files."""

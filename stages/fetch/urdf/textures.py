@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from hashlib import sha256
 
-from stages.fetch.urdf import obj_materials
-from stages.fetch.urdf.companions import TOO_MANY, Companions
-from stages.formats import png
+from linkwright.stages.fetch.urdf import obj_materials
+from linkwright.stages.fetch.urdf.companions import TOO_MANY, Companions
+from linkwright.stages.formats import png
 
 NO_COORDINATES = "the mesh has no texture coordinates"
 

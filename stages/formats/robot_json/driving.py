@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from stages.formats.robot_json.codec import UNREAD, JsonRecord, Key, PairRecord
-from stages.formats.robot_json.values import (
+from linkwright.stages.formats.robot_json.codec import UNREAD, JsonRecord, Key, PairRecord
+from linkwright.stages.formats.robot_json.values import (
     DofName,
     Forces,
     LinkName,
@@ -16,8 +16,8 @@ from stages.formats.robot_json.values import (
     TextPairs,
     Turned,
 )
-from stages.robot.actuation import Actuation, Actuator, ActuatorType, Armature
-from stages.robot.sensing import Sensing, Sensor, SensorCamera, SensorSite, SensorTarget, ZoneShape
+from linkwright.stages.robot.actuation import Actuation, Actuator, ActuatorType, Armature
+from linkwright.stages.robot.sensing import Sensing, Sensor, SensorCamera, SensorSite, SensorTarget, ZoneShape
 
 
 @dataclass(frozen=True, kw_only=True)

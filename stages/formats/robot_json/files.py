@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from stages.formats.robot_json.codec import UNREAD, JsonRecord, Key
-from stages.formats.robot_json.values import DofName, ExactValue, LinkName, Pose, ShortRange, short
-from stages.robot.linear_coupling import LinearCoupling
+from linkwright.stages.formats.robot_json.codec import UNREAD, JsonRecord, Key
+from linkwright.stages.formats.robot_json.values import DofName, ExactValue, LinkName, Pose, ShortRange, short
+from linkwright.stages.robot.linear_coupling import LinearCoupling
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,9 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from stages.formats.numbers import least_of
-from stages.formats.robot_json.codec import INLINE, UNREAD, JsonRecord, Key
-from stages.formats.robot_json.values import (
+from linkwright.stages.formats.numbers import least_of
+from linkwright.stages.formats.robot_json.codec import INLINE, UNREAD, JsonRecord, Key
+from linkwright.stages.formats.robot_json.values import (
     DofName,
     DofValue,
     Ends,
@@ -21,8 +21,8 @@ from stages.formats.robot_json.values import (
     Vector,
     as_float,
 )
-from stages.robot import model
-from stages.robot.poses import UNMOVED
+from linkwright.stages.robot import model
+from linkwright.stages.robot.poses import UNMOVED
 
 
 @dataclass(frozen=True)

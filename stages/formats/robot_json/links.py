@@ -5,8 +5,8 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from stages.formats.robot_json.codec import INLINE, JsonRecord, Key
-from stages.formats.robot_json.values import (
+from linkwright.stages.formats.robot_json.codec import INLINE, JsonRecord, Key
+from linkwright.stages.formats.robot_json.values import (
     Colour,
     Lengths,
     Number,
@@ -15,7 +15,7 @@ from stages.formats.robot_json.values import (
     PoseRecord,
     Tensor,
 )
-from stages.robot import model
+from linkwright.stages.robot import model
 
 MIRROR = np.diag([1.0, 1.0, -1.0, 1.0])
 """What takes the right-handed pose that is written of a mirrored part to its own (4, 4)."""

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Annotated
 
-from stages.formats.robot_json.codec import JsonRecord, Key
-from stages.formats.robot_json.values import (
+from linkwright.stages.formats.robot_json.codec import JsonRecord, Key
+from linkwright.stages.formats.robot_json.values import (
     ExactNumbers,
     ExactTensor,
     NamePairs,
@@ -14,7 +14,7 @@ from stages.formats.robot_json.values import (
     TextPairs,
     TextsPairs,
 )
-from stages.robot import mjcf_extras
+from linkwright.stages.robot import mjcf_extras
 
 
 @dataclass(frozen=True)

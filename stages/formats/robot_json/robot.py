@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from stages.formats.robot_json.codec import INLINE, UNREAD, JsonRecord, Key, PairRecord, modelled
-from stages.formats.robot_json.driving import ActuationRecord, SensingRecord
-from stages.formats.robot_json.files import (
+from linkwright.stages.formats.robot_json.codec import INLINE, UNREAD, JsonRecord, Key, PairRecord, modelled
+from linkwright.stages.formats.robot_json.driving import ActuationRecord, SensingRecord
+from linkwright.stages.formats.robot_json.files import (
     CouplingRecord,
     FormatRecord,
     HeldRecord,
@@ -15,16 +15,21 @@ from stages.formats.robot_json.files import (
     SrdfRecord,
     UrdfRecord,
 )
-from stages.formats.robot_json.joints import FrameRecord, JointRecord, LoopRecord, RelationRecord
-from stages.formats.robot_json.links import LinkRecord
-from stages.formats.robot_json.mjcf import MjcfRecord
-from stages.formats.robot_json.scene import KeyframeRecord, SceneRecord
-from stages.formats.robot_json.shapes import ColliderRecord, ExcludeRecord, ShapeRecord, TouchRecord
-from stages.formats.robot_json.values import Number, PoseRecord
-from stages.robot import model
-from stages.robot.amendments import Amendment, Surplus
-from stages.robot.geometry import Geometry
-from stages.robot.semantics import NOTHING_MORE, RobotSemantics
+from linkwright.stages.formats.robot_json.joints import FrameRecord, JointRecord, LoopRecord, RelationRecord
+from linkwright.stages.formats.robot_json.links import LinkRecord
+from linkwright.stages.formats.robot_json.mjcf import MjcfRecord
+from linkwright.stages.formats.robot_json.scene import KeyframeRecord, SceneRecord
+from linkwright.stages.formats.robot_json.shapes import (
+    ColliderRecord,
+    ExcludeRecord,
+    ShapeRecord,
+    TouchRecord,
+)
+from linkwright.stages.formats.robot_json.values import Number, PoseRecord
+from linkwright.stages.robot import model
+from linkwright.stages.robot.amendments import Amendment, Surplus
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.semantics import NOTHING_MORE, RobotSemantics
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated
 
-from stages.formats.robot_json.codec import UNREAD, JsonRecord
-from stages.formats.robot_json.values import (
+from linkwright.stages.formats.robot_json.codec import UNREAD, JsonRecord
+from linkwright.stages.formats.robot_json.values import (
     DofValue,
     Friction,
     Pose,
@@ -13,8 +13,8 @@ from stages.formats.robot_json.values import (
     SettingValue,
     Values,
 )
-from stages.robot.model import Keyframe
-from stages.robot.scene import Ground, Scene
+from linkwright.stages.robot.model import Keyframe
+from linkwright.stages.robot.scene import Ground, Scene
 
 
 @dataclass(frozen=True)

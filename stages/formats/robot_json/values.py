@@ -7,8 +7,8 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from stages.formats.numbers import FORCE, LENGTH, TURN, number, numbers
-from stages.formats.robot_json.codec import (
+from linkwright.stages.formats.numbers import FORCE, LENGTH, TURN, number, numbers
+from linkwright.stages.formats.robot_json.codec import (
     Form,
     JsonRecord,
     Key,
@@ -18,9 +18,9 @@ from stages.formats.robot_json.codec import (
     refused,
     table_of,
 )
-from stages.robot.model import Array, Value, frozen
-from stages.robot.poses import from_parts, quat_from_rotation, rotation_from_quat
-from stages.robot.scene import Setting
+from linkwright.stages.robot.model import Array, Value, frozen
+from linkwright.stages.robot.poses import from_parts, quat_from_rotation, rotation_from_quat
+from linkwright.stages.robot.scene import Setting
 
 
 def as_float(value: float, least: float = 0.0) -> float:

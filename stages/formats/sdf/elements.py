@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from stages.formats.xml import Element
-from stages.robot.model import Array
-from stages.robot.poses import from_parts, rotation_from_rpy
+from linkwright.stages.formats.xml import Element
+from linkwright.stages.robot.model import Array
+from linkwright.stages.robot.poses import from_parts, rotation_from_rpy
 
 
 class SdfError(ValueError):

@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping
 
-from stages.formats.sdf.model import ReadJoint, SdfModel
-from stages.robot.model import Array
-from stages.robot.poses import inverse
+from linkwright.stages.formats.sdf.model import ReadJoint, SdfModel
+from linkwright.stages.robot.model import Array
+from linkwright.stages.robot.poses import inverse
 
 
 def moved_links(model: SdfModel, motions: Mapping[str, Array]) -> dict[str, Array]:

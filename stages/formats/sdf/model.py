@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from stages.formats.sdf.shapes import SdfShape
-from stages.robot.model import Array, Dynamics, Inertial, Limits
+from linkwright.stages.formats.sdf.shapes import SdfShape
+from linkwright.stages.robot.model import Array, Dynamics, Inertial, Limits
 
 
 @dataclass(frozen=True, slots=True, eq=False)

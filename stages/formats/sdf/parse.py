@@ -9,13 +9,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from stages.formats.sdf.elements import SdfError, bound, needed, number, numbers, pose_of, truth
-from stages.formats.sdf.model import ReadJoint, SdfFrame, SdfLink, SdfMimic, SdfModel
-from stages.formats.sdf.names import ROOT_OF_ALL
-from stages.formats.sdf.shapes import shapes_of
-from stages.formats.xml import Element, Malformed, parse
-from stages.robot.model import Array, Dynamics, Inertial, Limits, frozen
-from stages.robot.poses import inverse
+from linkwright.stages.formats.sdf.elements import SdfError, bound, needed, number, numbers, pose_of, truth
+from linkwright.stages.formats.sdf.model import ReadJoint, SdfFrame, SdfLink, SdfMimic, SdfModel
+from linkwright.stages.formats.sdf.names import ROOT_OF_ALL
+from linkwright.stages.formats.sdf.shapes import shapes_of
+from linkwright.stages.formats.xml import Element, Malformed, parse
+from linkwright.stages.robot.model import Array, Dynamics, Inertial, Limits, frozen
+from linkwright.stages.robot.poses import inverse
 
 VERSIONS = ("1.7", "1.8", "1.9", "1.10", "1.11", "1.12")
 """With these, names and poses mean the same."""

@@ -4,7 +4,7 @@ import math
 from collections import Counter
 from dataclasses import dataclass
 
-from stages.formats.xml import Element, Malformed, parse, tag
+from linkwright.stages.formats.xml import Element, Malformed, parse, tag
 
 MOST = 100_000
 """A text with more elements is not read: humanoids have some thousand."""

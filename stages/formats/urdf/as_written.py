@@ -3,19 +3,19 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from stages.formats.urdf.form import UrdfForm
-from stages.formats.urdf.transmissions import with_joints
-from stages.robot.fusing import Holders, fused
-from stages.robot.model import Relation, Robot
-from stages.robot.names import free
-from stages.robot.start_pose import home
+from linkwright.stages.formats.urdf.form import UrdfForm
+from linkwright.stages.formats.urdf.transmissions import with_joints
+from linkwright.stages.robot.fusing import Holders, fused
+from linkwright.stages.robot.model import Relation, Robot
+from linkwright.stages.robot.names import free
+from linkwright.stages.robot.start_pose import home
 
 
 def form_with(robot: Robot, merged: bool = False, first: Sequence[str] = ()) -> UrdfForm:
     """The form of a robot's URDF. `first`: the dofs that drive others in closed loops, where they can."""
     if not robot.loops:
         return UrdfForm(merged)
-    from stages.robot.loop_lines import closed_loops, linear_couplings
+    from linkwright.stages.robot.loop_lines import closed_loops, linear_couplings
 
     couplings = linear_couplings(robot, home(robot), first)
     return UrdfForm(merged, couplings, closed_loops(robot, couplings))

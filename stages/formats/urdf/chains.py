@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from stages.formats.urdf.names import urdf_names
-from stages.robot.model import Dof, Limits, Robot
+from linkwright.stages.formats.urdf.names import urdf_names
+from linkwright.stages.robot.model import Dof, Limits, Robot
 
 
 @dataclass(frozen=True, slots=True)

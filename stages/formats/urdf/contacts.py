@@ -2,11 +2,11 @@
 
 from collections.abc import Iterable, Mapping, Sequence, Set
 
-from stages.formats.written import Written
-from stages.robot.adjacency import Pair, adjacent_pairs
-from stages.robot.fusing import members
-from stages.robot.model import Robot
-from stages.robot.semantics import NEVER
+from linkwright.stages.formats.written import Written
+from linkwright.stages.robot.adjacency import Pair, adjacent_pairs
+from linkwright.stages.robot.fusing import members
+from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.semantics import NEVER
 
 Reason = str
 """In the words of MoveIt's assistant, Adjacent: next to each other; Default: touching in every pose; User:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from stages.formats.xml import Element, tag
-from stages.robot.errors import Diagnostic
+from linkwright.stages.formats.xml import Element, tag
+from linkwright.stages.robot.errors import Diagnostic
 
 _MOST_SHOWN = 50
 

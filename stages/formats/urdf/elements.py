@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from stages.formats.urdf.diagnostics import FileDiagnostics
-from stages.formats.xml import Element, tag
-from stages.robot.model import Array, frozen
-from stages.robot.poses import from_parts, rotation_from_quat, rotation_from_rpy
+from linkwright.stages.formats.urdf.diagnostics import FileDiagnostics
+from linkwright.stages.formats.xml import Element, tag
+from linkwright.stages.robot.model import Array, frozen
+from linkwright.stages.robot.poses import from_parts, rotation_from_quat, rotation_from_rpy
 
 
 def child(element: Element, name: str, log: FileDiagnostics) -> Element | None:

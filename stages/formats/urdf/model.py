@@ -10,10 +10,10 @@ from hashlib import sha256
 from pathlib import PurePosixPath
 from typing import Literal
 
-from stages.robot.errors import Diagnostic
-from stages.robot.geometry import Colour
-from stages.robot.model import Array, Inertial, Limits
-from stages.robot.model import Transmission as Transmission
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.geometry import Colour
+from linkwright.stages.robot.model import Array, Inertial, Limits
+from linkwright.stages.robot.model import Transmission as Transmission
 
 UrdfShapeKind = Literal["box", "cylinder", "sphere", "capsule", "mesh"]
 UrdfJointType = Literal["revolute", "continuous", "prismatic", "fixed", "floating", "planar"]

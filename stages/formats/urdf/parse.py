@@ -12,16 +12,23 @@ from typing import get_args
 
 import numpy as np
 
-from stages.formats import xml
-from stages.formats.urdf.diagnostics import FileDiagnostics
-from stages.formats.urdf.elements import child, number, numbers, pose
-from stages.formats.urdf.model import Transmission, Urdf, UrdfJoint, UrdfJointType, UrdfLink, UrdfMimic
-from stages.formats.urdf.shapes import Materials, collisions, visuals
-from stages.formats.urdf.transmissions import controlled, rotors, transmissions
-from stages.formats.xml import Element, tag
-from stages.robot.errors import SourceError
-from stages.robot.inertia import moved
-from stages.robot.model import Array, Inertial, Limits, frozen
+from linkwright.stages.formats import xml
+from linkwright.stages.formats.urdf.diagnostics import FileDiagnostics
+from linkwright.stages.formats.urdf.elements import child, number, numbers, pose
+from linkwright.stages.formats.urdf.model import (
+    Transmission,
+    Urdf,
+    UrdfJoint,
+    UrdfJointType,
+    UrdfLink,
+    UrdfMimic,
+)
+from linkwright.stages.formats.urdf.shapes import Materials, collisions, visuals
+from linkwright.stages.formats.urdf.transmissions import controlled, rotors, transmissions
+from linkwright.stages.formats.xml import Element, tag
+from linkwright.stages.robot.errors import SourceError
+from linkwright.stages.robot.inertia import moved
+from linkwright.stages.robot.model import Array, Inertial, Limits, frozen
 
 _TYPES: tuple[str, ...] = get_args(UrdfJointType)
 _PARTS = ("link", "joint", "material", "transmission", "ros2_control", "mujoco")

@@ -6,11 +6,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import cast
 
-from stages.formats.urdf.diagnostics import FileDiagnostics
-from stages.formats.urdf.elements import child, number, numbers, pose
-from stages.formats.urdf.model import UrdfShape, UrdfShapeKind
-from stages.formats.xml import Element, tag
-from stages.robot.geometry import Colour
+from linkwright.stages.formats.urdf.diagnostics import FileDiagnostics
+from linkwright.stages.formats.urdf.elements import child, number, numbers, pose
+from linkwright.stages.formats.urdf.model import UrdfShape, UrdfShapeKind
+from linkwright.stages.formats.xml import Element, tag
+from linkwright.stages.robot.geometry import Colour
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from stages.robot.adjacency import Pair
+from linkwright.stages.robot.adjacency import Pair
 
 
 @dataclass(frozen=True, slots=True)

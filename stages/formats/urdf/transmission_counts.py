@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping
 
-from stages.formats import xml
-from stages.formats.xml import Element, tag
-from stages.robot.dofs import AS_THE_MATE, MateValue
+from linkwright.stages.formats import xml
+from linkwright.stages.formats.xml import Element, tag
+from linkwright.stages.robot.dofs import AS_THE_MATE, MateValue
 
 REDUCTIONS = ("mechanicalReduction", "mechanical_reduction")
 

@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping
 
-from stages.formats import xml
-from stages.formats.urdf.diagnostics import FileDiagnostics
-from stages.formats.urdf.elements import number
-from stages.formats.urdf.model import Transmission
-from stages.formats.xml import Element, tag
+from linkwright.stages.formats import xml
+from linkwright.stages.formats.urdf.diagnostics import FileDiagnostics
+from linkwright.stages.formats.urdf.elements import number
+from linkwright.stages.formats.urdf.model import Transmission
+from linkwright.stages.formats.xml import Element, tag
 
 
 def transmissions(element: Element, log: FileDiagnostics) -> list[Transmission]:

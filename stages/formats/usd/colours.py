@@ -1,6 +1,6 @@
 """Colours of a USD."""
 
-from stages.robot.geometry import Colour
+from linkwright.stages.robot.geometry import Colour
 
 ROUGHNESS = 0.5
 """Of every surface."""

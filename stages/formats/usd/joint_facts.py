@@ -9,9 +9,9 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from stages.formats.numbers import LENGTH, TURN, number
-from stages.formats.usd.drives import Drive
-from stages.robot.model import Dof, Relation
+from linkwright.stages.formats.numbers import LENGTH, TURN, number
+from linkwright.stages.formats.usd.drives import Drive
+from linkwright.stages.robot.model import Dof, Relation
 
 DEGREES = 180.0 / math.pi
 

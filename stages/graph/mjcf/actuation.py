@@ -3,11 +3,11 @@
 from collections.abc import Callable, Iterator, Sequence
 from typing import cast
 
-from stages.formats.mjcf import Mjcf, MjcfSensorEnd
-from stages.graph.mjcf.naming import MjcfFileNames
-from stages.robot.actuation import Actuator, ActuatorType
-from stages.robot.names import free
-from stages.robot.sensing import Sensor, SensorTarget, ZoneShape
+from linkwright.stages.formats.mjcf import Mjcf, MjcfSensorEnd
+from linkwright.stages.graph.mjcf.naming import MjcfFileNames
+from linkwright.stages.robot.actuation import Actuator, ActuatorType
+from linkwright.stages.robot.names import free
+from linkwright.stages.robot.sensing import Sensor, SensorTarget, ZoneShape
 
 
 def actuators_of(mjcf: Mjcf, names: MjcfFileNames) -> tuple[Actuator, ...]:

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stages.formats.mjcf import Mjcf, MjcfBody
-from stages.graph.mjcf.equalities import Closing
+from linkwright.stages.formats.mjcf import Mjcf, MjcfBody
+from linkwright.stages.graph.mjcf.equalities import Closing
 
 
 def _tops(mjcf: Mjcf) -> list[int]:

@@ -5,12 +5,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stages.formats.mjcf import MjcfClosure
-from stages.graph.dofs import residual
-from stages.graph.mechanism import Connection
-from stages.robot.kinematics import chain
-from stages.robot.model import Array, Dof, DofKind, Dynamics, JointType, Limits, MateRef, Value, frozen
-from stages.robot.poses import inverse, quat_from_rotation
+from linkwright.stages.formats.mjcf import MjcfClosure
+from linkwright.stages.graph.dofs import residual
+from linkwright.stages.graph.mechanism import Connection
+from linkwright.stages.robot.kinematics import chain
+from linkwright.stages.robot.model import (
+    Array,
+    Dof,
+    DofKind,
+    Dynamics,
+    JointType,
+    Limits,
+    MateRef,
+    Value,
+    frozen,
+)
+from linkwright.stages.robot.poses import inverse, quat_from_rotation
 
 SECOND_POINT = "_axis"
 """Suffix of the sites of a hinge's second point."""

@@ -5,26 +5,33 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stages.formats.mjcf import Mjcf, MjcfBody, MjcfGeom
-from stages.graph.cad_only_keys import report_unused
-from stages.graph.dofs import backwards
-from stages.graph.mechanism import WORLD_LINK, Connection, Marker, Mechanism, RelationSpec, RigidBody
-from stages.graph.mjcf.actuation import actuators_of, sensors_of
-from stages.graph.mjcf.base import base_of, bodies_of, floats, joining, root_of
-from stages.graph.mjcf.equalities import closings, connections, own_sites
-from stages.graph.mjcf.extras import extras_of
-from stages.graph.mjcf.joints import SINGLE, Chain, body_joint, chain_of
-from stages.graph.mjcf.keyframes import keyframes_of
-from stages.graph.mjcf.naming import MjcfFileNames, names_of
-from stages.graph.relation_steps import followed_values
-from stages.graph.section import GraphSections
-from stages.robot import codec
-from stages.robot.bundle import Bundle
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.errors import ProtocolError
-from stages.robot.inertia import ZERO, moved
-from stages.robot.kinematics import chain
-from stages.robot.model import (
+from linkwright.stages.formats.mjcf import Mjcf, MjcfBody, MjcfGeom
+from linkwright.stages.graph.cad_only_keys import report_unused
+from linkwright.stages.graph.dofs import backwards
+from linkwright.stages.graph.mechanism import (
+    WORLD_LINK,
+    Connection,
+    Marker,
+    Mechanism,
+    RelationSpec,
+    RigidBody,
+)
+from linkwright.stages.graph.mjcf.actuation import actuators_of, sensors_of
+from linkwright.stages.graph.mjcf.base import base_of, bodies_of, floats, joining, root_of
+from linkwright.stages.graph.mjcf.equalities import closings, connections, own_sites
+from linkwright.stages.graph.mjcf.extras import extras_of
+from linkwright.stages.graph.mjcf.joints import SINGLE, Chain, body_joint, chain_of
+from linkwright.stages.graph.mjcf.keyframes import keyframes_of
+from linkwright.stages.graph.mjcf.naming import MjcfFileNames, names_of
+from linkwright.stages.graph.relation_steps import followed_values
+from linkwright.stages.graph.section import GraphSections
+from linkwright.stages.robot import codec
+from linkwright.stages.robot.bundle import Bundle
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.errors import ProtocolError
+from linkwright.stages.robot.inertia import ZERO, moved
+from linkwright.stages.robot.kinematics import chain
+from linkwright.stages.robot.model import (
     Array,
     Configuration,
     JointType,
@@ -35,7 +42,7 @@ from stages.robot.model import (
     Value,
     frozen,
 )
-from stages.robot.poses import inverse
+from linkwright.stages.robot.poses import inverse
 
 NO_JOINT = "the MJCF has no joint between it and the world"
 

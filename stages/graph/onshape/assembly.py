@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from stages.robot.bundle import StudioKey
-from stages.robot.errors import AssemblyError, Diagnostic
-from stages.robot.model import Array, MateRef, frozen
+from linkwright.stages.robot.bundle import StudioKey
+from linkwright.stages.robot.errors import AssemblyError, Diagnostic
+from linkwright.stages.robot.model import Array, MateRef, frozen
 
 Path = tuple[str, ...]
 Record = Mapping[str, Any]

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 import networkx as nx
 import numpy as np
 
-from stages.graph.onshape.assembly import Assembly, Mate, Path
-from stages.graph.onshape.rigid_subassemblies import rigid_subassemblies
-from stages.graph.section import GraphSections
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.plural import count
+from linkwright.stages.graph.onshape.assembly import Assembly, Mate, Path
+from linkwright.stages.graph.onshape.rigid_subassemblies import rigid_subassemblies
+from linkwright.stages.graph.section import GraphSections
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.plural import count
 
 WORLD: Path = ()
 """The assembly origin, as a node beside the occurrences."""

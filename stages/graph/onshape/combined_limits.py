@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from stages.graph.onshape.assembly import Mate
-from stages.graph.onshape.mate_coordinates import Tie, carried, coordinates
-from stages.graph.onshape.mate_twists import View
-from stages.graph.onshape.mates import freedoms_of, limit_names
-from stages.robot.model import Dof, Limits
+from linkwright.stages.graph.onshape.assembly import Mate
+from linkwright.stages.graph.onshape.mate_coordinates import Tie, carried, coordinates
+from linkwright.stages.graph.onshape.mate_twists import View
+from linkwright.stages.graph.onshape.mates import freedoms_of, limit_names
+from linkwright.stages.robot.model import Dof, Limits
 
 MET = 1e-6
 """Mates that the saved pose misses by more [m or rad] are not combined: nothing follows from it."""

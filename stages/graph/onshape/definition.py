@@ -7,7 +7,7 @@ from dataclasses import astuple, dataclass, field, replace
 import numpy as np
 import orjson
 
-from stages.graph.onshape.assembly import (
+from linkwright.stages.graph.onshape.assembly import (
     Assembly,
     Connector,
     Entity,
@@ -21,12 +21,12 @@ from stages.graph.onshape.assembly import (
     check_parts,
     without_empty,
 )
-from stages.graph.onshape.mates import JOINT_TYPES
-from stages.graph.onshape.reply_fields import check_rigid, number, numbers, path_of, shape_of, text
-from stages.robot.bundle import StudioKey
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.errors import ProtocolError
-from stages.robot.model import Array, MateRef, frozen
+from linkwright.stages.graph.onshape.mates import JOINT_TYPES
+from linkwright.stages.graph.onshape.reply_fields import check_rigid, number, numbers, path_of, shape_of, text
+from linkwright.stages.robot.bundle import StudioKey
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.errors import ProtocolError
+from linkwright.stages.robot.model import Array, MateRef, frozen
 
 
 @dataclass(frozen=True, slots=True, eq=False)

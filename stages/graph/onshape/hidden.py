@@ -2,9 +2,9 @@
 
 from dataclasses import replace
 
-from stages.graph.onshape.assembly import Assembly, Path, check_parts, without_empty
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.plural import count
+from linkwright.stages.graph.onshape.assembly import Assembly, Path, check_parts, without_empty
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.plural import count
 
 SHOWN = 10
 """So many hidden instances are listed by name."""

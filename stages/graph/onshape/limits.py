@@ -15,14 +15,14 @@ from typing import Any
 
 import orjson
 
-from stages.formats.onshape_configuration import decoded, split
-from stages.graph.dofs import Freedom
-from stages.graph.onshape.assembly import Assembly, Mate, Path, Record
-from stages.graph.onshape.expressions.evaluate import ExpressionError, Scope, measured
-from stages.graph.onshape.mates import JOINT_TYPES, freedoms_of, limit_names
-from stages.graph.onshape.reply_fields import shape_of
-from stages.robot.bundle import Features, OnshapeBundle, StudioKey
-from stages.robot.model import DofKind
+from linkwright.stages.formats.onshape_configuration import decoded, split
+from linkwright.stages.graph.dofs import Freedom
+from linkwright.stages.graph.onshape.assembly import Assembly, Mate, Path, Record
+from linkwright.stages.graph.onshape.expressions.evaluate import ExpressionError, Scope, measured
+from linkwright.stages.graph.onshape.mates import JOINT_TYPES, freedoms_of, limit_names
+from linkwright.stages.graph.onshape.reply_fields import shape_of
+from linkwright.stages.robot.bundle import Features, OnshapeBundle, StudioKey
+from linkwright.stages.robot.model import DofKind
 
 MateKey = tuple[Path, str]
 

@@ -8,10 +8,10 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from stages.formats import triangles
-from stages.robot.bundle import OnshapeBundle, StudioKey
-from stages.robot.inertia import solid_inertia
-from stages.robot.model import Array, Inertial, frozen
+from linkwright.stages.formats import triangles
+from linkwright.stages.robot.bundle import OnshapeBundle, StudioKey
+from linkwright.stages.robot.inertia import solid_inertia
+from linkwright.stages.robot.model import Array, Inertial, frozen
 
 Key = tuple[StudioKey, str]
 """A part studio and the id of a part in it."""

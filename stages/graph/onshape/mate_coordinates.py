@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stages.graph.dofs import value_in
-from stages.graph.onshape.mate_twists import ALIKE, View, chain
-from stages.robot.model import Array, Limits, Value
-from stages.robot.poses import inverse, quat_from_rotation, rotation_from_quat
+from linkwright.stages.graph.dofs import value_in
+from linkwright.stages.graph.onshape.mate_twists import ALIKE, View, chain
+from linkwright.stages.robot.model import Array, Limits, Value
+from linkwright.stages.robot.poses import inverse, quat_from_rotation, rotation_from_quat
 
 NOISE = 1e-10
 """An offset [rad or m] below this is rounding."""

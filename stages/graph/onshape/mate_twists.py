@@ -13,11 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stages.graph.dofs import residual
-from stages.graph.onshape.assembly import Assembly, Mate, Path
-from stages.graph.onshape.mates import dofs_of, right_handed
-from stages.robot.model import Array, Dof, Value
-from stages.robot.poses import inverse, motion
+from linkwright.stages.graph.dofs import residual
+from linkwright.stages.graph.onshape.assembly import Assembly, Mate, Path
+from linkwright.stages.graph.onshape.mates import dofs_of, right_handed
+from linkwright.stages.robot.model import Array, Dof, Value
+from linkwright.stages.robot.poses import inverse, motion
 
 ALIKE = 1e-7
 """Directions, and twists, at a smaller angle [rad] than this are the same: CAD's frames are exact."""

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from stages.graph.dofs import FREEDOMS, Freedom, value_in
-from stages.robot.model import Array, Dof, Dynamics, JointType, Limits, frozen
+from linkwright.stages.graph.dofs import FREEDOMS, Freedom, value_in
+from linkwright.stages.robot.model import Array, Dof, Dynamics, JointType, Limits, frozen
 
 JOINT_TYPES: Mapping[str, JointType] = {
     "FASTENED": "fixed",

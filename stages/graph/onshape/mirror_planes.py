@@ -13,15 +13,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stages.graph.globs import entries_of
-from stages.graph.onshape.assembly import Assembly, Path, Pattern
-from stages.graph.onshape.part_solids import PartSolids, gyration, is_image
-from stages.graph.section import MirrorSection
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import escaped, listed
-from stages.robot.inertia import moved
-from stages.robot.model import Array, frozen
-from stages.robot.poses import from_parts, inverse
+from linkwright.stages.graph.globs import entries_of
+from linkwright.stages.graph.onshape.assembly import Assembly, Path, Pattern
+from linkwright.stages.graph.onshape.part_solids import PartSolids, gyration, is_image
+from linkwright.stages.graph.section import MirrorSection
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import escaped, listed
+from linkwright.stages.robot.inertia import moved
+from linkwright.stages.robot.model import Array, frozen
+from linkwright.stages.robot.poses import from_parts, inverse
 
 APART = 0.01
 """The least distance of the centres of mass of a seed and its copy, in radii of gyration: the line between

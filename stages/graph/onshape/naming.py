@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from itertools import count
 from typing import TypeVar
 
-from stages.graph.mechanism import WORLD_LINK
-from stages.graph.onshape.assembly import Assembly, Connector, Path
-from stages.graph.onshape.bodies import Bodies
-from stages.graph.onshape.mates import dof_names
-from stages.robot.names import legal, shortest_unique
+from linkwright.stages.graph.mechanism import WORLD_LINK
+from linkwright.stages.graph.onshape.assembly import Assembly, Connector, Path
+from linkwright.stages.graph.onshape.bodies import Bodies
+from linkwright.stages.graph.onshape.mates import dof_names
+from linkwright.stages.robot.names import legal, shortest_unique
 
 Key = TypeVar("Key")
 

@@ -14,9 +14,9 @@ from typing import TypeVar
 import networkx as nx
 import numpy as np
 
-from stages.graph.onshape.assembly import Assembly, Connector, Entity, Mate, Path
-from stages.graph.onshape.naming import LINK_PREFIX, is_link_name
-from stages.graph.onshape.onshape_to_robot_names import (
+from linkwright.stages.graph.onshape.assembly import Assembly, Connector, Entity, Mate, Path
+from linkwright.stages.graph.onshape.naming import LINK_PREFIX, is_link_name
+from linkwright.stages.graph.onshape.onshape_to_robot_names import (
     CLOSING,
     DOF,
     FIX,
@@ -27,13 +27,13 @@ from stages.graph.onshape.onshape_to_robot_names import (
     turned_round,
     words,
 )
-from stages.graph.section import GraphSections
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import escaped, listed, unnumbered
-from stages.robot.model import frozen
-from stages.robot.names import legal, legal_or_unnamed
-from stages.robot.poses import inverse
-from stages.robot.section import Section
+from linkwright.stages.graph.section import GraphSections
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import escaped, listed, unnumbered
+from linkwright.stages.robot.model import frozen
+from linkwright.stages.robot.names import legal, legal_or_unnamed
+from linkwright.stages.robot.poses import inverse
+from linkwright.stages.robot.section import Section
 
 AnySection = TypeVar("AnySection", bound=Section)
 

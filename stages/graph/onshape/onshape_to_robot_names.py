@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from stages.graph.onshape.assembly import Assembly, Mate, MateRelation, Path
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.model import frozen
-from stages.robot.names import legal
-from stages.robot.poses import inverse
+from linkwright.stages.graph.onshape.assembly import Assembly, Mate, MateRelation, Path
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.model import frozen
+from linkwright.stages.robot.names import legal
+from linkwright.stages.robot.poses import inverse
 
 DOF, CLOSING, FRAME, FIX = "dof_", "closing_", "frame_", "fix_"
 INVERTED = frozenset({"inv", "inverted"})

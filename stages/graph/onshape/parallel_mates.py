@@ -13,14 +13,23 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stages.graph.onshape.assembly import Assembly, Entity, Mate, Path
-from stages.graph.onshape.combined_limits import MET, LimitLost, limited, narrowed
-from stages.graph.onshape.mate_coordinates import coordinates, ties
-from stages.graph.onshape.mate_twists import ALIKE, View, columns, common, extent, span, view, within
-from stages.graph.onshape.mates import JOINT_TYPES
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.model import Array, frozen
-from stages.robot.poses import inverse
+from linkwright.stages.graph.onshape.assembly import Assembly, Entity, Mate, Path
+from linkwright.stages.graph.onshape.combined_limits import MET, LimitLost, limited, narrowed
+from linkwright.stages.graph.onshape.mate_coordinates import coordinates, ties
+from linkwright.stages.graph.onshape.mate_twists import (
+    ALIKE,
+    View,
+    columns,
+    common,
+    extent,
+    span,
+    view,
+    within,
+)
+from linkwright.stages.graph.onshape.mates import JOINT_TYPES
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.model import Array, frozen
+from linkwright.stages.robot.poses import inverse
 
 RIGID = "W-MATES-RIGID"
 

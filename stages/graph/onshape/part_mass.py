@@ -13,17 +13,17 @@ from typing import Any, NamedTuple
 
 import orjson
 
-from stages.graph.globs import entries_of
-from stages.graph.mass_section import MassSection, PartMassSection, tensor
-from stages.graph.onshape.assembly import Assembly, Occurrence, Path
-from stages.graph.onshape.mass_estimate import PartShape, shapes_of
-from stages.graph.onshape.reply_fields import number, numbers, shape_of
-from stages.robot.bundle import OnshapeBundle, StudioKey
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import escaped, listed, unnumbered
-from stages.robot.inertia import ZERO, scaled
-from stages.robot.model import Inertial, frozen
-from stages.robot.plural import count
+from linkwright.stages.graph.globs import entries_of
+from linkwright.stages.graph.mass_section import MassSection, PartMassSection, tensor
+from linkwright.stages.graph.onshape.assembly import Assembly, Occurrence, Path
+from linkwright.stages.graph.onshape.mass_estimate import PartShape, shapes_of
+from linkwright.stages.graph.onshape.reply_fields import number, numbers, shape_of
+from linkwright.stages.robot.bundle import OnshapeBundle, StudioKey
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import escaped, listed, unnumbered
+from linkwright.stages.robot.inertia import ZERO, scaled
+from linkwright.stages.robot.model import Inertial, frozen
+from linkwright.stages.robot.plural import count
 
 PartKey = tuple[StudioKey, str]
 

@@ -5,12 +5,12 @@ from functools import cached_property
 
 import numpy as np
 
-from stages.graph.onshape.assembly import Assembly, Path
-from stages.graph.onshape.mass_estimate import shapes_of
-from stages.graph.onshape.part_mass import SHEET, PartKey, Weight, part_key, read_masses
-from stages.robot.bundle import OnshapeBundle
-from stages.robot.inertia import merged, moved, scaled
-from stages.robot.model import Array, Inertial
+from linkwright.stages.graph.onshape.assembly import Assembly, Path
+from linkwright.stages.graph.onshape.mass_estimate import shapes_of
+from linkwright.stages.graph.onshape.part_mass import SHEET, PartKey, Weight, part_key, read_masses
+from linkwright.stages.robot.bundle import OnshapeBundle
+from linkwright.stages.robot.inertia import merged, moved, scaled
+from linkwright.stages.robot.model import Array, Inertial
 
 SAME_COM = 1e-3
 """The largest distance of equal centres of mass, in radii of gyration."""

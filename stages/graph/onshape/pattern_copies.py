@@ -3,10 +3,10 @@
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 
-from stages.graph.onshape.assembly import Assembly, Path, Pattern
-from stages.graph.onshape.mirror_planes import Image, MirrorPlanes
-from stages.graph.onshape.pattern_supports import Support, SupportSearch
-from stages.robot.diagnostics import Diagnostics
+from linkwright.stages.graph.onshape.assembly import Assembly, Path, Pattern
+from linkwright.stages.graph.onshape.mirror_planes import Image, MirrorPlanes
+from linkwright.stages.graph.onshape.pattern_supports import Support, SupportSearch
+from linkwright.stages.robot.diagnostics import Diagnostics
 
 
 @dataclass(slots=True)

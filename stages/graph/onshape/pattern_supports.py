@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import networkx as nx
 
-from stages.graph.onshape.assembly import Assembly, Path
+from linkwright.stages.graph.onshape.assembly import Assembly, Path
 
 
 @dataclass(frozen=True, slots=True)

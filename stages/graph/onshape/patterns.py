@@ -14,18 +14,18 @@ from itertools import groupby
 
 import networkx as nx
 
-from stages.graph.onshape.assembly import Assembly, Entity, Mate, MateGroup, Path, Pattern
-from stages.graph.onshape.mirror_planes import Image, MirrorPlanes
-from stages.graph.onshape.part_solids import PartSolids
-from stages.graph.onshape.pattern_copies import Series, series_of
-from stages.graph.onshape.pattern_supports import Feature, node_of
-from stages.graph.onshape.rigid_subassemblies import rigid_subassemblies
-from stages.graph.section import GraphSections
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import listed
-from stages.robot.model import frozen
-from stages.robot.plural import count
-from stages.robot.poses import inverse
+from linkwright.stages.graph.onshape.assembly import Assembly, Entity, Mate, MateGroup, Path, Pattern
+from linkwright.stages.graph.onshape.mirror_planes import Image, MirrorPlanes
+from linkwright.stages.graph.onshape.part_solids import PartSolids
+from linkwright.stages.graph.onshape.pattern_copies import Series, series_of
+from linkwright.stages.graph.onshape.pattern_supports import Feature, node_of
+from linkwright.stages.graph.onshape.rigid_subassemblies import rigid_subassemblies
+from linkwright.stages.graph.section import GraphSections
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import listed
+from linkwright.stages.robot.model import frozen
+from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.poses import inverse
 
 
 @dataclass(frozen=True, slots=True)

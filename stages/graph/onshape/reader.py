@@ -5,28 +5,35 @@ from dataclasses import replace
 
 import numpy as np
 
-from stages.graph.dofs import residual
-from stages.graph.mechanism import WORLD_LINK, Connection, Marker, Mechanism, RelationSpec, RigidBody
-from stages.graph.onshape.assembly import Assembly, Mate, Path
-from stages.graph.onshape.bodies import Bodies, find_bodies
-from stages.graph.onshape.definition import read_assembly
-from stages.graph.onshape.hidden import without_hidden
-from stages.graph.onshape.limits import Remarks, with_limits
-from stages.graph.onshape.mates import JOINT_TYPES, dofs_of, right_handed
-from stages.graph.onshape.naming import AssemblyNames, is_link_name, name_everything
-from stages.graph.onshape.onshape_to_robot import translated
-from stages.graph.onshape.parallel_mates import Absorbed, MateKey, combined
-from stages.graph.onshape.part_mass import SHEET, Weight, part_key, weighed
-from stages.graph.onshape.part_solids import PartSolids
-from stages.graph.onshape.patterns import with_copies
-from stages.graph.section import GraphSections
-from stages.robot.bundle import OnshapeBundle
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.errors import AssemblyError
-from stages.robot.kinematics import chain
-from stages.robot.model import MeshRef, Part, Provenance, frozen
-from stages.robot.names import legal
-from stages.robot.poses import inverse
+from linkwright.stages.graph.dofs import residual
+from linkwright.stages.graph.mechanism import (
+    WORLD_LINK,
+    Connection,
+    Marker,
+    Mechanism,
+    RelationSpec,
+    RigidBody,
+)
+from linkwright.stages.graph.onshape.assembly import Assembly, Mate, Path
+from linkwright.stages.graph.onshape.bodies import Bodies, find_bodies
+from linkwright.stages.graph.onshape.definition import read_assembly
+from linkwright.stages.graph.onshape.hidden import without_hidden
+from linkwright.stages.graph.onshape.limits import Remarks, with_limits
+from linkwright.stages.graph.onshape.mates import JOINT_TYPES, dofs_of, right_handed
+from linkwright.stages.graph.onshape.naming import AssemblyNames, is_link_name, name_everything
+from linkwright.stages.graph.onshape.onshape_to_robot import translated
+from linkwright.stages.graph.onshape.parallel_mates import Absorbed, MateKey, combined
+from linkwright.stages.graph.onshape.part_mass import SHEET, Weight, part_key, weighed
+from linkwright.stages.graph.onshape.part_solids import PartSolids
+from linkwright.stages.graph.onshape.patterns import with_copies
+from linkwright.stages.graph.section import GraphSections
+from linkwright.stages.robot.bundle import OnshapeBundle
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.errors import AssemblyError
+from linkwright.stages.robot.kinematics import chain
+from linkwright.stages.robot.model import MeshRef, Part, Provenance, frozen
+from linkwright.stages.robot.names import legal
+from linkwright.stages.robot.poses import inverse
 
 Weights = Mapping[Path, Weight]
 

@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
 
-from stages.graph.onshape.assembly import Assembly, Occurrence, Path
-from stages.graph.section import DepthSection
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import there_are, unnumbered
-from stages.robot.names import legal
+from linkwright.stages.graph.onshape.assembly import Assembly, Occurrence, Path
+from linkwright.stages.graph.section import DepthSection
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import there_are, unnumbered
+from linkwright.stages.robot.names import legal
 
 
 def rigid_subassemblies(assembly: Assembly, depth: DepthSection, log: Diagnostics) -> frozenset[Path]:

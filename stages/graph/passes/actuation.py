@@ -3,13 +3,13 @@ of the joints."""
 
 from dataclasses import replace
 
-from stages.formats.urdf.transmission_counts import with_counts
-from stages.formats.urdf.transmissions import with_joints
-from stages.graph.mechanism import Mechanism
-from stages.graph.passes.actuator_counts import recounted
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import listed
-from stages.robot.model import Robot, Sensor, Transmission
+from linkwright.stages.formats.urdf.transmission_counts import with_counts
+from linkwright.stages.formats.urdf.transmissions import with_joints
+from linkwright.stages.graph.mechanism import Mechanism
+from linkwright.stages.graph.passes.actuator_counts import recounted
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import listed
+from linkwright.stages.robot.model import Robot, Sensor, Transmission
 
 
 def with_actuation(robot: Robot, mechanism: Mechanism, log: Diagnostics) -> Robot:

@@ -3,9 +3,9 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from stages.formats.numbers import exact
-from stages.robot.actuation import Actuator
-from stages.robot.model import MateValue
+from linkwright.stages.formats.numbers import exact
+from linkwright.stages.robot.actuation import Actuator
+from linkwright.stages.robot.model import MateValue
 
 Range = tuple[float, float] | None
 

@@ -6,14 +6,14 @@ from typing import TypeVar
 
 import numpy as np
 
-from stages.graph.added_section import AddedFrameSection, AddedJointSection, AddedLinkSection
-from stages.graph.globs import names_in, unusable
-from stages.graph.mass_section import tensor
-from stages.graph.mechanism import WORLD_LINK
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import there_are
-from stages.robot.inertia import ZERO, primitive_inertial
-from stages.robot.model import (
+from linkwright.stages.graph.added_section import AddedFrameSection, AddedJointSection, AddedLinkSection
+from linkwright.stages.graph.globs import names_in, unusable
+from linkwright.stages.graph.mass_section import tensor
+from linkwright.stages.graph.mechanism import WORLD_LINK
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import there_are
+from linkwright.stages.robot.inertia import ZERO, primitive_inertial
+from linkwright.stages.robot.model import (
     Array,
     Dof,
     Dynamics,
@@ -27,8 +27,8 @@ from stages.robot.model import (
     Robot,
     frozen,
 )
-from stages.robot.names import free
-from stages.robot.poses import from_parts, inverse, rotation_from_rpy
+from linkwright.stages.robot.names import free
+from linkwright.stages.robot.poses import from_parts, inverse, rotation_from_rpy
 
 TYPES: Mapping[str, JointType] = {
     "fixed": "fixed",

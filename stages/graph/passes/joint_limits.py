@@ -3,12 +3,12 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-from stages.graph.section import JointSection
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import fits, there_are
-from stages.robot.loops import POINTWISE
-from stages.robot.model import Dof, Dynamics, Joint, Limits, Loop, Robot
-from stages.robot.quantity_keys import as_typed, misfit
+from linkwright.stages.graph.section import JointSection
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import fits, there_are
+from linkwright.stages.robot.loops import POINTWISE
+from linkwright.stages.robot.model import Dof, Dynamics, Joint, Limits, Loop, Robot
+from linkwright.stages.robot.quantity_keys import as_typed, misfit
 
 BEYOND = 1e-6
 """How far [rad or m] a saved value may lie beyond its limits before it is reported."""

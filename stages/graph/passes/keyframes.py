@@ -3,13 +3,13 @@
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
-from stages.graph.passes.source_keyframes import source_values
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.dof_ranges import ranges
-from stages.robot.globs import as_key, fits, listed, there_are
-from stages.robot.model import Dof, Keyframe, Robot
-from stages.robot.quantity_keys import as_typed, misfit
-from stages.robot.start_pose import HOME, SAVED, home, keyframes, open_loops
+from linkwright.stages.graph.passes.source_keyframes import source_values
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.dof_ranges import ranges
+from linkwright.stages.robot.globs import as_key, fits, listed, there_are
+from linkwright.stages.robot.model import Dof, Keyframe, Robot
+from linkwright.stages.robot.quantity_keys import as_typed, misfit
+from linkwright.stages.robot.start_pose import HOME, SAVED, home, keyframes, open_loops
 
 BEYOND = 1e-9
 """How far [rad or m] a value may lie beyond a limit: the rounding of what was typed."""

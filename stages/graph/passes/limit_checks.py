@@ -4,14 +4,14 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from stages.graph.added_section import AddedLinkSection
-from stages.graph.mechanism import Connection, Mechanism
-from stages.graph.passes.joint_limits import BEYOND, with_each_dof
-from stages.graph.section import GraphSections, JointSection
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import as_key, fits
-from stages.robot.loops import POINTWISE
-from stages.robot.model import Dof, DofKind, Joint, Limits, Robot, Value
+from linkwright.stages.graph.added_section import AddedLinkSection
+from linkwright.stages.graph.mechanism import Connection, Mechanism
+from linkwright.stages.graph.passes.joint_limits import BEYOND, with_each_dof
+from linkwright.stages.graph.section import GraphSections, JointSection
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import as_key, fits
+from linkwright.stages.robot.loops import POINTWISE
+from linkwright.stages.robot.model import Dof, DofKind, Joint, Limits, Robot, Value
 
 LOCKED_PLAY = 1e-6
 """Half the range [rad or m] of a dof whose limits are equal: MuJoCo takes none for unlimited."""

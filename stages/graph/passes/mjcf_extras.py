@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from stages.graph.mechanism import Mechanism
-from stages.graph.section import GraphSections
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.kinematics import link_poses, saved_configuration
-from stages.robot.mjcf_extras import MjcfAttributes, MjcfBodyFrame, MjcfMounted
-from stages.robot.model import Array, Dof, Robot, frozen
-from stages.robot.poses import inverse
+from linkwright.stages.graph.mechanism import Mechanism
+from linkwright.stages.graph.section import GraphSections
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.kinematics import link_poses, saved_configuration
+from linkwright.stages.robot.mjcf_extras import MjcfAttributes, MjcfBodyFrame, MjcfMounted
+from linkwright.stages.robot.model import Array, Dof, Robot, frozen
+from linkwright.stages.robot.poses import inverse
 
 _GIVEN = {
     "damping": "damping",

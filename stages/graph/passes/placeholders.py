@@ -4,10 +4,10 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 
-from stages.graph.passes.joint_limits import with_each_dof
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import as_key, listed
-from stages.robot.model import Dof, DofKind, Limits, Robot
+from linkwright.stages.graph.passes.joint_limits import with_each_dof
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import as_key, listed
+from linkwright.stages.robot.model import Dof, DofKind, Limits, Robot
 
 FAR = 1000.0
 """An end of a range that is further [rad, m] is none, whatever its number: 159 turns, a kilometre."""

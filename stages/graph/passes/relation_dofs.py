@@ -4,15 +4,15 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
-from stages.graph.globs import entries_of
-from stages.graph.mechanism import RelationSpec
-from stages.graph.relation_steps import DofRelation
-from stages.graph.section import RelationSection
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import as_key, listed
-from stages.robot.model import DofKind, Joint, Robot
-from stages.robot.names import free, legal
-from stages.robot.quantity_keys import as_typed, misfit
+from linkwright.stages.graph.globs import entries_of
+from linkwright.stages.graph.mechanism import RelationSpec
+from linkwright.stages.graph.relation_steps import DofRelation
+from linkwright.stages.graph.section import RelationSection
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import as_key, listed
+from linkwright.stages.robot.model import DofKind, Joint, Robot
+from linkwright.stages.robot.names import free, legal
+from linkwright.stages.robot.quantity_keys import as_typed, misfit
 
 PAIRS: Mapping[str, tuple[tuple[DofKind, DofKind], ...]] = {
     "GEAR": (("turn", "turn"),),

@@ -10,15 +10,15 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from stages.graph.mechanism import RelationSpec
-from stages.graph.passes.joint_limits import unwrapped, with_each_dof
-from stages.graph.passes.relation_dofs import configured, dof_relations, named
-from stages.graph.relation_steps import DofRelation, Step, driver_of, steps_of, trees_of, walk
-from stages.graph.section import RelationSection
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import as_key
-from stages.robot.kinematics import link_poses, saved_configuration
-from stages.robot.model import Dof, DofKind, Link, Relation, Robot, frozen
+from linkwright.stages.graph.mechanism import RelationSpec
+from linkwright.stages.graph.passes.joint_limits import unwrapped, with_each_dof
+from linkwright.stages.graph.passes.relation_dofs import configured, dof_relations, named
+from linkwright.stages.graph.relation_steps import DofRelation, Step, driver_of, steps_of, trees_of, walk
+from linkwright.stages.graph.section import RelationSection
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import as_key
+from linkwright.stages.robot.kinematics import link_poses, saved_configuration
+from linkwright.stages.robot.model import Dof, DofKind, Link, Relation, Robot, frozen
 
 ZERO_OFFSET = 1e-6
 """An offset [rad or m] that the saved pose leaves below this is rounding."""

@@ -4,13 +4,13 @@ from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
-from stages.graph.globs import unusable
-from stages.graph.mechanism import WORLD_LINK, Connection, Mechanism
-from stages.graph.section import NamesSection
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import listed, matching, with_plain
-from stages.robot.mjcf_extras import NewName
-from stages.robot.sensing import Sensor
+from linkwright.stages.graph.globs import unusable
+from linkwright.stages.graph.mechanism import WORLD_LINK, Connection, Mechanism
+from linkwright.stages.graph.section import NamesSection
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import listed, matching, with_plain
+from linkwright.stages.robot.mjcf_extras import NewName
+from linkwright.stages.robot.sensing import Sensor
 
 
 def renamed(mechanism: Mechanism, wanted: NamesSection, log: Diagnostics) -> Mechanism:

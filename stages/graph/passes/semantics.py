@@ -3,8 +3,14 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from stages.robot.model import Robot
-from stages.robot.semantics import NOTHING_MORE, DisabledPair, EndEffector, JointGroup, RobotSemantics
+from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.semantics import (
+    NOTHING_MORE,
+    DisabledPair,
+    EndEffector,
+    JointGroup,
+    RobotSemantics,
+)
 
 
 def with_semantics(robot: Robot, semantics: RobotSemantics) -> Robot:

@@ -2,10 +2,10 @@
 
 from dataclasses import replace
 
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.inertia import merged, moved, scaled
-from stages.robot.model import Inertial, Link, Robot
-from stages.robot.plural import count
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.inertia import merged, moved, scaled
+from linkwright.stages.robot.model import Inertial, Link, Robot
+from linkwright.stages.robot.plural import count
 
 WHERE = "mass.total"
 

@@ -10,13 +10,13 @@ from typing import Literal
 
 import numpy as np
 
-from stages.graph.passes.relations import negligible
-from stages.graph.section import JointSection
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.dofs import AS_THE_MATE
-from stages.robot.globs import fits
-from stages.robot.model import Array, Dof, Limits, MateValue, Relation, Robot, frozen
-from stages.robot.poses import at_rest, motion
+from linkwright.stages.graph.passes.relations import negligible
+from linkwright.stages.graph.section import JointSection
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.dofs import AS_THE_MATE
+from linkwright.stages.robot.globs import fits
+from linkwright.stages.robot.model import Array, Dof, Limits, MateValue, Relation, Robot, frozen
+from linkwright.stages.robot.poses import at_rest, motion
 
 SCALAR = ("turn", "slide")
 

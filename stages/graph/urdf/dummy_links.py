@@ -5,14 +5,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stages.formats.urdf.model import Urdf, UrdfJoint, UrdfLink, UrdfShape
-from stages.graph.mechanism import WORLD_LINK
-from stages.graph.urdf.structure import tops
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import listed
-from stages.robot.inertia import LEAST_MOMENT, NEXT_TO_NOTHING, SPECK, merged, moved
-from stages.robot.model import Array, Inertial, frozen
-from stages.robot.plural import count
+from linkwright.stages.formats.urdf.model import Urdf, UrdfJoint, UrdfLink, UrdfShape
+from linkwright.stages.graph.mechanism import WORLD_LINK
+from linkwright.stages.graph.urdf.structure import tops
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import listed
+from linkwright.stages.robot.inertia import LEAST_MOMENT, NEXT_TO_NOTHING, SPECK, merged, moved
+from linkwright.stages.robot.model import Array, Inertial, frozen
+from linkwright.stages.robot.plural import count
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,12 +4,19 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Literal
 
-from stages.formats.urdf.model import Urdf, UrdfLink, UrdfShape
-from stages.graph.urdf.solid_inertia import solid_of
-from stages.robot.bundle import Bundle
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.inertia import FLATTEST_WRITTEN, NEXT_TO_NOTHING, is_physical, no_thinner, principal, spread
-from stages.robot.model import Array, Inertial, frozen
+from linkwright.stages.formats.urdf.model import Urdf, UrdfLink, UrdfShape
+from linkwright.stages.graph.urdf.solid_inertia import solid_of
+from linkwright.stages.robot.bundle import Bundle
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.inertia import (
+    FLATTEST_WRITTEN,
+    NEXT_TO_NOTHING,
+    is_physical,
+    no_thinner,
+    principal,
+    spread,
+)
+from linkwright.stages.robot.model import Array, Inertial, frozen
 
 Policy = Literal["refuse", "recompute", "project"]
 

@@ -2,12 +2,12 @@
 
 from collections.abc import Iterable, Sequence
 
-from stages.formats.urdf.model import Urdf, UrdfJoint
-from stages.graph.mechanism import WORLD_LINK
-from stages.graph.naming import FileNames, Namer
-from stages.graph.urdf.dummy_links import UrdfFrame, has_world
-from stages.graph.urdf.structure import SCALAR
-from stages.robot.diagnostics import Diagnostics
+from linkwright.stages.formats.urdf.model import Urdf, UrdfJoint
+from linkwright.stages.graph.mechanism import WORLD_LINK
+from linkwright.stages.graph.naming import FileNames, Namer
+from linkwright.stages.graph.urdf.dummy_links import UrdfFrame, has_world
+from linkwright.stages.graph.urdf.structure import SCALAR
+from linkwright.stages.robot.diagnostics import Diagnostics
 
 UrdfFileNames = FileNames[str, str]
 

@@ -7,22 +7,29 @@ from typing import cast
 
 import numpy as np
 
-from stages.formats.urdf.model import Urdf, UrdfJoint, UrdfLink, UrdfShape, mesh_key
-from stages.formats.urdf.parse import parse
-from stages.graph.cad_only_keys import report_unused
-from stages.graph.mechanism import WORLD_LINK, Connection, Marker, Mechanism, RelationSpec, RigidBody
-from stages.graph.section import GraphSections
-from stages.graph.urdf.dummy_links import UrdfFrame, weighs_nothing, with_carriers, without_dummies
-from stages.graph.urdf.inertias import Policy, repaired
-from stages.graph.urdf.naming import UrdfFileNames, names_of
-from stages.graph.urdf.srdf import with_srdf
-from stages.graph.urdf.structure import SCALAR, check_structure, tops
-from stages.robot.bundle import Bundle, FileBundle
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.errors import Diagnostic
-from stages.robot.inertia import ZERO, moved
-from stages.robot.kinematics import chain
-from stages.robot.model import (
+from linkwright.stages.formats.urdf.model import Urdf, UrdfJoint, UrdfLink, UrdfShape, mesh_key
+from linkwright.stages.formats.urdf.parse import parse
+from linkwright.stages.graph.cad_only_keys import report_unused
+from linkwright.stages.graph.mechanism import (
+    WORLD_LINK,
+    Connection,
+    Marker,
+    Mechanism,
+    RelationSpec,
+    RigidBody,
+)
+from linkwright.stages.graph.section import GraphSections
+from linkwright.stages.graph.urdf.dummy_links import UrdfFrame, weighs_nothing, with_carriers, without_dummies
+from linkwright.stages.graph.urdf.inertias import Policy, repaired
+from linkwright.stages.graph.urdf.naming import UrdfFileNames, names_of
+from linkwright.stages.graph.urdf.srdf import with_srdf
+from linkwright.stages.graph.urdf.structure import SCALAR, check_structure, tops
+from linkwright.stages.robot.bundle import Bundle, FileBundle
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.inertia import ZERO, moved
+from linkwright.stages.robot.kinematics import chain
+from linkwright.stages.robot.model import (
     Array,
     Dof,
     DofKind,
@@ -36,7 +43,7 @@ from stages.robot.model import (
     Provenance,
     frozen,
 )
-from stages.robot.poses import at_rest
+from linkwright.stages.robot.poses import at_rest
 
 TYPES: Mapping[str, JointType] = {
     "fixed": "fixed",

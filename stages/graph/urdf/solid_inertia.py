@@ -5,11 +5,11 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 import numpy.typing as npt
 
-from stages.formats import triangles
-from stages.formats.urdf.model import UrdfShape, mesh_key
-from stages.robot.bundle import Bundle
-from stages.robot.inertia import merged, moved, primitive_inertial, primitive_volume, solid_inertia
-from stages.robot.model import Array, Inertial
+from linkwright.stages.formats import triangles
+from linkwright.stages.formats.urdf.model import UrdfShape, mesh_key
+from linkwright.stages.robot.bundle import Bundle
+from linkwright.stages.robot.inertia import merged, moved, primitive_inertial, primitive_volume, solid_inertia
+from linkwright.stages.robot.model import Array, Inertial
 
 
 def solid_of(shapes: Iterable[UrdfShape], bundle: Bundle) -> Inertial | None:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from itertools import product
 from typing import TypeVar
 
-from stages.formats.srdf.parse import (
+from linkwright.stages.formats.srdf.parse import (
     Srdf,
     SrdfEndEffector,
     SrdfGroup,
@@ -13,16 +13,22 @@ from stages.formats.srdf.parse import (
     SrdfVirtualJoint,
     parse_srdf,
 )
-from stages.formats.urdf.model import Urdf
-from stages.graph.mechanism import WORLD_LINK, Mechanism
-from stages.graph.urdf.dummy_links import UrdfFrame
-from stages.graph.urdf.naming import UrdfFileNames
-from stages.robot.bundle import FileBundle
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import listed
-from stages.robot.model import Keyframe
-from stages.robot.plural import count
-from stages.robot.semantics import DisabledPair, EndEffector, JointGroup, RobotSemantics, VirtualJoint
+from linkwright.stages.formats.urdf.model import Urdf
+from linkwright.stages.graph.mechanism import WORLD_LINK, Mechanism
+from linkwright.stages.graph.urdf.dummy_links import UrdfFrame
+from linkwright.stages.graph.urdf.naming import UrdfFileNames
+from linkwright.stages.robot.bundle import FileBundle
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import listed
+from linkwright.stages.robot.model import Keyframe
+from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.semantics import (
+    DisabledPair,
+    EndEffector,
+    JointGroup,
+    RobotSemantics,
+    VirtualJoint,
+)
 
 REQUEST, NAME = "robot.srdf", "srdf"
 """The request of a bundle that stands for an SRDF's text, and the option that has its name."""

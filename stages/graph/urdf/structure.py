@@ -5,9 +5,9 @@ from collections.abc import Iterable, Mapping
 
 import networkx as nx
 
-from stages.formats.urdf.model import Urdf, UrdfJoint, UrdfMimic
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import listed
+from linkwright.stages.formats.urdf.model import Urdf, UrdfJoint, UrdfMimic
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import listed
 
 SCALAR = ("revolute", "continuous", "prismatic")
 """Types of joints that have one number for their value."""

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
 
-from stages.graph.view.labels import (
+from linkwright.stages.graph.view.labels import (
     frames_on,
     is_origin,
     mobility,
@@ -19,9 +19,9 @@ from stages.graph.view.labels import (
     standing,
     totals,
 )
-from stages.robot.model import Joint, Robot
-from stages.robot.plural import count
-from stages.robot.printable import columns, printable
+from linkwright.stages.robot.model import Joint, Robot
+from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.printable import columns, printable
 
 _WIDE = 100  # columns up to which the lines of the tree take three columns a level
 _GAP = 2  # columns between the cells of a line

@@ -7,11 +7,11 @@ lines may cross; those lie below all boxes and words.
 from collections.abc import Mapping
 from dataclasses import replace
 
-from stages.graph.view.boxes import LABEL, MARK, PAD, ROOM, SIZES, Box, Kind, boxes_of, caption
-from stages.graph.view.canvas import Canvas, TextStyle, fitted, text_width
-from stages.graph.view.labels import kilograms, mobility, rules, standing, totals
-from stages.graph.view.layout import levels, tidy
-from stages.graph.view.symbols import (
+from linkwright.stages.graph.view.boxes import LABEL, MARK, PAD, ROOM, SIZES, Box, Kind, boxes_of, caption
+from linkwright.stages.graph.view.canvas import Canvas, TextStyle, fitted, text_width
+from linkwright.stages.graph.view.labels import kilograms, mobility, rules, standing, totals
+from linkwright.stages.graph.view.layout import levels, tidy
+from linkwright.stages.graph.view.symbols import (
     CROSS,
     EDGE,
     FRAME,
@@ -25,8 +25,8 @@ from stages.graph.view.symbols import (
     legend,
     sign,
 )
-from stages.robot.model import Robot
-from stages.robot.plural import count
+from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.plural import count
 
 PAPER, FILL, ROOT = "#ffffff", "#f6f8fa", "#e6effb"
 LOOPS = ("#b5179e", "#c2410c", "#15803d", "#6d28d9", "#b91c1c", "#0e7490", "#a16207", "#475569")

@@ -4,7 +4,7 @@ import json
 import math
 from collections.abc import Iterator, Mapping
 
-from stages.graph.view.labels import (
+from linkwright.stages.graph.view.labels import (
     decimal,
     frames_on,
     kilograms,
@@ -15,9 +15,9 @@ from stages.graph.view.labels import (
     standing,
     value,
 )
-from stages.robot.model import Dof, Joint, Robot
-from stages.robot.plural import count
-from stages.robot.printable import printable
+from linkwright.stages.robot.model import Dof, Joint, Robot
+from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.printable import printable
 
 Rows = list[list[str]]
 

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from stages.robot.model import Robot
+    from linkwright.stages.robot.model import Robot
 
 PICTURE, OUTLINE, TABLES = "graph.svg", "outline.txt", "tables.json"
 NARROW_OUTLINE = "narrow_outline.txt"
@@ -14,9 +14,9 @@ VIEWS = (PICTURE, OUTLINE, NARROW_OUTLINE, TABLES)
 
 def views(robot: "Robot") -> dict[str, bytes]:
     """The picture, the outlines and the tables, by file name."""
-    from stages.graph.view.outline import NARROW, outline
-    from stages.graph.view.picture import draw
-    from stages.graph.view.tables import tables
+    from linkwright.stages.graph.view.outline import NARROW, outline
+    from linkwright.stages.graph.view.picture import draw
+    from linkwright.stages.graph.view.tables import tables
 
     return {
         PICTURE: draw(robot),

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from stages.mesh.booleans import body_of, surface_of_body
-from stages.mesh.surface import Points, Surface, compacted
+from linkwright.stages.mesh.booleans import body_of, surface_of_body
+from linkwright.stages.mesh.surface import Points, Surface, compacted
 
 
 def slicer(surface: Surface) -> Callable[[Points, float], list[Surface]]:

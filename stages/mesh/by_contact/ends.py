@@ -8,14 +8,14 @@ from itertools import product
 
 import numpy as np
 
-from stages.mesh.by_contact import planes
-from stages.mesh.by_contact.cutting import cut
-from stages.mesh.by_contact.outside import Outside, Sampled, StandingOut
-from stages.mesh.by_contact.piece import Chunk, hull_of, whole_hull
-from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.surface import Surface, joined
-from stages.mesh.verdict import Judge
-from stages.robot.geometry import Measures
+from linkwright.stages.mesh.by_contact import planes
+from linkwright.stages.mesh.by_contact.cutting import cut
+from linkwright.stages.mesh.by_contact.outside import Outside, Sampled, StandingOut
+from linkwright.stages.mesh.by_contact.piece import Chunk, hull_of, whole_hull
+from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.surface import Surface, joined
+from linkwright.stages.mesh.verdict import Judge
+from linkwright.stages.robot.geometry import Measures
 
 MOST = 12
 """Pieces of a link that meets the world."""

@@ -11,13 +11,13 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from stages.mesh.by_contact.ends import End, fitted_end
-from stages.mesh.by_contact.piece import Chunk
-from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.improvement import TASKS
-from stages.mesh.surface import Surface
-from stages.robot import process_usage
-from stages.robot.guest import ONE_THREAD, Bounds, Ended, Guest
+from linkwright.stages.mesh.by_contact.ends import End, fitted_end
+from linkwright.stages.mesh.by_contact.piece import Chunk
+from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.improvement import TASKS
+from linkwright.stages.mesh.surface import Surface
+from linkwright.stages.robot import process_usage
+from linkwright.stages.robot.guest import ONE_THREAD, Bounds, Ended, Guest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

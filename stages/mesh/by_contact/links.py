@@ -8,14 +8,14 @@ from typing import cast
 
 import numpy as np
 
-from stages.mesh.by_contact.piece import Chunk, hulled
-from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.convex_hull import convex_hull
-from stages.mesh.fit import CHEAPEST, fits
-from stages.mesh.pieces import Piece, placed, surface_of, volume
-from stages.mesh.surface import Surface, compacted, joined, moved
-from stages.robot.model import Array, Primitive
-from stages.robot.poses import inverse
+from linkwright.stages.mesh.by_contact.piece import Chunk, hulled
+from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.convex_hull import convex_hull
+from linkwright.stages.mesh.fit import CHEAPEST, fits
+from linkwright.stages.mesh.pieces import Piece, placed, surface_of, volume
+from linkwright.stages.mesh.surface import Surface, compacted, joined, moved
+from linkwright.stages.robot.model import Array, Primitive
+from linkwright.stages.robot.poses import inverse
 
 LARGER = 1.1
 """How many times the volume of the hull a primitive may have."""

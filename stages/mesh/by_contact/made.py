@@ -10,21 +10,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 import orjson
 
-from stages.mesh import collision
-from stages.mesh.by_contact.request import ContactRequest, FalsePair
-from stages.mesh.collision import Collision
-from stages.mesh.pieces import Piece
-from stages.mesh.surface import Surface
-from stages.robot.globs import listed
-from stages.robot.plural import count
+from linkwright.stages.mesh import collision
+from linkwright.stages.mesh.by_contact.request import ContactRequest, FalsePair
+from linkwright.stages.mesh.collision import Collision
+from linkwright.stages.mesh.pieces import Piece
+from linkwright.stages.mesh.surface import Surface
+from linkwright.stages.robot.globs import listed
+from linkwright.stages.robot.plural import count
 
 if TYPE_CHECKING:
-    from stages.mesh import Memo
-    from stages.mesh.by_contact.ends import End
-    from stages.mesh.by_contact.links import Placed
-    from stages.mesh.by_contact.robot import Solution
-    from stages.mesh.collide import ColliderJob
-    from stages.mesh.library import MeshLibrary
+    from linkwright.stages.mesh import Memo
+    from linkwright.stages.mesh.by_contact.ends import End
+    from linkwright.stages.mesh.by_contact.links import Placed
+    from linkwright.stages.mesh.by_contact.robot import Solution
+    from linkwright.stages.mesh.collide import ColliderJob
+    from linkwright.stages.mesh.library import MeshLibrary
 
 
 def by_contact(
@@ -38,8 +38,8 @@ def by_contact(
 
 
 def _made(request: ContactRequest, library: MeshLibrary) -> tuple[list[Collision], list[FalsePair]]:
-    from stages.mesh.by_contact.links import Touchable
-    from stages.mesh.by_contact.robot import solved
+    from linkwright.stages.mesh.by_contact.links import Touchable
+    from linkwright.stages.mesh.by_contact.robot import solved
 
     of_link: dict[str, list[int]] = {link: [] for link in request.fixed}
     for number, job in enumerate(request.jobs):

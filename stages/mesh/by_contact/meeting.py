@@ -7,13 +7,13 @@ from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
-from stages.mesh.by_contact.poses import relative
-from stages.mesh.measure import BoxTree, Nearest
-from stages.mesh.pieces import beyond, half_spaces
-from stages.mesh.surface import Surface
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import fits, there_are
-from stages.robot.model import Array, Joint, Link, Robot
+from linkwright.stages.mesh.by_contact.poses import relative
+from linkwright.stages.mesh.measure import BoxTree, Nearest
+from linkwright.stages.mesh.pieces import beyond, half_spaces
+from linkwright.stages.mesh.surface import Surface
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import fits, there_are
+from linkwright.stages.robot.model import Array, Joint, Link, Robot
 
 _NAMED = re.compile(r"foot|tool|grasp|grip|tcp|tip|end_?effector|(^|_)ee($|_)", re.IGNORECASE)
 """Names of frames by which a robot meets the world."""

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stages.mesh.by_contact.piece import Chunk
-from stages.robot.clearance import engine
-from stages.robot.model import Array
+from linkwright.stages.mesh.by_contact.piece import Chunk
+from linkwright.stages.robot.clearance import engine
+from linkwright.stages.robot.model import Array
 
 Numbers = npt.NDArray[np.float64]
 

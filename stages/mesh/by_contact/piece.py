@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from stages.mesh.convex_hull import outwards
-from stages.mesh.fit import capped_hull
-from stages.mesh.pieces import Piece, surface_of
-from stages.mesh.snapping import snapped
-from stages.mesh.surface import Points, Surface
-from stages.robot.clearance import engine
+from linkwright.stages.mesh.convex_hull import outwards
+from linkwright.stages.mesh.fit import capped_hull
+from linkwright.stages.mesh.pieces import Piece, surface_of
+from linkwright.stages.mesh.snapping import snapped
+from linkwright.stages.mesh.surface import Points, Surface
+from linkwright.stages.robot.clearance import engine
 
 _THIN = 1e-6
 """A hull of less volume than its area times this [m] is flat."""

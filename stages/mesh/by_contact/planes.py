@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from stages.mesh.surface import Points, Surface
-from stages.robot.model import Array
+from linkwright.stages.mesh.surface import Points, Surface
+from linkwright.stages.robot.model import Array
 
 Plane = tuple[Points, float]
 """A unit normal (3,) and a height [m]: normal·x = height."""

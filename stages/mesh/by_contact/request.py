@@ -8,13 +8,13 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from stages.mesh import collision
-from stages.mesh.pieces import Piece
-from stages.robot.adjacency import Pair
-from stages.robot.model import Robot
+from linkwright.stages.mesh import collision
+from linkwright.stages.mesh.pieces import Piece
+from linkwright.stages.robot.adjacency import Pair
+from linkwright.stages.robot.model import Robot
 
 if TYPE_CHECKING:
-    from stages.mesh.collide import ColliderJob
+    from linkwright.stages.mesh.collide import ColliderJob
 
 POSES = 512
 """Seeded poses that make colliders: by fewer harmless pairs look bad, by 64 of them 5 to 9 %."""
@@ -37,7 +37,7 @@ class ContactRequest:
 
     def key(self) -> dict[str, Any]:
         """All that the colliders depend on, as plain data."""
-        from stages.mesh.motion_digest import motion_digest
+        from linkwright.stages.mesh.motion_digest import motion_digest
 
         frames = sorted([frame.name, frame.link] for frame in self.robot.frames)
         return {

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stages.mesh.by_contact import planes
-from stages.mesh.by_contact.cutting import cut
-from stages.mesh.by_contact.pair import Numbers, Pair
-from stages.mesh.by_contact.piece import Chunk, hull_of, hulled, rough
-from stages.mesh.surface import Points, joined
+from linkwright.stages.mesh.by_contact import planes
+from linkwright.stages.mesh.by_contact.cutting import cut
+from linkwright.stages.mesh.by_contact.pair import Numbers, Pair
+from linkwright.stages.mesh.by_contact.piece import Chunk, hull_of, hulled, rough
+from linkwright.stages.mesh.surface import Points, joined
 
 _LOOK = 20
 """Poses by which planes are told apart."""

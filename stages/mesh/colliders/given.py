@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 from typing import cast
 
-from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.collision import Collision
-from stages.mesh.fit import fit_one
-from stages.mesh.surface import Surface, joined
-from stages.mesh.verdict import measured
-from stages.robot.model import PrimitiveKind
+from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.collision import Collision
+from linkwright.stages.mesh.fit import fit_one
+from linkwright.stages.mesh.surface import Surface, joined
+from linkwright.stages.mesh.verdict import measured
+from linkwright.stages.robot.model import PrimitiveKind
 
 
 def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.collision import Collision
-from stages.mesh.fit import capped_hull
-from stages.mesh.surface import Surface, joined
+from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.collision import Collision
+from linkwright.stages.mesh.fit import capped_hull
+from linkwright.stages.mesh.surface import Surface, joined
 
 
 def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:

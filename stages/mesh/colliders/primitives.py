@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 
-from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.collision import Collision
-from stages.mesh.fit import fittest
-from stages.mesh.surface import Surface, joined
-from stages.mesh.verdict import measured
+from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.collision import Collision
+from linkwright.stages.mesh.fit import fittest
+from linkwright.stages.mesh.surface import Surface, joined
+from linkwright.stages.mesh.verdict import measured
 
 
 def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:

@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 
-from stages.mesh import fit
-from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.collision import Collision
-from stages.mesh.surface import Surface, joined
-from stages.mesh.verdict import measured
+from linkwright.stages.mesh import fit
+from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.collision import Collision
+from linkwright.stages.mesh.surface import Surface, joined
+from linkwright.stages.mesh.verdict import measured
 
 MOST = 64
 """The largest number of spheres of a part."""

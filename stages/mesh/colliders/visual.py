@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.collision import Collision
-from stages.mesh.surface import Surface
+from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.collision import Collision
+from linkwright.stages.mesh.surface import Surface
 
 
 def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:

@@ -10,21 +10,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import orjson
 
-from stages.mesh.contacts.by_source import source_excludes
-from stages.mesh.contacts.findings import findings
-from stages.mesh.contacts.narrow import Mask, narrowed
-from stages.mesh.motion_digest import motion_digest
-from stages.robot import codec
-from stages.robot.adjacency import Pair, adjacent_pairs
-from stages.robot.errors import Diagnostic
-from stages.robot.exclude_names import excluded_colliders
-from stages.robot.geometry import ColliderFigures, Exclude, ExcludeReason, Shape, Touch
-from stages.robot.model import Array, Configuration, Robot
+from linkwright.stages.mesh.contacts.by_source import source_excludes
+from linkwright.stages.mesh.contacts.findings import findings
+from linkwright.stages.mesh.contacts.narrow import Mask, narrowed
+from linkwright.stages.mesh.motion_digest import motion_digest
+from linkwright.stages.robot import codec
+from linkwright.stages.robot.adjacency import Pair, adjacent_pairs
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.exclude_names import excluded_colliders
+from linkwright.stages.robot.geometry import ColliderFigures, Exclude, ExcludeReason, Shape, Touch
+from linkwright.stages.robot.model import Array, Configuration, Robot
 
 if TYPE_CHECKING:
-    from stages.mesh import Memo
-    from stages.mesh.contacts.colliders import Colliders
-    from stages.mesh.section import ContactSection
+    from linkwright.stages.mesh import Memo
+    from linkwright.stages.mesh.contacts.colliders import Colliders
+    from linkwright.stages.mesh.section import ContactSection
 
 POSES = 128
 """In how many poses a pair must touch to count as touching in every one."""
@@ -114,9 +114,9 @@ def _found(
     """As plain data. `held`: the given pairs that touch at `home`, with the depth [m]; `always`: the excludes
     of those others that touch in every sampled pose too; `free`: the rest of what touches at `home`.
     Without a `search` nothing is excluded that is not given."""
-    from stages.mesh.contacts.colliders import Colliders
-    from stages.robot.kinematics import link_poses
-    from stages.robot.start_pose import home
+    from linkwright.stages.mesh.contacts.colliders import Colliders
+    from linkwright.stages.robot.kinematics import link_poses
+    from linkwright.stages.robot.start_pose import home
 
     colliders = Colliders(shapes, files)
     start = home(robot)
@@ -157,8 +157,8 @@ def _always(
     `depths`: of the pairs that touch at `start`, there."""
     if not depths:
         return
-    from stages.robot.pose_batch import count_of, many_link_poses
-    from stages.robot.pose_samples import sampled_poses
+    from linkwright.stages.robot.pose_batch import count_of, many_link_poses
+    from linkwright.stages.robot.pose_samples import sampled_poses
 
     values = sampled_poses(robot, POSES, colliders.span(), start)
     poses = many_link_poses(robot, values)

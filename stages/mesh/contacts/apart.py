@@ -3,12 +3,12 @@
 from collections.abc import Collection
 from typing import TYPE_CHECKING
 
-from stages.mesh.contacts.by_source import excluded
-from stages.robot.adjacency import Pair, adjacent_pairs
-from stages.robot.model import Robot
+from linkwright.stages.mesh.contacts.by_source import excluded
+from linkwright.stages.robot.adjacency import Pair, adjacent_pairs
+from linkwright.stages.robot.model import Robot
 
 if TYPE_CHECKING:
-    from stages.mesh.section import ContactSection
+    from linkwright.stages.mesh.section import ContactSection
 
 
 def apart(

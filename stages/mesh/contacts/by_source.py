@@ -7,11 +7,11 @@ from itertools import combinations
 import numpy as np
 import numpy.typing as npt
 
-from stages.robot.adjacency import Pair
-from stages.robot.geometry import Exclude, Shape
-from stages.robot.left_out import LeftOut
-from stages.robot.mjcf_extras import MjcfElement, children_of
-from stages.robot.model import Robot
+from linkwright.stages.robot.adjacency import Pair
+from linkwright.stages.robot.geometry import Exclude, Shape
+from linkwright.stages.robot.left_out import LeftOut
+from linkwright.stages.robot.mjcf_extras import MjcfElement, children_of
+from linkwright.stages.robot.model import Robot
 
 Grid = npt.NDArray[np.bool_]
 """(n, m): which shapes of one link collide with which of another."""

@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from stages.robot.adjacency import Pair
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import fits, there_are
+from linkwright.stages.robot.adjacency import Pair
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.globs import fits, there_are
 
 _WHERE = "contact.exclude"
 

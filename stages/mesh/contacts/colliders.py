@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stages.formats.numbers import spaced
-from stages.formats.xml import Element, element, to_bytes
-from stages.mesh.contacts.narrow import Mask
-from stages.robot.adjacency import Pair
-from stages.robot.errors import MeshError
-from stages.robot.geometry import Shape
-from stages.robot.meeting_boxes import meeting_boxes
-from stages.robot.model import Array
-from stages.robot.poses import from_parts, quat_from_rotation, rotation_from_quat
+from linkwright.stages.formats.numbers import spaced
+from linkwright.stages.formats.xml import Element, element, to_bytes
+from linkwright.stages.mesh.contacts.narrow import Mask
+from linkwright.stages.robot.adjacency import Pair
+from linkwright.stages.robot.errors import MeshError
+from linkwright.stages.robot.geometry import Shape
+from linkwright.stages.robot.meeting_boxes import meeting_boxes
+from linkwright.stages.robot.model import Array
+from linkwright.stages.robot.poses import from_parts, quat_from_rotation, rotation_from_quat
 
 TOUCHING = 1e-6
 """Colliders touch that are no further apart than this [m]: single precision moves faces that much."""
@@ -150,7 +150,7 @@ def measures_overlaps() -> bool:
 
 def _compiled(shapes: Sequence[Shape], files: Mapping[str, bytes]) -> Any:
     """The model of the colliders, each where it is in its link's frame."""
-    from stages.mujoco.compile import NotCompiled, compiled_text
+    from linkwright.stages.mujoco.compile import NotCompiled, compiled_text
 
     root = element(None, "mujoco")
     asset, world = element(root, "asset"), element(root, "worldbody")

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Literal
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from stages.mesh.fit.kinds import Fitted
-    from stages.mesh.surface import Surface
-    from stages.robot.model import Primitive, PrimitiveKind
+    from linkwright.stages.mesh.fit.kinds import Fitted
+    from linkwright.stages.mesh.surface import Surface
+    from linkwright.stages.robot.model import Primitive, PrimitiveKind
 
 Engine = Literal["mujoco", "mjx"]
 
@@ -40,7 +40,7 @@ def fits(
     The error [m] is the least tolerance that the fit meets, as some hundred points of its surface tell:
     of a narrow deep hole they may miss the depth.
     """
-    from stages.mesh.fit.kinds import best_within, subject_of
+    from linkwright.stages.mesh.fit.kinds import best_within, subject_of
 
     subject = subject_of(surface)
     if subject is not None:
@@ -51,7 +51,7 @@ def fits(
 def fittest(surface: Surface, target: Engine = "mujoco") -> Primitive | None:
     """Of the best fits of all kinds the one with the least error, of equal ones the cheapest; None of what
     lies in a plane."""
-    from stages.mesh.fit import kinds
+    from linkwright.stages.mesh.fit import kinds
 
     subject = kinds.subject_of(surface)
     if subject is None:
@@ -67,7 +67,7 @@ def fit_one(
     `size`: lengths as a `Primitive` has them, where the user says them; None among them is free. A box of
     given lengths stands along x, y and z.
     """
-    from stages.mesh.fit import kinds
+    from linkwright.stages.mesh.fit import kinds
 
     subject = kinds.subject_of(surface)
     if subject is None:
@@ -78,8 +78,8 @@ def fit_one(
 def spheres(surface: Surface, tolerance: float, most: int = 64) -> tuple[Primitive, ...]:
     """At most `most` spheres whose union neither stands out of a part nor leaves it bare by more than
     `tolerance` [m], or by as little more as so many can; none of what lies in a plane."""
-    from stages.mesh.fit import balls
-    from stages.mesh.fit.outline import outline_of
+    from linkwright.stages.mesh.fit import balls
+    from linkwright.stages.mesh.fit.outline import outline_of
 
     outline = outline_of(surface)
     return balls.spheres(outline, surface.closed(), tolerance, most) if outline else ()
@@ -87,6 +87,6 @@ def spheres(surface: Surface, tolerance: float, most: int = 64) -> tuple[Primiti
 
 def capped_hull(surface: Surface, max_vertices: int = 64) -> Surface | None:
     """The convex hull with at most `max_vertices` (≥ 4) vertices, of least error; None where it is flat."""
-    from stages.mesh.fit import capped
+    from linkwright.stages.mesh.fit import capped
 
     return capped.capped_hull(surface, max_vertices)

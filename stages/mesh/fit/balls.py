@@ -3,10 +3,10 @@
 import numpy as np
 import numpy.typing as npt
 
-from stages.mesh.fit.outline import Floats, Outline
-from stages.mesh.surface import Points
-from stages.robot.model import Primitive, frozen
-from stages.robot.poses import from_parts
+from linkwright.stages.mesh.fit.outline import Floats, Outline
+from linkwright.stages.mesh.surface import Points
+from linkwright.stages.robot.model import Primitive, frozen
+from linkwright.stages.robot.poses import from_parts
 
 _CENTRES = 700
 _WANTED = 2500

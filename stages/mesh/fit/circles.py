@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from stages.mesh.fit.outline import Floats
+from linkwright.stages.mesh.fit.outline import Floats
 
 _WITHIN = 1e-12
 _ROUNDS = 1000

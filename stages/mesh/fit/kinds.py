@@ -6,15 +6,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from stages.mesh.fit import levels
-from stages.mesh.fit.circles import smallest_ball
-from stages.mesh.fit.directions import Silhouette, across, frames, silhouettes
-from stages.mesh.fit.outline import Floats, Outline, outline_of
-from stages.mesh.fit.refine import refined, refined_below
-from stages.mesh.fit.score import error, least_error
-from stages.mesh.surface import Surface
-from stages.robot.model import Primitive, PrimitiveKind, frozen
-from stages.robot.poses import from_parts
+from linkwright.stages.mesh.fit import levels
+from linkwright.stages.mesh.fit.circles import smallest_ball
+from linkwright.stages.mesh.fit.directions import Silhouette, across, frames, silhouettes
+from linkwright.stages.mesh.fit.outline import Floats, Outline, outline_of
+from linkwright.stages.mesh.fit.refine import refined, refined_below
+from linkwright.stages.mesh.fit.score import error, least_error
+from linkwright.stages.mesh.surface import Surface
+from linkwright.stages.robot.model import Primitive, PrimitiveKind, frozen
+from linkwright.stages.robot.poses import from_parts
 
 _ALIKE = 1e-3
 """Errors that differ by less than this share, or by a thousandth of it of the part's size, are alike."""

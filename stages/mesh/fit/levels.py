@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from stages.mesh.fit.outline import Floats, Outline
+from linkwright.stages.mesh.fit.outline import Floats, Outline
 
 _FACING = 0.9
 _DEEPEST = 0.25

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from stages.mesh.fit.outline import Outline
-from stages.mesh.fit.score import error
-from stages.robot.model import Primitive, frozen
+from linkwright.stages.mesh.fit.outline import Outline
+from linkwright.stages.mesh.fit.score import error
+from linkwright.stages.robot.model import Primitive, frozen
 
 _WORTH_IT = 2.0
 """Of an error of more than so many times the usual tolerance no small steps make a good fit."""

@@ -5,13 +5,13 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from stages.mesh.measure.samples import even
-from stages.mesh.measure.target import SAMPLES, Target
-from stages.mesh.measure.tree import Indices, Numbers, Value, largest
-from stages.mesh.measure.union import Union
-from stages.mesh.pieces import Piece
-from stages.mesh.surface import Points, Surface
-from stages.robot.geometry import Measures
+from linkwright.stages.mesh.measure.samples import even
+from linkwright.stages.mesh.measure.target import SAMPLES, Target
+from linkwright.stages.mesh.measure.tree import Indices, Numbers, Value, largest
+from linkwright.stages.mesh.measure.union import Union
+from linkwright.stages.mesh.pieces import Piece
+from linkwright.stages.mesh.surface import Points, Surface
+from linkwright.stages.robot.geometry import Measures
 
 WITHIN = 1.5e-3
 """Of the diagonal: how far a maximum may be from the true one; a tenth of the default tolerance."""

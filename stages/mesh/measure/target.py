@@ -5,14 +5,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from stages.mesh.clean import clean
-from stages.mesh.inside import Inside
-from stages.mesh.measure.samples import Samples, even, thinned
-from stages.mesh.measure.tree import BoxTree, Nearest
-from stages.mesh.measure.union import Union
-from stages.mesh.measure.volumes import Cloud, Shares, Solid
-from stages.mesh.shells import Shells
-from stages.mesh.surface import Points, Surface
+from linkwright.stages.mesh.clean import clean
+from linkwright.stages.mesh.inside import Inside
+from linkwright.stages.mesh.measure.samples import Samples, even, thinned
+from linkwright.stages.mesh.measure.tree import BoxTree, Nearest
+from linkwright.stages.mesh.measure.union import Union
+from linkwright.stages.mesh.measure.volumes import Cloud, Shares, Solid
+from linkwright.stages.mesh.shells import Shells
+from linkwright.stages.mesh.surface import Points, Surface
 
 SAMPLES = 3000
 _GRID = 1 / 100  # of the diagonal

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from stages.mesh.inside import Inside
-from stages.mesh.measure.tree import BoxTree, Corners, Indices, Nearest, Numbers, split
-from stages.mesh.pieces import Piece, beyond, half_spaces, signed_distance, surface_of
-from stages.mesh.surface import Points, Surface, joined
-from stages.robot.model import Primitive
+from linkwright.stages.mesh.inside import Inside
+from linkwright.stages.mesh.measure.tree import BoxTree, Corners, Indices, Nearest, Numbers, split
+from linkwright.stages.mesh.pieces import Piece, beyond, half_spaces, signed_distance, surface_of
+from linkwright.stages.mesh.surface import Points, Surface, joined
+from linkwright.stages.robot.model import Primitive
 
 _MANY = 500  # planes
 _HEIGHTS = 1 << 18  # of points above planes, worked out in one go

@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import orjson
 
-from stages.formats import png
-from stages.mesh import obj, stl
-from stages.mesh.pieces import surface_of
-from stages.mesh.view.raster import Corners, Pixels, drawn, work
-from stages.robot import codec
-from stages.robot.geometry import NEUTRAL, Colour, Geometry, Role, Shape
+from linkwright.stages.formats import png
+from linkwright.stages.mesh import obj, stl
+from linkwright.stages.mesh.pieces import surface_of
+from linkwright.stages.mesh.view.raster import Corners, Pixels, drawn, work
+from linkwright.stages.robot import codec
+from linkwright.stages.robot.geometry import NEUTRAL, Colour, Geometry, Role, Shape
 
 if TYPE_CHECKING:
-    from stages.mesh import Memo
+    from linkwright.stages.mesh import Memo
 
 SIDE = 240
 """The height of a picture, and half its width, in pixels."""

@@ -5,15 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from stages.mesh import Memo
-    from stages.robot.geometry import Geometry
+    from linkwright.stages.mesh import Memo
+    from linkwright.stages.robot.geometry import Geometry
 
 PICTURES = "pictures.json"
 
 
 def views(geometry: Geometry, memo: Memo) -> dict[str, bytes]:
     """The pictures of links whose colliders were judged, by file name; no file where none was."""
-    from stages.mesh.view.pictures import pictures
+    from linkwright.stages.mesh.view.pictures import pictures
 
     drawn = pictures(geometry, memo)
     return {PICTURES: drawn} if drawn else {}

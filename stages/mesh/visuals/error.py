@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from stages.mesh.measure import BoxTree
-from stages.mesh.surface import Points, Surface, chosen
-from stages.mesh.tessellation import PartMesh
-from stages.mesh.visuals.walk import WalkedSurface
+from linkwright.stages.mesh.measure import BoxTree
+from linkwright.stages.mesh.surface import Points, Surface, chosen
+from linkwright.stages.mesh.tessellation import PartMesh
+from linkwright.stages.mesh.visuals.walk import WalkedSurface
 
 _VERTICES = 10_000
 """Vertices of a surface that are looked at; of more, evenly many by their order."""

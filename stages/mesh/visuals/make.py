@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stages.mesh import mesh_file
-from stages.mesh.mesh_file import MeshFile
-from stages.mesh.surface import Surface, chosen, joined, moved
-from stages.mesh.tessellation import PartMesh
-from stages.mesh.visuals.budget import Decimation, Decimator
-from stages.robot.geometry import Colour
-from stages.robot.model import Array, MeshRef
+from linkwright.stages.mesh import mesh_file
+from linkwright.stages.mesh.mesh_file import MeshFile
+from linkwright.stages.mesh.surface import Surface, chosen, joined, moved
+from linkwright.stages.mesh.tessellation import PartMesh
+from linkwright.stages.mesh.visuals.budget import Decimation, Decimator
+from linkwright.stages.robot.geometry import Colour
+from linkwright.stages.robot.model import Array, MeshRef
 
 if TYPE_CHECKING:
-    from stages.mesh.section import VisualSection
+    from linkwright.stages.mesh.section import VisualSection
 
 _ATTEMPTS = 4
 

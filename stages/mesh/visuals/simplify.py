@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from stages.mesh.surface import Points, Surface, Triangles, weld
-from stages.mesh.tessellation import PartMesh
+from linkwright.stages.mesh.surface import Points, Surface, Triangles, weld
+from linkwright.stages.mesh.tessellation import PartMesh
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

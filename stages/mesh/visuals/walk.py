@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stages.mesh.measure import even
-from stages.mesh.neighbours import neighbours
-from stages.mesh.surface import Points, Surface
+from linkwright.stages.mesh.measure import even
+from linkwright.stages.mesh.neighbours import neighbours
+from linkwright.stages.mesh.surface import Points, Surface
 
 Numbers = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]

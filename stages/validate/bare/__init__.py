@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from stages.robot.check import Check
-    from stages.validate.bare.figures import Lump, WeighedBody
-    from stages.validate.bare.findings import Coded
-    from stages.validate.bare.together import Compiled
-    from stages.validate.documents import ModelDocument
+    from linkwright.stages.robot.check import Check
+    from linkwright.stages.validate.bare.figures import Lump, WeighedBody
+    from linkwright.stages.validate.bare.findings import Coded
+    from linkwright.stages.validate.bare.together import Compiled
+    from linkwright.stages.validate.documents import ModelDocument
 
 ENDINGS = (".urdf", ".xml", ".mjcf")
 """How the names of model files end."""
@@ -20,8 +20,8 @@ ENDINGS = (".urdf", ".xml", ".mjcf")
 def check_bare(path: Path) -> "tuple[Check, ...]":
     """The checks of a URDF or MJCF (a scene too); of a folder, of each that lies in it, and of the URDF and
     the MJCF of one robot against each other."""
-    from stages.validate.bare.together import Compiled, check_together
-    from stages.validate.documents import read
+    from linkwright.stages.validate.bare.together import Compiled, check_together
+    from linkwright.stages.validate.documents import read
 
     paths = [path]
     if path.is_dir():
@@ -38,10 +38,10 @@ def check_bare(path: Path) -> "tuple[Check, ...]":
 
 def _check_file(path: Path, compiled: "list[Compiled]") -> "Iterator[Check]":
     """The checks of one file, whose model is added to those that were `compiled`."""
-    from stages.validate.bare.figures import lumps
-    from stages.validate.bare.start import start
-    from stages.validate.bare.together import Compiled
-    from stages.validate.files.run import check_document, opened
+    from linkwright.stages.validate.bare.figures import lumps
+    from linkwright.stages.validate.bare.start import start
+    from linkwright.stages.validate.bare.together import Compiled
+    from linkwright.stages.validate.files.run import check_document, opened
 
     document, check = opened(path)
     yield check
@@ -61,7 +61,7 @@ def _check_file(path: Path, compiled: "list[Compiled]") -> "Iterator[Check]":
 
 def _bodies(document: "ModelDocument", model: object) -> "list[WeighedBody]":
     """The bodies; none of an MJCF that does not compile."""
-    from stages.validate.bare import mjcf_figures, urdf_figures
+    from linkwright.stages.validate.bare import mjcf_figures, urdf_figures
 
     if document.language == "urdf":
         return urdf_figures.figures(document)
@@ -70,9 +70,9 @@ def _bodies(document: "ModelDocument", model: object) -> "list[WeighedBody]":
 
 def _weighed(path: Path, together: "Sequence[Lump]") -> "Iterator[Check]":
     """The checks of bodies, each with what is fixed to it, by the codes that a build has for them."""
-    from stages.validate import inertials
-    from stages.validate.bare import bodies
-    from stages.validate.files.run import result
+    from linkwright.stages.validate import inertials
+    from linkwright.stages.validate.bare import bodies
+    from linkwright.stages.validate.files.run import result
 
     yield from inertials.checks(path.name, bodies.inertials(together))
     level, findings = bodies.colliders(together)
@@ -86,8 +86,8 @@ def _coded(
     document: "ModelDocument", bodies: "Sequence[WeighedBody]", together: "Sequence[Lump]"
 ) -> "Iterator[Check]":
     """The checks of what the text and the figures say, each of which may have several findings."""
-    from stages.validate.bare.findings import CHECKS
-    from stages.validate.files.run import result
+    from linkwright.stages.validate.bare.findings import CHECKS
+    from linkwright.stages.validate.files.run import result
 
     found: dict[str, list] = {code: [] for code in CHECKS}  # type: ignore[type-arg]
     for code, finding in _looks(document, bodies, together):
@@ -105,8 +105,8 @@ def _applies(code: str, urdf: bool) -> bool:
 def _looks(
     document: "ModelDocument", bodies: "Sequence[WeighedBody]", together: "Sequence[Lump]"
 ) -> "Iterable[Coded]":
-    from stages.validate.bare import mesh_units, mjcf_keys, mjcf_values, urdf_tree, urdf_values
-    from stages.validate.bare.bodies import weightless
+    from linkwright.stages.validate.bare import mesh_units, mjcf_keys, mjcf_values, urdf_tree, urdf_values
+    from linkwright.stages.validate.bare.bodies import weightless
 
     if document.language == "urdf":
         yield from urdf_tree.look(document)

@@ -4,13 +4,13 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from stages.robot.check import CheckLevel, Finding
-from stages.robot.model import Array
-from stages.validate.bare.figures import Lump, ShapeFigures
-from stages.validate.bare.findings import Coded
-from stages.validate.body_shapes import directions
-from stages.validate.findings import named
-from stages.validate.inertials import MARK, STAND_IN, ShapedInertial
+from linkwright.stages.robot.check import CheckLevel, Finding
+from linkwright.stages.robot.model import Array
+from linkwright.stages.validate.bare.figures import Lump, ShapeFigures
+from linkwright.stages.validate.bare.findings import Coded
+from linkwright.stages.validate.body_shapes import directions
+from linkwright.stages.validate.findings import named
+from linkwright.stages.validate.inertials import MARK, STAND_IN, ShapedInertial
 
 RATIO = 1000.0
 """Masses of neighbours above this ratio are hard to solve for."""

@@ -3,8 +3,8 @@
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
-from stages.robot.check import CheckLevel, Finding
-from stages.validate.documents import ModelDocument
+from linkwright.stages.robot.check import CheckLevel, Finding
+from linkwright.stages.validate.documents import ModelDocument
 
 
 @dataclass(frozen=True, slots=True)

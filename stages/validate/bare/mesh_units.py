@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator, Sequence
 
-from stages.robot.check import Finding
-from stages.validate.bare.figures import ShapeFigures, WeighedBody, reach
-from stages.validate.bare.findings import Coded
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.validate.bare.figures import ShapeFigures, WeighedBody, reach
+from linkwright.stages.validate.bare.findings import Coded
 
 LARGE = 30.0
 """A mesh of this many times the robot's reach is in millimetres."""

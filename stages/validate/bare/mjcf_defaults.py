@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from stages.formats.xml import Element
+from linkwright.stages.formats.xml import Element
 
 _SHORT = frozenset(
     ("motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle", "adhesion", "dcmotor")

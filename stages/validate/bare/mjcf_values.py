@@ -5,12 +5,12 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from stages.formats.xml import Element
-from stages.validate.bare.findings import Coded, number, numbers
-from stages.validate.bare.judged import in_degrees, wrong_inertia, wrong_mass
-from stages.validate.bare.mjcf_defaults import Defaults
-from stages.validate.documents import ModelDocument
-from stages.validate.inertials import STAND_IN
+from linkwright.stages.formats.xml import Element
+from linkwright.stages.validate.bare.findings import Coded, number, numbers
+from linkwright.stages.validate.bare.judged import in_degrees, wrong_inertia, wrong_mass
+from linkwright.stages.validate.bare.mjcf_defaults import Defaults
+from linkwright.stages.validate.documents import ModelDocument
+from linkwright.stages.validate.inertials import STAND_IN
 
 _RESISTS = ("damping", "frictionloss", "armature", "stiffness")
 

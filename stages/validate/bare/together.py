@@ -7,11 +7,11 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.robot.check import Check, Finding
-from stages.robot.model import Array
-from stages.robot.plural import count
-from stages.validate.documents import ModelDocument, sentence
-from stages.validate.findings import named
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.model import Array
+from linkwright.stages.robot.plural import count
+from linkwright.stages.validate.documents import ModelDocument, sentence
+from linkwright.stages.validate.findings import named
 
 CODE = "C-TOGETHER"
 

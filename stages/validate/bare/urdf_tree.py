@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 
-from stages.formats.xml import Element
-from stages.validate.bare.findings import Coded
-from stages.validate.documents import ModelDocument
+from linkwright.stages.formats.xml import Element
+from linkwright.stages.validate.bare.findings import Coded
+from linkwright.stages.validate.documents import ModelDocument
 
 
 def look(document: ModelDocument) -> Iterator[Coded]:

@@ -5,11 +5,11 @@ from collections.abc import Collection, Iterator
 
 import numpy as np
 
-from stages.formats.xml import Element
-from stages.validate.bare.findings import Coded, number, numbers
-from stages.validate.bare.judged import in_degrees, wrong_inertia, wrong_mass
-from stages.validate.documents import ModelDocument
-from stages.validate.inertials import STAND_IN
+from linkwright.stages.formats.xml import Element
+from linkwright.stages.validate.bare.findings import Coded, number, numbers
+from linkwright.stages.validate.bare.judged import in_degrees, wrong_inertia, wrong_mass
+from linkwright.stages.validate.documents import ModelDocument
+from linkwright.stages.validate.inertials import STAND_IN
 
 MOVING = ("revolute", "continuous", "prismatic", "planar")
 

@@ -6,16 +6,16 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.mujoco.state import keyframe_of
-from stages.robot.actuation import Actuator
-from stages.robot.check import Check, Finding
-from stages.robot.holding_control import control_at, state_at, torque_per_volt
-from stages.robot.mjcf_extras import NO_EXTRAS, children_of
-from stages.robot.model import Configuration, Value
-from stages.robot.start_pose import HOME, keyframes
-from stages.validate.compiled import SCENE, CompiledModel
-from stages.validate.coordinates import SAME, joint_index
-from stages.validate.findings import differs, few, named, shown
+from linkwright.stages.mujoco.state import keyframe_of
+from linkwright.stages.robot.actuation import Actuator
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.holding_control import control_at, state_at, torque_per_volt
+from linkwright.stages.robot.mjcf_extras import NO_EXTRAS, children_of
+from linkwright.stages.robot.model import Configuration, Value
+from linkwright.stages.robot.start_pose import HOME, keyframes
+from linkwright.stages.validate.compiled import SCENE, CompiledModel
+from linkwright.stages.validate.coordinates import SAME, joint_index
+from linkwright.stages.validate.findings import differs, few, named, shown
 
 CODE = "C-ACTUATOR"
 

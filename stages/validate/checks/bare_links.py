@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator
 
-from stages.robot.check import Check, Finding
-from stages.robot.plural import count
-from stages.validate.compiled import CompiledModel
-from stages.validate.findings import named
-from stages.validate.shapes import seen_and_solid
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.plural import count
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.findings import named
+from linkwright.stages.validate.shapes import seen_and_solid
 
 CODE = "C-NO-COLLIDER"
 

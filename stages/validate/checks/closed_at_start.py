@@ -4,10 +4,10 @@ from collections.abc import Iterator
 
 import mujoco
 
-from stages.robot.check import Check
-from stages.robot.plural import count
-from stages.validate.compiled import CompiledModel
-from stages.validate.equalities import CLOSED, open_equalities, violation
+from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.plural import count
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.equalities import CLOSED, open_equalities, violation
 
 CODE = "C-CLOSED"
 

@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from stages.robot.check import Check, CheckLevel, Finding
-from stages.robot.plural import count
-from stages.validate.compiled import CompiledModel
-from stages.validate.findings import named
-from stages.validate.shapes import directions, outside, reach, seen_and_solid, surface_points
+from linkwright.stages.robot.check import Check, CheckLevel, Finding
+from linkwright.stages.robot.plural import count
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.findings import named
+from linkwright.stages.validate.shapes import directions, outside, reach, seen_and_solid, surface_points
 
 CODE = "C-COLLIDER"
 

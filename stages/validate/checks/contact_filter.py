@@ -10,15 +10,15 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from stages.robot.check import Check, Finding
-from stages.robot.geometry import Geometry
-from stages.robot.mjcf_extras import children_of
-from stages.robot.plural import count
-from stages.validate.compiled import CompiledModel
-from stages.validate.contact_errors import never_collide
-from stages.validate.coordinates import SAME, body_index
-from stages.validate.findings import few
-from stages.validate.shapes import named_geom
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.mjcf_extras import children_of
+from linkwright.stages.robot.plural import count
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.contact_errors import never_collide
+from linkwright.stages.validate.coordinates import SAME, body_index
+from linkwright.stages.validate.findings import few
+from linkwright.stages.validate.shapes import named_geom
 
 CODE = "C-EXCLUDE"
 

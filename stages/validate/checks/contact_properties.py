@@ -4,16 +4,16 @@ hull."""
 from collections.abc import Iterator
 from pathlib import PurePosixPath
 
-from stages.formats.xml import parse
-from stages.robot.check import Check, Finding
-from stages.robot.geometry import Geometry
-from stages.robot.globs import listed
-from stages.robot.plural import count
-from stages.validate.compiled import CompiledModel
-from stages.validate.contact_attributes import ATTRIBUTES, contact_differences, sets_defaults
-from stages.validate.coordinates import body_index
-from stages.validate.findings import differs, few, named
-from stages.validate.shapes import named_geom, seen_and_solid
+from linkwright.stages.formats.xml import parse
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.globs import listed
+from linkwright.stages.robot.plural import count
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.contact_attributes import ATTRIBUTES, contact_differences, sets_defaults
+from linkwright.stages.validate.coordinates import body_index
+from linkwright.stages.validate.findings import differs, few, named
+from linkwright.stages.validate.shapes import named_geom, seen_and_solid
 
 CODE = "C-CONTACT"
 

@@ -5,10 +5,10 @@ For 1 s; with `validate=strict` for 10 s.
 
 from collections.abc import Iterator
 
-from stages.robot.check import Check
-from stages.validate.compiled import CompiledModel
-from stages.validate.findings import unstable
-from stages.validate.noise import shaken
+from linkwright.stages.robot.check import Check
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.findings import unstable
+from linkwright.stages.validate.noise import shaken
 
 CODE = "C-NOISE"
 

@@ -5,9 +5,9 @@ Without contacts, limits, friction, damping, springs, closed loops and actuators
 
 from collections.abc import Iterator
 
-from stages.robot.check import Check, Finding
-from stages.validate.compiled import CompiledModel
-from stages.validate.energy import DRIFT, drift_of_energy
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.energy import DRIFT, drift_of_energy
 
 CODE = "C-ENERGY"
 

@@ -4,12 +4,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from stages.robot.check import Check, CheckLevel, Finding, Table
-from stages.robot.plural import count
-from stages.validate.checks.contact_filter import TAGS
-from stages.validate.compiled import CompiledModel
-from stages.validate.contact_errors import PairErrors, contact_errors
-from stages.validate.findings import few, named
+from linkwright.stages.robot.check import Check, CheckLevel, Finding, Table
+from linkwright.stages.robot.plural import count
+from linkwright.stages.validate.checks.contact_filter import TAGS
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.contact_errors import PairErrors, contact_errors
+from linkwright.stages.validate.findings import few, named
 
 CODE = "C-FALSE-CONTACT"
 

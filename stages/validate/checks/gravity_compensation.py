@@ -4,10 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from stages.robot.check import Check, Finding
-from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import SAME, body_index, joint_index, joints_of
-from stages.validate.findings import differs, few, link, named
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.coordinates import SAME, body_index, joint_index, joints_of
+from linkwright.stages.validate.findings import differs, few, link, named
 
 CODE = "C-ACTUATOR"
 

@@ -8,13 +8,13 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.robot.check import Check, Finding
-from stages.robot.model import Array
-from stages.robot.plural import count
-from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import HINGE
-from stages.validate.findings import named
-from stages.validate.shapes import reach, seen_and_solid
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.model import Array
+from linkwright.stages.robot.plural import count
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.coordinates import HINGE
+from linkwright.stages.validate.findings import named
+from linkwright.stages.validate.shapes import reach, seen_and_solid
 
 CODE = "C-AXIS"
 

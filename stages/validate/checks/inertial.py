@@ -3,13 +3,13 @@
 from collections.abc import Iterator
 from typing import Any
 
-from stages.robot.check import Check
-from stages.validate import inertials
-from stages.validate.body_shapes import extents
-from stages.validate.compiled import CompiledModel
-from stages.validate.findings import link
-from stages.validate.inertials import ShapedInertial
-from stages.validate.mujoco_poses import rotation
+from linkwright.stages.robot.check import Check
+from linkwright.stages.validate import inertials
+from linkwright.stages.validate.body_shapes import extents
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.findings import link
+from linkwright.stages.validate.inertials import ShapedInertial
+from linkwright.stages.validate.mujoco_poses import rotation
 
 CODE = inertials.CODE
 

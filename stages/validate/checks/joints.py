@@ -1,7 +1,7 @@
 """Type, limits, effort and dynamics of each joint; nothing else acts on it."""
 
-from stages.validate.read.compiled import compared
-from stages.validate.same.joints import joints
+from linkwright.stages.validate.read.compiled import compared
+from linkwright.stages.validate.same.joints import joints
 
 CODE = "C-JOINT"
 

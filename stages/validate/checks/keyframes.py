@@ -6,14 +6,14 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.mujoco.state import at_key, at_keyframe, keyframe_of
-from stages.robot.check import Check, Finding
-from stages.robot.kinematics import link_poses
-from stages.robot.model import Configuration, Robot
-from stages.robot.poses import inverse
-from stages.robot.start_pose import HOME, SAVED, keyframes
-from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import (
+from linkwright.stages.mujoco.state import at_key, at_keyframe, keyframe_of
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.model import Configuration, Robot
+from linkwright.stages.robot.poses import inverse
+from linkwright.stages.robot.start_pose import HOME, SAVED, keyframes
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.coordinates import (
     SAME,
     distance,
     joint_index,
@@ -21,10 +21,10 @@ from stages.validate.coordinates import (
     link_pose,
     root_pose,
 )
-from stages.validate.equalities import CLOSED, open_equalities, violation
-from stages.validate.findings import few, named, shown, worst_first
-from stages.validate.read.compiled import read_compiled
-from stages.validate.same.motion import found_differences
+from linkwright.stages.validate.equalities import CLOSED, open_equalities, violation
+from linkwright.stages.validate.findings import few, named, shown, worst_first
+from linkwright.stages.validate.read.compiled import read_compiled
+from linkwright.stages.validate.same.motion import found_differences
 
 CODE = "C-KEYFRAME"
 

@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 import mujoco
 
-from stages.formats.xml import parse
-from stages.robot.check import Check, Finding
-from stages.robot.plural import count
-from stages.validate.compiled import SCENE, CompiledModel
-from stages.validate.coordinates import (
+from linkwright.stages.formats.xml import parse
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.plural import count
+from linkwright.stages.validate.compiled import SCENE, CompiledModel
+from linkwright.stages.validate.coordinates import (
     WIDTH,
     body_index,
     joint_index,
@@ -16,7 +16,7 @@ from stages.validate.coordinates import (
     missing_names,
     of_the_scene,
 )
-from stages.validate.findings import differs, few, link, named, named_joint
+from linkwright.stages.validate.findings import differs, few, link, named, named_joint
 
 CODE = "C-LINKS"
 

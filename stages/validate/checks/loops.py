@@ -9,18 +9,18 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.robot.check import Check, Finding
-from stages.robot.dof_ranges import ranges
-from stages.robot.loops import CLOSED, gap
-from stages.robot.mjcf_extras import NO_EXTRAS
-from stages.robot.model import Loop, Value
-from stages.robot.plural import count
-from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import every_saved, link_pose, set_values
-from stages.validate.equalities import bodies, ends, held_differences
-from stages.validate.findings import few, named, shown
-from stages.validate.read.compiled import read_compiled
-from stages.validate.same.loops import loops
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.dof_ranges import ranges
+from linkwright.stages.robot.loops import CLOSED, gap
+from linkwright.stages.robot.mjcf_extras import NO_EXTRAS
+from linkwright.stages.robot.model import Loop, Value
+from linkwright.stages.robot.plural import count
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.coordinates import every_saved, link_pose, set_values
+from linkwright.stages.validate.equalities import bodies, ends, held_differences
+from linkwright.stages.validate.findings import few, named, shown
+from linkwright.stages.validate.read.compiled import read_compiled
+from linkwright.stages.validate.same.loops import loops
 
 CODE = "C-LOOP"
 

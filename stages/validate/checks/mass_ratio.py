@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 from typing import Any
 
-from stages.robot.check import Check, Finding
-from stages.validate.compiled import CompiledModel
-from stages.validate.findings import named
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.findings import named
 
 CODE = "C-MASS-RATIO"
 

@@ -1,7 +1,7 @@
 """Mass, centre of mass and inertia of each link are those of its parts in CAD."""
 
-from stages.validate.read.compiled import compared
-from stages.validate.same.masses import masses
+from linkwright.stages.validate.read.compiled import compared
+from linkwright.stages.validate.same.masses import masses
 
 CODE = "C-MASS"
 

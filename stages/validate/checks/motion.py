@@ -1,7 +1,7 @@
 """The model moves as the robot does: links and frames at configurations spread over the dofs' values."""
 
-from stages.validate.read.compiled import compared
-from stages.validate.same.motion import motion
+from linkwright.stages.validate.read.compiled import compared
+from linkwright.stages.validate.same.motion import motion
 
 CODE = "C-MOTION"
 

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 
 import mujoco
 
-from stages.robot.check import Check, Finding
-from stages.robot.mjcf_extras import NO_EXTRAS
-from stages.validate.compiled import CompiledModel
-from stages.validate.findings import few, shown
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.mjcf_extras import NO_EXTRAS
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.findings import few, shown
 
 CODE = "C-OPTION"
 

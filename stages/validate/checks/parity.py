@@ -12,22 +12,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stages.formats.urdf.names import urdf_names
-from stages.robot.check import Check, Finding
-from stages.robot.globs import listed
-from stages.robot.inertia import SPECK
-from stages.robot.install import install
-from stages.robot.model import Array, Robot
-from stages.robot.plural import count
-from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import BY_EQUALITY, KINDS, WIDTH
-from stages.validate.findings import link, named, shown, worst_first
-from stages.validate.in_mujoco import in_mujoco
-from stages.validate.in_pinocchio import in_pinocchio, installed
-from stages.validate.mass_probes import own_sizes, probes
-from stages.validate.mujoco_abilities import axes_error
-from stages.validate.random_poses import samples
-from stages.validate.tree_dynamics import Moving, PosedRobot, scalar_dofs
+from linkwright.stages.formats.urdf.names import urdf_names
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.globs import listed
+from linkwright.stages.robot.inertia import SPECK
+from linkwright.stages.robot.install import install
+from linkwright.stages.robot.model import Array, Robot
+from linkwright.stages.robot.plural import count
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.coordinates import BY_EQUALITY, KINDS, WIDTH
+from linkwright.stages.validate.findings import link, named, shown, worst_first
+from linkwright.stages.validate.in_mujoco import in_mujoco
+from linkwright.stages.validate.in_pinocchio import in_pinocchio, installed
+from linkwright.stages.validate.mass_probes import own_sizes, probes
+from linkwright.stages.validate.mujoco_abilities import axes_error
+from linkwright.stages.validate.random_poses import samples
+from linkwright.stages.validate.tree_dynamics import Moving, PosedRobot, scalar_dofs
 
 CODE = "C-PARITY"
 

@@ -5,13 +5,13 @@ from collections.abc import Iterator, Sequence
 import mujoco
 import numpy as np
 
-from stages.mujoco.state import keyframe_of
-from stages.robot.check import Check, Finding
-from stages.robot.model import Array
-from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import CAD_ERROR, FREE, TURNS, body_index, distance, root_pose
-from stages.validate.findings import apart, few, link, named, place_differs, shown
-from stages.validate.mujoco_poses import placed
+from linkwright.stages.mujoco.state import keyframe_of
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.model import Array
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.coordinates import CAD_ERROR, FREE, TURNS, body_index, distance, root_pose
+from linkwright.stages.validate.findings import apart, few, link, named, place_differs, shown
+from linkwright.stages.validate.mujoco_poses import placed
 
 CODE = "C-PLACE"
 

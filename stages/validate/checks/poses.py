@@ -1,7 +1,7 @@
 """At the saved configuration every part is where CAD's occurrence has it."""
 
-from stages.validate.read.compiled import compared
-from stages.validate.same.motion import poses
+from linkwright.stages.validate.read.compiled import compared
+from linkwright.stages.validate.same.motion import poses
 
 CODE = "C-POSE"
 

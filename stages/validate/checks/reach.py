@@ -12,13 +12,13 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.robot.check import Check, Finding, Table
-from stages.robot.plural import count
-from stages.robot.start_pose import home
-from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import HINGE, set_values
-from stages.validate.findings import named
-from stages.validate.following import Follower, swept_joints
+from linkwright.stages.robot.check import Check, Finding, Table
+from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.start_pose import home
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.coordinates import HINGE, set_values
+from linkwright.stages.validate.findings import named
+from linkwright.stages.validate.following import Follower, swept_joints
 
 CODE = "C-REACH"
 

@@ -4,14 +4,14 @@ from collections.abc import Iterator
 
 import mujoco
 
-from stages.robot.check import Check, Finding
-from stages.robot.mjcf_extras import NO_EXTRAS
-from stages.robot.plural import count
-from stages.validate.compiled import CompiledModel
-from stages.validate.equalities import held_differences
-from stages.validate.findings import few, named
-from stages.validate.read.compiled import read_compiled
-from stages.validate.same.relations import relations
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.mjcf_extras import NO_EXTRAS
+from linkwright.stages.robot.plural import count
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.equalities import held_differences
+from linkwright.stages.validate.findings import few, named
+from linkwright.stages.validate.read.compiled import read_compiled
+from linkwright.stages.validate.same.relations import relations
 
 SOLREF = (0.005, 1.0)
 """Of a relation: time constant [s] and damping ratio."""

@@ -10,13 +10,13 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.mujoco.state import at_keyframe
-from stages.mujoco.trial import EFFORT, failure
-from stages.mujoco.warnings import listening
-from stages.robot.check import Check, Finding
-from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import FREE, HINGE, SLIDE, of_the_scene
-from stages.validate.findings import named, named_joint
+from linkwright.stages.mujoco.state import at_keyframe
+from linkwright.stages.mujoco.trial import EFFORT, failure
+from linkwright.stages.mujoco.warnings import listening
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.coordinates import FREE, HINGE, SLIDE, of_the_scene
+from linkwright.stages.validate.findings import named, named_joint
 
 CODE = "C-REST"
 

@@ -8,13 +8,13 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.mujoco.compile import NotCompiled, compiled_file
-from stages.mujoco.warnings import deprecations
-from stages.robot.check import Check, Finding
-from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import SAME
-from stages.validate.equalities import bodies, sites
-from stages.validate.findings import differs, few, named
+from linkwright.stages.mujoco.compile import NotCompiled, compiled_file
+from linkwright.stages.mujoco.warnings import deprecations
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.coordinates import SAME
+from linkwright.stages.validate.equalities import bodies, sites
+from linkwright.stages.validate.findings import differs, few, named
 
 CODE = "C-SCENE"
 

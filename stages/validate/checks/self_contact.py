@@ -5,13 +5,13 @@ from typing import Any
 
 import mujoco
 
-from stages.robot.check import Check, Finding
-from stages.robot.geometry import Exclude, Geometry
-from stages.robot.plural import count
-from stages.robot.start_pose import home
-from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import body_index, set_values
-from stages.validate.findings import few
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.geometry import Exclude, Geometry
+from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.start_pose import home
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.coordinates import body_index, set_values
+from linkwright.stages.validate.findings import few
 
 CODE = "C-SELF-CONTACT"
 

@@ -6,13 +6,13 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.robot.check import Check, Finding
-from stages.robot.model import Sensor
-from stages.robot.sensing import SensorCamera
-from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import SAME, body_from_link, body_index, placed_by_site
-from stages.validate.findings import differs, few, named, worst_first
-from stages.validate.mujoco_poses import placed
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.model import Sensor
+from linkwright.stages.robot.sensing import SensorCamera
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.coordinates import SAME, body_from_link, body_index, placed_by_site
+from linkwright.stages.validate.findings import differs, few, named, worst_first
+from linkwright.stages.validate.mujoco_poses import placed
 
 CODE = "C-SENSOR"
 

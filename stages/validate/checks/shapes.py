@@ -8,16 +8,16 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.robot.check import Check, Finding
-from stages.robot.geometry import Role, Shape
-from stages.robot.model import Array
-from stages.robot.plural import count
-from stages.robot.poses import inverse
-from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import body_from_link, body_index, placed_by_site
-from stages.validate.findings import differs, named
-from stages.validate.mujoco_poses import placed
-from stages.validate.same.shapes import (
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.geometry import Role, Shape
+from linkwright.stages.robot.model import Array
+from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.poses import inverse
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.coordinates import body_from_link, body_index, placed_by_site
+from linkwright.stages.validate.findings import differs, named
+from linkwright.stages.validate.mujoco_poses import placed
+from linkwright.stages.validate.same.shapes import (
     ROLES,
     ShapeWords,
     WrittenShape,
@@ -27,7 +27,7 @@ from stages.validate.same.shapes import (
     solid_of,
     solids_by_link,
 )
-from stages.validate.shapes import (
+from linkwright.stages.validate.shapes import (
     BOX,
     CAPSULE,
     CYLINDER,

@@ -8,15 +8,15 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.mujoco import elements, fields
-from stages.mujoco.bodies import CompiledBodies, light_pose, placed, pose_of
-from stages.mujoco.sensors import sensor, sensor_attributes
-from stages.robot.check import Check, Finding
-from stages.robot.mjcf_extras import Attributes, MjcfAttributes, MjcfElement, MjcfExtras
-from stages.robot.plural import count
-from stages.validate.compiled import SCENE, CompiledModel
-from stages.validate.coordinates import SAME, body_index, of_the_scene
-from stages.validate.findings import few, named
+from linkwright.stages.mujoco import elements, fields
+from linkwright.stages.mujoco.bodies import CompiledBodies, light_pose, placed, pose_of
+from linkwright.stages.mujoco.sensors import sensor, sensor_attributes
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.mjcf_extras import Attributes, MjcfAttributes, MjcfElement, MjcfExtras
+from linkwright.stages.robot.plural import count
+from linkwright.stages.validate.compiled import SCENE, CompiledModel
+from linkwright.stages.validate.coordinates import SAME, body_index, of_the_scene
+from linkwright.stages.validate.findings import few, named
 
 CODE = "C-SOURCE"
 

@@ -13,16 +13,16 @@ from typing import Any, Literal
 import mujoco
 import numpy as np
 
-from stages.mujoco.state import at_keyframe, keyframe_of
-from stages.robot.check import Check, CheckLevel, Finding
-from stages.robot.geometry import Touch
-from stages.robot.scene import FLOOR
-from stages.robot.start_pose import HOME, roots_in_source
-from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import of_the_scene
-from stages.validate.findings import named
-from stages.validate.running import DEEP, Touching, touching
-from stages.validate.shapes import seen_and_solid
+from linkwright.stages.mujoco.state import at_keyframe, keyframe_of
+from linkwright.stages.robot.check import Check, CheckLevel, Finding
+from linkwright.stages.robot.geometry import Touch
+from linkwright.stages.robot.scene import FLOOR
+from linkwright.stages.robot.start_pose import HOME, roots_in_source
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.coordinates import of_the_scene
+from linkwright.stages.validate.findings import named
+from linkwright.stages.validate.running import DEEP, Touching, touching
+from linkwright.stages.validate.shapes import seen_and_solid
 
 CODE = "C-START"
 

@@ -9,16 +9,16 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.formats.numbers import number, spaced
-from stages.formats.xml import element, to_bytes
-from stages.robot.check import Check, Finding
-from stages.robot.geom_form import ContactProperties
-from stages.robot.scene import FLOOR, Ground, Scene, Setting
-from stages.validate.compiled import CompiledModel
-from stages.validate.contact_attributes import contact_differences, sets_defaults
-from stages.validate.coordinates import CAD_ERROR, SAME, TURNS
-from stages.validate.findings import differs, few, named, shown
-from stages.validate.mujoco_poses import placed
+from linkwright.stages.formats.numbers import number, spaced
+from linkwright.stages.formats.xml import element, to_bytes
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.geom_form import ContactProperties
+from linkwright.stages.robot.scene import FLOOR, Ground, Scene, Setting
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.contact_attributes import contact_differences, sets_defaults
+from linkwright.stages.validate.coordinates import CAD_ERROR, SAME, TURNS
+from linkwright.stages.validate.findings import differs, few, named, shown
+from linkwright.stages.validate.mujoco_poses import placed
 
 CODE = "C-SCENE"
 

@@ -5,11 +5,11 @@ For 0.5 s each; with `validate=strict` for 2 s.
 
 from collections.abc import Iterator
 
-from stages.mujoco.trial import OPEN, trial_run
-from stages.robot.check import Check, CheckLevel
-from stages.validate.compiled import CompiledModel
-from stages.validate.findings import unstable
-from stages.validate.running import with_options
+from linkwright.stages.mujoco.trial import OPEN, trial_run
+from linkwright.stages.robot.check import Check, CheckLevel
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.findings import unstable
+from linkwright.stages.validate.running import with_options
 
 CODE = "C-TIME-STEP"
 

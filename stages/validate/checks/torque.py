@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from stages.robot.check import Check, Finding, Table
-from stages.robot.model import Array, Configuration
-from stages.robot.pose_samples import sampled_poses
-from stages.robot.start_pose import home
-from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import HINGE, joint_index
-from stages.validate.findings import named
-from stages.validate.holding import holding, strength
+from linkwright.stages.robot.check import Check, Finding, Table
+from linkwright.stages.robot.model import Array, Configuration
+from linkwright.stages.robot.pose_samples import sampled_poses
+from linkwright.stages.robot.start_pose import home
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.coordinates import HINGE, joint_index
+from linkwright.stages.validate.findings import named
+from linkwright.stages.validate.holding import holding, strength
 
 CODE = "C-TORQUE"
 

@@ -9,11 +9,11 @@ from typing import Any
 
 import mujoco
 
-from stages.mujoco.state import at_keyframe
-from stages.mujoco.trial import OPEN, Trial, trial_run
-from stages.robot.check import Check
-from stages.validate.compiled import CompiledModel
-from stages.validate.running import flags, touching, with_options
+from linkwright.stages.mujoco.state import at_keyframe
+from linkwright.stages.mujoco.trial import OPEN, Trial, trial_run
+from linkwright.stages.robot.check import Check
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.running import flags, touching, with_options
 
 CODE = "C-TRIAL"
 

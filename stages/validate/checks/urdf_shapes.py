@@ -8,16 +8,22 @@ from dataclasses import replace
 
 import numpy as np
 
-from stages.formats.urdf.model import UrdfShape
-from stages.formats.urdf.parse import parse
-from stages.formats.xml import parse as read_xml
-from stages.robot.check import Check, Finding
-from stages.robot.errors import SourceError
-from stages.robot.geometry import Role, Shape
-from stages.robot.plural import count
-from stages.validate.compiled import CompiledModel
-from stages.validate.findings import differs, few, link
-from stages.validate.same.shapes import ShapeWords, WrittenShape, differences, solid_of, solids_by_link
+from linkwright.stages.formats.urdf.model import UrdfShape
+from linkwright.stages.formats.urdf.parse import parse
+from linkwright.stages.formats.xml import parse as read_xml
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.errors import SourceError
+from linkwright.stages.robot.geometry import Role, Shape
+from linkwright.stages.robot.plural import count
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.findings import differs, few, link
+from linkwright.stages.validate.same.shapes import (
+    ShapeWords,
+    WrittenShape,
+    differences,
+    solid_of,
+    solids_by_link,
+)
 
 CODE = "C-SHAPE"
 

@@ -3,11 +3,11 @@
 from contextlib import AbstractContextManager
 from pathlib import Path
 
-from stages.mujoco.compile import NotCompiled, refusals, spec_of
-from stages.mujoco.warnings import deprecations, listening
-from stages.robot.check import Check
-from stages.validate.compiled import Loaded, without_warnings
-from stages.validate.located import located
+from linkwright.stages.mujoco.compile import NotCompiled, refusals, spec_of
+from linkwright.stages.mujoco.warnings import deprecations, listening
+from linkwright.stages.robot.check import Check
+from linkwright.stages.validate.compiled import Loaded, without_warnings
+from linkwright.stages.validate.located import located
 
 CODE = "C-COMPILE"
 

@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stages.validate.external.tool import Tool
+from linkwright.stages.validate.external.tool import Tool
 
 if TYPE_CHECKING:
-    from stages.robot.check import Check
+    from linkwright.stages.robot.check import Check
 
 CODE = "C-EXTERNAL"
 
@@ -26,7 +26,7 @@ TOOLS = {
 
 def require(names: Sequence[str], environ: Mapping[str, str]) -> None:
     """ConfigError for a checker that is asked for and is not installed."""
-    from stages.robot.errors import ConfigError
+    from linkwright.stages.robot.errors import ConfigError
 
     absent = [TOOLS[name] for name in names if TOOLS[name].command(environ) is None]
     if absent:
@@ -53,6 +53,6 @@ def check_externally(
     """The verdict of each checker on each file in `folder` that it reads; `robot` is the robot's name."""
     if not names:
         return ()
-    from stages.validate.external.run import checks
+    from linkwright.stages.validate.external.run import checks
 
     return tuple(checks(folder, robot, [TOOLS[name] for name in names], environ))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from stages.robot.check import Finding
+from linkwright.stages.robot.check import Finding
 
 
 @dataclass(frozen=True, slots=True)

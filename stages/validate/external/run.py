@@ -8,11 +8,16 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from stages.robot.check import Check, CheckLevel, Finding
-from stages.robot.plural import count
-from stages.validate.external import CODE
-from stages.validate.external.opinions import Opinion, of_mjcf_doctor, of_simcheck, of_urdf_validator
-from stages.validate.external.tool import Tool
+from linkwright.stages.robot.check import Check, CheckLevel, Finding
+from linkwright.stages.robot.plural import count
+from linkwright.stages.validate.external import CODE
+from linkwright.stages.validate.external.opinions import (
+    Opinion,
+    of_mjcf_doctor,
+    of_simcheck,
+    of_urdf_validator,
+)
+from linkwright.stages.validate.external.tool import Tool
 
 SECONDS = 600.0
 """How long a checker may take for one file."""

@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-from stages.robot.check import Finding
-from stages.robot.regular_files import is_file
-from stages.validate.asset_files import named_files
-from stages.validate.documents import ModelDocument
-from stages.validate.files.whole import damage
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.robot.regular_files import is_file
+from linkwright.stages.validate.asset_files import named_files
+from linkwright.stages.validate.documents import ModelDocument
+from linkwright.stages.validate.files.whole import damage
 
 CODE = "C-ASSET"
 NAME = "assets"

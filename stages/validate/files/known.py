@@ -3,10 +3,10 @@
 from collections.abc import Iterator
 from difflib import get_close_matches
 
-from stages.formats.xml import Element, tag
-from stages.robot.check import CheckLevel, Finding
-from stages.validate.documents import ModelDocument
-from stages.validate.files import mjcf_schema, urdf_schema
+from linkwright.stages.formats.xml import Element, tag
+from linkwright.stages.robot.check import CheckLevel, Finding
+from linkwright.stages.validate.documents import ModelDocument
+from linkwright.stages.validate.files import mjcf_schema, urdf_schema
 
 CODE = "C-XML-KNOWN"
 NAME = "elements"

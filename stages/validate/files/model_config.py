@@ -3,10 +3,10 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-from stages.formats.xml import Element, Malformed, parse
-from stages.robot.check import Check, Finding
-from stages.validate.documents import sentence
-from stages.validate.findings import differs, few
+from linkwright.stages.formats.xml import Element, Malformed, parse
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.validate.documents import sentence
+from linkwright.stages.validate.findings import differs, few
 
 CODE = "C-SDF"
 

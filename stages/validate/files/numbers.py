@@ -3,9 +3,9 @@
 import math
 from collections.abc import Iterator
 
-from stages.formats.xml import Element, tag
-from stages.robot.check import Finding
-from stages.validate.documents import ModelDocument
+from linkwright.stages.formats.xml import Element, tag
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.validate.documents import ModelDocument
 
 CODE = "C-NUMBER"
 NAME = "numbers"

@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 from pathlib import PurePosixPath, PureWindowsPath
 
-from stages.robot.check import CheckLevel, Finding
-from stages.validate.asset_files import is_of_package, named_files, package_of
-from stages.validate.documents import ModelDocument
+from linkwright.stages.robot.check import CheckLevel, Finding
+from linkwright.stages.validate.asset_files import is_of_package, named_files, package_of
+from linkwright.stages.validate.documents import ModelDocument
 
 CODE = "C-PATH"
 NAME = "paths"

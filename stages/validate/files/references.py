@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 from difflib import get_close_matches
 
-from stages.formats.own_xml import names, section_of
-from stages.formats.xml import Element, tag
-from stages.robot.check import CheckLevel, Finding
-from stages.validate.documents import MAKERS, ModelDocument, stem
-from stages.validate.files.names import ASSETS
+from linkwright.stages.formats.own_xml import names, section_of
+from linkwright.stages.formats.xml import Element, tag
+from linkwright.stages.robot.check import CheckLevel, Finding
+from linkwright.stages.validate.documents import MAKERS, ModelDocument, stem
+from linkwright.stages.validate.files.names import ASSETS
 
 CODE = "C-REFERENCE"
 NAME = "references"

@@ -5,10 +5,10 @@ from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
-from stages.robot.check import Check, CheckLevel, Finding
-from stages.validate.documents import ModelDocument, broken_text, read, sentence
-from stages.validate.files import CHECKS
-from stages.validate.files.unused import unused_assets
+from linkwright.stages.robot.check import Check, CheckLevel, Finding
+from linkwright.stages.validate.documents import ModelDocument, broken_text, read, sentence
+from linkwright.stages.validate.files import CHECKS
+from linkwright.stages.validate.files.unused import unused_assets
 
 XML = "C-XML"
 
@@ -67,7 +67,7 @@ def check_document(document: ModelDocument) -> Iterator[Check]:
     if document.language is None:
         return
     for name in CHECKS:
-        module = import_module(f"stages.validate.files.{name}")
+        module = import_module(f"linkwright.stages.validate.files.{name}")
         level: CheckLevel = "error"
         if hasattr(module, "level"):
             level = module.level(document)

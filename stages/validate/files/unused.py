@@ -4,9 +4,9 @@ import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from stages.robot.check import Check, Finding
-from stages.validate.asset_files import named_files
-from stages.validate.documents import ModelDocument
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.validate.asset_files import named_files
+from linkwright.stages.validate.documents import ModelDocument
 
 CODE = "C-ASSET-UNUSED"
 

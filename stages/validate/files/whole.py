@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from stages.formats.mesh_points import STL_FACE, STL_HEADER
-from stages.formats.xml import Malformed, parse
+from linkwright.stages.formats.mesh_points import STL_FACE, STL_HEADER
+from linkwright.stages.formats.xml import Malformed, parse
 
 
 def damage(path: Path) -> str:

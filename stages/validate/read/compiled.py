@@ -2,12 +2,12 @@
 
 from collections.abc import Callable, Iterable
 
-from stages.robot.check import Check
-from stages.validate.compiled import CompiledModel
-from stages.validate.read.mjcf import ReadMjcf
-from stages.validate.read.mujoco import ReadCompiled
-from stages.validate.read.urdf import ReadUrdf
-from stages.validate.same.found import ReadRobot
+from linkwright.stages.robot.check import Check
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.read.mjcf import ReadMjcf
+from linkwright.stages.validate.read.mujoco import ReadCompiled
+from linkwright.stages.validate.read.urdf import ReadUrdf
+from linkwright.stages.validate.same.found import ReadRobot
 
 
 def read_compiled(compiled: CompiledModel) -> ReadCompiled:

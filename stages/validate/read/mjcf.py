@@ -7,13 +7,13 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.robot.kinematics import chain, link_poses
-from stages.robot.mjcf_extras import NO_EXTRAS
-from stages.robot.model import Array, Configuration, Dof, Joint, Loop, Spring
-from stages.robot.poses import inverse
-from stages.robot.start_pose import starting_point
-from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import (
+from linkwright.stages.robot.kinematics import chain, link_poses
+from linkwright.stages.robot.mjcf_extras import NO_EXTRAS
+from linkwright.stages.robot.model import Array, Configuration, Dof, Joint, Loop, Spring
+from linkwright.stages.robot.poses import inverse
+from linkwright.stages.robot.start_pose import starting_point
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.coordinates import (
     BY_EQUALITY,
     body_index,
     joint_index,
@@ -21,11 +21,18 @@ from stages.validate.coordinates import (
     root_pose,
     site_pose,
 )
-from stages.validate.equalities import carriers, ends, equality_index, sites
-from stages.validate.findings import link, named
-from stages.validate.lumps import Lump, merged
-from stages.validate.read.mujoco import ReadCompiled
-from stages.validate.same.found import FormatWords, FoundJoint, FoundMimic, FoundPlace, Numbers, Tag
+from linkwright.stages.validate.equalities import carriers, ends, equality_index, sites
+from linkwright.stages.validate.findings import link, named
+from linkwright.stages.validate.lumps import Lump, merged
+from linkwright.stages.validate.read.mujoco import ReadCompiled
+from linkwright.stages.validate.same.found import (
+    FormatWords,
+    FoundJoint,
+    FoundMimic,
+    FoundPlace,
+    Numbers,
+    Tag,
+)
 
 WORDS = FormatWords(
     mass="inertial mass",

@@ -5,11 +5,11 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.robot.kinematics import rest_configuration
-from stages.robot.model import Array, Configuration, Dof
-from stages.robot.poses import inverse
-from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import (
+from linkwright.stages.robot.kinematics import rest_configuration
+from linkwright.stages.robot.model import Array, Configuration, Dof
+from linkwright.stages.robot.poses import inverse
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.coordinates import (
     body_from_link,
     body_index,
     frame_pose,
@@ -19,9 +19,9 @@ from stages.validate.coordinates import (
     set_values,
     site_index,
 )
-from stages.validate.lumps import Lump, moved_lump
-from stages.validate.mujoco_poses import placed
-from stages.validate.same.found import Poses, ReadRobot
+from linkwright.stages.validate.lumps import Lump, moved_lump
+from linkwright.stages.validate.mujoco_poses import placed
+from linkwright.stages.validate.same.found import Poses, ReadRobot
 
 
 class ReadCompiled(ReadRobot):

@@ -3,15 +3,15 @@
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from stages.formats.written import Written
-from stages.robot.check import Check
-from stages.validate.same.found import ReadRobot, UnreadableFile
-from stages.validate.same.joints import joints
-from stages.validate.same.loops import loops
-from stages.validate.same.masses import masses
-from stages.validate.same.motion import motion, poses
-from stages.validate.same.names import names
-from stages.validate.same.relations import relations
+from linkwright.stages.formats.written import Written
+from linkwright.stages.robot.check import Check
+from linkwright.stages.validate.same.found import ReadRobot, UnreadableFile
+from linkwright.stages.validate.same.joints import joints
+from linkwright.stages.validate.same.loops import loops
+from linkwright.stages.validate.same.masses import masses
+from linkwright.stages.validate.same.motion import motion, poses
+from linkwright.stages.validate.same.names import names
+from linkwright.stages.validate.same.relations import relations
 
 CHECKS = (masses, poses, motion, joints, relations, loops)
 """In the order of the report."""

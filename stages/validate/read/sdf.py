@@ -7,24 +7,24 @@ from pathlib import Path
 
 import numpy as np
 
-from stages.formats.sdf.elements import SdfError
-from stages.formats.sdf.kinematics import child_pose, moved_links
-from stages.formats.sdf.model import ReadJoint
-from stages.formats.sdf.names import sdf_names
-from stages.formats.sdf.parse import parse_sdf
-from stages.formats.written import Written
-from stages.robot.check import Check, Finding
-from stages.robot.kinematics import chain, link_poses
-from stages.robot.loops import across, closing
-from stages.robot.model import Array, Configuration, Dof, Joint, Loop, Value
-from stages.robot.plural import count
-from stages.robot.poses import at_rest, inverse, motion, quat_from_rotation
-from stages.robot.start_pose import starting_point
-from stages.validate.coordinates import distance
-from stages.validate.findings import differs, named
-from stages.validate.lumps import Lump
-from stages.validate.read.run import checks_by
-from stages.validate.same.found import (
+from linkwright.stages.formats.sdf.elements import SdfError
+from linkwright.stages.formats.sdf.kinematics import child_pose, moved_links
+from linkwright.stages.formats.sdf.model import ReadJoint
+from linkwright.stages.formats.sdf.names import sdf_names
+from linkwright.stages.formats.sdf.parse import parse_sdf
+from linkwright.stages.formats.written import Written
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.kinematics import chain, link_poses
+from linkwright.stages.robot.loops import across, closing
+from linkwright.stages.robot.model import Array, Configuration, Dof, Joint, Loop, Value
+from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.poses import at_rest, inverse, motion, quat_from_rotation
+from linkwright.stages.robot.start_pose import starting_point
+from linkwright.stages.validate.coordinates import distance
+from linkwright.stages.validate.findings import differs, named
+from linkwright.stages.validate.lumps import Lump
+from linkwright.stages.validate.read.run import checks_by
+from linkwright.stages.validate.same.found import (
     FormatWords,
     FoundJoint,
     FoundMimic,
@@ -36,8 +36,8 @@ from stages.validate.same.found import (
     Tag,
     UnreadableFile,
 )
-from stages.validate.sdf.contacts import contacts
-from stages.validate.sdf.shapes import missing_meshes, of_model, shapes
+from linkwright.stages.validate.sdf.contacts import contacts
+from linkwright.stages.validate.sdf.shapes import missing_meshes, of_model, shapes
 
 CODE = "C-SDF"
 

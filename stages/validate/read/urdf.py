@@ -6,17 +6,24 @@ from typing import Any
 
 import mujoco
 
-from stages.formats.xml import parse
-from stages.robot.check import Finding
-from stages.robot.model import Configuration, Loop
-from stages.robot.poses import inverse
-from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import body_index, joint_index, joints_of, link_pose, pose_of
-from stages.validate.findings import named
-from stages.validate.mujoco_abilities import axes_error, mimics, reads_mimic
-from stages.validate.read.mjcf import coupled, type_name
-from stages.validate.read.mujoco import ReadCompiled
-from stages.validate.same.found import FormatWords, FoundJoint, FoundMimic, FoundPlace, Numbers, Tag
+from linkwright.stages.formats.xml import parse
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.robot.model import Configuration, Loop
+from linkwright.stages.robot.poses import inverse
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.coordinates import body_index, joint_index, joints_of, link_pose, pose_of
+from linkwright.stages.validate.findings import named
+from linkwright.stages.validate.mujoco_abilities import axes_error, mimics, reads_mimic
+from linkwright.stages.validate.read.mjcf import coupled, type_name
+from linkwright.stages.validate.read.mujoco import ReadCompiled
+from linkwright.stages.validate.same.found import (
+    FormatWords,
+    FoundJoint,
+    FoundMimic,
+    FoundPlace,
+    Numbers,
+    Tag,
+)
 
 WORDS = FormatWords(
     mass="inertial mass",

@@ -6,22 +6,22 @@ from pathlib import Path
 
 import numpy as np
 
-from stages.formats.usd.drives import drives_of
-from stages.formats.usd.names import usd_names
-from stages.formats.usd.zeros import ball_zeros
-from stages.formats.written import Written
-from stages.robot.check import Check, Finding
-from stages.robot.inertia import SPECK
-from stages.robot.kinematics import chain, link_poses
-from stages.robot.model import Array, Configuration, Dof, Loop, Value
-from stages.robot.plural import count
-from stages.robot.poses import at_rest, from_parts, inverse, motion
-from stages.robot.start_pose import HOME, home
-from stages.validate.coordinates import SAME, distance
-from stages.validate.findings import named, shown
-from stages.validate.lumps import Lump
-from stages.validate.read.run import checks_by
-from stages.validate.same.found import (
+from linkwright.stages.formats.usd.drives import drives_of
+from linkwright.stages.formats.usd.names import usd_names
+from linkwright.stages.formats.usd.zeros import ball_zeros
+from linkwright.stages.formats.written import Written
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.inertia import SPECK
+from linkwright.stages.robot.kinematics import chain, link_poses
+from linkwright.stages.robot.model import Array, Configuration, Dof, Loop, Value
+from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.poses import at_rest, from_parts, inverse, motion
+from linkwright.stages.robot.start_pose import HOME, home
+from linkwright.stages.validate.coordinates import SAME, distance
+from linkwright.stages.validate.findings import named, shown
+from linkwright.stages.validate.lumps import Lump
+from linkwright.stages.validate.read.run import checks_by
+from linkwright.stages.validate.same.found import (
     FormatWords,
     FoundJoint,
     FoundPlace,
@@ -32,10 +32,10 @@ from stages.validate.same.found import (
     Tag,
     UnreadableFile,
 )
-from stages.validate.usd.driving import driving
-from stages.validate.usd.model import moving, placed, rooted, shapes, units
-from stages.validate.usd.places import places
-from stages.validate.usd.reader import ReadUsdJoint, UsdError, read_usd
+from linkwright.stages.validate.usd.driving import driving
+from linkwright.stages.validate.usd.model import moving, placed, rooted, shapes, units
+from linkwright.stages.validate.usd.places import places
+from linkwright.stages.validate.usd.reader import ReadUsdJoint, UsdError, read_usd
 
 CODE = "C-USD"
 

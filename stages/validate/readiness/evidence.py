@@ -7,10 +7,10 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 
-from stages.mujoco.compile import NotCompiled, refusals
-from stages.mujoco.warnings import deprecations
-from stages.robot.install import install
-from stages.validate.readiness.finished import Aside, Finished
+from linkwright.stages.mujoco.compile import NotCompiled, refusals
+from linkwright.stages.mujoco.warnings import deprecations
+from linkwright.stages.robot.install import install
+from linkwright.stages.validate.readiness.finished import Aside, Finished
 
 FACES = 200_000
 """Faces that MuJoCo reads of an STL."""

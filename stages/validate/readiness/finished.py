@@ -9,13 +9,13 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.formats.xml import Element, Malformed, parse
-from stages.mujoco.state import at_keyframe
-from stages.robot.check import Check
-from stages.robot.geometry import Geometry
-from stages.robot.model import Robot
-from stages.validate.coordinates import HINGE, SLIDE
-from stages.validate.shapes import seen_and_solid
+from linkwright.stages.formats.xml import Element, Malformed, parse
+from linkwright.stages.mujoco.state import at_keyframe
+from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.model import Robot
+from linkwright.stages.validate.coordinates import HINGE, SLIDE
+from linkwright.stages.validate.shapes import seen_and_solid
 
 
 class Aside(Exception):

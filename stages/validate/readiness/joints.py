@@ -6,12 +6,12 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.mujoco.state import keyframe_of
-from stages.robot.plural import count
-from stages.validate.coordinates import BALL, FREE
-from stages.validate.following import equalities
-from stages.validate.readiness.finished import Aside, Finished
-from stages.validate.shapes import reach
+from linkwright.stages.mujoco.state import keyframe_of
+from linkwright.stages.robot.plural import count
+from linkwright.stages.validate.coordinates import BALL, FREE
+from linkwright.stages.validate.following import equalities
+from linkwright.stages.validate.readiness.finished import Aside, Finished
+from linkwright.stages.validate.shapes import reach
 
 RANK = 1e-6
 ROUNDING = 1e-9

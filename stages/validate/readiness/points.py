@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from stages.validate.readiness import bodies, evidence, joints, text
-from stages.validate.readiness.finished import Finished, Judge
+from linkwright.stages.validate.readiness import bodies, evidence, joints, text
+from linkwright.stages.validate.readiness.finished import Finished, Judge
 
 
 def masses(finished: Finished) -> Iterator[str]:

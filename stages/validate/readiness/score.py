@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator
 
-from stages.robot.check import Check, Finding, Table
-from stages.robot.plural import count
-from stages.validate.readiness.finished import Aside, Finished
-from stages.validate.readiness.points import POINTS, Point
+from linkwright.stages.robot.check import Check, Finding, Table
+from linkwright.stages.robot.plural import count
+from linkwright.stages.validate.readiness.finished import Aside, Finished
+from linkwright.stages.validate.readiness.points import POINTS, Point
 
 CODE = "C-READINESS"
 

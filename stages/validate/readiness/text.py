@@ -4,8 +4,8 @@ import re
 from collections.abc import Iterator
 from contextlib import suppress
 
-from stages.formats.xml import Element
-from stages.validate.readiness.finished import Aside, Finished, smallest_share
+from linkwright.stages.formats.xml import Element
+from linkwright.stages.validate.readiness.finished import Aside, Finished, smallest_share
 
 NUMBER = re.compile(r"-?\d+(\.\d+)?([eE][-+]?\d+)?")
 

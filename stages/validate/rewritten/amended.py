@@ -2,9 +2,9 @@
 
 from collections.abc import Iterable
 
-from stages.robot.amendments import Amendment, tag_of
-from stages.validate.findings import named
-from stages.validate.rewritten.compare import Difference
+from linkwright.stages.robot.amendments import Amendment, tag_of
+from linkwright.stages.validate.findings import named
+from linkwright.stages.validate.rewritten.compare import Difference
 
 PREFIX = "${prefix}"
 """Before the names of a xacro."""

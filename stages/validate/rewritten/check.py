@@ -5,15 +5,15 @@ from dataclasses import replace
 from itertools import groupby
 from pathlib import Path, PurePosixPath
 
-from stages.robot.amendments import Amendment
-from stages.robot.check import Check, CheckLevel, Finding
-from stages.robot.plural import count
-from stages.robot.regular_files import is_file
-from stages.validate.documents import sentence
-from stages.validate.findings import few, named
-from stages.validate.rewritten.amended import is_amended
-from stages.validate.rewritten.compare import Difference, differences
-from stages.validate.rewritten.own import DESCRIBES, Weight, weight_of
+from linkwright.stages.robot.amendments import Amendment
+from linkwright.stages.robot.check import Check, CheckLevel, Finding
+from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.regular_files import is_file
+from linkwright.stages.validate.documents import sentence
+from linkwright.stages.validate.findings import few, named
+from linkwright.stages.validate.rewritten.amended import is_amended
+from linkwright.stages.validate.rewritten.compare import Difference, differences
+from linkwright.stages.validate.rewritten.own import DESCRIBES, Weight, weight_of
 
 MANY = (".stl", ".obj", ".mtl", ".png", ".usd")
 """Endings of files of which a folder has many: their check is one."""

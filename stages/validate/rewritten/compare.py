@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 from typing import Literal
 
-from stages.robot.check import Finding
-from stages.validate.rewritten.facts import Facts, Place, Reader, Unparsable, Value, same, shown
-from stages.validate.rewritten.line_facts import cmake_facts, text_facts
-from stages.validate.rewritten.python_facts import python_facts
-from stages.validate.rewritten.tree_facts import json_facts, toml_facts, yaml_facts
-from stages.validate.rewritten.xml_facts import xml_facts
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.validate.rewritten.facts import Facts, Place, Reader, Unparsable, Value, same, shown
+from linkwright.stages.validate.rewritten.line_facts import cmake_facts, text_facts
+from linkwright.stages.validate.rewritten.python_facts import python_facts
+from linkwright.stages.validate.rewritten.tree_facts import json_facts, toml_facts, yaml_facts
+from linkwright.stages.validate.rewritten.xml_facts import xml_facts
 
 READERS: Mapping[str, Reader] = {
     **dict.fromkeys((".xml", ".urdf", ".srdf", ".sdf", ".xacro", ".config"), xml_facts),

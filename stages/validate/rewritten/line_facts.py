@@ -4,7 +4,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator
 
-from stages.validate.rewritten.facts import Place, Unparsable, Value, words
+from linkwright.stages.validate.rewritten.facts import Place, Unparsable, Value, words
 
 _COMMAND = re.compile(r"(\w+)\s*\(([^()]*)\)")
 _COMMENT = re.compile(r"#[^\n]*")

@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping
 from typing import Literal
 
-from stages.validate.rewritten.compare import Difference
+from linkwright.stages.validate.rewritten.compare import Difference
 
 Weight = Literal["error", "warning", ""]
 """What a difference is: a fault; something that its user may have meant; nothing."""

@@ -4,8 +4,8 @@ statements of its functions. Docstrings, comments, quotes, and the order of impo
 import ast
 from collections.abc import Iterator
 
-from stages.validate.findings import named
-from stages.validate.rewritten.facts import Place, Unparsable, Value
+from linkwright.stages.validate.findings import named
+from linkwright.stages.validate.rewritten.facts import Place, Unparsable, Value
 
 
 def python_facts(data: bytes) -> Iterator[tuple[Place, Value]]:

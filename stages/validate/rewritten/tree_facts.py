@@ -9,7 +9,7 @@ from typing import Any
 
 import yaml
 
-from stages.validate.rewritten.facts import Place, Unparsable, Value
+from linkwright.stages.validate.rewritten.facts import Place, Unparsable, Value
 
 MOST = 1_000_000
 """Values of a file: aliases of YAML make many of few bytes."""

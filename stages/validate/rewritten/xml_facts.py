@@ -4,9 +4,9 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 
-from stages.formats.xml import Element, Malformed, parse, tag
-from stages.validate.findings import named
-from stages.validate.rewritten.facts import Place, Turn, Unparsable, Value, words
+from linkwright.stages.formats.xml import Element, Malformed, parse, tag
+from linkwright.stages.validate.findings import named
+from linkwright.stages.validate.rewritten.facts import Place, Turn, Unparsable, Value, words
 
 KEYS = ("link1", "link2", "filename", "file")
 """Attributes beside `name` that tell an element from siblings of its tag."""

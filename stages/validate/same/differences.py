@@ -8,12 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stages.robot.check import Finding
-from stages.robot.model import Array, Dof, Joint
-from stages.robot.poses import inverse
-from stages.validate.coordinates import SAME, distance
-from stages.validate.findings import apart, differs, few, place_differs
-from stages.validate.same.found import Poses, ReadRobot
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.robot.model import Array, Dof, Joint
+from linkwright.stages.robot.poses import inverse
+from linkwright.stages.validate.coordinates import SAME, distance
+from linkwright.stages.validate.findings import apart, differs, few, place_differs
+from linkwright.stages.validate.same.found import Poses, ReadRobot
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,10 +7,10 @@ from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
-from stages.robot.check import Check, Finding
-from stages.robot.model import Array, Configuration, Dof, Inertial, Joint, Loop, Robot
-from stages.validate.findings import few, named
-from stages.validate.lumps import Lump
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.model import Array, Configuration, Dof, Inertial, Joint, Loop, Robot
+from linkwright.stages.validate.findings import few, named
+from linkwright.stages.validate.lumps import Lump
 
 Tag = Literal["link", "joint", "frame", "relation"]
 

@@ -5,10 +5,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from stages.robot.check import Check, Finding
-from stages.robot.model import Array, Dof, Limits
-from stages.validate.findings import differs, shown
-from stages.validate.same.found import FoundJoint, Numbers, ReadRobot
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.model import Array, Dof, Limits
+from linkwright.stages.validate.findings import differs, shown
+from linkwright.stages.validate.same.found import FoundJoint, Numbers, ReadRobot
 
 OPEN = 1e6
 """The end of a range from here on stands for no limit [rad, m]."""

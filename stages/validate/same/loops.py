@@ -4,10 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from stages.robot.check import Check, Finding
-from stages.validate.coordinates import distance, spread
-from stages.validate.findings import place_differs, worst_first
-from stages.validate.same.found import FoundPlace, ReadRobot
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.validate.coordinates import distance, spread
+from linkwright.stages.validate.findings import place_differs, worst_first
+from linkwright.stages.validate.same.found import FoundPlace, ReadRobot
 
 
 def loops(read: ReadRobot, name: str = "loops") -> Iterator[Check]:

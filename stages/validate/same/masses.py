@@ -8,10 +8,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from stages.robot.check import Check, Finding
-from stages.validate.findings import differs, worst_first
-from stages.validate.lumps import UNITS, Lump, differences, expected_lump
-from stages.validate.same.found import FormatWords, ReadRobot
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.validate.findings import differs, worst_first
+from linkwright.stages.validate.lumps import UNITS, Lump, differences, expected_lump
+from linkwright.stages.validate.same.found import FormatWords, ReadRobot
 
 
 def masses(read: ReadRobot) -> Iterator[Check]:

@@ -8,14 +8,14 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from stages.robot.check import Check, Finding
-from stages.robot.kinematics import link_poses
-from stages.robot.model import Array
-from stages.robot.poses import inverse
-from stages.validate.coordinates import CAD_ERROR, distance, every_saved, spread
-from stages.validate.findings import shown
-from stages.validate.same.differences import PosePair, differences
-from stages.validate.same.found import Poses, ReadRobot
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.model import Array
+from linkwright.stages.robot.poses import inverse
+from linkwright.stages.validate.coordinates import CAD_ERROR, distance, every_saved, spread
+from linkwright.stages.validate.findings import shown
+from linkwright.stages.validate.same.differences import PosePair, differences
+from linkwright.stages.validate.same.found import Poses, ReadRobot
 
 
 def poses(read: ReadRobot) -> Iterator[Check]:

@@ -1,9 +1,9 @@
 """Every link, joint and frame is there by name, and nothing else."""
 
-from stages.robot.check import Check, Finding
-from stages.robot.plural import count
-from stages.validate.findings import named
-from stages.validate.same.found import ReadRobot
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.plural import count
+from linkwright.stages.validate.findings import named
+from linkwright.stages.validate.same.found import ReadRobot
 
 
 def names(read: ReadRobot) -> Check:

@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator
 
-from stages.robot.check import Check, Finding
-from stages.robot.model import Relation
-from stages.robot.plural import count
-from stages.validate.coordinates import SAME
-from stages.validate.findings import differs, named
-from stages.validate.same.found import FoundMimic, ReadRobot
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.model import Relation
+from linkwright.stages.robot.plural import count
+from linkwright.stages.validate.coordinates import SAME
+from linkwright.stages.validate.findings import differs, named
+from linkwright.stages.validate.same.found import FoundMimic, ReadRobot
 
 
 def relations(read: ReadRobot) -> Iterator[Check]:

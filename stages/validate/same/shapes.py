@@ -8,14 +8,14 @@ from typing import Protocol
 
 import numpy as np
 
-from stages.robot.check import Finding
-from stages.robot.fusing import Holders
-from stages.robot.geometry import Colour, Geometry, Role, Shape
-from stages.robot.model import Array
-from stages.robot.plural import count
-from stages.robot.poses import UNMOVED
-from stages.validate.coordinates import SAME
-from stages.validate.findings import differs, place_differs, shown
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.robot.fusing import Holders
+from linkwright.stages.robot.geometry import Colour, Geometry, Role, Shape
+from linkwright.stages.robot.model import Array
+from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.poses import UNMOVED
+from linkwright.stages.validate.coordinates import SAME
+from linkwright.stages.validate.findings import differs, place_differs, shown
 
 COLOUR = 1e-4
 """Of each channel; a screen has steps of 1/255."""

@@ -7,11 +7,11 @@ from operator import or_
 
 import numpy as np
 
-from stages.formats.sdf.model import SdfLink, SdfModel
-from stages.formats.sdf.shapes import SdfShape
-from stages.robot.check import Finding
-from stages.robot.geometry import Geometry
-from stages.validate.findings import differs, named
+from linkwright.stages.formats.sdf.model import SdfLink, SdfModel
+from linkwright.stages.formats.sdf.shapes import SdfShape
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.validate.findings import differs, named
 
 ALL, DEFAULT = 0xFFFF, 0xFF
 """The bits of a mask that Gazebo keeps, and the mask of a collider that has none in the file."""

@@ -4,17 +4,17 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from stages.formats.sdf.model import SdfModel
-from stages.formats.sdf.shapes import SdfShape
-from stages.formats.xml import parse
-from stages.robot.check import Check, Finding
-from stages.robot.geometry import Geometry, Shape
-from stages.robot.model import Robot
-from stages.robot.poses import UNMOVED
-from stages.robot.scene import Scene
-from stages.validate.coordinates import SAME
-from stages.validate.findings import differs, few, named, place_differs, shown
-from stages.validate.same.shapes import (
+from linkwright.stages.formats.sdf.model import SdfModel
+from linkwright.stages.formats.sdf.shapes import SdfShape
+from linkwright.stages.formats.xml import parse
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.geometry import Geometry, Shape
+from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.poses import UNMOVED
+from linkwright.stages.robot.scene import Scene
+from linkwright.stages.validate.coordinates import SAME
+from linkwright.stages.validate.findings import differs, few, named, place_differs, shown
+from linkwright.stages.validate.same.shapes import (
     COLOUR,
     ShapeWords,
     WrittenShape,

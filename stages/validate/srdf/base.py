@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator
 
-from stages.robot.check import Finding
-from stages.robot.passive import passive_dofs
-from stages.validate.findings import differs, named
-from stages.validate.srdf.known import ReadSrdf
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.robot.passive import passive_dofs
+from linkwright.stages.validate.findings import differs, named
+from linkwright.stages.validate.srdf.known import ReadSrdf
 
 WORLD = "world"
 """What the base is fixed to, or flies in."""

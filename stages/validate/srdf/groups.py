@@ -2,10 +2,10 @@
 
 from collections.abc import Collection, Iterator
 
-from stages.formats.xml import Element
-from stages.robot.check import Finding
-from stages.validate.findings import differs, named
-from stages.validate.srdf.known import ALL, ReadSrdf
+from linkwright.stages.formats.xml import Element
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.validate.findings import differs, named
+from linkwright.stages.validate.srdf.known import ALL, ReadSrdf
 
 
 def groups(read: ReadSrdf) -> Iterator[Finding]:

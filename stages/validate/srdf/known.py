@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from stages.formats.urdf.chains import UrdfChains, UrdfStep, chains_of
-from stages.formats.written import Written
-from stages.formats.xml import Element
-from stages.robot.model import Robot
-from stages.validate.findings import named
+from linkwright.stages.formats.urdf.chains import UrdfChains, UrdfStep, chains_of
+from linkwright.stages.formats.written import Written
+from linkwright.stages.formats.xml import Element
+from linkwright.stages.robot.model import Robot
+from linkwright.stages.validate.findings import named
 
 
 @dataclass(frozen=True, slots=True, eq=False)

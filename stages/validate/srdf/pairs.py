@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator
 
-from stages.formats.urdf.contacts import Reason, known_pairs
-from stages.formats.xml import Element
-from stages.robot.check import Finding
-from stages.robot.geometry import Geometry
-from stages.validate.findings import differs, named
-from stages.validate.srdf.known import ReadSrdf, pair
+from linkwright.stages.formats.urdf.contacts import Reason, known_pairs
+from linkwright.stages.formats.xml import Element
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.validate.findings import differs, named
+from linkwright.stages.validate.srdf.known import ReadSrdf, pair
 
 Links = frozenset[str]
 """Of a pair."""

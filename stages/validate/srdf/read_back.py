@@ -3,17 +3,17 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-from stages.formats.written import Written
-from stages.formats.xml import Malformed, parse
-from stages.robot.check import Check
-from stages.validate.documents import sentence
-from stages.validate.findings import few
-from stages.validate.srdf.base import base, passive
-from stages.validate.srdf.groups import end_effectors, groups
-from stages.validate.srdf.known import ReadSrdf
-from stages.validate.srdf.pairs import pairs
-from stages.validate.srdf.references import references
-from stages.validate.srdf.states import states
+from linkwright.stages.formats.written import Written
+from linkwright.stages.formats.xml import Malformed, parse
+from linkwright.stages.robot.check import Check
+from linkwright.stages.validate.documents import sentence
+from linkwright.stages.validate.findings import few
+from linkwright.stages.validate.srdf.base import base, passive
+from linkwright.stages.validate.srdf.groups import end_effectors, groups
+from linkwright.stages.validate.srdf.known import ReadSrdf
+from linkwright.stages.validate.srdf.pairs import pairs
+from linkwright.stages.validate.srdf.references import references
+from linkwright.stages.validate.srdf.states import states
 
 CODE = "C-SRDF"
 

@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator
 
-from stages.formats.xml import Element, tag
-from stages.robot.check import Finding
-from stages.robot.globs import did_you_mean
-from stages.validate.findings import named
-from stages.validate.srdf.known import ReadSrdf, pair, state
+from linkwright.stages.formats.xml import Element, tag
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.robot.globs import did_you_mean
+from linkwright.stages.validate.findings import named
+from linkwright.stages.validate.srdf.known import ReadSrdf, pair, state
 
 WHERE = (
     ("virtual_joint", "child_link", "link"),

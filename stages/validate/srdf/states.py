@@ -5,14 +5,14 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from stages.formats.xml import Element
-from stages.robot.check import Finding
-from stages.robot.model import Configuration
-from stages.robot.poses import motion
-from stages.robot.start_pose import HOME, keyframes
-from stages.validate.coordinates import SAME, distance
-from stages.validate.findings import differs, named, shown
-from stages.validate.srdf.known import ReadSrdf, state
+from linkwright.stages.formats.xml import Element
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.robot.model import Configuration
+from linkwright.stages.robot.poses import motion
+from linkwright.stages.robot.start_pose import HOME, keyframes
+from linkwright.stages.validate.coordinates import SAME, distance
+from linkwright.stages.validate.findings import differs, named, shown
+from linkwright.stages.validate.srdf.known import ReadSrdf, state
 
 
 def states(read: ReadSrdf) -> Iterator[Finding]:

@@ -3,13 +3,13 @@ robot's."""
 
 from collections.abc import Iterator, Mapping
 
-from stages.formats.usd.drives import Drives
-from stages.formats.usd.joint_facts import JointFacts, driven, mimic, resistance, state
-from stages.formats.usd.names import UsdNames
-from stages.robot.check import Finding
-from stages.robot.model import Configuration, Dof, Robot
-from stages.validate.findings import differs, named
-from stages.validate.usd.reader import ReadUsdJoint, UsdRobot
+from linkwright.stages.formats.usd.drives import Drives
+from linkwright.stages.formats.usd.joint_facts import JointFacts, driven, mimic, resistance, state
+from linkwright.stages.formats.usd.names import UsdNames
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.robot.model import Configuration, Dof, Robot
+from linkwright.stages.validate.findings import differs, named
+from linkwright.stages.validate.usd.reader import ReadUsdJoint, UsdRobot
 
 SINGLE = 1e-6
 """Attributes are in single precision, relatively; positions below 1 [deg or m] are so to this."""

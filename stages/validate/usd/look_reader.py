@@ -6,7 +6,7 @@ from typing import Any
 
 from pxr import Gf, UsdGeom, UsdShade
 
-from stages.validate.usd.prim_reader import schemas
+from linkwright.stages.validate.usd.prim_reader import schemas
 
 FRICTION = {
     "PhysicsMaterialAPI": ("physics:staticFriction", "physics:dynamicFriction"),

@@ -5,11 +5,11 @@ from pathlib import PurePosixPath
 
 import numpy as np
 
-from stages.formats.usd.colours import ROUGHNESS, linear
-from stages.robot.check import Finding
-from stages.robot.geometry import Shape
-from stages.validate.findings import differs
-from stages.validate.usd.shape_reader import ReadUsdShape
+from linkwright.stages.formats.usd.colours import ROUGHNESS, linear
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.robot.geometry import Shape
+from linkwright.stages.validate.findings import differs
+from linkwright.stages.validate.usd.shape_reader import ReadUsdShape
 
 COLOUR = 1e-5
 """Colours are in single precision."""

@@ -7,17 +7,17 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from stages.formats.mesh_faces import mesh_corners
-from stages.formats.usd.names import UsdNames
-from stages.robot.check import Finding
-from stages.robot.geometry import Geometry, Role, Shape
-from stages.robot.model import Array, Robot
-from stages.robot.plural import count
-from stages.robot.poses import UNMOVED
-from stages.validate.findings import differs, named, place_differs, shown
-from stages.validate.usd.looks import looks
-from stages.validate.usd.reader import UsdRobot
-from stages.validate.usd.shape_reader import ReadUsdShape
+from linkwright.stages.formats.mesh_faces import mesh_corners
+from linkwright.stages.formats.usd.names import UsdNames
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.robot.geometry import Geometry, Role, Shape
+from linkwright.stages.robot.model import Array, Robot
+from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.poses import UNMOVED
+from linkwright.stages.validate.findings import differs, named, place_differs, shown
+from linkwright.stages.validate.usd.looks import looks
+from linkwright.stages.validate.usd.reader import UsdRobot
+from linkwright.stages.validate.usd.shape_reader import ReadUsdShape
 
 PLACE = 1e-6
 """Places of shapes [m, rad] and sizes of primitives [m] are the same within this."""

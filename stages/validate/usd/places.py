@@ -2,13 +2,13 @@
 
 from collections.abc import Iterator, Mapping
 
-from stages.formats.usd.names import UsdNames, identifiers
-from stages.robot.check import Finding
-from stages.robot.model import Robot
-from stages.robot.sensing import Sensing
-from stages.validate.findings import differs, named, place_differs
-from stages.validate.usd.place_reader import ReadUsdPlace
-from stages.validate.usd.reader import UsdRobot
+from linkwright.stages.formats.usd.names import UsdNames, identifiers
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.sensing import Sensing
+from linkwright.stages.validate.findings import differs, named, place_differs
+from linkwright.stages.validate.usd.place_reader import ReadUsdPlace
+from linkwright.stages.validate.usd.reader import UsdRobot
 
 PLACE = 1e-9
 """Frames are in double precision [m, rad]."""

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from pxr import Gf, Sdf, Usd, UsdGeom
 
-from stages.robot.check import Finding
-from stages.validate.findings import differs, named
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.validate.findings import differs, named
 
 UNIT = 1e-5
 """A quaternion's length is 1 within this, and an extent [m] that of the points: in single precision."""

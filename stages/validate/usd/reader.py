@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 from pxr import Tf, Usd, UsdGeom, UsdPhysics
 
-from stages.formats.usd.joint_facts import JointFacts
-from stages.robot.check import Finding
-from stages.robot.model import Array, Inertial, frozen
-from stages.robot.poses import from_parts, rotation_from_quat
-from stages.validate.usd.place_reader import ReadUsdPlace, places_of
-from stages.validate.usd.prim_reader import flaws, schemas
-from stages.validate.usd.shape_reader import ReadUsdShape, shapes_of
+from linkwright.stages.formats.usd.joint_facts import JointFacts
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.robot.model import Array, Inertial, frozen
+from linkwright.stages.robot.poses import from_parts, rotation_from_quat
+from linkwright.stages.validate.usd.place_reader import ReadUsdPlace, places_of
+from linkwright.stages.validate.usd.prim_reader import flaws, schemas
+from linkwright.stages.validate.usd.shape_reader import ReadUsdShape, shapes_of
 
 SELF_COLLISION = (
     ("PhysxArticulationAPI", "physxArticulation:enabledSelfCollisions"),

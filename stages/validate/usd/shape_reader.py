@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 from pxr import Usd, UsdGeom, UsdPhysics
 
-from stages.robot.model import Array
-from stages.robot.poses import inverse
-from stages.validate.usd.look_reader import ReadUsdLook, look_of
-from stages.validate.usd.prim_reader import schemas
+from linkwright.stages.robot.model import Array
+from linkwright.stages.robot.poses import inverse
+from linkwright.stages.validate.usd.look_reader import ReadUsdLook, look_of
+from linkwright.stages.validate.usd.prim_reader import schemas
 
 KINDS = {"Cube": "box", "Sphere": "sphere", "Cylinder": "cylinder", "Capsule": "capsule", "Mesh": "mesh"}
 """What shapes are called elsewhere, by the types of their prims."""

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 from lxml import etree
 
-from stages.mujoco.warnings import listening
+from linkwright.stages.mujoco.warnings import listening
 from tests.support.checklist import Built, names, roles
 
 HULL = 64

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from lxml import etree
 
-from stages.robot.check import Check
+from linkwright.stages.robot.check import Check
 
 Element = etree._Element
 

@@ -11,11 +11,11 @@ import mujoco
 import numpy as np
 import pytest
 
-from pipeline.preflight import plan_problems
-from stages.export import export
-from stages.robot.actuation import Actuation
-from stages.robot.model import Dynamics, Limits, Robot
-from stages.validate import validate
+from linkwright.pipeline.preflight import plan_problems
+from linkwright.stages.export import export
+from linkwright.stages.robot.actuation import Actuation
+from linkwright.stages.robot.model import Dynamics, Limits, Robot
+from linkwright.stages.validate import validate
 from tests.support.building import NO_MESHES, plan_of, write
 from tests.support.robots import joint, robot_with
 from tests.unit.export.test_actuators import (
@@ -246,7 +246,7 @@ def test_what_the_installed_mujoco_lacks_is_told_with_both_versions(monkeypatch:
     ],
 )
 def test_a_bad_value_is_named_before_the_build(entry: dict, text: str) -> None:
-    from pipeline.errors import ConfigError
+    from linkwright.pipeline.errors import ConfigError
 
     with pytest.raises(ConfigError) as error:
         plan_of(actuators={"arm": entry})

@@ -11,14 +11,14 @@ import mujoco
 import numpy as np
 import pytest
 
-from stages.export import Exported, export
-from stages.formats.xml import parse
-from stages.robot.amendments import Surplus
-from stages.robot.check import Check
-from stages.robot.errors import ConfigError, ExportError
-from stages.robot.kinematics import link_poses
-from stages.robot.model import Base, Robot
-from stages.validate import validate
+from linkwright.stages.export import Exported, export
+from linkwright.stages.formats.xml import parse
+from linkwright.stages.robot.amendments import Surplus
+from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.errors import ConfigError, ExportError
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.model import Base, Robot
+from linkwright.stages.validate import validate
 from tests.support.building import plan_of, write
 from tests.support.robots import at, joint, loop, robot_with
 from tests.unit.export.test_scene import arm

@@ -9,12 +9,12 @@ import mujoco
 import numpy as np
 import pytest
 
-import stages.export
-from stages.export import WRITERS, FormatFiles, WriterInput, export, writer_of
-from stages.formats.xml import parse
-from stages.robot.kinematics import saved_configuration
-from stages.robot.start_pose import starting_point
-from stages.validate.mujoco_abilities import reads_mimic
+import linkwright.stages.export
+from linkwright.stages.export import WRITERS, FormatFiles, WriterInput, export, writer_of
+from linkwright.stages.formats.xml import parse
+from linkwright.stages.robot.kinematics import saved_configuration
+from linkwright.stages.robot.start_pose import starting_point
+from linkwright.stages.validate.mujoco_abilities import reads_mimic
 from tests.fake_onshape.frames import frame, turn
 from tests.support.building import NO_MESHES, plan_of, robot_of, write
 from tests.support.engines import Mujoco, Pinocchio
@@ -153,8 +153,8 @@ def test_a_writer_is_given_the_files_that_it_reads_also_of_formats_that_are_not_
         return FormatFiles({"seen.txt": " ".join(given.files).encode()})
 
     reader = SimpleNamespace(reads=("urdf",), write=write)
-    monkeypatch.setattr(stages.export, "WRITERS", (*WRITERS, "reader"))
-    monkeypatch.setitem(sys.modules, "stages.export.reader.writer", SimpleNamespace(WRITER=reader))
+    monkeypatch.setattr(linkwright.stages.export, "WRITERS", (*WRITERS, "reader"))
+    monkeypatch.setitem(sys.modules, "linkwright.stages.export.reader.writer", SimpleNamespace(WRITER=reader))
     two_links(kit)
     robot, plan = robot_of(kit.document), plan_of()
     for chosen in (("reader",), ("urdf", "reader")):
@@ -173,5 +173,5 @@ def test_every_file_that_is_written_is_expected(kit: Kit, tmp_path: Path) -> Non
     two_links(kit)
     plan = plan_of()
     exported = write(robot_of(kit.document), tmp_path, plan)
-    expected = stages.export.expected_paths(plan, "robot")
+    expected = linkwright.stages.export.expected_paths(plan, "robot")
     assert sorted(exported.files) == sorted(path for path in expected if path != "assets/*")

@@ -12,12 +12,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
-from stages.export.footing import balanced, supports
-from stages.export.standing import stand
-from stages.robot.model import Dynamics, Keyframe, Limits, Primitive, Robot, frozen
-from stages.robot.poses import from_parts, rotation_from_rpy
-from stages.robot.start_pose import keyframes
-from stages.validate import validate
+from linkwright.stages.export.footing import balanced, supports
+from linkwright.stages.export.standing import stand
+from linkwright.stages.robot.model import Dynamics, Keyframe, Limits, Primitive, Robot, frozen
+from linkwright.stages.robot.poses import from_parts, rotation_from_rpy
+from linkwright.stages.robot.start_pose import keyframes
+from linkwright.stages.validate import validate
 from tests.support.building import plan_of, write
 from tests.support.robots import at, joint, robot_with
 from tests.unit.export.test_actuators import ARM, GRAVITY, MASS, at_home, compiled, lump, pendulum

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from stages.export.mjcf import model as mjcf_model
-from stages.mesh import make_geometry
-from stages.robot.geometry import Geometry
-from stages.robot.model import Dynamics, Limits, Relation, Robot
+from linkwright.stages.export.mjcf import model as mjcf_model
+from linkwright.stages.mesh import make_geometry
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.model import Dynamics, Limits, Relation, Robot
 from tests.support.building import plan_of, write
 from tests.support.robots import at, joint, loop, robot_with
 from tests.support.touching import NO_FILES, ball, box, no_memo

@@ -9,15 +9,15 @@ import mujoco
 import numpy as np
 import pytest
 
-from pipeline.config.plan import Plan
-from stages.formats.mjcf_form import MjcfForm
-from stages.formats.mjcf_written import form_with
-from stages.formats.xml import parse
-from stages.mesh.primitives import shapes as primitive_shapes
-from stages.robot.geometry import Exclude, Geometry, Shape, Touch
-from stages.robot.model import Array, Frame, Primitive, Robot, Sensor, frozen
-from stages.robot.poses import from_parts, turn
-from stages.validate import validate
+from linkwright.pipeline.config.plan import Plan
+from linkwright.stages.formats.mjcf_form import MjcfForm
+from linkwright.stages.formats.mjcf_written import form_with
+from linkwright.stages.formats.xml import parse
+from linkwright.stages.mesh.primitives import shapes as primitive_shapes
+from linkwright.stages.robot.geometry import Exclude, Geometry, Shape, Touch
+from linkwright.stages.robot.model import Array, Frame, Primitive, Robot, Sensor, frozen
+from linkwright.stages.robot.poses import from_parts, turn
+from linkwright.stages.validate import validate
 from tests.support.building import plan_of, write
 from tests.support.engines import Mujoco, Pinocchio
 from tests.support.robots import at, joint, loop, pose, robot_with, some_values

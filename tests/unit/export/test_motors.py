@@ -12,15 +12,15 @@ import numpy as np
 import pytest
 import yaml
 
-from pipeline.config.plan import Plan
-from pipeline.errors import ConfigError
-from pipeline.motor_files import OURS, library
-from stages.export import Exported, export
-from stages.export.motor_section import QUANTITIES, MotorSection
-from stages.graph.passes.joint_limits import with_properties
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.model import Limits, Robot
-from stages.validate import validate
+from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.errors import ConfigError
+from linkwright.pipeline.motor_files import OURS, library
+from linkwright.stages.export import Exported, export
+from linkwright.stages.export.motor_section import QUANTITIES, MotorSection
+from linkwright.stages.graph.passes.joint_limits import with_properties
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.model import Limits, Robot
+from linkwright.stages.validate import validate
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import NO_MESHES, plan_of, robot_of, write
 from tests.support.places import SHARED
@@ -311,7 +311,7 @@ def test_a_motor_moves_a_slide_through_a_gear_alone() -> None:
 
 
 def problem_with(robot: Robot, entries: dict[str, Any]) -> tuple[str, str, str]:
-    from stages.robot.errors import ExportError
+    from linkwright.stages.robot.errors import ExportError
 
     with pytest.raises(ExportError) as error:
         exported(robot, motors={"own": FULL}, actuators=entries)

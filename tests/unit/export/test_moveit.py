@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 import yaml
 
-from stages.export import export
-from stages.robot.geometry import Geometry
-from stages.robot.model import Dynamics, Frame, Limits, Relation, Robot, frozen
+from linkwright.stages.export import export
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.model import Dynamics, Frame, Limits, Relation, Robot, frozen
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.robots import at, joint, robot_with
 from tests.support.ros2 import IncludeLaunchDescription, Package, check_manifest, launched, moveit_of, packed
@@ -171,7 +171,7 @@ def test_it_has_the_name_of_the_package_that_it_is_for(tmp_path) -> None:
     [(3.0, "3.0"), (0.1 + 0.2, "0.3"), (1e-7, "1.0e-07"), (2.5e20, "2.5e+20"), (1e6, "1000000.0")],
 )
 def test_numbers_are_real_ones_to_yaml(value, text) -> None:
-    from stages.export.ros2.moveit import _real
+    from linkwright.stages.export.ros2.moveit import _real
 
     assert _real(value) == text
     read = yaml.safe_load(text)

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stages.formats.xml import parse
-from stages.robot.geometry import Geometry
-from stages.robot.model import Dynamics, Frame, Inertial, Limits, Relation, Robot, frozen
-from stages.robot.poses import rotation_from_rpy
+from linkwright.stages.formats.xml import parse
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.model import Dynamics, Frame, Inertial, Limits, Relation, Robot, frozen
+from linkwright.stages.robot.poses import rotation_from_rpy
 from tests.support.building import plan_of, write
 from tests.support.robots import from_parts, joint, robot_with
 

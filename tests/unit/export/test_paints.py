@@ -4,8 +4,8 @@ import colorsys
 
 import pytest
 
-from stages.export.paints import WORDS, materials, word
-from stages.robot.geometry import Geometry, Shape
+from linkwright.stages.export.paints import WORDS, materials, word
+from linkwright.stages.robot.geometry import Geometry, Shape
 
 
 @pytest.mark.parametrize("name", WORDS)

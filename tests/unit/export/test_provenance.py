@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-from stages.robot.codec import decode_robot, encode_robot
+from linkwright.stages.robot.codec import decode_robot, encode_robot
 from tests.support.building import plan_of, robot_of, write
 from tests.support.kit import SIDE, TOP, Kit
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.errors import ConfigError
-from stages.export import export
+from linkwright.pipeline.errors import ConfigError
+from linkwright.stages.export import export
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.robots import joint, robot_with
 

@@ -8,12 +8,12 @@ import pytest
 from lxml import etree
 from scipy.spatial.transform import Rotation
 
-from stages.export.robot_json import describe
-from stages.export.urdf.lowering import lower
-from stages.formats.written import Written
-from stages.robot import kinematics
-from stages.robot.kinematics import link_poses
-from stages.robot.model import Dynamics, Frame, Limits, Mobility, Primitive, Robot, frozen
+from linkwright.stages.export.robot_json import describe
+from linkwright.stages.export.urdf.lowering import lower
+from linkwright.stages.formats.written import Written
+from linkwright.stages.robot import kinematics
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.model import Dynamics, Frame, Limits, Mobility, Primitive, Robot, frozen
 from tests.support.building import write
 from tests.support.engines import Mujoco, Pinocchio
 from tests.support.robots import (

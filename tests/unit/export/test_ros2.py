@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from stages.export import export
-from stages.export.package_names import package_of
-from stages.export.ros2.names import legal_names, macro_of
-from stages.robot.geometry import Geometry, Shape
-from stages.robot.model import Frame, Limits, Relation, Robot, frozen
-from stages.robot.start_pose import home
+from linkwright.stages.export import export
+from linkwright.stages.export.package_names import package_of
+from linkwright.stages.export.ros2.names import legal_names, macro_of
+from linkwright.stages.robot.geometry import Geometry, Shape
+from linkwright.stages.robot.model import Frame, Limits, Relation, Robot, frozen
+from linkwright.stages.robot.start_pose import home
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.engines import Pinocchio
 from tests.support.robots import EVERY, at, joint, loop, pose, robot_with
@@ -140,7 +140,7 @@ def test_the_manifest_follows_the_rules_and_has_what_the_keys_say(tmp_path) -> N
     ],
 )
 def test_what_a_package_cannot_have_is_refused(key, value) -> None:
-    from pipeline.errors import ConfigError
+    from linkwright.pipeline.errors import ConfigError
 
     with pytest.raises(ConfigError, match=f"export.ros2.{key}"):
         plan_of(export={"ros2": {key: value}})

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from stages.export.mujoco_section import (
+from linkwright.stages.export.mujoco_section import (
     IN_THE_ROBOT,
     READS_THE_FILE,
     CompilerSection,
@@ -15,9 +15,9 @@ from stages.export.mujoco_section import (
     LengthRangeSection,
     OptionSection,
 )
-from stages.robot.errors import ConfigError, ExportError
-from stages.robot.model import Frame, Primitive, Robot, frozen
-from stages.robot.poses import from_parts, rotation_from_rpy
+from linkwright.stages.robot.errors import ConfigError, ExportError
+from linkwright.stages.robot.model import Frame, Primitive, Robot, frozen
+from linkwright.stages.robot.poses import from_parts, rotation_from_rpy
 from tests.support.building import plan_of, write
 from tests.support.mujoco_schema import schema
 from tests.support.robots import at, joint, robot_with

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from stages.export import export
-from stages.formats.xml import parse
-from stages.mesh.primitives import shapes as primitive_shapes
-from stages.robot.dynamics import mass_matrix
-from stages.robot.geometry import Geometry
-from stages.robot.kinematics import link_poses
-from stages.robot.model import Dynamics, Frame, Limits, Primitive, Relation, Robot, frozen
-from stages.robot.start_pose import starting_point
+from linkwright.stages.export import export
+from linkwright.stages.formats.xml import parse
+from linkwright.stages.mesh.primitives import shapes as primitive_shapes
+from linkwright.stages.robot.dynamics import mass_matrix
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.model import Dynamics, Frame, Limits, Primitive, Relation, Robot, frozen
+from linkwright.stages.robot.start_pose import starting_point
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.engines import Pinocchio
 from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_around, robot_with, some_values

@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stages.export import export
-from stages.formats.written import Written
-from stages.mesh.primitives import shapes as primitive_shapes
-from stages.robot.geometry import Exclude, Geometry
-from stages.robot.model import Robot
-from stages.validate.read.sdf import check_file
+from linkwright.stages.export import export
+from linkwright.stages.formats.written import Written
+from linkwright.stages.mesh.primitives import shapes as primitive_shapes
+from linkwright.stages.robot.geometry import Exclude, Geometry
+from linkwright.stages.robot.model import Robot
+from linkwright.stages.validate.read.sdf import check_file
 from tests.support.building import plan_of
 from tests.support.robots import joint, robot_with
 from tests.support.sdf import Sdf

@@ -10,16 +10,16 @@ import numpy as np
 import pytest
 import trimesh
 
-from stages.export import export
-from stages.formats.written import Written
-from stages.formats.xml import parse
-from stages.mesh.primitives import shapes as primitive_shapes
-from stages.robot.errors import ConfigError
-from stages.robot.geom_form import ContactProperties
-from stages.robot.geometry import Geometry, Shape
-from stages.robot.kinematics import link_poses
-from stages.robot.model import Frame, Primitive, Robot, frozen
-from stages.validate.read.sdf import check_file
+from linkwright.stages.export import export
+from linkwright.stages.formats.written import Written
+from linkwright.stages.formats.xml import parse
+from linkwright.stages.mesh.primitives import shapes as primitive_shapes
+from linkwright.stages.robot.errors import ConfigError
+from linkwright.stages.robot.geom_form import ContactProperties
+from linkwright.stages.robot.geometry import Geometry, Shape
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.model import Frame, Primitive, Robot, frozen
+from linkwright.stages.validate.read.sdf import check_file
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.robots import at, joint, loop, robot_with
 from tests.support.sdf import Sdf, transform

@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 
-from stages.export import export
+from linkwright.stages.export import export
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import NO_MESHES, plan_of, robot_of
 from tests.support.pinocchio import pin

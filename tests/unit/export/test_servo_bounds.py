@@ -7,17 +7,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stages.export import export
-from stages.export.actuators.resolve import actuate
-from stages.robot.actuation import Actuation
-from stages.robot.couplings import Couplings
-from stages.robot.errors import Diagnostic
-from stages.robot.kinematics import link_poses
-from stages.robot.loops import gap
-from stages.robot.model import Dynamics, Limits, Robot
-from stages.robot.pose_batch import chosen
-from stages.robot.pose_samples import sampled_poses
-from stages.robot.start_pose import saved
+from linkwright.stages.export import export
+from linkwright.stages.export.actuators.resolve import actuate
+from linkwright.stages.robot.actuation import Actuation
+from linkwright.stages.robot.couplings import Couplings
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.loops import gap
+from linkwright.stages.robot.model import Dynamics, Limits, Robot
+from linkwright.stages.robot.pose_batch import chosen
+from linkwright.stages.robot.pose_samples import sampled_poses
+from linkwright.stages.robot.start_pose import saved
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.robots import at, joint, loop, robot_with
 from tests.unit.export.test_actuators import ACROSS, ARM, GRAVITY, exported, lump, pendulum

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from pipeline.config.plan import Plan
-from stages.export import export
-from stages.robot.model import Robot
+from linkwright.pipeline.config.plan import Plan
+from linkwright.stages.export import export
+from linkwright.stages.robot.model import Robot
 from tests.support.building import plan_of, write
 from tests.support.pinocchio import pin
 from tests.support.ros2 import moveit_of, packed

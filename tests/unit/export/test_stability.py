@@ -8,14 +8,14 @@ import mujoco
 import numpy as np
 import pytest
 
-from stages.export import Exported, export
-from stages.export.mjcf.loops import held
-from stages.export.stability.steadied import steadied
-from stages.mujoco.trial import Trial, trial_run
-from stages.robot.actuation import Actuation, Armature
-from stages.robot.driven import as_driven
-from stages.robot.model import Dynamics, Robot
-from stages.validate import validate
+from linkwright.stages.export import Exported, export
+from linkwright.stages.export.mjcf.loops import held
+from linkwright.stages.export.stability.steadied import steadied
+from linkwright.stages.mujoco.trial import Trial, trial_run
+from linkwright.stages.robot.actuation import Actuation, Armature
+from linkwright.stages.robot.driven import as_driven
+from linkwright.stages.robot.model import Dynamics, Robot
+from linkwright.stages.validate import validate
 from tests.support.building import NO_MESHES, plan_of, robot_of, write
 from tests.support.cases import mostly_slow
 from tests.support.checked import checked

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from stages.export import export
-from stages.robot.model import Relation, Robot
+from linkwright.stages.export import export
+from linkwright.stages.robot.model import Relation, Robot
 from tests.support.building import plan_of
 from tests.support.robots import at, joint, robot_with
 from tests.support.ros2 import Package, packed

@@ -7,17 +7,17 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from stages.export.urdf.lowering import lower
-from stages.export.urdf.model import write_urdf
-from stages.export.urdf.unsupported import unsupported
-from stages.formats.written import Written
-from stages.formats.xml import parse
-from stages.mesh.primitives import shapes as primitive_shapes
-from stages.robot.geometry import Geometry
-from stages.robot.inertia import primitive_volume
-from stages.robot.kinematics import link_poses
-from stages.robot.model import Dynamics, Frame, Limits, Primitive, Relation, Robot, frozen
-from stages.validate.mujoco_abilities import reads_mimic
+from linkwright.stages.export.urdf.lowering import lower
+from linkwright.stages.export.urdf.model import write_urdf
+from linkwright.stages.export.urdf.unsupported import unsupported
+from linkwright.stages.formats.written import Written
+from linkwright.stages.formats.xml import parse
+from linkwright.stages.mesh.primitives import shapes as primitive_shapes
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.inertia import primitive_volume
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.model import Dynamics, Frame, Limits, Primitive, Relation, Robot, frozen
+from linkwright.stages.validate.mujoco_abilities import reads_mimic
 from tests.support.pinocchio import pin
 from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_around, robot_with, some_values
 

@@ -8,19 +8,19 @@ import mujoco
 import numpy as np
 import pytest
 
-from pipeline.errors import ConfigError
-from stages.export.urdf.model import write_urdf
-from stages.export.urdf.section import UrdfFormatSection
-from stages.formats.urdf.form import UrdfForm
-from stages.formats.written import Written
-from stages.formats.xml import parse
-from stages.mesh import make_geometry
-from stages.mesh.primitives import shapes as primitive_shapes
-from stages.robot.dynamics import mass_matrix
-from stages.robot.geometry import Geometry
-from stages.robot.kinematics import link_poses
-from stages.robot.model import Frame, Primitive, Robot, frozen
-from stages.validate import validate
+from linkwright.pipeline.errors import ConfigError
+from linkwright.stages.export.urdf.model import write_urdf
+from linkwright.stages.export.urdf.section import UrdfFormatSection
+from linkwright.stages.formats.urdf.form import UrdfForm
+from linkwright.stages.formats.written import Written
+from linkwright.stages.formats.xml import parse
+from linkwright.stages.mesh import make_geometry
+from linkwright.stages.mesh.primitives import shapes as primitive_shapes
+from linkwright.stages.robot.dynamics import mass_matrix
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.model import Frame, Primitive, Robot, frozen
+from linkwright.stages.validate import validate
 from tests.support.building import bundle_of, plan_of, robot_of, write
 from tests.support.checked import checked
 from tests.support.engines import Mujoco, Pinocchio
@@ -66,7 +66,7 @@ def test_a_mesh_missing_from_the_package_fails_the_check(tmp_path: Path) -> None
 
 @pytest.mark.parametrize("meshes", ["relative", "package"])
 def test_the_meshes_that_mujoco_compiles_are_the_same(meshes: str, tmp_path: Path) -> None:
-    from stages.validate.engines.mujoco_engine import load
+    from linkwright.stages.validate.engines.mujoco_engine import load
 
     built(tmp_path, meshes=meshes)
     model = load(tmp_path / "robot.urdf").model

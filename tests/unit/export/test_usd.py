@@ -10,16 +10,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.preflight import plan_problems
-from stages.export import export
-from stages.mesh.primitives import shapes as primitive_shapes
-from stages.mesh.stl import write as write_stl
-from stages.mesh.surface import Surface
-from stages.robot.dynamics import mass_matrix
-from stages.robot.geom_form import ContactProperties
-from stages.robot.geometry import Exclude, Geometry, Shape
-from stages.robot.kinematics import link_poses
-from stages.robot.model import (
+from linkwright.pipeline.preflight import plan_problems
+from linkwright.stages.export import export
+from linkwright.stages.mesh.primitives import shapes as primitive_shapes
+from linkwright.stages.mesh.stl import write as write_stl
+from linkwright.stages.mesh.surface import Surface
+from linkwright.stages.robot.dynamics import mass_matrix
+from linkwright.stages.robot.geom_form import ContactProperties
+from linkwright.stages.robot.geometry import Exclude, Geometry, Shape
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.model import (
     Actuator,
     Dynamics,
     Frame,
@@ -31,8 +31,8 @@ from stages.robot.model import (
     Robot,
     frozen,
 )
-from stages.robot.poses import from_parts
-from stages.robot.start_pose import home
+from linkwright.stages.robot.poses import from_parts
+from linkwright.stages.robot.start_pose import home
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.engines import Pinocchio
 from tests.support.places import PROJECT

@@ -7,8 +7,8 @@ from urllib.parse import quote, urlsplit
 import numpy as np
 import pytest
 
-from stages.fetch.onshape.api.credentials import Credentials
-from stages.fetch.onshape.api.signing import headers
+from linkwright.stages.fetch.onshape.api.credentials import Credentials
+from linkwright.stages.fetch.onshape.api.signing import headers
 from tests.benchmarks.many_parts import many_parts
 from tests.fake_onshape.server import OnshapeServer
 

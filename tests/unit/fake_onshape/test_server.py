@@ -8,8 +8,8 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from stages.fetch.onshape.api.credentials import Credentials
-from stages.fetch.onshape.api.signing import headers
+from linkwright.stages.fetch.onshape.api.credentials import Credentials
+from linkwright.stages.fetch.onshape.api.signing import headers
 from tests.fake_onshape.auth import Gate
 from tests.fake_onshape.bundle import requests
 from tests.fake_onshape.replies import Replies

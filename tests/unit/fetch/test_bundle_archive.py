@@ -11,11 +11,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from stages.fetch.bundle import archive as module
-from stages.fetch.bundle.archive import pack, read
-from stages.fetch.bundle.source import BundleSource
-from stages.robot.bundle import OnshapeBundle
-from stages.robot.errors import SourceError
+from linkwright.stages.fetch.bundle import archive as module
+from linkwright.stages.fetch.bundle.archive import pack, read
+from linkwright.stages.fetch.bundle.source import BundleSource
+from linkwright.stages.robot.bundle import OnshapeBundle
+from linkwright.stages.robot.errors import SourceError
 
 BODIES = [b'{"a": 1}', b'{"b": 2}']
 DIGESTS = [sha256(body).hexdigest() for body in BODIES]

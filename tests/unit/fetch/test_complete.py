@@ -6,10 +6,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from stages.fetch.bundle.archive import pack
-from stages.fetch.onshape.gather import digest
-from stages.formats import triangles
-from stages.robot.errors import Offline, ProtocolError
+from linkwright.stages.fetch.bundle.archive import pack
+from linkwright.stages.fetch.onshape.gather import digest
+from linkwright.stages.formats import triangles
+from linkwright.stages.robot.errors import Offline, ProtocolError
 from tests.fake_onshape import solids
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.server import Fault, OnshapeServer

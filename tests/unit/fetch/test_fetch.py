@@ -9,10 +9,10 @@ from types import SimpleNamespace
 import pytest
 from pydantic import ValidationError
 
-from stages import fetch as stage
-from stages.fetch.bundle.archive import pack
-from stages.fetch.section import FetchSections
-from stages.robot.errors import AssemblyError, ConfigError, NotFound, ProtocolError, SourceError
+from linkwright.stages import fetch as stage
+from linkwright.stages.fetch.bundle.archive import pack
+from linkwright.stages.fetch.section import FetchSections
+from linkwright.stages.robot.errors import AssemblyError, ConfigError, NotFound, ProtocolError, SourceError
 from tests.fake_onshape import solids
 from tests.fake_onshape.bundle import bundle_bytes
 from tests.fake_onshape.document import Document

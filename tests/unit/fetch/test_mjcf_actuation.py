@@ -6,10 +6,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from stages.export import Exported, export
-from stages.fetch.mjcf.gather import gather
-from stages.graph import build_robot
-from stages.robot.model import Robot
+from linkwright.stages.export import Exported, export
+from linkwright.stages.fetch.mjcf.gather import gather
+from linkwright.stages.graph import build_robot
+from linkwright.stages.robot.model import Robot
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.mjcfs import model, written
 

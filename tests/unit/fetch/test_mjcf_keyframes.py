@@ -6,11 +6,11 @@ import mujoco
 import numpy as np
 import pytest
 
-from stages.export import export
-from stages.fetch.mjcf.gather import gather
-from stages.graph import build_robot
-from stages.robot.errors import AssemblyError
-from stages.robot.model import Robot
+from linkwright.stages.export import export
+from linkwright.stages.fetch.mjcf.gather import gather
+from linkwright.stages.graph import build_robot
+from linkwright.stages.robot.errors import AssemblyError
+from linkwright.stages.robot.model import Robot
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.mjcfs import SOLID, body, model, written
 

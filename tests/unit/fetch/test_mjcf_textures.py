@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from stages.formats import png
+from linkwright.stages.formats import png
 from tests.support.mjcfs import at_home, written
 from tests.support.textures import (
     QUADRANTS,
@@ -31,7 +31,7 @@ SEEN = 'material="painted" contype="0" conaffinity="0"'
 
 @pytest.fixture(autouse=True)
 def _guests_at_home(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("stages.robot.guest.ask", at_home)
+    monkeypatch.setattr("linkwright.stages.robot.guest.ask", at_home)
 
 
 def source(

@@ -6,16 +6,16 @@ import sys
 
 import pytest
 
-from stages.fetch import ROOMS, source_class
-from stages.fetch.section import SOURCES
+from linkwright.stages.fetch import ROOMS, source_class
+from linkwright.stages.fetch.section import SOURCES
 from tests.support.places import PROJECT
 
 FETCH = PROJECT / "stages" / "fetch"
 
 TOY_SECTION = """
 from typing import Literal
-from stages.fetch.source_section import SourceSection
-from stages.robot.section import Text
+from linkwright.stages.fetch.source_section import SourceSection
+from linkwright.stages.robot.section import Text
 
 class ToySourceSection(SourceSection):
     kind: Literal["toy"] = "toy"
@@ -24,9 +24,9 @@ class ToySourceSection(SourceSection):
 SECTION = ToySourceSection
 """
 TOY_SOURCE = """
-from stages.fetch.robot_file import RobotFileSource
-from stages.fetch.source import Fetched
-from stages.robot.bundle import FileBundle
+from linkwright.stages.fetch.robot_file import RobotFileSource
+from linkwright.stages.fetch.source import Fetched
+from linkwright.stages.robot.bundle import FileBundle
 
 class ToySource(RobotFileSource):
     wanted, example = "a toy is a file", "robots/arm.toy"
@@ -40,10 +40,10 @@ class ToySource(RobotFileSource):
 SOURCE = ToySource
 """
 TOY_BUILD = """
-import stages.fetch as stage
+import linkwright.stages.fetch as stage
 stage.ROOMS["toy"] = "toyroom"
-from pipeline.config.plan import Plan
-from stages.fetch.source import FetchContext
+from linkwright.pipeline.config.plan import Plan
+from linkwright.stages.fetch.source import FetchContext
 
 plan = Plan.parse({"name": "arm", "source": {"kind": "toy", "path": "arm.toy"}})
 stage.preflight(plan, {})

@@ -4,12 +4,12 @@ from pathlib import Path
 
 import pytest
 
-from stages.fetch import preflight
-from stages.fetch.urdf.gather import gather
-from stages.fetch.urdf.section import UrdfSourceSection
-from stages.fetch.urdf.source import UrdfSource
-from stages.robot.bundle import FileBundle
-from stages.robot.errors import ConfigError, Diagnostic, SourceError
+from linkwright.stages.fetch import preflight
+from linkwright.stages.fetch.urdf.gather import gather
+from linkwright.stages.fetch.urdf.section import UrdfSourceSection
+from linkwright.stages.fetch.urdf.source import UrdfSource
+from linkwright.stages.robot.bundle import FileBundle
+from linkwright.stages.robot.errors import ConfigError, Diagnostic, SourceError
 from tests.support.building import plan_of
 
 URDF = '<robot name="arm"><link name="a"/></robot>'

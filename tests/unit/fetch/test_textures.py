@@ -11,16 +11,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stages.fetch import fetch
-from stages.fetch.bundle.archive import pack, read
-from stages.fetch.source import FetchContext
-from stages.fetch.urdf.gather import gather
-from stages.fetch.urdf.section import UrdfSourceSection
-from stages.fetch.urdf.source import UrdfSource
-from stages.fetch.urdf.survey import identity
-from stages.formats import png, triangles
-from stages.robot.bundle import Bundle
-from stages.robot.errors import Diagnostic, SourceError
+from linkwright.stages.fetch import fetch
+from linkwright.stages.fetch.bundle.archive import pack, read
+from linkwright.stages.fetch.source import FetchContext
+from linkwright.stages.fetch.urdf.gather import gather
+from linkwright.stages.fetch.urdf.section import UrdfSourceSection
+from linkwright.stages.fetch.urdf.source import UrdfSource
+from linkwright.stages.fetch.urdf.survey import identity
+from linkwright.stages.formats import png, triangles
+from linkwright.stages.robot.bundle import Bundle
+from linkwright.stages.robot.errors import Diagnostic, SourceError
 from tests.support.building import plan_of
 from tests.support.textures import Corners, chunk, cube, image, obj, ordered, put, urdf, visual
 

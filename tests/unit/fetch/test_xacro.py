@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.config.plan import Plan
-from stages.fetch import pinned, preflight
-from stages.fetch.urdf import expand
-from stages.fetch.urdf.gather import gather
-from stages.fetch.urdf.section import UrdfSourceSection
-from stages.robot import guest
-from stages.robot.errors import ConfigError, SourceError
+from linkwright.pipeline.config.plan import Plan
+from linkwright.stages.fetch import pinned, preflight
+from linkwright.stages.fetch.urdf import expand
+from linkwright.stages.fetch.urdf.gather import gather
+from linkwright.stages.fetch.urdf.section import UrdfSourceSection
+from linkwright.stages.robot import guest
+from linkwright.stages.robot.errors import ConfigError, SourceError
 from tests.unit.fetch.test_urdf_files import block, put
 
 XMLNS = b'xmlns:xacro="http://www.ros.org/wiki/xacro"'

@@ -7,19 +7,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stages.export.robot_json import describe
-from stages.formats.described import Truth, described
-from stages.formats.mjcf_form import MjcfForm
-from stages.formats.robot_json.codec import RobotJsonError
-from stages.formats.urdf.form import UrdfForm
-from stages.formats.written import Written
-from stages.robot.actuation import Actuation, Actuator, Armature
-from stages.robot.amendments import Amendment, Amendments, Surplus
-from stages.robot.driven import as_driven
-from stages.robot.geom_form import ContactProperties
-from stages.robot.geometry import Exclude, Geometry, Shape, Touch
-from stages.robot.linear_coupling import LinearCoupling
-from stages.robot.model import (
+from linkwright.stages.export.robot_json import describe
+from linkwright.stages.formats.described import Truth, described
+from linkwright.stages.formats.mjcf_form import MjcfForm
+from linkwright.stages.formats.robot_json.codec import RobotJsonError
+from linkwright.stages.formats.urdf.form import UrdfForm
+from linkwright.stages.formats.written import Written
+from linkwright.stages.robot.actuation import Actuation, Actuator, Armature
+from linkwright.stages.robot.amendments import Amendment, Amendments, Surplus
+from linkwright.stages.robot.driven import as_driven
+from linkwright.stages.robot.geom_form import ContactProperties
+from linkwright.stages.robot.geometry import Exclude, Geometry, Shape, Touch
+from linkwright.stages.robot.linear_coupling import LinearCoupling
+from linkwright.stages.robot.model import (
     Dynamics,
     Frame,
     Keyframe,
@@ -33,8 +33,8 @@ from stages.robot.model import (
     Transmission,
     frozen,
 )
-from stages.robot.scene import Ground, Scene
-from stages.robot.sensing import Sensing, SensorCamera, SensorSite
+from linkwright.stages.robot.scene import Ground, Scene
+from linkwright.stages.robot.sensing import Sensing, SensorCamera, SensorSite
 from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_with, solid
 from tests.support.truth import differences
 

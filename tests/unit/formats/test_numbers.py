@@ -4,7 +4,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from stages.formats.numbers import LENGTH, TOLERANCE, TURN, least_of, number, numbers, spaced, tidy
+from linkwright.stages.formats.numbers import LENGTH, TOLERANCE, TURN, least_of, number, numbers, spaced, tidy
 
 finite = st.floats(-1e9, 1e9, allow_nan=False, allow_subnormal=False)
 

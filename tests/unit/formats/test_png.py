@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from stages.formats import png
+from linkwright.stages.formats import png
 from tests.support.textures import chunk, image
 
 CHANNELS = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}

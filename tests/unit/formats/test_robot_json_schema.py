@@ -8,11 +8,11 @@ from typing import Any
 import jsonschema
 import pytest
 
-from pipeline.reference import ROBOT_JSON_SCHEMA
-from stages.export import export
-from stages.export.robot_json import describe
-from stages.formats.robot_json.codec import entries_of
-from stages.formats.written import Written
+from linkwright.pipeline.reference import ROBOT_JSON_SCHEMA
+from linkwright.stages.export import export
+from linkwright.stages.export.robot_json import describe
+from linkwright.stages.formats.robot_json.codec import entries_of
+from linkwright.stages.formats.written import Written
 from tests.config.robot_json import meanings, records
 from tests.e2e.test_mjcf_motion import CASES
 from tests.fake_onshape.sample import sample_document

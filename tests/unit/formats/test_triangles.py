@@ -5,8 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from stages.formats import triangles
-from stages.robot.errors import ProtocolError
+from linkwright.stages.formats import triangles
+from linkwright.stages.robot.errors import ProtocolError
 
 POINTS = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
 CORNERS = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from stages.formats.urdf.model import Transmission, Urdf, mesh_key
-from stages.formats.urdf.parse import parse
-from stages.robot.errors import SourceError
+from linkwright.stages.formats.urdf.model import Transmission, Urdf, mesh_key
+from linkwright.stages.formats.urdf.parse import parse
+from linkwright.stages.robot.errors import SourceError
 
 
 def read(body: str, name: str = "r") -> Urdf:

@@ -2,8 +2,8 @@
 
 import pytest
 
-from stages.formats.own_xml import MJCF, SECTIONS, language_of, unknown_tag
-from stages.formats.xml import Malformed, fragment, to_text
+from linkwright.stages.formats.own_xml import MJCF, SECTIONS, language_of, unknown_tag
+from linkwright.stages.formats.xml import Malformed, fragment, to_text
 from tests.support.mujoco_schema import schema
 
 

@@ -5,11 +5,11 @@ import json
 import numpy as np
 import pytest
 
-from stages.fetch.onshape.triangles.faces import read as read_triangles
-from stages.graph import build_robot
-from stages.mesh import make_geometry
-from stages.robot.errors import AssemblyError
-from stages.robot.model import Robot
+from linkwright.stages.fetch.onshape.triangles.faces import read as read_triangles
+from linkwright.stages.graph import build_robot
+from linkwright.stages.mesh import make_geometry
+from linkwright.stages.robot.errors import AssemblyError
+from linkwright.stages.robot.model import Robot
 from tests.fake_onshape import solids
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.extended_sample import ask

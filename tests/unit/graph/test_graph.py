@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 import yaml
 
-from stages.graph import build_robot
-from stages.robot.bundle import Bundle
-from stages.robot.errors import AssemblyError, Disconnected, NoRoot, ProtocolError
-from stages.robot.kinematics import link_poses, saved_configuration
-from stages.robot.model import Limits, Robot
+from linkwright.stages.graph import build_robot
+from linkwright.stages.robot.bundle import Bundle
+from linkwright.stages.robot.errors import AssemblyError, Disconnected, NoRoot, ProtocolError
+from linkwright.stages.robot.kinematics import link_poses, saved_configuration
+from linkwright.stages.robot.model import Limits, Robot
 from tests.fake_onshape import solids
 from tests.fake_onshape.document import ORIGIN
 from tests.fake_onshape.frames import turn
@@ -384,7 +384,7 @@ def test_a_single_part_is_a_robot_of_one_link(kit: Kit) -> None:
 
 def test_order_of_instances_and_features_changes_nothing(kit: Kit) -> None:
     four_bar(kit)
-    from stages.robot.codec import encode_robot
+    from linkwright.stages.robot.codec import encode_robot
 
     plain = encode_robot(robot_of(kit.document))
     for seed in range(5):

@@ -13,15 +13,15 @@ import mujoco
 import pytest
 from lxml import etree
 
-from stages.fetch.mjcf import unsupported
-from stages.fetch.mjcf.compiled import convert
-from stages.fetch.mjcf.meshes import Meshes
-from stages.fetch.mjcf.textures import Textures
-from stages.graph import build_robot
-from stages.robot import codec
-from stages.robot.bundle import FileBundle
-from stages.robot.codec import encode_robot
-from stages.robot.model import Robot
+from linkwright.stages.fetch.mjcf import unsupported
+from linkwright.stages.fetch.mjcf.compiled import convert
+from linkwright.stages.fetch.mjcf.meshes import Meshes
+from linkwright.stages.fetch.mjcf.textures import Textures
+from linkwright.stages.graph import build_robot
+from linkwright.stages.robot import codec
+from linkwright.stages.robot.bundle import FileBundle
+from linkwright.stages.robot.codec import encode_robot
+from linkwright.stages.robot.model import Robot
 from tests.support.building import plan_of
 from tests.support.mujoco_schema import Where, schema
 

@@ -12,7 +12,7 @@ import mujoco
 import pytest
 from lxml import etree
 
-from stages.robot.codec import encode_robot
+from linkwright.stages.robot.codec import encode_robot
 from tests.support.building import plan_of, write
 from tests.support.checked import checked
 from tests.support.urdfs import urdf_robot

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from stages.mesh.across import across
-from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.pieces import signed_distance, volume
-from stages.mesh.surface import Surface
-from stages.robot.model import Primitive, frozen
+from linkwright.stages.mesh.across import across
+from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.pieces import signed_distance, volume
+from linkwright.stages.mesh.surface import Surface
+from linkwright.stages.robot.model import Primitive, frozen
 from tests.support.fidelity import Hull, fidelity
 from tests.support.solids import box, joined
 

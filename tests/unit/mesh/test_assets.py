@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 import trimesh
 
-from stages.formats.xml import parse
-from stages.mesh import make_geometry, obj, stl
-from stages.mesh.assets import surface, written
-from stages.mesh.names import file_names, part_words
-from stages.mesh.surface import Surface, rounded
-from stages.robot.geometry import Geometry, Shape
-from stages.robot.model import Robot
+from linkwright.stages.formats.xml import parse
+from linkwright.stages.mesh import make_geometry, obj, stl
+from linkwright.stages.mesh.assets import surface, written
+from linkwright.stages.mesh.names import file_names, part_words
+from linkwright.stages.mesh.surface import Surface, rounded
+from linkwright.stages.robot.geometry import Geometry, Shape
+from linkwright.stages.robot.model import Robot
 from tests.support.building import bundle_of, plan_of, robot_of, write
 from tests.support.checked import checked
 from tests.support.kit import SIDE, TOP, Kit

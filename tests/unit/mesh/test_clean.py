@@ -6,8 +6,8 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stages.mesh.clean import clean
-from stages.mesh.surface import Surface, weld
+from linkwright.stages.mesh.clean import clean
+from linkwright.stages.mesh.surface import Surface, weld
 from tests.support.solids import box, joined, of_mesh
 
 

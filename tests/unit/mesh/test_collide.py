@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 import trimesh
 
-from stages.mesh import collide, make_geometry, tessellation
-from stages.mesh.fit import capped_hull
-from stages.mesh.library import MOVED, MeshLibrary
-from stages.mesh.section import MeshSections
-from stages.robot import codec
-from stages.robot.bundle import Bundle
-from stages.robot.errors import DecompositionFailed, MeshError
-from stages.robot.geometry import Geometry
-from stages.robot.model import Inertial, Link, MeshRef, Part, Primitive, Robot, frozen
+from linkwright.stages.mesh import collide, make_geometry, tessellation
+from linkwright.stages.mesh.fit import capped_hull
+from linkwright.stages.mesh.library import MOVED, MeshLibrary
+from linkwright.stages.mesh.section import MeshSections
+from linkwright.stages.robot import codec
+from linkwright.stages.robot.bundle import Bundle
+from linkwright.stages.robot.errors import DecompositionFailed, MeshError
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.model import Inertial, Link, MeshRef, Part, Primitive, Robot, frozen
 from tests.support.robots import robot_with
 from tests.support.solids import bodies_of
 

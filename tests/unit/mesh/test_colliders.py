@@ -14,19 +14,19 @@ import numpy as np
 import pytest
 import trimesh
 
-from stages.formats.xml import parse
-from stages.mesh import COLLIDERS, collision, fit, make_geometry, pieces, stl
-from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.colliders import hull, primitives, raw, spheres
-from stages.mesh.collision import Collision
-from stages.mesh.mesh_file import MeshFile
-from stages.mesh.section import MeshSection
-from stages.mesh.surface import Surface, moved
-from stages.robot import codec
-from stages.robot.geometry import Measures
-from stages.robot.kinematics import link_poses
-from stages.robot.model import Primitive, PrimitiveKind, frozen
-from stages.robot.poses import from_parts, rotation_from_rpy
+from linkwright.stages.formats.xml import parse
+from linkwright.stages.mesh import COLLIDERS, collision, fit, make_geometry, pieces, stl
+from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.colliders import hull, primitives, raw, spheres
+from linkwright.stages.mesh.collision import Collision
+from linkwright.stages.mesh.mesh_file import MeshFile
+from linkwright.stages.mesh.section import MeshSection
+from linkwright.stages.mesh.surface import Surface, moved
+from linkwright.stages.robot import codec
+from linkwright.stages.robot.geometry import Measures
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.model import Primitive, PrimitiveKind, frozen
+from linkwright.stages.robot.poses import from_parts, rotation_from_rpy
 from tests.support.building import bundle_of, plan_of, robot_of, write
 from tests.support.checked import checked
 from tests.support.kit import SIDE, TOP, Kit
@@ -128,7 +128,9 @@ def test_a_link_with_several_colliders_has_them_all_in_every_file(
 ) -> None:
     base, arm = kit.place("Base", fixed=True), kit.place("Arm")
     kit.root.revolute("Elbow", (arm, TOP), (base, SIDE), value=0.3, limits=(-1, 1))
-    monkeypatch.setitem(sys.modules, "stages.mesh.colliders.hull", SimpleNamespace(make=three_pieces))
+    monkeypatch.setitem(
+        sys.modules, "linkwright.stages.mesh.colliders.hull", SimpleNamespace(make=three_pieces)
+    )
     robot, plan = robot_of(kit.document), plan_of()
     geometry = make_geometry(robot, bundle_of(kit.document), plan, lambda kind, key, make: make())
     assert [shape.file for shape in geometry.of("arm", "collision")] == [
@@ -159,7 +161,7 @@ def test_fitted_primitives_are_in_the_mjcf_and_the_urdf_where_they_were_fitted(
 ) -> None:
     base, arm = kit.place("Base", fixed=True), kit.place("Arm")
     kit.root.revolute("Elbow", (arm, TOP), (base, SIDE), limits=(-1, 1))
-    monkeypatch.setitem(sys.modules, "stages.mesh.colliders.hull", SimpleNamespace(make=skewed))
+    monkeypatch.setitem(sys.modules, "linkwright.stages.mesh.colliders.hull", SimpleNamespace(make=skewed))
     robot, plan = robot_of(kit.document), plan_of(ground={"kind": "none"})
     geometry = make_geometry(robot, bundle_of(kit.document), plan, lambda kind, key, make: make())
     write(robot, tmp_path, plan, geometry)

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 import trimesh
 
-from stages.mesh import make_geometry
-from stages.mesh.contacts.analysis import self_contacts
-from stages.robot import codec
-from stages.robot.bundle import Bundle
-from stages.robot.exclude_names import excluded_colliders
-from stages.robot.geometry import Exclude, Shape
-from stages.robot.model import Inertial, MeshRef, Part, frozen
+from linkwright.stages.mesh import make_geometry
+from linkwright.stages.mesh.contacts.analysis import self_contacts
+from linkwright.stages.robot import codec
+from linkwright.stages.robot.bundle import Bundle
+from linkwright.stages.robot.exclude_names import excluded_colliders
+from linkwright.stages.robot.geometry import Exclude, Shape
+from linkwright.stages.robot.model import Inertial, MeshRef, Part, frozen
 from tests.support.building import plan_of
 from tests.support.mjcfs import SOLID, body, bundle_of, model, robot_of, written
 from tests.support.robots import at

@@ -8,16 +8,16 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from pipeline.errors import ConfigError
-from stages.mesh.contacts import analysis
-from stages.mesh.contacts.colliders import Colliders, measures_overlaps
-from stages.robot import codec
-from stages.robot.errors import MeshError
-from stages.robot.geometry import Exclude, Shape
-from stages.robot.kinematics import link_poses
-from stages.robot.model import Limits, Relation
-from stages.robot.poses import turn
-from stages.robot.start_pose import home, saved
+from linkwright.pipeline.errors import ConfigError
+from linkwright.stages.mesh.contacts import analysis
+from linkwright.stages.mesh.contacts.colliders import Colliders, measures_overlaps
+from linkwright.stages.robot import codec
+from linkwright.stages.robot.errors import MeshError
+from linkwright.stages.robot.geometry import Exclude, Shape
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.model import Limits, Relation
+from linkwright.stages.robot.poses import turn
+from linkwright.stages.robot.start_pose import home, saved
 from tests.support.building import plan_of
 from tests.support.robots import EVERY, at, joint, loop, robot_with
 from tests.support.touching import apart, ball, box, geometry_of, geoms_in_mujoco, in_mujoco, model_of
@@ -391,7 +391,7 @@ def test_pairs_that_touch_are_found_however_few_poses_part_them(monkeypatch):
         touched.append(pair)
         return np.array([[len(touched) != analysis.POSES]])
 
-    monkeypatch.setattr("stages.mesh.contacts.colliders.Colliders.touching", touch)
+    monkeypatch.setattr("linkwright.stages.mesh.contacts.colliders.Colliders.touching", touch)
     geometry = geometry_of(base_arm_hand(hand=ball(0.06)))
     assert len(touched) == analysis.POSES
     assert ("base", "hand") not in reasons(geometry)

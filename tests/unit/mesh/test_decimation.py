@@ -9,19 +9,19 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stages.mesh import stl
-from stages.mesh.measure import even
-from stages.mesh.neighbours import neighbours
-from stages.mesh.section import VisualSection
-from stages.mesh.surface import Surface, weld
-from stages.mesh.tessellation import PartMesh
-from stages.mesh.visuals import simplify
-from stages.mesh.visuals.budget import LEAST_BOUND, Decimator, bound, lowest
-from stages.mesh.visuals.error import apart, farthest
-from stages.mesh.visuals.make import Drawn, visuals
-from stages.mesh.visuals.simplify import SimplifiablePart, simplified
-from stages.mesh.visuals.walk import WalkedSurface
-from stages.robot.model import MeshRef
+from linkwright.stages.mesh import stl
+from linkwright.stages.mesh.measure import even
+from linkwright.stages.mesh.neighbours import neighbours
+from linkwright.stages.mesh.section import VisualSection
+from linkwright.stages.mesh.surface import Surface, weld
+from linkwright.stages.mesh.tessellation import PartMesh
+from linkwright.stages.mesh.visuals import simplify
+from linkwright.stages.mesh.visuals.budget import LEAST_BOUND, Decimator, bound, lowest
+from linkwright.stages.mesh.visuals.error import apart, farthest
+from linkwright.stages.mesh.visuals.make import Drawn, visuals
+from linkwright.stages.mesh.visuals.simplify import SimplifiablePart, simplified
+from linkwright.stages.mesh.visuals.walk import WalkedSurface
+from linkwright.stages.robot.model import MeshRef
 from tests.support.places import PROJECT
 
 RED, BLUE = (1.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0)
@@ -246,11 +246,11 @@ def test_few_triangles_stay_exactly_as_they_are():
 def test_a_part_within_the_budget_imports_no_library_that_decimates_or_collides():
     code = (
         "import sys, numpy\n"
-        "import stages.mesh.geometry\n"
-        "from stages.mesh.surface import Surface\n"
-        "from stages.mesh.tessellation import PartMesh\n"
-        "from stages.mesh.visuals.budget import Decimator\n"
-        "from stages.robot.model import MeshRef\n"
+        "import linkwright.stages.mesh.geometry\n"
+        "from linkwright.stages.mesh.surface import Surface\n"
+        "from linkwright.stages.mesh.tessellation import PartMesh\n"
+        "from linkwright.stages.mesh.visuals.budget import Decimator\n"
+        "from linkwright.stages.robot.model import MeshRef\n"
         "few = numpy.zeros((4, 3), dtype=int)\n"
         "mesh = PartMesh(Surface(numpy.eye(3), few), ((1, 0, 0, 1),), few[:, 0], False, 0.0)\n"
         "ref = MeshRef('reply', 'one')\n"
@@ -265,7 +265,7 @@ def test_a_part_within_the_budget_imports_no_library_that_decimates_or_collides(
 
 
 def test_a_mesh_that_does_not_simplify_stays(monkeypatch):
-    monkeypatch.setattr("stages.mesh.visuals.budget.simplified", lambda mesh, tolerance: None)
+    monkeypatch.setattr("linkwright.stages.mesh.visuals.budget.simplified", lambda mesh, tolerance: None)
     mesh = part(ball())
     fitted, decimation = Decimator().fitted([ONE], {ONE: mesh}, 10)
     assert fitted[ONE] is mesh

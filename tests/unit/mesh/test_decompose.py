@@ -7,16 +7,16 @@ import manifold3d
 import numpy as np
 import pytest
 
-from stages.mesh import collision, improvement
-from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.collision import Collision
-from stages.mesh.decompose import DecomposeOptions, decomposed, search
-from stages.mesh.decompose.prepare import NOT_CLOSED, prepared
-from stages.mesh.improvement import BOUNDS, Improvement, helper
-from stages.mesh.seams import containing_hull, grown
-from stages.mesh.surface import Surface, weld
-from stages.robot.errors import ConfigError, DecompositionFailed, MeshError
-from stages.robot.guest import Bounds
+from linkwright.stages.mesh import collision, improvement
+from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.collision import Collision
+from linkwright.stages.mesh.decompose import DecomposeOptions, decomposed, search
+from linkwright.stages.mesh.decompose.prepare import NOT_CLOSED, prepared
+from linkwright.stages.mesh.improvement import BOUNDS, Improvement, helper
+from linkwright.stages.mesh.seams import containing_hull, grown
+from linkwright.stages.mesh.surface import Surface, weld
+from linkwright.stages.robot.errors import ConfigError, DecompositionFailed, MeshError
+from linkwright.stages.robot.guest import Bounds
 from tests.fake_onshape import solids
 from tests.support.decomposing import decompose, improved, task
 from tests.support.poison import POISONED
@@ -290,7 +290,7 @@ def test_what_is_given_to_coacd_gives_pieces(given) -> None:
 
 @pytest.mark.slow
 def test_the_collider_coacd_is_the_pieces_of_a_part() -> None:
-    from stages.mesh.colliders import coacd
+    from linkwright.stages.mesh.colliders import coacd
 
     settings = ColliderSettings(coacd={"seed": 1})
     assert coacd.make([Surface(BRACKET.vertices * [1, 1, 0], BRACKET.triangles)], settings).pieces == ()
@@ -302,7 +302,7 @@ def test_the_collider_coacd_is_the_pieces_of_a_part() -> None:
 
 
 def test_a_wrong_parameter_in_the_configuration_is_an_error_of_its_key() -> None:
-    from stages.mesh.section import MeshSection
+    from linkwright.stages.mesh.section import MeshSection
 
     with pytest.raises(ValueError, match=r"coacd\n\s+treshold: .*did you mean threshold\?"):
         MeshSection.model_validate({"coacd": {"treshold": 0.1}})

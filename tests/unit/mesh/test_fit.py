@@ -9,11 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from stages.mesh.fit import CHEAPEST, fit_one, fits, fittest
-from stages.mesh.measure import Target, measure
-from stages.mesh.pieces import placed, signed_distance
-from stages.mesh.surface import Surface, moved, weld
-from stages.robot.model import Primitive, frozen
+from linkwright.stages.mesh.fit import CHEAPEST, fit_one, fits, fittest
+from linkwright.stages.mesh.measure import Target, measure
+from linkwright.stages.mesh.pieces import placed, signed_distance
+from linkwright.stages.mesh.surface import Surface, moved, weld
+from linkwright.stages.robot.model import Primitive, frozen
 
 LENGTHS = st.floats(0.002, 0.5)
 SEEDS = st.integers(0, 10_000)

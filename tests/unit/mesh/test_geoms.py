@@ -9,19 +9,19 @@ import mujoco
 import numpy as np
 import pytest
 
-from pipeline.config.compose import compose_plan
-from stages.mesh import make_geometry
-from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.colliders import hull
-from stages.mesh.collision import Collision
-from stages.mesh.geoms import GeomRules
-from stages.mesh.surface import Surface
-from stages.robot import codec
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.errors import ConfigError, MeshError
-from stages.robot.geom_form import ContactProperties
-from stages.robot.geometry import Geometry, Shape
-from stages.robot.model import Primitive, Robot, frozen
+from linkwright.pipeline.config.compose import compose_plan
+from linkwright.stages.mesh import make_geometry
+from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.colliders import hull
+from linkwright.stages.mesh.collision import Collision
+from linkwright.stages.mesh.geoms import GeomRules
+from linkwright.stages.mesh.surface import Surface
+from linkwright.stages.robot import codec
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.errors import ConfigError, MeshError
+from linkwright.stages.robot.geom_form import ContactProperties
+from linkwright.stages.robot.geometry import Geometry, Shape
+from linkwright.stages.robot.model import Primitive, Robot, frozen
 from tests.support.building import bundle_of, plan_of, robot_of, write
 from tests.support.kit import SIDE, TOP, Kit
 from tests.support.robots import joint, robot_with
@@ -45,7 +45,9 @@ def ball_and_hull(surfaces: Sequence[Surface], settings: ColliderSettings) -> Co
 def test_every_collider_of_a_link_has_its_properties(
     kit: Kit, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(sys.modules, "stages.mesh.colliders.hull", SimpleNamespace(make=ball_and_hull))
+    monkeypatch.setitem(
+        sys.modules, "linkwright.stages.mesh.colliders.hull", SimpleNamespace(make=ball_and_hull)
+    )
     robot, geometry = built(kit, {"*": {"collision": SOFT}, "ar*": {"collision": RUBBER}})
     exported = write(robot, tmp_path, geometry=geometry)
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))

@@ -2,7 +2,7 @@
 
 import pytest
 
-from stages.mesh.idle_keys import BY_CONTACT, idle_keys
+from linkwright.stages.mesh.idle_keys import BY_CONTACT, idle_keys
 from tests.support.building import plan_of
 
 

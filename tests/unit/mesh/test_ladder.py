@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 import trimesh
 
-from stages.mesh import cut_pieces
-from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.colliders import ladder
-from stages.mesh.collision import Collision
-from stages.mesh.pieces import half_spaces, signed_distance
-from stages.mesh.surface import Surface, moved
-from stages.mesh.verdict import miss
-from stages.robot.model import Primitive
-from stages.robot.poses import from_parts, rotation_from_rpy
+from linkwright.stages.mesh import cut_pieces
+from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.colliders import ladder
+from linkwright.stages.mesh.collision import Collision
+from linkwright.stages.mesh.pieces import half_spaces, signed_distance
+from linkwright.stages.mesh.surface import Surface, moved
+from linkwright.stages.mesh.verdict import miss
+from linkwright.stages.robot.model import Primitive
+from linkwright.stages.robot.poses import from_parts, rotation_from_rpy
 
 SETTINGS = ColliderSettings()
 ASKEW = from_parts(rotation_from_rpy((0.4, -0.7, 1.1)), np.array([0.1, -0.2, 0.05]))

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 import trimesh
 
-from stages.fetch.onshape.triangles.faces import compact
-from stages.mesh import make_geometry
-from stages.mesh.section import MeshSections
-from stages.robot.bundle import OnshapeBundle
-from stages.robot.geometry import NEUTRAL
-from stages.robot.inertia import merged, moved
-from stages.robot.model import (
+from linkwright.stages.fetch.onshape.triangles.faces import compact
+from linkwright.stages.mesh import make_geometry
+from linkwright.stages.mesh.section import MeshSections
+from linkwright.stages.robot.bundle import OnshapeBundle
+from linkwright.stages.robot.geometry import NEUTRAL
+from linkwright.stages.robot.inertia import merged, moved
+from linkwright.stages.robot.model import (
     Base,
     Inertial,
     Link,
@@ -280,7 +280,7 @@ def test_what_the_memo_keeps_gives_the_same_geometry():
 
 
 def test_each_reply_is_read_once_and_not_at_all_where_all_is_kept(monkeypatch):
-    from stages.mesh import tessellation
+    from linkwright.stages.mesh import tessellation
 
     reads = []
     real = tessellation.read

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stages.mesh.contacts.narrow import SELDOM, narrowed
+from linkwright.stages.mesh.contacts.narrow import SELDOM, narrowed
 
 POSES = 20
 

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 import trimesh
 
-from pipeline.config.plan import Plan
-from stages.mesh import make_geometry
-from stages.mesh.by_contact import robot as by_contact
-from stages.robot import codec, process_usage
-from stages.robot.bundle import Bundle
-from stages.robot.geometry import Geometry
-from stages.robot.model import Robot
+from linkwright.pipeline.config.plan import Plan
+from linkwright.stages.mesh import make_geometry
+from linkwright.stages.mesh.by_contact import robot as by_contact
+from linkwright.stages.robot import codec, process_usage
+from linkwright.stages.robot.bundle import Bundle
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.model import Robot
 from tests.support.building import plan_of
 from tests.support.physics import robot_of_meshes
 

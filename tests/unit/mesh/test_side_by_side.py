@@ -12,12 +12,12 @@ from pathlib import Path
 
 import pytest
 
-from stages.mesh import side_by_side as pool
-from stages.mesh.improvement import helper, improved
-from stages.mesh.side_by_side import Making, side_by_side
-from stages.robot import process_usage
-from stages.robot.errors import DecompositionFailed
-from stages.robot.guest import Guest
+from linkwright.stages.mesh import side_by_side as pool
+from linkwright.stages.mesh.improvement import helper, improved
+from linkwright.stages.mesh.side_by_side import Making, side_by_side
+from linkwright.stages.robot import process_usage
+from linkwright.stages.robot.errors import DecompositionFailed
+from linkwright.stages.robot.guest import Guest
 from tests.support.decomposing import improved as alone
 from tests.support.decomposing import task
 from tests.support.places import PROJECT
@@ -47,7 +47,7 @@ def stand_in(tmp_path, monkeypatch):
 
 STAND_IN = """
 import os, time
-from stages.mesh import collision
+from linkwright.stages.mesh import collision
 def answer(request):
     open(f"{}/{{os.getpid()}}.pid", "w").close()
 """
@@ -117,8 +117,8 @@ def test_another_error_ends_the_guests_of_all(stand_in) -> None:
 ENDED = """
 import sys, time
 from functools import partial
-from stages.mesh import side_by_side as pool
-from stages.mesh.improvement import helper, improved
+from linkwright.stages.mesh import side_by_side as pool
+from linkwright.stages.mesh.improvement import helper, improved
 from tests.support.decomposing import task
 from tests.unit.mesh.test_decompose import CLAMP
 sys.path.append(sys.argv[1])

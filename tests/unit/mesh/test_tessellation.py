@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stages.fetch.onshape.triangles import faces as reply_triangles
-from stages.formats.colours import NEUTRAL, colour_of
-from stages.mesh import tessellation
-from stages.robot.errors import ProtocolError
+from linkwright.stages.fetch.onshape.triangles import faces as reply_triangles
+from linkwright.stages.formats.colours import NEUTRAL, colour_of
+from linkwright.stages.mesh import tessellation
+from linkwright.stages.robot.errors import ProtocolError
 from tests.fake_onshape import outlines, solids
 from tests.support.recorded import DATA, needs_data
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from stages.mujoco.compile import NotCompiled, compiled_file, compiled_text
+from linkwright.stages.mujoco.compile import NotCompiled, compiled_file, compiled_text
 
 WRONG = b'<mujoco><worldbody><geom type="mesh" mesh="lost"/></worldbody></mujoco>'
 FLOATING = """<robot name="r"><link name="base"/><link name="box"><inertial><mass value="1"/>

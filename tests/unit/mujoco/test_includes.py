@@ -4,9 +4,9 @@ from pathlib import Path
 
 import mujoco
 
-from stages.formats.xml import parse, to_bytes
-from stages.mujoco.compile import compiled_file, compiled_text
-from stages.mujoco.includes import resolve
+from linkwright.stages.formats.xml import parse, to_bytes
+from linkwright.stages.mujoco.compile import compiled_file, compiled_text
+from linkwright.stages.mujoco.includes import resolve
 
 FILES = {
     "scene.xml": '<mujoco><worldbody><body name="a"><geom size="1"/></body></worldbody>'

@@ -1,7 +1,7 @@
 """A model's state at its keyframes."""
 
-from stages.mujoco.compile import compiled_text
-from stages.mujoco.state import at_keyframe, keyframe_of
+from linkwright.stages.mujoco.compile import compiled_text
+from linkwright.stages.mujoco.state import at_keyframe, keyframe_of
 
 TEXT = b"""<mujoco><worldbody><body><joint name="j"/><geom size="1"/></body></worldbody>
 <actuator><position joint="j"/></actuator>

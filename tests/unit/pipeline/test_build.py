@@ -9,16 +9,16 @@ from hashlib import sha256
 import pytest
 import yaml
 
-from pipeline.build import build
-from pipeline.config.plan import Plan
-from pipeline.context import FILES, NOTES, notes
-from pipeline.errors import AssemblyError, ConfigError, InTheWay, SecretFound, render
-from pipeline.output import manifest
-from pipeline.progress import Lines, Quiet
-from pipeline.stage import STAGES
-from stages.robot import codec
-from stages.robot.check import Check
-from stages.robot.errors import Diagnostic
+from linkwright.pipeline.build import build
+from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.context import FILES, NOTES, notes
+from linkwright.pipeline.errors import AssemblyError, ConfigError, InTheWay, SecretFound, render
+from linkwright.pipeline.output import manifest
+from linkwright.pipeline.progress import Lines, Quiet
+from linkwright.pipeline.stage import STAGES
+from linkwright.stages.robot import codec
+from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.errors import Diagnostic
 
 WARNING = Diagnostic("W-LIMIT", "elbow has no limits", "Arm/Elbow", "set joints.elbow.limits")
 

@@ -6,12 +6,12 @@ from unittest.mock import patch
 
 import pytest
 
-from pipeline.checking import ask, wire
-from pipeline.checking.run import checked
-from pipeline.checking.verdict import Verdict
-from pipeline.errors import OutputError
-from stages.robot import guest
-from stages.robot.check import Check, Finding
+from linkwright.pipeline.checking import ask, wire
+from linkwright.pipeline.checking.run import checked
+from linkwright.pipeline.checking.verdict import Verdict
+from linkwright.pipeline.errors import OutputError
+from linkwright.stages.robot import guest
+from linkwright.stages.robot.check import Check, Finding
 
 MODEL = '<mujoco><worldbody><body name="b"><joint/><geom size=".1"/></body></worldbody></mujoco>'
 

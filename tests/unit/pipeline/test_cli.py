@@ -8,13 +8,13 @@ from importlib import import_module
 
 import pytest
 
-from pipeline.cli import run
-from pipeline.config.presets import GROUPS, Presets
-from pipeline.help_text import SHORT, whole
-from pipeline.options import Command, UsageError, parse
-from pipeline.report import Report
-from pipeline.verbs import VERBS
-from stages.robot.errors import AssemblyError, ConfigError, Diagnostic
+from linkwright.pipeline.cli import run
+from linkwright.pipeline.config.presets import GROUPS, Presets
+from linkwright.pipeline.help_text import SHORT, whole
+from linkwright.pipeline.options import Command, UsageError, parse
+from linkwright.pipeline.report import Report
+from linkwright.pipeline.verbs import VERBS
+from linkwright.stages.robot.errors import AssemblyError, ConfigError, Diagnostic
 from tests.support.places import PROJECT
 
 HEAVY = (
@@ -61,7 +61,7 @@ def empty(tmp_path, monkeypatch):
 )
 def test_help_and_version_import_nothing_heavy(option, more):
     code = (
-        "import sys; from pipeline.cli import main; status = main(sys.argv[1:]); "
+        "import sys; from linkwright.pipeline.cli import main; status = main(sys.argv[1:]); "
         f"print(sorted(set({(*HEAVY, *more)!r}) & set(sys.modules)), status)"
     )
     done = subprocess.run(

@@ -7,9 +7,9 @@ from contextlib import chdir
 
 import pytest
 
-from pipeline import completion, options
-from pipeline.cli import run
-from pipeline.completion import candidates, install, query, split
+from linkwright.pipeline import completion, options
+from linkwright.pipeline.cli import run
+from linkwright.pipeline.completion import candidates, install, query, split
 from tests.support.places import PROJECT
 from tests.support.users import MY_ARM, write
 
@@ -166,7 +166,7 @@ def query_in(folder, shell):
 
 def test_it_imports_nothing_heavy(here):
     code = (
-        "import sys; from pipeline.cli import main; main(['-sc', 'query=bash']); "
+        "import sys; from linkwright.pipeline.cli import main; main(['-sc', 'query=bash']); "
         "print(sorted({'hydra', 'yaml', 'pydantic', 'numpy', 'rich'} & set(sys.modules)))"
     )
     done = subprocess.run(

@@ -9,16 +9,16 @@ import subprocess
 import pytest
 from trimesh.creation import icosphere
 
-from pipeline import disk_space
-from pipeline.build import build
-from pipeline.caching import actions
-from pipeline.caching.store import Store
-from pipeline.cli import run
-from pipeline.config.plan import Plan
-from pipeline.errors import CacheError, LinkwrightError, OutputError
-from pipeline.output.folder import FAILED, Output
-from pipeline.report import Report
-from stages.fetch.onshape.api.ledger import Ledger
+from linkwright.pipeline import disk_space
+from linkwright.pipeline.build import build
+from linkwright.pipeline.caching import actions
+from linkwright.pipeline.caching.store import Store
+from linkwright.pipeline.cli import run
+from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.errors import CacheError, LinkwrightError, OutputError
+from linkwright.pipeline.output.folder import FAILED, Output
+from linkwright.pipeline.report import Report
+from linkwright.stages.fetch.onshape.api.ledger import Ledger
 from tests.fake_onshape.server import OnshapeServer
 from tests.support.command import environment, linkwright
 from tests.support.faulty import desk
@@ -170,7 +170,7 @@ def test_a_ledger_that_cannot_be_written_is_reported_once_and_loses_no_reply(tmp
         def __getattr__(self, name):
             return lambda *words: shown.append(" ".join(map(str, words)))
 
-    monkeypatch.setattr("stages.fetch.onshape.api.ledger._append", refuse)
+    monkeypatch.setattr("linkwright.stages.fetch.onshape.api.ledger._append", refuse)
     with OnshapeServer(desk()) as server:
         asked = plan(tmp_path, {"kind": "onshape", "url": server.document_url()})
         assert build(asked, Ears(), server.environ).exit_status == 0

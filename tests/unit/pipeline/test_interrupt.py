@@ -8,12 +8,12 @@ import threading
 
 import pytest
 
-from pipeline import interrupt
-from pipeline.build import build
-from pipeline.caching.actions import Action, opened
-from pipeline.cli import run as run_command
-from pipeline.config.plan import Plan
-from pipeline.report import Report
+from linkwright.pipeline import interrupt
+from linkwright.pipeline.build import build
+from linkwright.pipeline.caching.actions import Action, opened
+from linkwright.pipeline.cli import run as run_command
+from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.report import Report
 from tests.support.places import PROJECT
 from tests.unit.pipeline.test_build import Fake, fakes
 
@@ -24,7 +24,7 @@ pytestmark = [
 
 HEAD = """\
 import os, signal, sys
-from pipeline import interrupt
+from linkwright.pipeline import interrupt
 
 def press():
     os.kill(os.getpid(), signal.SIGINT)
@@ -91,7 +91,7 @@ def test_a_ring_of_errors_has_an_end():
 
 def test_an_error_that_a_library_makes_of_it_is_no_bug():
     """As `cached_property` does in Python 3.11, for one of the first imports."""
-    code = "from pipeline.cli import run\n\ndef build(plan):\n    converted()\n"
+    code = "from linkwright.pipeline.cli import run\n\ndef build(plan):\n    converted()\n"
     done = ended(f"{code}\nsys.exit(interrupt.command(lambda: run(['source=sample'], build)))\n")
     assert done.returncode == 130
     assert done.stderr.splitlines()[-1] == "error: interrupted"
@@ -99,7 +99,7 @@ def test_an_error_that_a_library_makes_of_it_is_no_bug():
 
 
 def test_a_second_signal_while_the_first_is_reported_changes_nothing():
-    code = "from pipeline import cli\n\ndef build(plan):\n"
+    code = "from linkwright.pipeline import cli\n\ndef build(plan):\n"
     code += "    cli._report = lambda error, detail: press()\n    press()\n"
     done = ended(f"{code}\nsys.exit(interrupt.command(lambda: cli.run(['source=sample'], build)))\n")
     assert (done.returncode, done.stderr) == (130, "error: interrupted\n")

@@ -5,11 +5,11 @@ import threading
 import filelock
 import pytest
 
-from pipeline import lock
-from pipeline.caching.actions import Action, Cache
-from pipeline.caching.store import Store
-from pipeline.errors import OutputError
-from pipeline.output.folder import Output
+from linkwright.pipeline import lock
+from linkwright.pipeline.caching.actions import Action, Cache
+from linkwright.pipeline.caching.store import Store
+from linkwright.pipeline.errors import OutputError
+from linkwright.pipeline.output.folder import Output
 
 
 @pytest.fixture

@@ -10,9 +10,9 @@ from typing import Any
 
 import pytest
 
-from pipeline import observed
-from pipeline.config.compose import compose_plan
-from pipeline.preflight import plan_problems
+from linkwright.pipeline import observed
+from linkwright.pipeline.config.compose import compose_plan
+from linkwright.pipeline.preflight import plan_problems
 
 ROBOT = """# @package _global_
 defaults:

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline import pasted
-from pipeline.config.compose import compose_plan
-from pipeline.config.trust import targets
+from linkwright.pipeline import pasted
+from linkwright.pipeline.config.compose import compose_plan
+from linkwright.pipeline.config.trust import targets
 
 TEXTS = st.text(st.characters(exclude_characters="\0", exclude_categories=["Cs"]), min_size=1, max_size=12)
 HOSTILE = [
@@ -75,8 +75,8 @@ def test_the_hint_of_a_module_that_is_not_trusted_can_be_pasted() -> None:
 
 @pytest.mark.parametrize("name", ["a'; touch X; '", "a b", "1a", "a.", ".a", "a-b", ""])
 def test_a_plugin_has_the_name_of_a_module(name: str) -> None:
-    from pipeline.config.plan import Plan
-    from pipeline.errors import ConfigError
+    from linkwright.pipeline.config.plan import Plan
+    from linkwright.pipeline.errors import ConfigError
 
     with pytest.raises(ConfigError, match="plugins"):
         Plan.parse({"name": "arm", "source": {"kind": "sample"}, "plugins": [name]})

@@ -5,9 +5,9 @@ import re
 
 import pytest
 
-from pipeline.mesh_details import time_left
-from pipeline.progress import Lines, Log, Tee, Terminal, progress_for
-from pipeline.report import StageReport
+from linkwright.pipeline.mesh_details import time_left
+from linkwright.pipeline.progress import Lines, Log, Tee, Terminal, progress_for
+from linkwright.pipeline.report import StageReport
 
 DONE = StageReport("graph", True, 0.123, "2 links")
 

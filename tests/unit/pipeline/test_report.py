@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import yaml
 
-from pipeline.closing import fitting, render, show
-from pipeline.report import Report, StageReport, failure_lines, versions
-from stages.robot.check import Check, Finding
-from stages.robot.errors import Diagnostic
+from linkwright.pipeline.closing import fitting, render, show
+from linkwright.pipeline.report import Report, StageReport, failure_lines, versions
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.errors import Diagnostic
 
 ESCAPES = re.compile(r"\x1b\[[0-9;]*m")
 

@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stages.export import export
-from stages.graph import build_robot
-from stages.graph.view.views import views
-from stages.mesh.primitives import shapes as primitive_shapes
-from stages.robot.bundle import Bundle
-from stages.robot.codec import decode_robot, encode_robot
-from stages.robot.geometry import Geometry
-from stages.robot.model import Primitive, frozen
+from linkwright.stages.export import export
+from linkwright.stages.graph import build_robot
+from linkwright.stages.graph.view.views import views
+from linkwright.stages.mesh.primitives import shapes as primitive_shapes
+from linkwright.stages.robot.bundle import Bundle
+from linkwright.stages.robot.codec import decode_robot, encode_robot
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.model import Primitive, frozen
 from tests.benchmarks.large import large
 from tests.benchmarks.shapes import chain, gears, ladder, screws, star
 from tests.support.building import NO_MESHES, plan_of
@@ -26,7 +26,7 @@ from tests.support.mjcfs import bundle_of, model, written
 from tests.support.robots import joint, robot_with
 from tests.support.urdfs import urdf_bundle
 
-STAGES = str(Path(sys.modules["stages.graph"].__file__).parents[1])
+STAGES = str(Path(sys.modules["linkwright.stages.graph"].__file__).parents[1])
 
 TIMES = 4
 """The larger assembly is so many times the smaller one."""
@@ -191,8 +191,8 @@ def test_two_thousand_links_are_nothing_special(make: Callable[[int], Bundle]) -
 
 def test_a_loop_within_a_loop_would_be_seen() -> None:
     """The measure itself, on a stage's function that looks at each pair of names."""
-    from stages.graph.globs import entries_of
-    from stages.robot.diagnostics import Diagnostics
+    from linkwright.stages.graph.globs import entries_of
+    from linkwright.stages.robot.diagnostics import Diagnostics
 
     def every_pair(count: int) -> Counter[Line]:
         names = [{f"n{number}"} for number in range(count)]

@@ -7,11 +7,11 @@ from urllib.parse import quote
 
 import pytest
 
-from pipeline.caching.actions import opened
-from pipeline.config.compose import compose_plan, session
-from pipeline.errors import ConfigError, SecretFound
-from pipeline.secrets import Secrets
-from pipeline.sweep.run import jobs_of
+from linkwright.pipeline.caching.actions import opened
+from linkwright.pipeline.config.compose import compose_plan, session
+from linkwright.pipeline.errors import ConfigError, SecretFound
+from linkwright.pipeline.secrets import Secrets
+from linkwright.pipeline.sweep.run import jobs_of
 
 KEY = {"ONSHAPE_ACCESS_KEY": "access-key", "ONSHAPE_SECRET_KEY": "access-key-and-more"}
 

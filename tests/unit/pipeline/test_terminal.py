@@ -10,17 +10,17 @@ from dataclasses import replace
 import pytest
 import yaml
 
-from pipeline.cli import run
-from pipeline.closing import show
-from pipeline.config.file_text import as_yaml
-from pipeline.page.document import page
-from pipeline.progress import Lines, Log, Terminal
-from pipeline.report import Report, StageReport
-from pipeline.secrets import Secrets
-from pipeline.sweep.run import Job, Task
-from pipeline.terminal import clean, clean_streams
-from stages.robot.check import Check
-from stages.robot.errors import AssemblyError, Diagnostic
+from linkwright.pipeline.cli import run
+from linkwright.pipeline.closing import show
+from linkwright.pipeline.config.file_text import as_yaml
+from linkwright.pipeline.page.document import page
+from linkwright.pipeline.progress import Lines, Log, Terminal
+from linkwright.pipeline.report import Report, StageReport
+from linkwright.pipeline.secrets import Secrets
+from linkwright.pipeline.sweep.run import Job, Task
+from linkwright.pipeline.terminal import clean, clean_streams
+from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.errors import AssemblyError, Diagnostic
 from tests.support.building import plan_of
 
 NASTY = "\x1b[2J\x1b]0;title\x07\r\nerror: forged \x9b31m\u202e\u2066\u2028\u200bé 中"

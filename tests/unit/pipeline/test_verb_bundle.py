@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.build import build
-from pipeline.cli import run
-from pipeline.config.plan import Plan
+from linkwright.pipeline.build import build
+from linkwright.pipeline.cli import run
+from linkwright.pipeline.config.plan import Plan
 from tests.fake_onshape import solids
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.sample import sample_document
@@ -214,7 +214,7 @@ def test_a_build_that_read_nothing_is_reported(here, capsys):
 
 def test_its_help_imports_nothing_heavy():
     code = (
-        "import sys; from pipeline.cli import main; status = main(['bundle', '--help']); "
+        "import sys; from linkwright.pipeline.cli import main; status = main(['bundle', '--help']); "
         "heavy = 'hydra omegaconf pydantic numpy scipy mujoco httpx yaml rich'.split(); "
         "print(sorted(set(heavy) & set(sys.modules)), status)"
     )

@@ -11,18 +11,18 @@ from typing import Any
 
 import pytest
 
-from pipeline.checking.as_json import as_json, baseline
-from pipeline.checking.junit import as_junit
-from pipeline.checking.lines import ElementLines
-from pipeline.checking.run import checked
-from pipeline.checking.sarif import as_sarif
-from pipeline.checking.show import as_text
-from pipeline.checking.verdict import Verdict
-from pipeline.cli import run
-from pipeline.errors import OutputError
-from pipeline.reference.codes import remedy
-from stages.robot.check import Check, Finding
-from stages.robot.model import Dynamics, Limits
+from linkwright.pipeline.checking.as_json import as_json, baseline
+from linkwright.pipeline.checking.junit import as_junit
+from linkwright.pipeline.checking.lines import ElementLines
+from linkwright.pipeline.checking.run import checked
+from linkwright.pipeline.checking.sarif import as_sarif
+from linkwright.pipeline.checking.show import as_text
+from linkwright.pipeline.checking.verdict import Verdict
+from linkwright.pipeline.cli import run
+from linkwright.pipeline.errors import OutputError
+from linkwright.pipeline.reference.codes import remedy
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.model import Dynamics, Limits
 from tests.support.building import plan_of, write
 from tests.support.robots import at, joint, robot_with
 
@@ -125,8 +125,8 @@ def test_what_a_check_breaks_over_is_one_check_that_fails(
         yield compiled.result("first", True, "well")
         raise KeyError("leg")
 
-    monkeypatch.setattr("stages.validate.checks.joints.check", breaks)
-    monkeypatch.setattr("pipeline.checking.ask.checked", checked)
+    monkeypatch.setattr("linkwright.stages.validate.checks.joints.check", breaks)
+    monkeypatch.setattr("linkwright.pipeline.checking.ask.checked", checked)
     found = table([str(folder / "robot.urdf")], capsys, 3)
     assert [one["name"] for one in found["checks"] if not one["passed"]] == ["robot.urdf: joints"]
     (broken,) = [one for one in found["checks"] if not one["passed"]]

@@ -11,11 +11,11 @@ from typing import Any
 
 import pytest
 
-from pipeline.changes.compare import compare
-from pipeline.cli import run
-from stages.robot.geom_form import ContactProperties
-from stages.robot.geometry import Exclude, Geometry, Shape, Touch
-from stages.robot.model import Primitive
+from linkwright.pipeline.changes.compare import compare
+from linkwright.pipeline.cli import run
+from linkwright.stages.robot.geom_form import ContactProperties
+from linkwright.stages.robot.geometry import Exclude, Geometry, Shape, Touch
+from linkwright.stages.robot.model import Primitive
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import plan_of, robot_of, write
 from tests.support.robots import at

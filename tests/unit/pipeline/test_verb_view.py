@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.errors import ConfigError, OutputError
-from pipeline.output.manifest import REPORT
-from pipeline.verbs import view
+from linkwright.pipeline.errors import ConfigError, OutputError
+from linkwright.pipeline.output.manifest import REPORT
+from linkwright.pipeline.verbs import view
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import plan_of, robot_of, write
 from tests.support.command import COMMAND, environment

@@ -8,8 +8,8 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.wrapping import wrapped
-from stages.robot.printable import columns
+from linkwright.pipeline.wrapping import wrapped
+from linkwright.stages.robot.printable import columns
 
 WORDS = st.lists(st.text("abc中_'\"{}:,→", min_size=1, max_size=12), min_size=1, max_size=40)
 

@@ -6,10 +6,10 @@ from typing import Any, TypeVar
 import numpy as np
 from typing_extensions import TypeAliasType
 
-from stages.robot import codec
-from stages.robot.geometry import Geometry, Shape
-from stages.robot.kinematics import link_poses, saved_configuration
-from stages.robot.model import Limits, Primitive, frozen
+from linkwright.stages.robot import codec
+from linkwright.stages.robot.geometry import Geometry, Shape
+from linkwright.stages.robot.kinematics import link_poses, saved_configuration
+from linkwright.stages.robot.model import Limits, Primitive, frozen
 from tests.support import robots
 from tests.support.robots import joint, loop, robot_with, some_value
 

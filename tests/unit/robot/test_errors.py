@@ -4,8 +4,8 @@ import inspect
 
 import pytest
 
-from pipeline import errors
-from stages.robot import errors as tree
+from linkwright.pipeline import errors
+from linkwright.stages.robot import errors as tree
 
 
 @pytest.mark.parametrize(

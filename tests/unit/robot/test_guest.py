@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from stages.robot import guest, process_usage
-from stages.robot.errors import ConfigError, SourceError
-from stages.robot.guest import Bounds, Ended
+from linkwright.stages.robot import guest, process_usage
+from linkwright.stages.robot.errors import ConfigError, SourceError
+from linkwright.stages.robot.guest import Bounds, Ended
 from tests.support import processes
 from tests.support.places import PROJECT
 
@@ -69,7 +69,7 @@ def test_it_sees_the_given_variables_no_terminal_and_no_module_of_the_working_fo
 
 @pytest.mark.parametrize("kind", [SourceError, ConfigError])
 def test_its_errors_come_back_as_ours(asked, kind):
-    lines = f"from stages.robot.errors import {kind.__name__} as E\nraise E('no', 'there', 'do')"
+    lines = f"from linkwright.stages.robot.errors import {kind.__name__} as E\nraise E('no', 'there', 'do')"
     with pytest.raises(kind) as caught:
         asked(lines)
     assert (caught.value.message, caught.value.where, caught.value.hint) == ("no", "there", "do")
@@ -196,7 +196,7 @@ def test_it_ends_with_us_however_we_end(tmp_path):
     place = tmp_path / "pid"
     lines = f"import os\nopen({str(place)!r}, 'w').write(str(os.getpid()))\nwhile True: pass"
     (tmp_path / "visitor.py").write_text("def answer(request):\n    " + lines.replace("\n", "\n    "))
-    code = f"import sys\nsys.path[:0] = [{str(tmp_path)!r}]\nfrom stages.robot.guest import *\n"
+    code = f"import sys\nsys.path[:0] = [{str(tmp_path)!r}]\nfrom linkwright.stages.robot.guest import *\n"
     code += "ask('visitor', b'', Bounds(60, 1 << 30, 10), {})"
     with subprocess.Popen([sys.executable, "-c", code], cwd=PROJECT) as host:
         until = time.monotonic() + 30
@@ -217,11 +217,9 @@ def test_it_ends_with_the_end_of_its_requests():
 def test_it_finds_us_where_we_are_not_installed(tmp_path):
     """Neither by an installation nor by the working folder: as where PYTHONPATH names a copy."""
     (tmp_path / "visitor.py").write_text(
-        "import stages\ndef answer(request): return stages.__file__.encode()"
+        "import linkwright.stages\ndef answer(request): return linkwright.stages.__file__.encode()"
     )
-    code = (
-        "from stages.robot.guest import *\nprint(ask('visitor', b'', Bounds(60, 1 << 30, 1000), {}).decode())"
-    )
+    code = "from linkwright.stages.robot.guest import *\nprint(ask('visitor', b'', Bounds(60, 1 << 30, 1000), {}).decode())"
     environ = {"PYTHONPATH": os.pathsep.join([str(PROJECT), str(tmp_path)])}
     (tmp_path / "stages").mkdir()
     done = subprocess.run(

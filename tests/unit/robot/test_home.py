@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from stages.robot.closing import Closer
-from stages.robot.dof_ranges import ranges
-from stages.robot.kinematics import link_poses
-from stages.robot.loops import across, closing, gap
-from stages.robot.model import Limits, Relation, Robot, frozen
-from stages.robot.pose_batch import many_link_poses, repeated
-from stages.robot.start_pose import home, nearest, saved
+from linkwright.stages.robot.closing import Closer
+from linkwright.stages.robot.dof_ranges import ranges
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.loops import across, closing, gap
+from linkwright.stages.robot.model import Limits, Relation, Robot, frozen
+from linkwright.stages.robot.pose_batch import many_link_poses, repeated
+from linkwright.stages.robot.start_pose import home, nearest, saved
 from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_with, some_values
 
 A, B, C = 0.1, 0.13, 0.12

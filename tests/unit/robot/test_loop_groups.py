@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from stages.robot.closing import Closer
-from stages.robot.loop_groups import LoopGroups
-from stages.robot.model import Relation, Robot
+from linkwright.stages.robot.closing import Closer
+from linkwright.stages.robot.loop_groups import LoopGroups
+from linkwright.stages.robot.model import Relation, Robot
 from tests.support.robots import joint, loop, robot_with
 
 

@@ -5,8 +5,8 @@ import sys
 
 import pytest
 
-from stages.formats import xml
-from stages.robot.printable import printable, printable_lines
+from linkwright.stages.formats import xml
+from linkwright.stages.robot.printable import printable, printable_lines
 
 
 @pytest.mark.parametrize(

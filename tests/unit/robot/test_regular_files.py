@@ -6,16 +6,16 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.config.plan import Plan
-from stages.fetch import pinned, preflight
-from stages.fetch.bundle.section import BundleSourceSection
-from stages.fetch.mjcf.gather import gather as gather_mjcf
-from stages.fetch.mjcf.section import MjcfSourceSection
-from stages.fetch.urdf.gather import gather as gather_urdf
-from stages.fetch.urdf.ros_packages import Packages
-from stages.fetch.urdf.section import UrdfSourceSection
-from stages.robot import guest, regular_files
-from stages.robot.errors import ConfigError, SourceError
+from linkwright.pipeline.config.plan import Plan
+from linkwright.stages.fetch import pinned, preflight
+from linkwright.stages.fetch.bundle.section import BundleSourceSection
+from linkwright.stages.fetch.mjcf.gather import gather as gather_mjcf
+from linkwright.stages.fetch.mjcf.section import MjcfSourceSection
+from linkwright.stages.fetch.urdf.gather import gather as gather_urdf
+from linkwright.stages.fetch.urdf.ros_packages import Packages
+from linkwright.stages.fetch.urdf.section import UrdfSourceSection
+from linkwright.stages.robot import guest, regular_files
+from linkwright.stages.robot.errors import ConfigError, SourceError
 from tests.support.mjcfs import model, written
 
 HUGE = 1 << 42
@@ -138,8 +138,8 @@ def test_a_source_larger_than_is_read(tmp_path, keys):
 
 
 def test_the_files_of_a_robot_are_bounded_together(tmp_path, monkeypatch):
-    from stages.fetch.mjcf import files
-    from stages.fetch.urdf import survey
+    from linkwright.stages.fetch.mjcf import files
+    from linkwright.stages.fetch.urdf import survey
 
     for name in ("a.stl", "b.stl"):
         (tmp_path / name).write_bytes(bytes(600))
@@ -162,7 +162,7 @@ def test_a_package_whose_description_is_a_pipe_is_passed_by(tmp_path):
 
 
 def test_the_material_of_an_obj_that_is_a_pipe_is_none(tmp_path):
-    from stages.fetch.urdf.companions import Companions, companions
+    from linkwright.stages.fetch.urdf.companions import Companions, companions
 
     os.mkfifo(tmp_path / "m.mtl")
     assert companions(tmp_path / "a.obj", b"mtllib m.mtl\n", []) == Companions()

@@ -5,7 +5,7 @@ import ast
 import pytest
 from pydantic import Field
 
-from stages.robot.section import Section
+from linkwright.stages.robot.section import Section
 
 
 class Base(Section):

@@ -4,9 +4,9 @@ import networkx as nx
 import numpy as np
 import pytest
 
-from stages.graph import build_robot
-from stages.robot.model import Robot
-from stages.robot.ways import Ways
+from linkwright.stages.graph import build_robot
+from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.ways import Ways
 from tests.support.building import plan_of
 from tests.support.urdfs import urdf_bundle
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from stages.robot.errors import SourceError
-from stages.validate import admission
-from stages.validate.admission import admitted
+from linkwright.stages.robot.errors import SourceError
+from linkwright.stages.validate import admission
+from linkwright.stages.validate.admission import admitted
 
 MESH = '<mujoco><asset><mesh name="m" file="{}"/></asset></mujoco>'
 

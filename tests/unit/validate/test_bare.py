@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stages.robot.check import Check
-from stages.validate.bare import check_bare
+from linkwright.stages.robot.check import Check
+from linkwright.stages.validate.bare import check_bare
 from tests.support.other_robots import FILES, is_here
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from lxml import etree
 
-from stages.robot.check import Check
+from linkwright.stages.robot.check import Check
 from tests.support.mutated_builds import built, checks_of, hinge_document
 
 

@@ -9,11 +9,11 @@ from typing import get_args
 
 import pytest
 
-from stages.robot.errors import ConfigError
-from stages.validate import external
-from stages.validate.external import TOOLS, check_externally, gave_no_verdict, require, versions
-from stages.validate.external import run as runs
-from stages.validate.section import ValidateSection
+from linkwright.stages.robot.errors import ConfigError
+from linkwright.stages.validate import external
+from linkwright.stages.validate.external import TOOLS, check_externally, gave_no_verdict, require, versions
+from linkwright.stages.validate.external import run as runs
+from linkwright.stages.validate.section import ValidateSection
 from tests.support.command import called, environment
 
 SIMCHECK = {

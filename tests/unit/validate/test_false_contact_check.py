@@ -8,15 +8,15 @@ import mujoco
 import numpy as np
 import pytest
 
-from stages.robot.amendments import Amendment, Amendments
-from stages.robot.check import Check
-from stages.robot.geometry import ColliderFigures, Exclude, Geometry
-from stages.robot.model import Limits
-from stages.robot.pose_samples import sampled_poses
-from stages.robot.start_pose import home
-from stages.validate.checks import false_contact
-from stages.validate.contact_errors import DEEP, REACH, SALT
-from stages.validate.seen_surfaces import SOME, SeenSurfaces, surface, winding
+from linkwright.stages.robot.amendments import Amendment, Amendments
+from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.geometry import ColliderFigures, Exclude, Geometry
+from linkwright.stages.robot.model import Limits
+from linkwright.stages.robot.pose_samples import sampled_poses
+from linkwright.stages.robot.start_pose import home
+from linkwright.stages.validate.checks import false_contact
+from linkwright.stages.validate.contact_errors import DEEP, REACH, SALT
+from linkwright.stages.validate.seen_surfaces import SOME, SeenSurfaces, surface, winding
 from tests.support.robots import joint, robot_with
 from tests.support.written import compiled_of
 

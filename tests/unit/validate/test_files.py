@@ -9,9 +9,9 @@ from pathlib import Path
 import mujoco
 import pytest
 
-from stages.robot.check import Check
-from stages.validate.documents import read
-from stages.validate.files.run import check_document, check_folder, opened
+from linkwright.stages.robot.check import Check
+from linkwright.stages.validate.documents import read
+from linkwright.stages.validate.files.run import check_document, check_folder, opened
 from tests.support.mujoco_schema import schema
 from tests.support.other_robots import FILES
 from tests.support.places import PROJECT
@@ -309,7 +309,7 @@ def test_the_files_of_others_have_no_error(name):
 def test_models_compile_from_another_folder(folder):
     """The checks find files from where the model lies, not from where the program runs."""
     code = (
-        "from pathlib import Path; from stages.validate.files.run import check_folder;"
+        "from pathlib import Path; from linkwright.stages.validate.files.run import check_folder;"
         f"print(all(one.passed for one in check_folder(Path({str(folder)!r}), ['arm.xml', 'arm.urdf'])))"
     )
     done = subprocess.run(

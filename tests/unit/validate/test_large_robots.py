@@ -12,18 +12,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stages.formats.described import described
-from stages.formats.urdf.contacts import known_pairs
-from stages.formats.written import Written
-from stages.robot.check import Check
-from stages.robot.dynamics import mass_matrix
-from stages.robot.model import Dynamics, Limits, Robot
-from stages.validate.checks import contact_filter, parity, reach
-from stages.validate.compiled import CompiledModel
-from stages.validate.contact_errors import never_collide
-from stages.validate.mass_probes import PRODUCTS, WHOLE, probes
-from stages.validate.random_poses import FEWEST, POSES, samples
-from stages.validate.tree_dynamics import PosedRobot
+from linkwright.stages.formats.described import described
+from linkwright.stages.formats.urdf.contacts import known_pairs
+from linkwright.stages.formats.written import Written
+from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.dynamics import mass_matrix
+from linkwright.stages.robot.model import Dynamics, Limits, Robot
+from linkwright.stages.validate.checks import contact_filter, parity, reach
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.contact_errors import never_collide
+from linkwright.stages.validate.mass_probes import PRODUCTS, WHOLE, probes
+from linkwright.stages.validate.random_poses import FEWEST, POSES, samples
+from linkwright.stages.validate.tree_dynamics import PosedRobot
 from tests.support.building import plan_of, write
 from tests.support.checked import checked
 from tests.support.robots import at, joint, robot_with

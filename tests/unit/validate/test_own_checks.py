@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.config.trust import covered, targets
-from pipeline.errors import ConfigError
-from pipeline.plugins import sources, target
-from pipeline.trusted_modules import NotTrusted, trust
-from stages.robot.check import Check
-from stages.validate.own import OwnCheck
+from linkwright.pipeline.config.trust import covered, targets
+from linkwright.pipeline.errors import ConfigError
+from linkwright.pipeline.plugins import sources, target
+from linkwright.pipeline.trusted_modules import NotTrusted, trust
+from linkwright.stages.robot.check import Check
+from linkwright.stages.validate.own import OwnCheck
 from tests.support.command import COMMAND
 from tests.support.written import compiled_of
 
@@ -163,7 +163,7 @@ def test_modules_of_the_working_folder_are_found_where_they_are_trusted_and_only
 
 
 OWN = """
-from stages.robot.check import Check
+from linkwright.stages.robot.check import Check
 
 def light(compiled, most):
     mass = float(compiled.model.body_mass.sum())

@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stages.robot.check import Check
-from stages.robot.dynamics import mass_matrix
-from stages.robot.model import Limits, frozen
-from stages.robot.statics import holding_forces
-from stages.validate.random_poses import POSES, samples
-from stages.validate.tree_dynamics import dynamics
+from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.dynamics import mass_matrix
+from linkwright.stages.robot.model import Limits, frozen
+from linkwright.stages.robot.statics import holding_forces
+from linkwright.stages.validate.random_poses import POSES, samples
+from linkwright.stages.validate.tree_dynamics import dynamics
 from tests.support.building import plan_of, write
 from tests.support.checked import checked
 from tests.support.robots import joint, pose, robot_with
@@ -67,7 +67,7 @@ def test_what_only_a_urdf_has_between_the_dofs_of_a_joint_counts_nowhere(tmp_pat
 
 
 def test_without_pinocchio_the_check_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("stages.validate.checks.parity.installed", lambda: False)
+    monkeypatch.setattr("linkwright.stages.validate.checks.parity.installed", lambda: False)
     write(arm(), tmp_path)
     mjcf, urdf = checks_in(tmp_path)
     assert "not installed" not in mjcf.detail

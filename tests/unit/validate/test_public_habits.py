@@ -5,12 +5,12 @@ from pathlib import Path
 import mujoco
 import pytest
 
-from stages.mesh import make_geometry
-from stages.mujoco.trial import Trial
-from stages.robot.check import Check
-from stages.validate.bare import check_bare, start
-from stages.validate.bare.mjcf_figures import figures
-from stages.validate.mujoco_abilities import reads_mimic
+from linkwright.stages.mesh import make_geometry
+from linkwright.stages.mujoco.trial import Trial
+from linkwright.stages.robot.check import Check
+from linkwright.stages.validate.bare import check_bare, start
+from linkwright.stages.validate.bare.mjcf_figures import figures
+from linkwright.stages.validate.mujoco_abilities import reads_mimic
 from tests.support.building import plan_of, write
 from tests.support.checked import checked
 from tests.support.urdfs import urdf_bundle, urdf_robot

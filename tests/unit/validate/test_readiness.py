@@ -6,13 +6,13 @@ from pathlib import Path
 import mujoco
 import pytest
 
-from stages.export import export
-from stages.robot.check import Check
-from stages.robot.geometry import ColliderFigures, Geometry, Measures
-from stages.robot.model import Frame, Robot
-from stages.validate.readiness.finished import Finished
-from stages.validate.readiness.points import POINTS
-from stages.validate.readiness.score import ASIDE, MISSING, PASSED, score
+from linkwright.stages.export import export
+from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.geometry import ColliderFigures, Geometry, Measures
+from linkwright.stages.robot.model import Frame, Robot
+from linkwright.stages.validate.readiness.finished import Finished
+from linkwright.stages.validate.readiness.points import POINTS
+from linkwright.stages.validate.readiness.score import ASIDE, MISSING, PASSED, score
 from tests.support.building import plan_of
 from tests.support.robots import at, joint, robot_with
 from tests.support.touching import box, geometry_of

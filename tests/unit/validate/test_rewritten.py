@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from stages.robot.amendments import Amendment
-from stages.validate.rewritten.amended import is_amended
-from stages.validate.rewritten.check import rewritten
-from stages.validate.rewritten.compare import differences
+from linkwright.stages.robot.amendments import Amendment
+from linkwright.stages.validate.rewritten.amended import is_amended
+from linkwright.stages.validate.rewritten.check import rewritten
+from linkwright.stages.validate.rewritten.compare import differences
 
 SAME = {
     "a.xml": (

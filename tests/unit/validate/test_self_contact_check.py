@@ -6,9 +6,9 @@ from pathlib import Path
 import mujoco
 import pytest
 
-from stages.robot.geometry import Geometry
-from stages.robot.model import Robot
-from stages.robot.start_pose import home
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.start_pose import home
 from tests.support.building import plan_of
 from tests.support.checked import checked
 from tests.support.robots import at, joint, robot_with

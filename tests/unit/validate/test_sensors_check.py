@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stages.export import Exported
-from stages.robot.model import Frame, Limits, Robot, frozen
-from stages.validate import validate
+from linkwright.stages.export import Exported
+from linkwright.stages.robot.model import Frame, Limits, Robot, frozen
+from linkwright.stages.validate import validate
 from tests.support.building import plan_of, write
 from tests.support.robots import joint, pose, robot_with
 

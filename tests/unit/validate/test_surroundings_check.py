@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from lxml import etree
 
-from stages.robot.check import Finding
+from linkwright.stages.robot.check import Finding
 from tests.support.mutated_builds import Build, built, checks_of, hinge_document
 
 

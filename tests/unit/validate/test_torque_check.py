@@ -10,15 +10,15 @@ import mujoco
 import numpy as np
 import pytest
 
-from stages.robot.errors import ConfigError
-from stages.robot.kinematics import link_poses
-from stages.robot.model import Dynamics, Frame, Limits, Relation, Robot, frozen
-from stages.robot.poses import from_parts
-from stages.validate import validate
-from stages.validate.asked import Asked
-from stages.validate.checks.torque import check
-from stages.validate.compiled import CompiledModel
-from stages.validate.holding import holding
+from linkwright.stages.robot.errors import ConfigError
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.model import Dynamics, Frame, Limits, Relation, Robot, frozen
+from linkwright.stages.robot.poses import from_parts
+from linkwright.stages.validate import validate
+from linkwright.stages.validate.asked import Asked
+from linkwright.stages.validate.checks.torque import check
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.holding import holding
 from tests.support.building import plan_of, robot_of, write
 from tests.support.kit import Kit, four_bar
 from tests.support.robots import at, joint, robot_with, solid

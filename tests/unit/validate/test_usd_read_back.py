@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stages.export import export
-from stages.formats.written import Written
-from stages.robot.check import Check
-from stages.robot.kinematics import link_poses
-from stages.robot.model import Dynamics, Limits, Robot
-from stages.robot.poses import at_rest, from_parts, turn
+from linkwright.stages.export import export
+from linkwright.stages.formats.written import Written
+from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.model import Dynamics, Limits, Robot
+from linkwright.stages.robot.poses import at_rest, from_parts, turn
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.robots import EVERY, LOOPS, joint, loop, pose, robot_with
 from tests.support.usd import pxr
@@ -24,7 +24,7 @@ def text_of(robot: Robot) -> str:
 
 def checked(robot: Robot, text: str, folder: Path, *, quick: bool = False) -> list[Check]:
     assert pxr.Usd
-    from stages.validate.read.usd import check_file
+    from linkwright.stages.validate.read.usd import check_file
 
     (folder / "robot.usda").write_text(text)
     (folder / "robot_meshes.usd").write_text("#usda 1.0\n")

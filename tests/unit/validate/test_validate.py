@@ -9,15 +9,15 @@ import mujoco
 import numpy as np
 import pytest
 
-from stages.formats.urdf.as_written import form_with
-from stages.formats.urdf.form import UrdfForm
-from stages.mesh import make_geometry
-from stages.robot.kinematics import chain, link_poses, saved_configuration
-from stages.robot.model import Frame, Limits, Relation, Robot
-from stages.robot.poses import inverse, turns_from_rotation
-from stages.robot.poses import turn as turned
-from stages.validate import CHECKS, ENGINES
-from stages.validate import mujoco_abilities as ability
+from linkwright.stages.formats.urdf.as_written import form_with
+from linkwright.stages.formats.urdf.form import UrdfForm
+from linkwright.stages.mesh import make_geometry
+from linkwright.stages.robot.kinematics import chain, link_poses, saved_configuration
+from linkwright.stages.robot.model import Frame, Limits, Relation, Robot
+from linkwright.stages.robot.poses import inverse, turns_from_rotation
+from linkwright.stages.robot.poses import turn as turned
+from linkwright.stages.validate import CHECKS, ENGINES
+from linkwright.stages.validate import mujoco_abilities as ability
 from tests.fake_onshape.frames import turn
 from tests.support import robots
 from tests.support.building import bundle_of, plan_of, robot_of, write
@@ -160,7 +160,7 @@ def test_relations_of_a_urdf_are_read_from_its_text_where_mujoco_reads_none(
     shutil.copytree(folder, tmp_path / "old")
     file = tmp_path / "old" / "robot.urdf"
     text = file.read_text()
-    monkeypatch.setattr("stages.validate.read.urdf.reads_mimic", lambda: False)
+    monkeypatch.setattr("linkwright.stages.validate.read.urdf.reads_mimic", lambda: False)
     assert failed_of(robot, tmp_path / "old") == []
     for fault in ("mimic dropped", "mimic turned round"):
         file.write_text(FAULTS[fault][1](text))
@@ -180,7 +180,7 @@ def test_an_inertia_of_a_urdf_is_judged_as_finely_as_mujoco_finds_axes(
     exact = ["robot.xml: inertia"]
     if not ability.axes_error(1e-4):
         assert failed_of(robot, tmp_path / "off") == [*exact, "robot.urdf: inertia"]
-    monkeypatch.setattr("stages.validate.read.urdf.axes_error", lambda size: 1e-6)
+    monkeypatch.setattr("linkwright.stages.validate.read.urdf.axes_error", lambda size: 1e-6)
     assert failed_of(robot, tmp_path / "off") == exact
 
 
@@ -362,7 +362,7 @@ def test_a_fault_planted_in_any_kind_of_joint_or_loop_fails_a_check(
 ) -> None:
     """One that compares with the robot: a simulation takes seconds."""
     compared = {name: files for name, files in CHECKS.items() if "simulated" not in files}
-    monkeypatch.setattr("stages.validate.CHECKS", compared)
+    monkeypatch.setattr("linkwright.stages.validate.CHECKS", compared)
     robot, folder, form = every
     shutil.copytree(folder, tmp_path / "bad")
     file, change = MORE_FAULTS[fault]

@@ -7,12 +7,12 @@ from itertools import combinations
 
 import numpy as np
 
-from stages.export.urdf.srdf.convex import ConvexBodies, at_least
-from stages.robot.adjacency import Pair
-from stages.robot.model import Array, Configuration, Limits, Robot
-from stages.robot.pose_batch import count_of, many_link_poses
-from stages.robot.pose_samples import sampled_poses
-from stages.robot.ways import ways_up
+from linkwright.stages.export.urdf.srdf.convex import ConvexBodies, at_least
+from linkwright.stages.robot.adjacency import Pair
+from linkwright.stages.robot.model import Array, Configuration, Limits, Robot
+from linkwright.stages.robot.pose_batch import count_of, many_link_poses
+from linkwright.stages.robot.pose_samples import sampled_poses
+from linkwright.stages.robot.ways import ways_up
 
 POSES = 512
 """Poses in which a pair has to be apart."""

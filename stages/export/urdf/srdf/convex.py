@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from stages.formats.mesh_points import mesh_points
-from stages.robot.geometry import Geometry, Role, Shape
-from stages.robot.model import Array, Primitive
+from linkwright.stages.formats.mesh_points import mesh_points
+from linkwright.stages.robot.geometry import Geometry, Role, Shape
+from linkwright.stages.robot.model import Array, Primitive
 
 _STEPS = (1, 1, 2, 4, 8)
 """Steps of the algorithm, after which bodies are left out that cannot be the nearest ones."""

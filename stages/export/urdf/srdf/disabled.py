@@ -3,13 +3,13 @@
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 
-from stages.export.urdf.srdf.apart import apart
-from stages.export.urdf.srdf.convex import bodies_of
-from stages.formats.urdf.contacts import Reason, known_pairs
-from stages.formats.written import Written
-from stages.robot.adjacency import Pair
-from stages.robot.fusing import members
-from stages.robot.start_pose import home
+from linkwright.stages.export.urdf.srdf.apart import apart
+from linkwright.stages.export.urdf.srdf.convex import bodies_of
+from linkwright.stages.formats.urdf.contacts import Reason, known_pairs
+from linkwright.stages.formats.written import Written
+from linkwright.stages.robot.adjacency import Pair
+from linkwright.stages.robot.fusing import members
+from linkwright.stages.robot.start_pose import home
 
 MOST_LINKS = 128
 """Of a robot with more links that collide no pair is worked out: their number grows with its square, as would

@@ -5,9 +5,9 @@ import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
-from stages.formats.urdf.names import urdf_names
-from stages.robot.model import Joint, Robot
-from stages.robot.names import free
+from linkwright.stages.formats.urdf.names import urdf_names
+from linkwright.stages.robot.model import Joint, Robot
+from linkwright.stages.robot.names import free
 
 ALL = "all"
 """The group of all joints."""

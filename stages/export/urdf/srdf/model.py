@@ -6,18 +6,18 @@ Element rules are those of srdfdom, MoveIt's own reader; names are those of the 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from stages.export.urdf.srdf.apart import POSES
-from stages.export.urdf.srdf.disabled import Disabled, disabled_pairs
-from stages.export.urdf.srdf.groups import Groups, groups_of
-from stages.export.urdf.srdf.source_groups import source_groups
-from stages.export.urdf.srdf.states import states_of
-from stages.formats.robot_json.files import SrdfRecord
-from stages.formats.urdf.names import urdf_names
-from stages.formats.written import Written
-from stages.formats.xml import Element, comment, element, to_bytes
-from stages.robot.model import Robot
-from stages.robot.names import free
-from stages.robot.passive import passive_dofs
+from linkwright.stages.export.urdf.srdf.apart import POSES
+from linkwright.stages.export.urdf.srdf.disabled import Disabled, disabled_pairs
+from linkwright.stages.export.urdf.srdf.groups import Groups, groups_of
+from linkwright.stages.export.urdf.srdf.source_groups import source_groups
+from linkwright.stages.export.urdf.srdf.states import states_of
+from linkwright.stages.formats.robot_json.files import SrdfRecord
+from linkwright.stages.formats.urdf.names import urdf_names
+from linkwright.stages.formats.written import Written
+from linkwright.stages.formats.xml import Element, comment, element, to_bytes
+from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.names import free
+from linkwright.stages.robot.passive import passive_dofs
 
 WORLD = "world"
 """What the base is fixed to, or flies in."""

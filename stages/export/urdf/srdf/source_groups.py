@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 
-from stages.export.urdf.srdf.groups import Gripper, Group, Groups
-from stages.formats.urdf.chains import UrdfChains, chains_of
-from stages.formats.written import Written
+from linkwright.stages.export.urdf.srdf.groups import Gripper, Group, Groups
+from linkwright.stages.formats.urdf.chains import UrdfChains, chains_of
+from linkwright.stages.formats.written import Written
 
 
 def source_groups(written: Written) -> Groups:

@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from stages.formats.numbers import least_of, number
-from stages.formats.urdf.names import UrdfNames
-from stages.robot.model import Dof, Robot, Value
-from stages.robot.poses import rotation_from_quat, turns_from_rotation
-from stages.robot.start_pose import HOME, keyframes
+from linkwright.stages.formats.numbers import least_of, number
+from linkwright.stages.formats.urdf.names import UrdfNames
+from linkwright.stages.robot.model import Dof, Robot, Value
+from linkwright.stages.robot.poses import rotation_from_quat, turns_from_rotation
+from linkwright.stages.robot.start_pose import HOME, keyframes
 
 
 def states_of(robot: Robot, names: UrdfNames) -> dict[str, dict[str, str]]:

@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator
 
-from stages.export.urdf.srdf.disabled import MOST_LINKS
-from stages.export.urdf.srdf.model import SrdfPlan
-from stages.robot.errors import Diagnostic
-from stages.robot.geometry import Geometry
-from stages.robot.model import Robot
+from linkwright.stages.export.urdf.srdf.disabled import MOST_LINKS
+from linkwright.stages.export.urdf.srdf.model import SrdfPlan
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.model import Robot
 
 
 def unsupported(robot: Robot, geometry: Geometry, plan: SrdfPlan) -> Iterator[Diagnostic]:

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from stages.fetch.source_section import SourceSection
+from linkwright.stages.fetch.source_section import SourceSection
 
 
 class SampleSourceSection(SourceSection):

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from importlib.resources import files
 from typing import ClassVar
 
-from stages.fetch.bundle.source import BundleSource
+from linkwright.stages.fetch.bundle.source import BundleSource
 
 
 class SampleSource(BundleSource):
@@ -21,7 +21,7 @@ class SampleSource(BundleSource):
         pass
 
     def read(self) -> bytes:
-        return files("stages.fetch").joinpath("sample.zip").read_bytes()
+        return files("linkwright.stages.fetch").joinpath("sample.zip").read_bytes()
 
 
 SOURCE = SampleSource

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from stages.fetch.onshape.api import signing
-from stages.fetch.onshape.api.credentials import Credentials
-from stages.fetch.onshape.requests import describe
+from linkwright.stages.fetch.onshape.api import signing
+from linkwright.stages.fetch.onshape.api.credentials import Credentials
+from linkwright.stages.fetch.onshape.requests import describe
 
 
 @dataclass(frozen=True, slots=True)

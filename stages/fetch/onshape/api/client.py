@@ -14,12 +14,12 @@ from collections.abc import Callable, Mapping
 from types import TracebackType
 from urllib.parse import urlsplit
 
-from stages.fetch.onshape import reply_sizes
-from stages.fetch.onshape.api import redirects, retries
-from stages.fetch.onshape.api.call import ApiCall
-from stages.fetch.onshape.api.credentials import Credentials
-from stages.fetch.onshape.api.halt import Halt
-from stages.fetch.onshape.api.http_errors import (
+from linkwright.stages.fetch.onshape import reply_sizes
+from linkwright.stages.fetch.onshape.api import redirects, retries
+from linkwright.stages.fetch.onshape.api.call import ApiCall
+from linkwright.stages.fetch.onshape.api.credentials import Credentials
+from linkwright.stages.fetch.onshape.api.halt import Halt
+from linkwright.stages.fetch.onshape.api.http_errors import (
     no_reply,
     rate_limited,
     refusal,
@@ -27,15 +27,22 @@ from stages.fetch.onshape.api.http_errors import (
     web_page,
     wrongly_packed,
 )
-from stages.fetch.onshape.api.ledger import Ledger, billed, endpoint
-from stages.fetch.onshape.api.rate_limits import Windows, left, retry_after
-from stages.fetch.onshape.api.received import Received
-from stages.fetch.onshape.api.retries import Passing, Patience
-from stages.fetch.onshape.api.transport import AT_ONCE, HttpReply, Lost, Packed, ReplyTooLarge, Wire
-from stages.fetch.onshape.call_budget import Budget, CallSlot
-from stages.fetch.onshape.requests import JSON, api, describe, is_definition
-from stages.fetch.onshape.url import AssemblyUrl
-from stages.robot.errors import Offline, ProtocolError, QuotaExhausted, SourceError
+from linkwright.stages.fetch.onshape.api.ledger import Ledger, billed, endpoint
+from linkwright.stages.fetch.onshape.api.rate_limits import Windows, left, retry_after
+from linkwright.stages.fetch.onshape.api.received import Received
+from linkwright.stages.fetch.onshape.api.retries import Passing, Patience
+from linkwright.stages.fetch.onshape.api.transport import (
+    AT_ONCE,
+    HttpReply,
+    Lost,
+    Packed,
+    ReplyTooLarge,
+    Wire,
+)
+from linkwright.stages.fetch.onshape.call_budget import Budget, CallSlot
+from linkwright.stages.fetch.onshape.requests import JSON, api, describe, is_definition
+from linkwright.stages.fetch.onshape.url import AssemblyUrl
+from linkwright.stages.robot.errors import Offline, ProtocolError, QuotaExhausted, SourceError
 
 __all__ = ["AT_ONCE", "JSON", "Client"]
 

@@ -7,7 +7,7 @@ import ssl
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from stages.fetch.onshape.api.network_settings import CERTIFICATES, proxy_variable
+from linkwright.stages.fetch.onshape.api.network_settings import CERTIFICATES, proxy_variable
 
 _NETWORK = (
     "check the network and the host in source.url, or build offline: source.offline=true, source=bundle, "

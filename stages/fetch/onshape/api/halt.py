@@ -2,7 +2,7 @@
 
 import threading
 
-from stages.robot.errors import Offline, QuotaExhausted, RateLimited
+from linkwright.stages.robot.errors import Offline, QuotaExhausted, RateLimited
 
 
 class Halt:

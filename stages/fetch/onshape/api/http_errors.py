@@ -5,11 +5,17 @@ import time
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from stages.fetch.onshape import reply_sizes
-from stages.fetch.onshape.api.connection_errors import Trouble
-from stages.fetch.onshape.api.rate_limits import date
-from stages.fetch.onshape.requests import configuration_asked, describe, is_definition, is_gltf, is_triangles
-from stages.robot.errors import (
+from linkwright.stages.fetch.onshape import reply_sizes
+from linkwright.stages.fetch.onshape.api.connection_errors import Trouble
+from linkwright.stages.fetch.onshape.api.rate_limits import date
+from linkwright.stages.fetch.onshape.requests import (
+    configuration_asked,
+    describe,
+    is_definition,
+    is_gltf,
+    is_triangles,
+)
+from linkwright.stages.robot.errors import (
     AuthError,
     NotFound,
     Offline,
@@ -20,7 +26,7 @@ from stages.robot.errors import (
 )
 
 if TYPE_CHECKING:
-    from stages.fetch.onshape.api.transport import Lost
+    from linkwright.stages.fetch.onshape.api.transport import Lost
 
 AGAIN = "run the same command again; what was fetched is kept and not paid for twice"
 

@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from urllib.parse import SplitResult, urlsplit
 
-from stages.robot.errors import ConfigError
-from stages.robot.install import install
+from linkwright.stages.robot.errors import ConfigError
+from linkwright.stages.robot.install import install
 
 CERTIFICATES, FOLDER = "SSL_CERT_FILE", "SSL_CERT_DIR"
 

@@ -2,8 +2,8 @@
 
 from urllib.parse import SplitResult, urljoin, urlsplit
 
-from stages.fetch.onshape.url import is_loopback, key_origin, split
-from stages.robot.errors import ProtocolError
+from linkwright.stages.fetch.onshape.url import is_loopback, key_origin, split
+from linkwright.stages.robot.errors import ProtocolError
 
 MOST = 3
 """Redirects followed for one call: each of them is billed."""

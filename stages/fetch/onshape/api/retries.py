@@ -9,7 +9,7 @@ from typing import Literal
 import stamina
 from stamina.instrumentation import RetryDetails, set_on_retry_hooks
 
-from stages.robot.errors import SourceError
+from linkwright.stages.robot.errors import SourceError
 
 Kind = Literal["free", "billed"]
 """Whether a failed attempt cost a call: a reply that begins with 200 is billed however it ends."""

@@ -11,7 +11,7 @@ import time
 from base64 import b64encode
 from email.utils import formatdate
 
-from stages.fetch.onshape.api.credentials import Credentials
+from linkwright.stages.fetch.onshape.api.credentials import Credentials
 
 CONTENT_TYPE = "application/json"
 """Part of the signature, so it is sent with a GET too."""

@@ -16,11 +16,11 @@ from weakref import WeakSet
 
 import httpx
 
-from stages.fetch.onshape import reply_sizes
-from stages.fetch.onshape.api import connection_errors, decompression
-from stages.fetch.onshape.api.connection_errors import Trouble
-from stages.fetch.onshape.api.retries import Patience
-from stages.robot.errors import ConfigError
+from linkwright.stages.fetch.onshape import reply_sizes
+from linkwright.stages.fetch.onshape.api import connection_errors, decompression
+from linkwright.stages.fetch.onshape.api.connection_errors import Trouble
+from linkwright.stages.fetch.onshape.api.retries import Patience
+from linkwright.stages.robot.errors import ConfigError
 
 AT_ONCE = 4
 """Connections at most: the server's limits are per window, and it answers no faster to more."""

@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stages.fetch.onshape.api.http_errors import Declined
-from stages.fetch.onshape.triangles import json_stream
-from stages.fetch.onshape.triangles.json_stream import Document, MalformedError
-from stages.formats import triangles
-from stages.formats.colours import colour_of
-from stages.formats.triangles import Body
-from stages.robot.errors import ProtocolError
-from stages.robot.geometry import Colour
+from linkwright.stages.fetch.onshape.api.http_errors import Declined
+from linkwright.stages.fetch.onshape.triangles import json_stream
+from linkwright.stages.fetch.onshape.triangles.json_stream import Document, MalformedError
+from linkwright.stages.formats import triangles
+from linkwright.stages.formats.colours import colour_of
+from linkwright.stages.formats.triangles import Body
+from linkwright.stages.robot.errors import ProtocolError
+from linkwright.stages.robot.geometry import Colour
 
 _Record = Mapping[str, Any]
 _Points = npt.NDArray[np.float64]

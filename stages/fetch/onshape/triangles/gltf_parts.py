@@ -12,10 +12,10 @@ import numpy as np
 import numpy.typing as npt
 import orjson
 
-from stages.fetch.onshape.triangles.matching import BodyFigures, assigned
-from stages.formats import gltf, triangles
-from stages.formats.gltf import Node
-from stages.robot.errors import ProtocolError
+from linkwright.stages.fetch.onshape.triangles.matching import BodyFigures, assigned
+from linkwright.stages.formats import gltf, triangles
+from linkwright.stages.formats.gltf import Node
+from linkwright.stages.robot.errors import ProtocolError
 
 _SPECK = 1e-9
 _HINT = "run the same command again; if it fails each time, the API has changed"

@@ -7,8 +7,8 @@ then the glTF is used until `source.refresh`. All jobs of a sweep count as one b
 import time
 from collections.abc import Iterable
 
-from stages.fetch.onshape.cached_client import CachedClient
-from stages.fetch.onshape.requests import is_gltf
+from linkwright.stages.fetch.onshape.cached_client import CachedClient
+from linkwright.stages.fetch.onshape.requests import is_gltf
 
 
 class Refusals:

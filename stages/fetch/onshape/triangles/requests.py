@@ -12,14 +12,14 @@ from types import MappingProxyType
 
 import orjson
 
-from stages.fetch.onshape import requests
-from stages.fetch.onshape.api.http_errors import Declined
-from stages.fetch.onshape.cached_client import CachedClient, Refused
-from stages.fetch.onshape.gather import Needs, Reply, StudioReplies
-from stages.fetch.onshape.reply_checks import compacted
-from stages.fetch.onshape.triangles.refusals import Refusals
-from stages.formats import triangles
-from stages.robot.errors import ConfigError, Diagnostic, NotFound, ProtocolError, SourceError
+from linkwright.stages.fetch.onshape import requests
+from linkwright.stages.fetch.onshape.api.http_errors import Declined
+from linkwright.stages.fetch.onshape.cached_client import CachedClient, Refused
+from linkwright.stages.fetch.onshape.gather import Needs, Reply, StudioReplies
+from linkwright.stages.fetch.onshape.reply_checks import compacted
+from linkwright.stages.fetch.onshape.triangles.refusals import Refusals
+from linkwright.stages.formats import triangles
+from linkwright.stages.robot.errors import ConfigError, Diagnostic, NotFound, ProtocolError, SourceError
 
 NOTHING: Mapping[str, bytes] = MappingProxyType({})
 

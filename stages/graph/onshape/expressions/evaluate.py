@@ -7,8 +7,8 @@ of FeatureScript: arithmetic, comparison, `cond ? a : b`, and the functions of i
 
 from collections.abc import Callable, Mapping, Sequence
 
-from stages.graph.onshape.expressions.functions import CONSTANTS, FUNCTIONS
-from stages.graph.onshape.expressions.quantity import (
+from linkwright.stages.graph.onshape.expressions.functions import CONSTANTS, FUNCTIONS
+from linkwright.stages.graph.onshape.expressions.quantity import (
     NONE,
     ExpressionError,
     Quantity,
@@ -17,8 +17,8 @@ from stages.graph.onshape.expressions.quantity import (
     truth,
     unit,
 )
-from stages.graph.onshape.expressions.syntax import DEEPEST, Expression, parse
-from stages.robot.units import UNITS, Measure
+from linkwright.stages.graph.onshape.expressions.syntax import DEEPEST, Expression, parse
+from linkwright.stages.robot.units import UNITS, Measure
 
 __all__ = ["ExpressionError", "Quantity", "Scope", "UnknownVariable", "Value", "evaluate", "measured"]
 

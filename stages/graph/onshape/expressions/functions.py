@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 
-from stages.graph.onshape.expressions.quantity import ANGLE, NONE, ExpressionError, Quantity, Value
+from linkwright.stages.graph.onshape.expressions.quantity import ANGLE, NONE, ExpressionError, Quantity, Value
 
 Function = Callable[[Sequence[Quantity]], Quantity]
 

@@ -13,8 +13,8 @@ import re
 from dataclasses import dataclass
 from typing import Literal
 
-from stages.graph.onshape.expressions.quantity import ExpressionError
-from stages.robot.units import UNITS
+from linkwright.stages.graph.onshape.expressions.quantity import ExpressionError
+from linkwright.stages.robot.units import UNITS
 
 _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"

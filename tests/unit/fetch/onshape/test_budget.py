@@ -2,8 +2,8 @@
 
 import pytest
 
-from stages.fetch.onshape.call_budget import Budget
-from stages.robot.errors import SourceError
+from linkwright.stages.fetch.onshape.call_budget import Budget
+from linkwright.stages.robot.errors import SourceError
 
 
 def test_calls_on_their_way_cannot_overdraw_together():

@@ -5,14 +5,14 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.build import build
-from pipeline.config.plan import Plan
-from stages.fetch.bundle.archive import pack
-from stages.fetch.onshape import configuration
-from stages.fetch.onshape.configuration import encode
-from stages.formats.onshape_configuration import decoded, encoded, joined, split
-from stages.graph import build_robot
-from stages.robot.errors import ConfigError, Offline, ProtocolError, SourceError
+from linkwright.pipeline.build import build
+from linkwright.pipeline.config.plan import Plan
+from linkwright.stages.fetch.bundle.archive import pack
+from linkwright.stages.fetch.onshape import configuration
+from linkwright.stages.fetch.onshape.configuration import encode
+from linkwright.stages.formats.onshape_configuration import decoded, encoded, joined, split
+from linkwright.stages.graph import build_robot
+from linkwright.stages.robot.errors import ConfigError, Offline, ProtocolError, SourceError
 from tests.fake_onshape import settings
 from tests.fake_onshape.server import OnshapeServer
 from tests.fake_onshape.settable import GRIPPER, LABEL, LEG, MIRRORED, configured_stand, stand

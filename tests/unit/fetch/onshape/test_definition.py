@@ -4,9 +4,9 @@ import json
 
 import pytest
 
-from stages.fetch.onshape.definition import read, require_parts
-from stages.robot.bundle import StudioKey
-from stages.robot.errors import AssemblyError, ProtocolError
+from linkwright.stages.fetch.onshape.definition import read, require_parts
+from linkwright.stages.robot.bundle import StudioKey
+from linkwright.stages.robot.errors import AssemblyError, ProtocolError
 
 
 def part(studio, part_id, **more):

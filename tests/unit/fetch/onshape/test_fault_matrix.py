@@ -10,8 +10,8 @@ import sys
 
 import pytest
 
-from stages.fetch.onshape.api.http_errors import Declined
-from stages.robot.errors import (
+from linkwright.stages.fetch.onshape.api.http_errors import Declined
+from linkwright.stages.robot.errors import (
     AuthError,
     NotFound,
     Offline,
@@ -119,10 +119,10 @@ def test_after_the_end_of_the_quota_no_call_begins(fetching, place):
 WORKER = """
 import sys
 from pathlib import Path
-from pipeline.caching.actions import Cache
-from pipeline.caching.store import Store
-from stages import fetch as stage
-from stages.fetch.source import FetchContext
+from linkwright.pipeline.caching.actions import Cache
+from linkwright.pipeline.caching.store import Store
+from linkwright.stages import fetch as stage
+from linkwright.stages.fetch.source import FetchContext
 from tests.support.kept import QUICK, onshape
 
 print("ready", flush=True)

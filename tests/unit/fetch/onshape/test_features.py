@@ -8,16 +8,16 @@ import zipfile
 import numpy as np
 import pytest
 
-from stages import fetch as stage
-from stages.fetch.bundle.archive import pack, read
-from stages.fetch.onshape import features
-from stages.fetch.onshape.features import Owner
-from stages.fetch.onshape.gather import gather
-from stages.fetch.onshape.recorded import Recorded
-from stages.graph import build_robot
-from stages.robot.bundle import StudioKey
-from stages.robot.codec import encode_robot
-from stages.robot.errors import Offline, ProtocolError
+from linkwright.stages import fetch as stage
+from linkwright.stages.fetch.bundle.archive import pack, read
+from linkwright.stages.fetch.onshape import features
+from linkwright.stages.fetch.onshape.features import Owner
+from linkwright.stages.fetch.onshape.gather import gather
+from linkwright.stages.fetch.onshape.recorded import Recorded
+from linkwright.stages.graph import build_robot
+from linkwright.stages.robot.bundle import StudioKey
+from linkwright.stages.robot.codec import encode_robot
+from linkwright.stages.robot.errors import Offline, ProtocolError
 from tests.fake_onshape import solids
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.frames import frame

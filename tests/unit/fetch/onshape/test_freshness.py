@@ -4,9 +4,9 @@ import json
 
 import pytest
 
-from stages import fetch as stage
-from stages.fetch.source import Calls
-from stages.robot.errors import ConfigError, Offline, ProtocolError, QuotaExhausted, SourceError
+from linkwright.stages import fetch as stage
+from linkwright.stages.fetch.source import Calls
+from linkwright.stages.robot.errors import ConfigError, Offline, ProtocolError, QuotaExhausted, SourceError
 from tests.fake_onshape import solids
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.server import Fault, OnshapeServer

@@ -4,10 +4,10 @@ import json
 
 import pytest
 
-from stages.fetch.onshape import mass_check
-from stages.fetch.onshape.call_budget import allow
-from stages.robot.bundle import StudioKey
-from stages.robot.errors import ProtocolError, SourceError
+from linkwright.stages.fetch.onshape import mass_check
+from linkwright.stages.fetch.onshape.call_budget import allow
+from linkwright.stages.robot.bundle import StudioKey
+from linkwright.stages.robot.errors import ProtocolError, SourceError
 from tests.fake_onshape.definition import definition
 from tests.fake_onshape.sample import sample_document
 from tests.fake_onshape.studio_replies import assembly_mass

@@ -7,9 +7,9 @@ import threading
 
 import pytest
 
-from pipeline.build import build
-from pipeline.config.plan import Plan
-from pipeline.errors import SourceError
+from linkwright.pipeline.build import build
+from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.errors import SourceError
 from tests.fake_onshape import solids
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.server import Fault, OnshapeServer
@@ -20,8 +20,8 @@ COLD = 1 + 2 * 3
 WORKER = """
 import json, sys
 from pathlib import Path
-from pipeline.build import build
-from pipeline.config.plan import Plan
+from linkwright.pipeline.build import build
+from linkwright.pipeline.config.plan import Plan
 
 print("ready", flush=True)
 sys.stdin.readline()

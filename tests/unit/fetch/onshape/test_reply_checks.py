@@ -4,8 +4,8 @@ import tracemalloc
 
 import pytest
 
-from stages.fetch.onshape.reply_checks import check
-from stages.robot.errors import ProtocolError
+from linkwright.stages.fetch.onshape.reply_checks import check
+from linkwright.stages.robot.errors import ProtocolError
 
 REQUEST = "/partstudios/d/a/m/b/e/c/massproperties?partId="
 MANY = 200_000

@@ -2,8 +2,8 @@
 
 from types import SimpleNamespace
 
-from stages.fetch.onshape import requests
-from stages.robot.bundle import StudioKey
+from linkwright.stages.fetch.onshape import requests
+from linkwright.stages.robot.bundle import StudioKey
 
 QUALITY = SimpleNamespace(angle=0.2, chord=0.0005, max_facet_width=None)
 OWN = StudioKey("doc", "m/micro", "elem", "default")

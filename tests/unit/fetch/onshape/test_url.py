@@ -5,9 +5,9 @@ import socket
 
 import pytest
 
-from stages.fetch.onshape.section import OnshapeSourceSection
-from stages.fetch.onshape.url import AssemblyUrl, parse
-from stages.robot.errors import ConfigError
+from linkwright.stages.fetch.onshape.section import OnshapeSourceSection
+from linkwright.stages.fetch.onshape.url import AssemblyUrl, parse
+from linkwright.stages.robot.errors import ConfigError
 from tests.support.tricky_hosts import HOSTS
 
 D, W, E = "5f1a0c2b9d8e7f6a5b4c3d2e", "0a1b2c3d4e5f60718293a4b5", "a1b2c3d4e5f60718293a4b5c"

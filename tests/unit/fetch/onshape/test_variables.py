@@ -9,14 +9,14 @@ import time
 
 import pytest
 
-from pipeline.build import build
-from pipeline.config.plan import Plan
-from pipeline.preflight import sweep_problems
-from stages import fetch as stage
-from stages.fetch.onshape.variables import expression
-from stages.fetch.source import Calls
-from stages.graph import build_robot
-from stages.robot.errors import (
+from linkwright.pipeline.build import build
+from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.preflight import sweep_problems
+from linkwright.stages import fetch as stage
+from linkwright.stages.fetch.onshape.variables import expression
+from linkwright.stages.fetch.source import Calls
+from linkwright.stages.graph import build_robot
+from linkwright.stages.robot.errors import (
     AuthError,
     ConfigError,
     NotFound,

@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stages.graph import build_robot
-from stages.graph.onshape.assembly import Assembly
-from stages.graph.onshape.definition import read_assembly
-from stages.graph.onshape.onshape_to_robot import translated
-from stages.graph.section import GraphSections
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.kinematics import link_poses
-from stages.robot.model import Limits, Robot
+from linkwright.stages.graph import build_robot
+from linkwright.stages.graph.onshape.assembly import Assembly
+from linkwright.stages.graph.onshape.definition import read_assembly
+from linkwright.stages.graph.onshape.onshape_to_robot import translated
+from linkwright.stages.graph.section import GraphSections
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.model import Limits, Robot
 from tests.fake_onshape.document import ORIGIN, Document
 from tests.fake_onshape.frames import frame
 from tests.fake_onshape.prefixed import LIKE_THEIRS, prefixed

@@ -4,13 +4,13 @@ import numpy as np
 import orjson
 import pytest
 
-from stages.graph.onshape.assembly import Assembly
-from stages.graph.onshape.bodies import Bodies, find_bodies
-from stages.graph.onshape.definition import read_assembly
-from stages.graph.onshape.hidden import without_hidden
-from stages.graph.section import DepthSection, GraphSections
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.errors import AssemblyError
+from linkwright.stages.graph.onshape.assembly import Assembly
+from linkwright.stages.graph.onshape.bodies import Bodies, find_bodies
+from linkwright.stages.graph.onshape.definition import read_assembly
+from linkwright.stages.graph.onshape.hidden import without_hidden
+from linkwright.stages.graph.section import DepthSection, GraphSections
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.errors import AssemblyError
 from tests.fake_onshape.definition import definition
 from tests.fake_onshape.document import ORIGIN
 from tests.fake_onshape.frames import frame

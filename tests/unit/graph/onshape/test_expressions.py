@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from stages.graph.onshape.expressions.evaluate import (
+from linkwright.stages.graph.onshape.expressions.evaluate import (
     ExpressionError,
     Scope,
     UnknownVariable,

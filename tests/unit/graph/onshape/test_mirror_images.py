@@ -8,13 +8,13 @@ import orjson
 import pytest
 import yaml
 
-from stages.graph import build_robot
-from stages.robot.bundle import OnshapeBundle
-from stages.robot.dynamics import mass_matrix
-from stages.robot.errors import Disconnected
-from stages.robot.kinematics import link_poses
-from stages.robot.model import Joint, Robot
-from stages.robot.poses import inverse
+from linkwright.stages.graph import build_robot
+from linkwright.stages.robot.bundle import OnshapeBundle
+from linkwright.stages.robot.dynamics import mass_matrix
+from linkwright.stages.robot.errors import Disconnected
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.model import Joint, Robot
+from linkwright.stages.robot.poses import inverse
 from tests.fake_onshape import solids
 from tests.fake_onshape.document import Occurrence
 from tests.fake_onshape.frames import frame, turn

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stages.graph.section import DepthSection
+from linkwright.stages.graph.section import DepthSection
 from tests.fake_onshape.frames import frame
 from tests.support.kit import SIDE, TOP, Kit
 from tests.support.patterned import PLANE, bodies_of, copies, displacement, draw, drawn, mated, wheeled

@@ -6,12 +6,12 @@ from dataclasses import replace
 import pytest
 import yaml
 
-from stages.graph.passes.added_links import with_added_links
-from stages.graph.passes.joint_limits import with_properties
-from stages.graph.passes.limit_checks import LOCKED_PLAY, check_limits, report_loop_limits
-from stages.graph.section import GraphSections
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.model import Limits, Relation, Robot
+from linkwright.stages.graph.passes.added_links import with_added_links
+from linkwright.stages.graph.passes.joint_limits import with_properties
+from linkwright.stages.graph.passes.limit_checks import LOCKED_PLAY, check_limits, report_loop_limits
+from linkwright.stages.graph.section import GraphSections
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.model import Limits, Relation, Robot
 from tests.support.robots import CARRIED, LOOPS, at, joint, loop, robot_with
 
 

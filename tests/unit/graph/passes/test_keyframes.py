@@ -6,13 +6,13 @@ import mujoco
 import numpy as np
 import pytest
 
-from stages.export import export
-from stages.graph.passes.keyframes import with_keyframes
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.kinematics import link_poses
-from stages.robot.loops import gap
-from stages.robot.model import Limits, Relation
-from stages.robot.start_pose import home, keyframes, saved, starting_point
+from linkwright.stages.export import export
+from linkwright.stages.graph.passes.keyframes import with_keyframes
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.loops import gap
+from linkwright.stages.robot.model import Limits, Relation
+from linkwright.stages.robot.start_pose import home, keyframes, saved, starting_point
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.robots import joint, robot_with
 from tests.unit.robot.test_home import four_bar

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stages.graph.passes.mobility import with_mobility
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.kinematics import chain, link_poses, saved_configuration
-from stages.robot.model import Relation, Robot
-from stages.robot.poses import from_parts, inverse, motion, rotation_from_quat, turn
+from linkwright.stages.graph.passes.mobility import with_mobility
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.kinematics import chain, link_poses, saved_configuration
+from linkwright.stages.robot.model import Relation, Robot
+from linkwright.stages.robot.poses import from_parts, inverse, motion, rotation_from_quat, turn
 from tests.support.robots import CHAINS, LOOPS, Z, at, joint, loop, pose, robot_with, some_value
 
 

@@ -8,8 +8,8 @@ import pytest
 import yaml
 from lxml import etree
 
-from stages.export import Exported, export
-from stages.graph.section import JointSection
+from linkwright.stages.export import Exported, export
+from linkwright.stages.graph.section import JointSection
 from tests.fake_onshape import solids
 from tests.fake_onshape.frames import frame
 from tests.support.building import NO_MESHES, plan_of, robot_of

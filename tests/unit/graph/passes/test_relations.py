@@ -4,12 +4,12 @@ import math
 
 import pytest
 
-from stages.graph.mechanism import RelationSpec
-from stages.graph.passes.relations import with_relations
-from stages.graph.section import RelationSection
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.kinematics import link_poses, saved_configuration
-from stages.robot.model import Limits, Robot
+from linkwright.stages.graph.mechanism import RelationSpec
+from linkwright.stages.graph.passes.relations import with_relations
+from linkwright.stages.graph.section import RelationSection
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.kinematics import link_poses, saved_configuration
+from linkwright.stages.robot.model import Limits, Robot
 from tests.support.robots import at, joint, loop, robot_with
 
 L = 0.01

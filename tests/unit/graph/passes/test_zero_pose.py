@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from stages.graph.passes.zero_pose import with_zero
-from stages.robot.diagnostics import Diagnostics
-from stages.robot.kinematics import chain, link_poses, rest_configuration, saved_configuration
-from stages.robot.model import Limits, Relation, Robot
-from stages.robot.poses import at_rest, from_parts, rotation_from_quat
+from linkwright.stages.graph.passes.zero_pose import with_zero
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.kinematics import chain, link_poses, rest_configuration, saved_configuration
+from linkwright.stages.robot.model import Limits, Relation, Robot
+from linkwright.stages.robot.poses import at_rest, from_parts, rotation_from_quat
 from tests.support.robots import CHAINS, EVERY, LOOPS, joint, loop, pose, robot_with, some_value, some_values
 
 

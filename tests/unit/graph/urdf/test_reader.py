@@ -7,18 +7,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stages.formats.triangles import Body, encode
-from stages.formats.urdf.model import mesh_key
-from stages.formats.urdf.parse import parse
-from stages.graph import build_robot
-from stages.graph.urdf.inertias import nearest
-from stages.graph.urdf.solid_inertia import solid_of
-from stages.mesh import make_geometry
-from stages.robot.codec import decode_robot, encode_robot
-from stages.robot.errors import AssemblyError
-from stages.robot.inertia import is_physical, primitive_inertial, principal
-from stages.robot.kinematics import link_poses
-from stages.robot.model import Limits, Robot
+from linkwright.stages.formats.triangles import Body, encode
+from linkwright.stages.formats.urdf.model import mesh_key
+from linkwright.stages.formats.urdf.parse import parse
+from linkwright.stages.graph import build_robot
+from linkwright.stages.graph.urdf.inertias import nearest
+from linkwright.stages.graph.urdf.solid_inertia import solid_of
+from linkwright.stages.mesh import make_geometry
+from linkwright.stages.robot.codec import decode_robot, encode_robot
+from linkwright.stages.robot.errors import AssemblyError
+from linkwright.stages.robot.inertia import is_physical, primitive_inertial, principal
+from linkwright.stages.robot.kinematics import link_poses
+from linkwright.stages.robot.model import Limits, Robot
 from tests.support.building import plan_of, write
 from tests.support.checked import checked
 from tests.support.engines import Pinocchio

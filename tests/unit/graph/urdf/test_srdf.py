@@ -4,9 +4,15 @@ import math
 
 import pytest
 
-from stages.robot.model import Robot
-from stages.robot.semantics import NOTHING_MORE, DisabledPair, EndEffector, JointGroup, VirtualJoint
-from stages.robot.start_pose import keyframes
+from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.semantics import (
+    NOTHING_MORE,
+    DisabledPair,
+    EndEffector,
+    JointGroup,
+    VirtualJoint,
+)
+from linkwright.stages.robot.start_pose import keyframes
 from tests.support.building import plan_of
 from tests.support.urdfs import urdf_robot
 

@@ -10,15 +10,15 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from stages.formats import xml
-from stages.graph.view.boxes import boxes_of
-from stages.graph.view.labels import decimal, limits, part_names, rules, shortened
-from stages.graph.view.layout import levels, tidy
-from stages.graph.view.outline import NARROW, WHOLE, outline
-from stages.graph.view.picture import _placed, draw
-from stages.graph.view.tables import tables
-from stages.robot.model import Dynamics, Frame, Limits, Mobility, Relation
-from stages.robot.printable import columns, printable
+from linkwright.stages.formats import xml
+from linkwright.stages.graph.view.boxes import boxes_of
+from linkwright.stages.graph.view.labels import decimal, limits, part_names, rules, shortened
+from linkwright.stages.graph.view.layout import levels, tidy
+from linkwright.stages.graph.view.outline import NARROW, WHOLE, outline
+from linkwright.stages.graph.view.picture import _placed, draw
+from linkwright.stages.graph.view.tables import tables
+from linkwright.stages.robot.model import Dynamics, Frame, Limits, Mobility, Relation
+from linkwright.stages.robot.printable import columns, printable
 from tests.support.robots import CHAINS, EVERY, joint, loop, robot_with
 from tests.unit.robot.test_home import four_bar
 

@@ -7,15 +7,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
-from stages.mesh.by_contact.cutting import cut
-from stages.mesh.by_contact.ends import fitted_end
-from stages.mesh.by_contact.outside import Outside
-from stages.mesh.by_contact.piece import hulled, rough
-from stages.mesh.by_contact.planes import crossing, flat_faces, through
-from stages.mesh.by_contact.poses import near_pairs, relative
-from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.surface import Surface
-from stages.robot.clearance import engine
+from linkwright.stages.mesh.by_contact.cutting import cut
+from linkwright.stages.mesh.by_contact.ends import fitted_end
+from linkwright.stages.mesh.by_contact.outside import Outside
+from linkwright.stages.mesh.by_contact.piece import hulled, rough
+from linkwright.stages.mesh.by_contact.planes import crossing, flat_faces, through
+from linkwright.stages.mesh.by_contact.poses import near_pairs, relative
+from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.surface import Surface
+from linkwright.stages.robot.clearance import engine
 from tests.support.robots import pose
 from tests.support.solids import of_mesh
 

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 import trimesh
 
-from stages.mesh.by_contact import fitting
-from stages.mesh.by_contact.fitting import EndFitter, EndToFit, FittedEnd, end_fitter
-from stages.mesh.by_contact.piece import hulled
-from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.fit import fittest
-from stages.mesh.pieces import surface_of
-from stages.mesh.surface import Surface, weld
-from stages.robot.guest import Bounds
+from linkwright.stages.mesh.by_contact import fitting
+from linkwright.stages.mesh.by_contact.fitting import EndFitter, EndToFit, FittedEnd, end_fitter
+from linkwright.stages.mesh.by_contact.piece import hulled
+from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.fit import fittest
+from linkwright.stages.mesh.pieces import surface_of
+from linkwright.stages.mesh.surface import Surface, weld
+from linkwright.stages.robot.guest import Bounds
 
 SETTINGS = ColliderSettings(max_vertices=32)
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from stages.mesh.by_contact.meeting import with_jaws
-from stages.mesh.convex_hull import convex_hull
-from stages.robot.model import Robot
+from linkwright.stages.mesh.by_contact.meeting import with_jaws
+from linkwright.stages.mesh.convex_hull import convex_hull
+from linkwright.stages.robot.model import Robot
 from tests.support.robots import at, joint, robot_with
 from tests.support.solids import of_mesh
 

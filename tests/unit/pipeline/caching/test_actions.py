@@ -6,10 +6,10 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from pipeline.caching import actions as caching
-from pipeline.caching.actions import Action, Cache, folder, opened
-from pipeline.caching.store import Store
-from pipeline.errors import CacheError, ConfigError
+from linkwright.pipeline.caching import actions as caching
+from linkwright.pipeline.caching.actions import Action, Cache, folder, opened
+from linkwright.pipeline.caching.store import Store
+from linkwright.pipeline.errors import CacheError, ConfigError
 
 ACTION = Action("mesh", 1, {"tolerance": 0.1}, {"robot": "d1"}, {"numpy": "2.0"})
 

@@ -7,12 +7,12 @@ import time
 
 import pytest
 
-from pipeline.caching import maintenance
-from pipeline.caching.actions import Action, Cache
-from pipeline.caching.store import Store
-from pipeline.cli import run
-from pipeline.output.folder import Output
-from stages.fetch.onshape.api.ledger import Ledger
+from linkwright.pipeline.caching import maintenance
+from linkwright.pipeline.caching.actions import Action, Cache
+from linkwright.pipeline.caching.store import Store
+from linkwright.pipeline.cli import run
+from linkwright.pipeline.output.folder import Output
+from linkwright.stages.fetch.onshape.api.ledger import Ledger
 from tests.support.kill import killed_at
 from tests.support.places import PROJECT
 
@@ -212,7 +212,7 @@ class TestCommand:
 
     def test_it_imports_nothing_heavy(self):
         code = (
-            "import sys; from pipeline.cli import main; status = main(['cache', 'info'])\n"
+            "import sys; from linkwright.pipeline.cli import main; status = main(['cache', 'info'])\n"
             "heavy = 'numpy scipy mujoco httpx stamina hydra pydantic yaml rich lxml orjson'.split()\n"
             "print([name for name in heavy if name in sys.modules], status)"
         )

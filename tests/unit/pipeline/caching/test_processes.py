@@ -9,17 +9,17 @@ import time
 
 import pytest
 
-from pipeline.caching.actions import Action, Cache
-from pipeline.caching.store import Store
-from pipeline.digest import sha256
+from linkwright.pipeline.caching.actions import Action, Cache
+from linkwright.pipeline.caching.store import Store
+from linkwright.pipeline.digest import sha256
 from tests.support.kill import killed_at
 from tests.support.places import PROJECT
 
 WORKER = """
 import random, sys
 from pathlib import Path
-from pipeline.caching.actions import Action, Cache
-from pipeline.caching.store import Store
+from linkwright.pipeline.caching.actions import Action, Cache
+from linkwright.pipeline.caching.store import Store
 
 root, ledger, seed, actions = Path(sys.argv[1]), Path(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4])
 cache = Cache(Store(root))

@@ -6,9 +6,9 @@ import time
 
 import pytest
 
-from pipeline.caching.store import STALE, Store
-from pipeline.digest import sha256
-from pipeline.errors import CacheError
+from linkwright.pipeline.caching.store import STALE, Store
+from linkwright.pipeline.digest import sha256
+from linkwright.pipeline.errors import CacheError
 
 
 @pytest.fixture

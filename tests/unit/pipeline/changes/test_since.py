@@ -4,16 +4,16 @@ import json
 
 import pytest
 
-from pipeline.build import build, build_files
-from pipeline.changes.compare import compare
-from pipeline.changes.since import MOST, since
-from pipeline.digest import sha256
-from pipeline.output import manifest
-from pipeline.page.changed import changed
-from pipeline.page.head import difference
-from pipeline.secrets import Secrets
-from stages.robot.check import Check
-from stages.robot.errors import AssemblyError
+from linkwright.pipeline.build import build, build_files
+from linkwright.pipeline.changes.compare import compare
+from linkwright.pipeline.changes.since import MOST, since
+from linkwright.pipeline.digest import sha256
+from linkwright.pipeline.output import manifest
+from linkwright.pipeline.page.changed import changed
+from linkwright.pipeline.page.head import difference
+from linkwright.pipeline.secrets import Secrets
+from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.errors import AssemblyError
 from tests.support.building import plan_of
 from tests.support.page_reader import Reader
 

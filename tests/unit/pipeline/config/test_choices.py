@@ -1,6 +1,6 @@
 """What composing leaves open."""
 
-from pipeline.config.choices import Choices, resolved_tree
+from linkwright.pipeline.config.choices import Choices, resolved_tree
 
 
 def test_a_preset_of_the_command_line_wins_but_for_keys_set_there():

@@ -7,9 +7,9 @@ from hydra.core.global_hydra import GlobalHydra
 from hydra.types import RunMode
 from omegaconf import OmegaConf
 
-from pipeline.config.compose import HYDRA, compose_plan, session
-from pipeline.config.hydra_loader import PRIMARY, composed
-from pipeline.config.hydra_node import searching
+from linkwright.pipeline.config.compose import HYDRA, compose_plan, session
+from linkwright.pipeline.config.hydra_loader import PRIMARY, composed
+from linkwright.pipeline.config.hydra_node import searching
 from tests.support.users import MY_ARM, write
 
 GLOBAL = "# @package _global_\n"

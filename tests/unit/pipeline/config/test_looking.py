@@ -5,10 +5,10 @@ import logging
 import pytest
 import yaml
 
-from pipeline.cli import run
-from pipeline.config.compose import compose_plan
-from pipeline.options import Command, UsageError, parse
-from pipeline.report import Report
+from linkwright.pipeline.cli import run
+from linkwright.pipeline.config.compose import compose_plan
+from linkwright.pipeline.options import Command, UsageError, parse
+from linkwright.pipeline.report import Report
 from tests.support.users import write
 
 MY_ARM = """\
@@ -105,7 +105,7 @@ def test_a_secret_is_not_printed(here, capsys, monkeypatch):
     [
         ("defaults-tree", ["Defaults Tree", "robot: my_arm"]),
         ("defaults", ["Defaults List", "robot/my_arm"]),
-        ("searchpath", ["Config search path", "pkg://conf"]),
+        ("searchpath", ["Config search path", "pkg://linkwright.conf"]),
         ("plugins", ["Installed Hydra Plugins", "BasicLauncher"]),
         ("config", ["kind: sample"]),
         ("all", ["Defaults Tree", "Config search path", "BasicLauncher", "kind: sample"]),

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 import yaml
 
-from pipeline.config.compose import compose_plan
-from pipeline.config.presets import OURS, Presets
-from pipeline.errors import ConfigError
-from pipeline.motor_files import library
-from pipeline.verbs.explain import explained
+from linkwright.pipeline.config.compose import compose_plan
+from linkwright.pipeline.config.presets import OURS, Presets
+from linkwright.pipeline.errors import ConfigError
+from linkwright.pipeline.motor_files import library
+from linkwright.pipeline.verbs.explain import explained
 
 MINE = """
 title: My servo
@@ -115,7 +115,7 @@ def test_every_motor_of_ours_lies_where_the_package_of_the_presets_is() -> None:
 
 
 def test_the_names_of_motors_are_listed_without_heavy_imports() -> None:
-    code = "import sys, pipeline.motor_files as m; m.library(); print({'yaml', 'pydantic'} & {*sys.modules})"
+    code = "import sys, linkwright.pipeline.motor_files as m; m.library(); print({'yaml', 'pydantic'} & {*sys.modules})"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=dict(os.environ))
     assert done.stdout.strip() == "set()"
 

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.config.compose import session
-from pipeline.config.overrides import read
-from pipeline.config.presets import GROUPS
-from pipeline.pasted import override
+from linkwright.pipeline.config.compose import session
+from linkwright.pipeline.config.overrides import read
+from linkwright.pipeline.config.presets import GROUPS
+from linkwright.pipeline.pasted import override
 
 
 @pytest.fixture(scope="module")

@@ -7,10 +7,10 @@ import os
 import pytest
 import yaml
 
-from pipeline.config import hydra_files, plain, yaml_file
-from pipeline.config.compose import compose_plan
-from pipeline.errors import ConfigError
-from pipeline.verbs.bundle import _configured
+from linkwright.pipeline.config import hydra_files, plain, yaml_file
+from linkwright.pipeline.config.compose import compose_plan
+from linkwright.pipeline.errors import ConfigError
+from linkwright.pipeline.verbs.bundle import _configured
 from tests.support.users import write
 
 HEAD = "# @package _global_\ndefaults:\n  - override /source: sample\n"

@@ -8,13 +8,13 @@ import mujoco
 import numpy as np
 import pytest
 
-from pipeline.live import engine_assets, pack
-from pipeline.live.compiled import compiled
-from pipeline.live.engine import EngineCopy, NoCopy, engine_copy
-from pipeline.live.engine_version import VERSION, schema, without_newer
-from pipeline.live.scene import pack_of
-from stages.export.mujoco_section import CompilerSection, FlagsSection, OptionSection
-from stages.formats.xml import parse, to_text
+from linkwright.pipeline.live import engine_assets, pack
+from linkwright.pipeline.live.compiled import compiled
+from linkwright.pipeline.live.engine import EngineCopy, NoCopy, engine_copy
+from linkwright.pipeline.live.engine_version import VERSION, schema, without_newer
+from linkwright.pipeline.live.scene import pack_of
+from linkwright.stages.export.mujoco_section import CompilerSection, FlagsSection, OptionSection
+from linkwright.stages.formats.xml import parse, to_text
 from tests.support.live_robots import INCLUDED, LINKAGE, LOOPS, SCENE, write
 from tests.support.places import PROJECT
 from tests.support.robots import robot_with
@@ -113,7 +113,7 @@ def test_so_do_actuators_of_every_type(tmp_path):
 
 
 def _listed_by_the_installed():
-    from stages.validate.files.mjcf_schema import listed
+    from linkwright.stages.validate.files.mjcf_schema import listed
 
     return ["/".join(way) for way in listed()]
 
@@ -217,7 +217,7 @@ def test_what_the_pages_mujoco_does_not_know_is_left_out_and_named():
 
 @pytest.mark.skipif(mujoco.__version__ != VERSION, reason=f"MuJoCo {VERSION} is not the installed one")
 def test_the_list_of_what_the_pages_mujoco_knows_is_its_own():
-    from stages.validate.files.mjcf_schema import listed
+    from linkwright.stages.validate.files.mjcf_schema import listed
 
     file = PROJECT / "pipeline" / "live" / "viewer" / "engine" / f"mjcf-{VERSION}.json.gz"
     kept = json.loads(gzip.decompress(file.read_bytes()))

@@ -4,10 +4,10 @@ import json
 
 import pytest
 
-from pipeline.build import build
-from pipeline.config.plan import Plan
-from pipeline.live import made
-from pipeline.live.pack import unpacked
+from linkwright.pipeline.build import build
+from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.live import made
+from linkwright.pipeline.live.pack import unpacked
 
 ARM = """<robot name="arm">
   <link name="base"><visual><geometry><box size="0.2 0.2 0.1"/></geometry></visual>
@@ -51,13 +51,15 @@ def shown(monkeypatch):
         found.append(arguments[6])
         return {}
 
-    monkeypatch.setattr("pipeline.run.documents", pages)
+    monkeypatch.setattr("linkwright.pipeline.run.documents", pages)
     return found
 
 
 def test_the_view_is_made_once_and_then_comes_from_the_cache(plan, shown, monkeypatch):
     first = build(plan())
-    monkeypatch.setattr("pipeline.live.scene.pack_of", lambda *_: pytest.fail("it is in the cache"))
+    monkeypatch.setattr(
+        "linkwright.pipeline.live.scene.pack_of", lambda *_: pytest.fail("it is in the cache")
+    )
     second = build(plan())
     assert [one.name for one in first.stages] == [one.name for one in second.stages]
     assert shown[0].pack == shown[1].pack
@@ -78,7 +80,7 @@ def test_what_cannot_be_made_fails_no_build_and_is_in_the_report(error, plan, mo
     def fail(*_):
         raise error
 
-    monkeypatch.setattr("pipeline.live.scene.pack_of", fail)
+    monkeypatch.setattr("linkwright.pipeline.live.scene.pack_of", fail)
     report = build(plan())
     assert report.exit_status == 0
     (found,) = [one for one in report.diagnostics if one.code == made.CODE]
@@ -94,7 +96,7 @@ def test_a_file_that_mujoco_refuses_is_not_tried_again_but_an_accident_is(plan, 
         raise errors.pop()
 
     errors = [ValueError("no"), RuntimeError("an accident")]
-    monkeypatch.setattr("pipeline.live.scene.pack_of", fail)
+    monkeypatch.setattr("linkwright.pipeline.live.scene.pack_of", fail)
     messages = [build(plan()).diagnostics[-1].message for _ in range(3)]
     assert len(tried) == 2
     assert [message.rpartition(": ")[2] for message in messages] == ["an accident", "no", "no"]
@@ -131,7 +133,7 @@ def test_the_page_gets_the_view(plan, monkeypatch):
         given.append(live)
         return b""
 
-    monkeypatch.setattr("pipeline.page.document.page", page)
+    monkeypatch.setattr("linkwright.pipeline.page.document.page", page)
     build(plan())
     assert given[0].pack is not None
 

@@ -4,7 +4,7 @@ import gzip
 import json
 import struct
 
-from pipeline.live.pack import Buffers, packed, unpacked
+from linkwright.pipeline.live.pack import Buffers, packed, unpacked
 
 
 def test_a_pack_is_a_compressed_length_a_header_and_aligned_buffers():

@@ -6,9 +6,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from pipeline.live import pack
-from pipeline.live.made import source_of
-from pipeline.live.scene import pack_of
+from linkwright.pipeline.live import pack
+from linkwright.pipeline.live.made import source_of
+from linkwright.pipeline.live.scene import pack_of
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import plan_of, robot_of
 from tests.support.building import write as export

@@ -9,8 +9,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from pipeline.live import pack
-from pipeline.live.scene import pack_of
+from linkwright.pipeline.live import pack
+from linkwright.pipeline.live.scene import pack_of
 from tests.support.live_robots import (
     HOSTILE,
     INCLUDED,
@@ -298,7 +298,7 @@ def test_a_file_outside_of_the_build_is_not_read(tmp_path):
 CODE = """
 import sys
 from pathlib import Path
-from pipeline.live.scene import pack_of
+from linkwright.pipeline.live.scene import pack_of
 from tests.unit.pipeline.live.test_scene import ROBOT
 sys.stdout.buffer.write(pack_of(Path(sys.argv[1]), "scene.xml", ROBOT, (), 300))
 """

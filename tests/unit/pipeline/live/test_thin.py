@@ -5,11 +5,11 @@ import pytest
 import trimesh
 from scipy.spatial import cKDTree
 
-from pipeline.live import pack, scene, thin
-from pipeline.live.pack import Buffers
-from pipeline.live.scene import pack_of
-from pipeline.live.thin import Thinnable, clustered, fitted
-from pipeline.live.triangles import STEPS, Facets, stored
+from linkwright.pipeline.live import pack, scene, thin
+from linkwright.pipeline.live.pack import Buffers
+from linkwright.pipeline.live.scene import pack_of
+from linkwright.pipeline.live.thin import Thinnable, clustered, fitted
+from linkwright.pipeline.live.triangles import STEPS, Facets, stored
 from tests.support.live_robots import INCLUDED, bumpy, stl, triangles, write
 from tests.support.robots import robot_with
 

@@ -9,7 +9,7 @@ from html.parser import HTMLParser
 
 import pytest
 
-from pipeline.live.viewer import ROOM, SCRIPTS, engine_script, script, view
+from linkwright.pipeline.live.viewer import ROOM, SCRIPTS, engine_script, script, view
 
 ENGINE = ROOM / "engine"
 FILES = json.loads((ENGINE / "engine.json").read_text())

@@ -4,10 +4,10 @@ import os
 
 import pytest
 
-from pipeline.errors import ConfigError, OutputError
-from pipeline.lock import FOLDER as LOCKS
-from pipeline.output.folder import FAILED, Output
-from pipeline.output.manifest import NAME, is_build
+from linkwright.pipeline.errors import ConfigError, OutputError
+from linkwright.pipeline.lock import FOLDER as LOCKS
+from linkwright.pipeline.output.folder import FAILED, Output
+from linkwright.pipeline.output.manifest import NAME, is_build
 from tests.support.kill import killed_at
 
 OURS = b'{"linkwright-report": 1}'

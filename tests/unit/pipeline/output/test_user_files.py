@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.errors import ConfigError, InTheWay
-from pipeline.output import location, manifest
-from pipeline.output.folder import FAILED, Output
+from linkwright.pipeline.errors import ConfigError, InTheWay
+from linkwright.pipeline.output import location, manifest
+from linkwright.pipeline.output.folder import FAILED, Output
 from tests.support.kill import killed_at
 
 OURS = b'{"linkwright-report": 1}'

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.cli import run
-from pipeline.errors import ConfigError, InTheWay
-from pipeline.output import manifest
-from pipeline.output.folder import FAILED, Output
-from pipeline.report import Report
+from linkwright.pipeline.cli import run
+from linkwright.pipeline.errors import ConfigError, InTheWay
+from linkwright.pipeline.output import manifest
+from linkwright.pipeline.output.folder import FAILED, Output
+from linkwright.pipeline.report import Report
 from tests.support.kill import killed_at
 
 OURS = b'{"linkwright-report": 1}'

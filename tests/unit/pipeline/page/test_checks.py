@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.closing import closing_lines
-from pipeline.page.document import page
-from pipeline.report import Report
-from pipeline.secrets import Secrets
-from stages.robot import codec
-from stages.robot.check import Check, Table
+from linkwright.pipeline.closing import closing_lines
+from linkwright.pipeline.page.document import page
+from linkwright.pipeline.report import Report
+from linkwright.pipeline.secrets import Secrets
+from linkwright.stages.robot import codec
+from linkwright.stages.robot.check import Check, Table
 from tests.support.page_reader import Reader
 
 SCORE = Check(

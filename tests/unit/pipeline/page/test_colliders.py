@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import pytest
 
-from pipeline.caching.actions import Remembered
-from pipeline.mesh_details import details, kept
-from pipeline.page.document import page
-from pipeline.secrets import Secrets
-from stages.mesh.view.views import PICTURES
-from stages.robot.geometry import ColliderFigures, Exclude, Geometry, Measures, Shape, Touch
+from linkwright.pipeline.caching.actions import Remembered
+from linkwright.pipeline.mesh_details import details, kept
+from linkwright.pipeline.page.document import page
+from linkwright.pipeline.secrets import Secrets
+from linkwright.stages.mesh.view.views import PICTURES
+from linkwright.stages.robot.geometry import ColliderFigures, Exclude, Geometry, Measures, Shape, Touch
 from tests.support.page_reader import Reader
 from tests.unit.pipeline.page.test_document import REPORT, SECRET, SHOWN
 

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from pipeline.build import build
-from pipeline.config.compose import compose_plan
+from linkwright.pipeline.build import build
+from linkwright.pipeline.config.compose import compose_plan
 
 
 @pytest.fixture(scope="module")

@@ -5,14 +5,14 @@ from dataclasses import replace
 
 import pytest
 
-from pipeline.page.document import page
-from pipeline.page.head import BESIDE
-from pipeline.reference.codes import explanations
-from pipeline.report import Report, StageReport
-from pipeline.secrets import Secrets
-from stages.graph.view.views import OUTLINE, views
-from stages.robot.check import Check
-from stages.robot.errors import Diagnostic
+from linkwright.pipeline.page.document import page
+from linkwright.pipeline.page.head import BESIDE
+from linkwright.pipeline.reference.codes import explanations
+from linkwright.pipeline.report import Report, StageReport
+from linkwright.pipeline.secrets import Secrets
+from linkwright.stages.graph.view.views import OUTLINE, views
+from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.errors import Diagnostic
 from tests.support.page_reader import Reader
 from tests.support.places import PROJECT
 from tests.unit.graph.view.test_picture import nasty_robot, random_robot

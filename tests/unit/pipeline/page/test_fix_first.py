@@ -2,10 +2,10 @@
 
 from dataclasses import replace
 
-from pipeline.page.fix_first import fix_first, fixes
-from pipeline.reference.codes import remedy
-from stages.robot.check import Check, Finding, Table
-from stages.robot.errors import Diagnostic
+from linkwright.pipeline.page.fix_first import fix_first, fixes
+from linkwright.pipeline.reference.codes import remedy
+from linkwright.stages.robot.check import Check, Finding, Table
+from linkwright.stages.robot.errors import Diagnostic
 from tests.support.page_reader import Reader
 from tests.unit.pipeline.page.test_document import REPORT
 

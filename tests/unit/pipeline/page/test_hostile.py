@@ -5,14 +5,14 @@ from dataclasses import replace
 
 import pytest
 
-from pipeline.changes.since import Since
-from pipeline.page.document import page
-from pipeline.page.sweep import page as sweep_page
-from pipeline.report import StageReport
-from pipeline.secrets import Secrets
-from stages.mesh.view.views import PICTURES
-from stages.robot.check import Check, Finding, Table
-from stages.robot.errors import Diagnostic
+from linkwright.pipeline.changes.since import Since
+from linkwright.pipeline.page.document import page
+from linkwright.pipeline.page.sweep import page as sweep_page
+from linkwright.pipeline.report import StageReport
+from linkwright.pipeline.secrets import Secrets
+from linkwright.stages.mesh.view.views import PICTURES
+from linkwright.stages.robot.check import Check, Finding, Table
+from linkwright.stages.robot.errors import Diagnostic
 from tests.support.page_reader import Reader
 from tests.unit.pipeline.page.test_colliders import EVERY, PIXEL, SHAPES, Geometry, details
 from tests.unit.pipeline.page.test_document import REPORT, SHOWN

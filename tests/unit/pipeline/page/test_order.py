@@ -3,10 +3,10 @@
 import json
 from dataclasses import replace
 
-from pipeline.build import build_files
-from pipeline.page.document import page
-from pipeline.page.order import order
-from pipeline.secrets import Secrets
+from linkwright.pipeline.build import build_files
+from linkwright.pipeline.page.document import page
+from linkwright.pipeline.page.order import order
+from linkwright.pipeline.secrets import Secrets
 from tests.support.building import plan_of
 from tests.support.page_reader import Reader
 from tests.unit.pipeline.page.test_document import REPORT

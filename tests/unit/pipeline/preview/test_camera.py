@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pipeline.preview.camera import _FILLED, framing, turned
+from linkwright.pipeline.preview.camera import _FILLED, framing, turned
 
 WIDTH, HEIGHT = 960, 720
 DIRECTIONS = [(0.7, -0.6, 0.4), (-1, 0.2, 0.1), (0, 0, 1), (0.3, 0.3, -0.9)]

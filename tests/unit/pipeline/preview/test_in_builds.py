@@ -6,12 +6,12 @@ import threading
 
 import pytest
 
-from pipeline.build import build
-from pipeline.closing import closing_lines
-from pipeline.config.plan import Plan
-from pipeline.errors import LinkwrightError
-from pipeline.output import manifest
-from pipeline.preview import ENDED, PICTURE, ask
+from linkwright.pipeline.build import build
+from linkwright.pipeline.closing import closing_lines
+from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.errors import LinkwrightError
+from linkwright.pipeline.output import manifest
+from linkwright.pipeline.preview import ENDED, PICTURE, ask
 from tests.support.pictures import pixels_of, robot_in
 
 URDF = """<robot name="arm"><link name="base"><visual><geometry><box size="0.2 0.2 0.05"/></geometry></visual>
@@ -99,7 +99,7 @@ def test_it_is_drawn_beside_the_checks_and_ends_with_the_build(make, monkeypatch
         raise end
 
     monkeypatch.setattr(ask, "drawn", slowly)
-    monkeypatch.setattr("stages.validate.validate", checks)
+    monkeypatch.setattr("linkwright.stages.validate.validate", checks)
     with pytest.raises(type(end) if isinstance(end, Exception) else end):
         make(until="validate")
     assert halted.is_set()

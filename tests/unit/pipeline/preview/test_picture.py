@@ -5,13 +5,13 @@ import numpy as np
 import pytest
 import trimesh
 
-from pipeline.preview.camera import framing
-from pipeline.preview.compiled import look_of
-from pipeline.preview.painting import picture, rendered
-from pipeline.preview.studio import LitRobot, studio, swept, turned_by
-from pipeline.preview.surface import surface_of
-from stages.formats import png
-from stages.mesh.view.raster import seen
+from linkwright.pipeline.preview.camera import framing
+from linkwright.pipeline.preview.compiled import look_of
+from linkwright.pipeline.preview.painting import picture, rendered
+from linkwright.pipeline.preview.studio import LitRobot, studio, swept, turned_by
+from linkwright.pipeline.preview.surface import surface_of
+from linkwright.stages.formats import png
+from linkwright.stages.mesh.view.raster import seen
 from tests.support.other_robots import FILES, is_here
 from tests.support.pictures import robot_in, silhouette_by_driver
 
@@ -182,8 +182,8 @@ def test_a_robot_of_too_many_triangles_is_thinned_and_looks_the_same(monkeypatch
       <geom type="mesh" mesh="b" rgba="0.9 0.1 0.1 1"/></body></worldbody></mujoco>"""
     model = mujoco.MjModel.from_xml_string(xml, {"b.obj": ball.export(file_type="obj").encode()})
     whole = scene_of(model)
-    monkeypatch.setattr("pipeline.preview.surface._MANY", 100)
-    monkeypatch.setattr("pipeline.preview.surface._CELLS", 16)
+    monkeypatch.setattr("linkwright.pipeline.preview.surface._MANY", 100)
+    monkeypatch.setattr("linkwright.pipeline.preview.surface._CELLS", 16)
     thin = scene_of(model)
     assert len(thin.corners) < len(whole.corners) / 2
     pixels = [picture(one, *SIZE) for one in (whole, thin)]

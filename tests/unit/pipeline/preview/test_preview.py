@@ -9,11 +9,11 @@ import mujoco
 import numpy as np
 import pytest
 
-from pipeline import preview as room
-from pipeline.caching.actions import Cache
-from pipeline.caching.store import Store
-from pipeline.errors import ConfigError, SourceError
-from pipeline.preview import (
+from linkwright.pipeline import preview as room
+from linkwright.pipeline.caching.actions import Cache
+from linkwright.pipeline.caching.store import Store
+from linkwright.pipeline.errors import ConfigError, SourceError
+from linkwright.pipeline.preview import (
     ENDED,
     NONE,
     PICTURE,
@@ -27,15 +27,15 @@ from pipeline.preview import (
     needed_by,
     require,
 )
-from pipeline.preview.ask import Painter, drawn
-from pipeline.preview.compiled import look_of, look_of_files
-from pipeline.preview.look import Geom, Look, packed
-from pipeline.preview.model_text import mjcf_text
-from pipeline.preview.surface import surface_of
-from stages.formats import png
-from stages.mesh import stl
-from stages.mesh.surface import Surface
-from stages.robot.guest import Bounds
+from linkwright.pipeline.preview.ask import Painter, drawn
+from linkwright.pipeline.preview.compiled import look_of, look_of_files
+from linkwright.pipeline.preview.look import Geom, Look, packed
+from linkwright.pipeline.preview.model_text import mjcf_text
+from linkwright.pipeline.preview.surface import surface_of
+from linkwright.stages.formats import png
+from linkwright.stages.mesh import stl
+from linkwright.stages.mesh.surface import Surface
+from linkwright.stages.robot.guest import Bounds
 from tests.support.pictures import pixels_of, robot_in
 from tests.support.places import PROJECT
 
@@ -270,8 +270,8 @@ def test_an_stl_that_mujoco_does_not_read_is_where_mujoco_has_it(mass):
 def test_a_picture_from_the_cache_imports_nothing_heavy(tmp_path, cache, counted):
     made = preview(cache, FILES, {}, "png")
     code = (
-        "import sys\nfrom pathlib import Path\nfrom pipeline import preview as room\n"
-        "from pipeline.caching.actions import Cache\nfrom pipeline.caching.store import Store\n"
+        "import sys\nfrom pathlib import Path\nfrom linkwright.pipeline import preview as room\n"
+        "from linkwright.pipeline.caching.actions import Cache\nfrom linkwright.pipeline.caching.store import Store\n"
         f"cache = Cache(Store(Path({str(tmp_path / 'cache')!r})))\n"
         f"found = room.begun(cache, {FILES!r}, {{}}, 'png').result()\n"
         "heavy = [name for name in ('numpy', 'mujoco', 'PIL', 'lxml', 'trimesh') if name in sys.modules]\n"

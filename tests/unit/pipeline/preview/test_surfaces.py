@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from pipeline.preview import solids
-from pipeline.preview.creases import normals_of
-from pipeline.preview.light import key_lamps, sky_lamps, throwing
-from pipeline.preview.thinning import thinned
+from linkwright.pipeline.preview import solids
+from linkwright.pipeline.preview.creases import normals_of
+from linkwright.pipeline.preview.light import key_lamps, sky_lamps, throwing
+from linkwright.pipeline.preview.thinning import thinned
 
 SHAPES = {
     "ball": (solids.ellipsoid(np.full(3, 2.0)), 4 / 3 * np.pi * 8, 4 * np.pi * 4),
@@ -67,7 +67,7 @@ def test_faces_of_two_geoms_do_not_meet():
 
 
 def test_with_too_many_faces_at_a_corner_each_is_flat(monkeypatch):
-    monkeypatch.setattr("pipeline.preview.creases._MOST_PAIRS", 10)
+    monkeypatch.setattr("linkwright.pipeline.preview.creases._MOST_PAIRS", 10)
     found = normals(solids.ellipsoid(np.ones(3)))
     assert (found[:, 0] == found[:, 1]).all()
 

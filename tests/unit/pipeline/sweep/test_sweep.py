@@ -12,16 +12,16 @@ from urllib.parse import unquote
 
 import pytest
 
-from pipeline.cli import run
-from pipeline.config.plan import Plan
-from pipeline.digest import sha256
-from pipeline.live.made import ENGINE_FILE
-from pipeline.output.folder import Output
-from pipeline.output.manifest import ours
-from pipeline.report import Report
-from pipeline.sweep.folder import keep, prepare
-from stages.robot.check import Check
-from stages.robot.errors import AssemblyError, ConfigError, Diagnostic, MeshError
+from linkwright.pipeline.cli import run
+from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.digest import sha256
+from linkwright.pipeline.live.made import ENGINE_FILE
+from linkwright.pipeline.output.folder import Output
+from linkwright.pipeline.output.manifest import ours
+from linkwright.pipeline.report import Report
+from linkwright.pipeline.sweep.folder import keep, prepare
+from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.errors import AssemblyError, ConfigError, Diagnostic, MeshError
 from tests.support.cases import mostly_slow
 from tests.support.page_reader import Reader
 from tests.support.places import PROJECT
@@ -513,7 +513,7 @@ def test_robots_by_their_paths_are_named_in_the_summary(tmp_path):
 
 def test_the_engine_that_the_pages_share_is_the_sweeps_own(tmp_path, monkeypatch):
     monkeypatch.setenv("LINKWRIGHT_PAGE", "whole")
-    monkeypatch.setattr("pipeline.sweep.folder.engine_file", lambda: b"engine")
+    monkeypatch.setattr("linkwright.pipeline.sweep.folder.engine_file", lambda: b"engine")
     plan = Plan.parse({"name": "arm", "source": {"kind": "sample"}})
     prepare(tmp_path / "one", plan, ["mesh=hull,coacd"])
     keep([], tmp_path / "one")

@@ -13,11 +13,11 @@ from time import monotonic, sleep, time
 
 import pytest
 
-from stages.fetch.onshape.api.client import Client
-from stages.fetch.onshape.api.credentials import Credentials
-from stages.fetch.onshape.api.http_errors import Declined
-from stages.fetch.onshape.url import AssemblyUrl
-from stages.robot.errors import (
+from linkwright.stages.fetch.onshape.api.client import Client
+from linkwright.stages.fetch.onshape.api.credentials import Credentials
+from linkwright.stages.fetch.onshape.api.http_errors import Declined
+from linkwright.stages.fetch.onshape.url import AssemblyUrl
+from linkwright.stages.robot.errors import (
     AuthError,
     NotFound,
     Offline,

@@ -9,12 +9,12 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 import pytest
 
-from stages import fetch as stage
-from stages.fetch.onshape.api import network_settings
-from stages.fetch.onshape.api.client import Client
-from stages.fetch.onshape.api.credentials import Credentials
-from stages.fetch.onshape.url import AssemblyUrl
-from stages.robot.errors import ConfigError, Offline
+from linkwright.stages import fetch as stage
+from linkwright.stages.fetch.onshape.api import network_settings
+from linkwright.stages.fetch.onshape.api.client import Client
+from linkwright.stages.fetch.onshape.api.credentials import Credentials
+from linkwright.stages.fetch.onshape.url import AssemblyUrl
+from linkwright.stages.robot.errors import ConfigError, Offline
 from tests.support.kept import ADDRESS, QUICK, fetched, onshape
 from tests.support.places import PROJECT
 

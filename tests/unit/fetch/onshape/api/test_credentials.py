@@ -4,8 +4,8 @@ import os
 
 import pytest
 
-from stages.fetch.onshape.api.credentials import Credentials, find, remarks
-from stages.robot.errors import ConfigError
+from linkwright.stages.fetch.onshape.api.credentials import Credentials, find, remarks
+from linkwright.stages.robot.errors import ConfigError
 
 
 def test_the_environment_wins_over_dotenv_variable_by_variable(tmp_path):

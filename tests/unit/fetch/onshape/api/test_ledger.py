@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from stages.fetch.onshape.api.ledger import Ledger, endpoint, years
+from linkwright.stages.fetch.onshape.api.ledger import Ledger, endpoint, years
 from tests.support.kill import killed_at
 from tests.support.places import PROJECT
 
@@ -99,7 +99,7 @@ def test_a_ledger_is_the_users_own_unless_the_group_shares_the_cache(tmp_path, s
 
 def test_many_processes_lose_no_call(tmp_path):
     code = (
-        "import sys; from pathlib import Path; from stages.fetch.onshape.api.ledger import Ledger\n"
+        "import sys; from pathlib import Path; from linkwright.stages.fetch.onshape.api.ledger import Ledger\n"
         "ledger = Ledger(Path(sys.argv[1]), 'aa', 2026)\n"
         "for _ in range(200): ledger.note('elements', 200, 17)"
     )

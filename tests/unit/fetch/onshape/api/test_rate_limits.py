@@ -5,7 +5,7 @@ from time import monotonic
 
 import pytest
 
-from stages.fetch.onshape.api.rate_limits import Windows, left, retry_after
+from linkwright.stages.fetch.onshape.api.rate_limits import Windows, left, retry_after
 
 
 def test_a_closed_window_holds_back_its_own_kind_until_it_opens():

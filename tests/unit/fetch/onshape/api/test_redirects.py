@@ -2,11 +2,11 @@
 
 import pytest
 
-from stages.fetch.onshape.api import redirects
-from stages.fetch.onshape.api.client import Client
-from stages.fetch.onshape.api.credentials import Credentials
-from stages.fetch.onshape.url import AssemblyUrl
-from stages.robot.errors import ProtocolError
+from linkwright.stages.fetch.onshape.api import redirects
+from linkwright.stages.fetch.onshape.api.client import Client
+from linkwright.stages.fetch.onshape.api.credentials import Credentials
+from linkwright.stages.fetch.onshape.url import AssemblyUrl
+from linkwright.stages.robot.errors import ProtocolError
 from tests.fake_onshape.sample import sample_document
 from tests.fake_onshape.server import ACCESS_KEY, SECRET_KEY, TOKEN, Fault, OnshapeServer
 from tests.support.kept import QUICK, Kept, fetched, onshape

@@ -10,18 +10,18 @@ import zlib
 import numpy as np
 import pytest
 
-from stages.fetch.onshape import reply_sizes, requests
-from stages.fetch.onshape.api.client import Client
-from stages.fetch.onshape.api.credentials import Credentials
-from stages.fetch.onshape.api.decompression import DamagedError, UnknownEncodingError, unpacked
-from stages.fetch.onshape.api.retries import Patience
-from stages.fetch.onshape.triangles import faces, json_stream, matching
-from stages.fetch.onshape.triangles.json_stream import Document, MalformedError
-from stages.fetch.onshape.url import AssemblyUrl
-from stages.formats import gltf
-from stages.formats import triangles as codec
-from stages.robot.bundle import StudioKey
-from stages.robot.errors import ProtocolError
+from linkwright.stages.fetch.onshape import reply_sizes, requests
+from linkwright.stages.fetch.onshape.api.client import Client
+from linkwright.stages.fetch.onshape.api.credentials import Credentials
+from linkwright.stages.fetch.onshape.api.decompression import DamagedError, UnknownEncodingError, unpacked
+from linkwright.stages.fetch.onshape.api.retries import Patience
+from linkwright.stages.fetch.onshape.triangles import faces, json_stream, matching
+from linkwright.stages.fetch.onshape.triangles.json_stream import Document, MalformedError
+from linkwright.stages.fetch.onshape.url import AssemblyUrl
+from linkwright.stages.formats import gltf
+from linkwright.stages.formats import triangles as codec
+from linkwright.stages.robot.bundle import StudioKey
+from linkwright.stages.robot.errors import ProtocolError
 from tests.fake_onshape.document import Document as Drawn
 from tests.fake_onshape.faults import Fault
 from tests.fake_onshape.gltf import gltf as drawn

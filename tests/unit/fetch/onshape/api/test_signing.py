@@ -5,11 +5,11 @@ from time import time
 
 import pytest
 
-from stages.fetch.onshape.api import signing
-from stages.fetch.onshape.api.client import Client
-from stages.fetch.onshape.api.credentials import Credentials
-from stages.fetch.onshape.url import AssemblyUrl
-from stages.robot.errors import AuthError
+from linkwright.stages.fetch.onshape.api import signing
+from linkwright.stages.fetch.onshape.api.client import Client
+from linkwright.stages.fetch.onshape.api.credentials import Credentials
+from linkwright.stages.fetch.onshape.url import AssemblyUrl
+from linkwright.stages.robot.errors import AuthError
 from tests.fake_onshape.sample import sample_document
 from tests.fake_onshape.server import ACCESS_KEY, SECRET_KEY, TOKEN, Fault, OnshapeServer
 from tests.support.cases import mostly_slow

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stages.fetch.onshape.triangles import faces, json_stream
-from stages.fetch.onshape.triangles.json_stream import Document, MalformedError, Pieces
-from stages.formats import triangles as codec
-from stages.robot.errors import ProtocolError
+from linkwright.stages.fetch.onshape.triangles import faces, json_stream
+from linkwright.stages.fetch.onshape.triangles.json_stream import Document, MalformedError, Pieces
+from linkwright.stages.formats import triangles as codec
+from linkwright.stages.robot.errors import ProtocolError
 
 
 def plain(value):

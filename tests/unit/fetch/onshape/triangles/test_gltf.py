@@ -7,10 +7,10 @@ import struct
 import numpy as np
 import pytest
 
-from stages.fetch.onshape.triangles import faces, gltf_parts
-from stages.formats import gltf as reader
-from stages.formats import triangles as codec
-from stages.robot.errors import ProtocolError
+from linkwright.stages.fetch.onshape.triangles import faces, gltf_parts
+from linkwright.stages.formats import gltf as reader
+from linkwright.stages.formats import triangles as codec
+from linkwright.stages.robot.errors import ProtocolError
 from tests.fake_onshape import solids
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.frames import frame

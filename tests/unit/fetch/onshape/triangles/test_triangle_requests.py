@@ -7,10 +7,10 @@ from urllib.parse import parse_qsl
 import numpy as np
 import pytest
 
-from stages.fetch.bundle.archive import pack
-from stages.fetch.onshape.triangles.requests import selected
-from stages.formats import triangles
-from stages.robot.errors import Offline, ProtocolError, QuotaExhausted
+from linkwright.stages.fetch.bundle.archive import pack
+from linkwright.stages.fetch.onshape.triangles.requests import selected
+from linkwright.stages.formats import triangles
+from linkwright.stages.robot.errors import Offline, ProtocolError, QuotaExhausted
 from tests.fake_onshape import solids
 from tests.fake_onshape.bundle import bundle_bytes
 from tests.fake_onshape.document import Document

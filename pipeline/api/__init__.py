@@ -7,7 +7,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from pipeline.errors import (
+    from linkwright.pipeline.api.building import Build, build
+    from linkwright.pipeline.api.robot import Robot
+    from linkwright.pipeline.errors import (
         AssemblyError,
         AuthError,
         CacheError,
@@ -32,11 +34,9 @@ if TYPE_CHECKING:
         SourceError,
         ValidationFailed,
     )
-    from pipeline.face.building import Build, build
-    from pipeline.face.robot import Robot
-    from pipeline.report import Report
-    from stages.robot.check import Check
-    from stages.robot.model import Dof, Frame, Joint, Link
+    from linkwright.pipeline.report import Report
+    from linkwright.stages.robot.check import Check
+    from linkwright.stages.robot.model import Dof, Frame, Joint, Link
 
     __version__: str
 
@@ -77,15 +77,15 @@ __all__ = [
 ]
 
 _PLACES = {
-    "Build": "pipeline.face.building",
-    "build": "pipeline.face.building",
-    "Check": "stages.robot.check",
-    "Dof": "stages.robot.model",
-    "Frame": "stages.robot.model",
-    "Joint": "stages.robot.model",
-    "Link": "stages.robot.model",
-    "Report": "pipeline.report",
-    "Robot": "pipeline.face.robot",
+    "Build": "linkwright.pipeline.api.building",
+    "build": "linkwright.pipeline.api.building",
+    "Check": "linkwright.stages.robot.check",
+    "Dof": "linkwright.stages.robot.model",
+    "Frame": "linkwright.stages.robot.model",
+    "Joint": "linkwright.stages.robot.model",
+    "Link": "linkwright.stages.robot.model",
+    "Report": "linkwright.pipeline.report",
+    "Robot": "linkwright.pipeline.api.robot",
 }
 """The modules of the names that are not errors."""
 
@@ -99,4 +99,4 @@ if not TYPE_CHECKING:  # a type checker would believe in any name at all
         if name not in __all__:
             msg = f"module 'linkwright' has no attribute {name!r}"
             raise AttributeError(msg)
-        return getattr(import_module(_PLACES.get(name, "pipeline.errors")), name)
+        return getattr(import_module(_PLACES.get(name, "linkwright.pipeline.errors")), name)

@@ -12,13 +12,13 @@ from typing import Any
 
 import yaml
 
-from pipeline.config.choices import name_of
-from pipeline.config.compose import compose_plan
-from pipeline.config.hydra_node import hydra_text
-from pipeline.config.plan import Plan
-from pipeline.config.trust import CODE
-from pipeline.errors import ConfigError, Diagnostic, refusal
-from pipeline.preflight import plan_problems
+from linkwright.pipeline.config.choices import name_of
+from linkwright.pipeline.config.compose import compose_plan
+from linkwright.pipeline.config.hydra_node import hydra_text
+from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.config.trust import CODE
+from linkwright.pipeline.errors import ConfigError, Diagnostic, refusal
+from linkwright.pipeline.preflight import plan_problems
 
 HEADER = "# @package _global_\n"
 

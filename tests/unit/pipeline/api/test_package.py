@@ -2,8 +2,8 @@
 
 import pytest
 
-from pipeline import errors, face
-from pipeline.face.package.shadows import PACKAGES
+from linkwright.pipeline import api, errors
+from linkwright.pipeline.package.shadows import PACKAGES
 from tests.support.face import python, shipped
 from tests.support.places import PROJECT
 
@@ -48,10 +48,10 @@ def test_an_import_loads_nothing_but_the_package_itself(package, tmp_path):
 
 def test_each_name_is_one_of_the_faces_own(package, tmp_path):
     code = (
-        "import linkwright, pipeline.face\n"
+        "import linkwright, linkwright.pipeline.api\n"
         "from linkwright import *\n"
         "names = linkwright.__all__\n"
-        "print(all(getattr(linkwright, name) == getattr(pipeline.face, name) for name in names))\n"
+        "print(all(getattr(linkwright, name) == getattr(linkwright.pipeline.api, name) for name in names))\n"
         "print(set(names) <= set(dir(linkwright)), build is linkwright.build, hasattr(linkwright, 'bild'))\n"
     )
     done = python(package, "-c", code, cwd=tmp_path)

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING, Any
 
-from pipeline.check_text import tally
-from pipeline.errors import LinkwrightError
-from pipeline.report import Report
-from stages.graph.view.views import PICTURE
+from linkwright.pipeline.check_text import tally
+from linkwright.pipeline.errors import LinkwrightError
+from linkwright.pipeline.report import Report
+from linkwright.stages.graph.view.views import PICTURE
 
 if TYPE_CHECKING:
-    from pipeline.face.robot import Robot
+    from linkwright.pipeline.api.robot import Robot
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -38,8 +38,8 @@ class Build:
             raise LinkwrightError(
                 "there is no robot: the build ended before the graph stage", "until", "until=graph"
             )
-        from pipeline.face.robot import Robot
-        from stages.robot.codec import decode_robot
+        from linkwright.pipeline.api.robot import Robot
+        from linkwright.stages.robot.codec import decode_robot
 
         return Robot(decode_robot(self.encoded))
 
@@ -109,13 +109,13 @@ def build(
     Raises ConfigError for problems found before the first stage, and another LinkwrightError for later
     errors. A failed check does not raise: see `report.status` and `report.failed_checks`.
     """
-    from pipeline.build import build_files
-    from pipeline.face.arguments import plan_of
+    from linkwright.pipeline.api.arguments import plan_of
+    from linkwright.pipeline.build import build_files
 
     plan = plan_of(what, trust, plugins, output, config_dirs)
     shown = None
     if progress:
-        from pipeline.progress import progress_for
+        from linkwright.pipeline.progress import progress_for
 
         shown = progress_for(sys.stderr)
     built = build_files(plan, shown, in_memory=plan.output is None)

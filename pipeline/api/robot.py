@@ -7,11 +7,11 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from pipeline.config.messages import nearest
-from pipeline.errors import LinkwrightError
-from stages.robot import dynamics, kinematics, model
-from stages.robot.model import Array, Value
-from stages.robot.plural import count
+from linkwright.pipeline.config.messages import nearest
+from linkwright.pipeline.errors import LinkwrightError
+from linkwright.stages.robot import dynamics, kinematics, model
+from linkwright.stages.robot.model import Array, Value
+from linkwright.stages.robot.plural import count
 
 Q = Mapping[str, float | Sequence[float]] | Sequence[float] | npt.NDArray[np.floating[Any]]
 """Joint values by name, or all of them in the order of `Robot.dofs`, one after the other."""

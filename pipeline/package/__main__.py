@@ -17,7 +17,7 @@ def main() -> int:
         if message:
             print(f"error: {message}", file=sys.stderr)
             return 2
-        from pipeline import cli, interrupt
+        from linkwright.pipeline import cli, interrupt
     except KeyboardInterrupt:
         print("error: interrupted", file=sys.stderr)
         return 130

@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.config.compose import compose_plan
-from pipeline.errors import ConfigError, render
-from pipeline.face.arguments import plan_of
+from linkwright.pipeline.api.arguments import plan_of
+from linkwright.pipeline.config.compose import compose_plan
+from linkwright.pipeline.errors import ConfigError, render
 from tests.support.users import write
 
 ARM = """\

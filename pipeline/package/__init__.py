@@ -1,6 +1,6 @@
 """Builds robots from Python: `linkwright.build("robot=my_arm")`.
 
-The wheel ships this folder as `linkwright`; what the package offers is in `pipeline/face`. Importing it loads
+The wheel ships this folder as `linkwright`; what the package offers is in `pipeline/api`. Importing it loads
 nothing else: each name is loaded when it is first used, once our packages are known to be ours.
 """
 
@@ -16,7 +16,7 @@ TYPE_CHECKING = False
 """What type checkers take for true; `typing` is not imported, so that the command begins at once."""
 
 if TYPE_CHECKING:
-    from pipeline.face import *  # noqa: F403
+    from linkwright.pipeline.api import *  # noqa: F403
 else:
 
     def __getattr__(name: str) -> object:
@@ -25,7 +25,7 @@ else:
         message = shadows()
         if message:
             raise ImportError(message)
-        from pipeline import face
+        from linkwright.pipeline import face
 
         value = globals()[name] = getattr(face, name)
         return value

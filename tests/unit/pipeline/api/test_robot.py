@@ -6,12 +6,12 @@ import mujoco
 import numpy as np
 import pytest
 
-from pipeline.errors import LinkwrightError
-from pipeline.face.robot import Robot
-from stages.robot.codec import decode_robot, encode_robot
-from stages.robot.inertia import SPECK
-from stages.robot.model import Dof, Dynamics, Inertial, Joint, Limits, Link, frozen
-from stages.robot.start_pose import starting_point
+from linkwright.pipeline.api.robot import Robot
+from linkwright.pipeline.errors import LinkwrightError
+from linkwright.stages.robot.codec import decode_robot, encode_robot
+from linkwright.stages.robot.inertia import SPECK
+from linkwright.stages.robot.model import Dof, Dynamics, Inertial, Joint, Limits, Link, frozen
+from linkwright.stages.robot.start_pose import starting_point
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import plan_of, robot_of, write
 from tests.support.engines import Mujoco, Pinocchio

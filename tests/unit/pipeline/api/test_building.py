@@ -5,9 +5,9 @@ from pathlib import Path
 import mujoco
 import pytest
 
-from pipeline import face
-from pipeline.face.building import Build
-from pipeline.report import Report
+from linkwright.pipeline import face
+from linkwright.pipeline.api.building import Build
+from linkwright.pipeline.report import Report
 from tests.support.command import environment, linkwright, robot_files, tree
 
 
