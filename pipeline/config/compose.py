@@ -21,7 +21,7 @@ from omegaconf import DictConfig, open_dict
 from omegaconf.errors import OmegaConfBaseException
 
 from linkwright.pipeline import pasted
-from linkwright.pipeline.config import hosts, interpolated
+from linkwright.pipeline.config import hosts, interpolated, trust
 from linkwright.pipeline.config.choices import resolved_tree
 from linkwright.pipeline.config.hydra_errors import explained
 from linkwright.pipeline.config.hydra_files import guarded
@@ -36,14 +36,6 @@ from linkwright.pipeline.config.places import OUTPUT, SWEEP_DIR, outside
 from linkwright.pipeline.config.plain import plain
 from linkwright.pipeline.config.plan import Judge, Plan
 from linkwright.pipeline.config.presets import GROUPS, Presets, chosen, content, stand_in
-from linkwright.pipeline.config.trust import (
-    DEFAULTS,
-    SweepSettings,
-    not_allowed,
-    overridden,
-    targets,
-    untrusted,
-)
 from linkwright.pipeline.errors import ConfigError, Diagnostic, refusal
 from linkwright.pipeline.key_path import Place
 from linkwright.pipeline.secrets import Secrets
@@ -64,7 +56,7 @@ class Composed:
     plan: Plan
     tree: dict[str, Any]
     robot: str
-    sweeping: SweepSettings
+    sweeping: trust.SweepSettings
     config: DictConfig
     computed: Collection[Place]
 
@@ -77,7 +69,7 @@ class SweepRequest:
     overrides: Sequence[Override]
     problems: Sequence[Diagnostic]
     tree: DictConfig | None = None
-    sweeping: SweepSettings = field(default_factory=SweepSettings)
+    sweeping: trust.SweepSettings = field(default_factory=trust.SweepSettings)
 
 
 def compose_plan(
@@ -110,7 +102,7 @@ def session(
     presets = Presets(config_dirs, cwd)
     with (
         aside(),
-        initialize_config_module("conf", job_name="linkwright", **HYDRA),
+        initialize_config_module("linkwright.conf", job_name="linkwright", **HYDRA),
         guarded(),
         swift(),
         catch_warnings(),
@@ -211,13 +203,13 @@ class Composer:
         for problem in self._params(sweeping.params)[1]:
             draft.add(problem)
         files, command = self._presets.own_files(composed_of), pasted.line(self._typed)
-        draft.problems += targets(resolved, command)
+        draft.problems += trust.targets(resolved, command)
         places = {problem.where for problem in draft.problems}
-        draft.problems += [one for one in overridden(map(content, files)) if one.where not in places]
+        draft.problems += [one for one in trust.overridden(map(content, files)) if one.where not in places]
         draft.problems += self._presets.chosen_twice(files)
         draft.problems += hosts.unnamed(resolved, self.addresses, self._environ)
-        typed = self.reading.given(good, (*DEFAULTS, OUTPUT)) | self._node.given([SWEEP_DIR])
-        distrusted = untrusted(resolved, typed, files, self._environ, command)
+        typed = self.reading.given(good, (*trust.DEFAULTS, OUTPUT)) | self._node.given([SWEEP_DIR])
+        distrusted = trust.untrusted(resolved, typed, files, self._environ, command)
         draft.problems += distrusted
         if any(problem.where == "plugins" for problem in distrusted):
             # The judge of the rest imports plug-ins.
@@ -255,7 +247,7 @@ class Composer:
             else:
                 self._everything = everything
                 if len(config.hydra.overrides.hydra) + len(config.hydra.overrides.task) != len(everything):
-                    draft.add(not_allowed("overrides"))
+                    draft.add(trust.not_allowed("overrides"))
                 return config, files
 
     def _around(self, overrides: Sequence[str], draft: "Draft") -> tuple[DictConfig, Mapping[str, Any]]:
@@ -282,7 +274,7 @@ class Composer:
         good, bad = self._presets.judged(fixed)
         draft = Draft.of((), bad)
         found = self._whole(good, draft)
-        settings = SweepSettings() if found is None else self._node.sweeping(found[0], draft)
+        settings = trust.SweepSettings() if found is None else self._node.sweeping(found[0], draft)
         known_keys = {one.key for one in overrides}
         added = [one for one in self._params(settings.params)[0] if one.key not in known_keys]
         return SweepRequest([*added, *overrides], list(known), found and found[0], settings)
@@ -294,9 +286,9 @@ class Composer:
         for key, values in params.items():
             given, wrong = read([f"{key}={values}"], GROUPS, self.reading.values, multirun=True)
             place = f"sweeper.params.{key}"
-            keys = self.reading.given((one.hydra for one in given), (*DEFAULTS, OUTPUT))
+            keys = self.reading.given((one.hydra for one in given), (*trust.DEFAULTS, OUTPUT))
             if keys or any(one.for_hydra_itself for one in given):
-                problems.append(not_allowed(place, values))
+                problems.append(trust.not_allowed(place, values))
             else:
                 added += given
             problems += [Diagnostic(one.code, one.message, f"hydra.{place}", one.hint) for one in wrong]

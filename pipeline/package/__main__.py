@@ -11,12 +11,6 @@ def main() -> int:
     """Runs the command line and returns the exit status."""
     try:
         # Here, since Ctrl-C may come before anything is imported.
-        from .shadows import shadows
-
-        message = shadows()
-        if message:
-            print(f"error: {message}", file=sys.stderr)
-            return 2
         from linkwright.pipeline import cli, interrupt
     except KeyboardInterrupt:
         print("error: interrupted", file=sys.stderr)

@@ -6,8 +6,6 @@ Imports only what Python has loaded before: any other import could come from the
 import os
 import sys
 
-_OURS = os.path.join("pipeline", "face", "__init__.py")  # noqa: PTH118 (pathlib is not loaded yet)
-
 
 def is_command() -> bool:
     """Whether Python is loading this package for `python -m linkwright`."""
@@ -21,18 +19,15 @@ def is_command() -> bool:
 
 def leave_out_working_folder() -> None:
     """Takes the working folder off `sys.path` and, for the processes that this process starts, out of
-    PYTHONPATH. Where the working folder is a checkout that Python needs, it becomes the last entry."""
+    PYTHONPATH."""
     try:
         here = _real(os.getcwd())  # noqa: PTH109
     except OSError:  # the folder was deleted
         here = ""
-    rest = _without(sys.path, here)
-    needed = [here] if here and _holds_ours(here) and not any(map(_holds_ours, rest)) else []
-    sys.path[:] = [*rest, *needed]
+    sys.path[:] = _without(sys.path, here)
     os.environ["PYTHONSAFEPATH"] = "1"
     if "PYTHONPATH" in os.environ:
-        kept = [*_without(os.environ["PYTHONPATH"].split(os.pathsep), here), *needed]
-        os.environ["PYTHONPATH"] = os.pathsep.join(kept)
+        os.environ["PYTHONPATH"] = os.pathsep.join(_without(os.environ["PYTHONPATH"].split(os.pathsep), here))
 
 
 def _without(places: "list[str]", here: str) -> "list[str]":
@@ -41,7 +36,3 @@ def _without(places: "list[str]", here: str) -> "list[str]":
 
 def _real(place: str) -> str:
     return os.path.normcase(os.path.realpath(place))
-
-
-def _holds_ours(place: str) -> bool:
-    return os.path.isfile(os.path.join(place, _OURS))  # noqa: PTH113, PTH118

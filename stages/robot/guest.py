@@ -26,8 +26,8 @@ from linkwright.stages.robot import process_usage
 from linkwright.stages.robot.errors import ConfigError, LinkwrightError, SourceError
 
 _MAIN = Path(__file__).with_name("guestmain.py")
-_LIBRARIES = str(Path(__file__).parents[2])
-"""The folder that holds this package."""
+_PACKAGE = str(Path(__file__).parents[2])
+"""The folder that holds `stages`."""
 
 _OF_THE_LOADER = ("LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "DYLD_FALLBACK_LIBRARY_PATH")
 """Variables without which Python may not start; a guest does not see them."""
@@ -180,6 +180,7 @@ class _Process:
             raise Ended(msg) from None
         head = {
             "module": module,
+            "package": _PACKAGE,
             "path": _libraries(),
             "seconds": bounds.shared * bounds.seconds + _PATIENCE,
             "parent": os.getpid(),
@@ -299,7 +300,7 @@ def _libraries() -> list[str]:
     """The library path of this process, without the working folder and the script's folder."""
     beside = {os.path.abspath(""), os.path.dirname(os.path.abspath(sys.argv[0]))}  # noqa: PTH100, PTH120
     found = [os.path.abspath(place) for place in sys.path if place]  # noqa: PTH100
-    return list(dict.fromkeys([*(place for place in found if place not in beside), _LIBRARIES]))
+    return list(dict.fromkeys(place for place in found if place not in beside))
 
 
 def _error(body: bytes) -> LinkwrightError:

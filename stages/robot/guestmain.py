@@ -6,6 +6,7 @@ import json
 import os
 import signal
 import sys
+import types
 
 
 def main() -> None:
@@ -24,6 +25,9 @@ def main() -> None:
     for name in set(os.environ) - set(head["environ"]):
         del os.environ[name]
     sys.path[:] = head["path"]
+    # Our modules, without the package's public face and wherever they are installed.
+    package = sys.modules["linkwright"] = types.ModuleType("linkwright")
+    package.__path__ = [head["package"]]
     errors = importlib.import_module("linkwright.stages.robot.errors")
     guest = importlib.import_module(head["module"])
     while length := requests.read(8):

@@ -48,11 +48,11 @@ class OwnCheck:
         if isinstance(made, Check):
             made = [made]
         if made is None or isinstance(made, str) or not isinstance(made, Iterable):
-            msg = f"it gave {made!r}, and shall yield checks (linkwright.stages.robot.check.Check)"
+            msg = f"it gave {made!r}, and shall yield checks (linkwright.Check)"
             raise TypeError(msg)
         for one in made:
             if not isinstance(one, Check):
-                msg = f"it gave {one!r}, and shall yield checks (linkwright.stages.robot.check.Check)"
+                msg = f"it gave {one!r}, and shall yield checks (linkwright.Check)"
                 raise TypeError(msg)
             yield one
 

@@ -35,8 +35,8 @@ class ValidateSection(Section):
         example([{"_target_": "my_checks.light", "most": 2.5}]),
     ] = ()
     """Checks of your own. `_target_` names a function of a module of `plugins`, which is called with the
-    compiled model (`stages.validate.compiled.CompiledModel`) and the other keys and yields checks
-    (`stages.robot.check.Check`); or a class, made with the keys and called with the model. Their codes begin
+    compiled model (`linkwright.CompiledModel`) and the other keys and yields checks
+    (`linkwright.Check`); or a class, made with the keys and called with the model. Their codes begin
     with `X-`."""
 
     external: tuple[Literal["simcheck", "mjcf_doctor", "urdf_validator"], ...] = ()

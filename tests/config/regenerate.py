@@ -69,7 +69,7 @@ def _hydra_section(group: str, option: str) -> Any:
     from hydra import compose, initialize_config_module
     from omegaconf import OmegaConf
 
-    with initialize_config_module("conf", **HYDRA):
+    with initialize_config_module("linkwright.conf", **HYDRA):
         override = f"{group.replace('.', '/')}={option}"
         config = compose("build", [override], return_hydra_config=True)
     section = OmegaConf.to_container(OmegaConf.select(config, group), resolve=False)

@@ -11,7 +11,7 @@ import mujoco
 import pytest
 import yaml
 
-from linkwright.pipeline import face
+import linkwright
 from linkwright.pipeline.api.building import Build
 from linkwright.pipeline.build import build_files
 from linkwright.pipeline.cli import parse
@@ -123,7 +123,7 @@ def test_the_command_of_a_row_is_one(tmp_path: Path, one: Row) -> None:
 
 @pytest.mark.parametrize("one", [one for one in EVERY if one.python], ids=lambda one: one.theirs[0])
 def test_the_python_of_a_row_is_there(one: Row) -> None:
-    assert callable(face.build)
+    assert callable(linkwright.build)
     last = one.python.rpartition(".")[2]
     assert last in {*vars(Build), *Build.__annotations__}
 

@@ -6,7 +6,6 @@ tests/fake_onshape/sample.svg.
 
 import re
 import shlex
-import sys
 from functools import cache
 from pathlib import Path
 from textwrap import dedent
@@ -16,7 +15,6 @@ import mujoco
 import pytest
 import yaml
 
-from linkwright.pipeline import face
 from linkwright.pipeline.build import build_files
 from linkwright.pipeline.cli import parse
 from linkwright.pipeline.config.compose import Composed, compose_plan
@@ -172,7 +170,6 @@ def test_every_key_of_the_kinematics_is_in_the_readme() -> None:
 def test_the_python_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(write(tmp_path, my_arm=FROM_SAMPLE))
     monkeypatch.setenv("LINKWRIGHT_CACHE", str(tmp_path / "cache"))
-    monkeypatch.setitem(sys.modules, "linkwright", face)
     (tmp_path / "so101.urdf").write_text(ROBOT)
     found: dict[str, Any] = {}
     exec(marked("python"), found)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from linkwright.stages.robot.install import OPTIONAL, install
-from tests.support.places import PROJECT
+from tests.support.places import PROJECT, ROOMS
 
 FLOORS = runpy.run_path(str(PROJECT / ".ci" / "floors.py"))
 REQUIREMENTS = sorted(set(FLOORS["requirements"]()))
@@ -43,7 +43,7 @@ def test_hints_install_what_the_extras_do() -> None:
 
 def test_nothing_that_a_user_reads_asks_for_an_extra_by_our_name() -> None:
     """pip finds `linkwright[urdf]` on an index alone; a wheel or a checkout in hand is none."""
-    ours = [PROJECT / "README.md", *(one for room in ("conf", "pipeline", "stages") for one in texts(room))]
+    ours = [PROJECT / "README.md", *(one for room in ROOMS for one in texts(room))]
     assert [one for one in ours if "linkwright[" in one.read_text()] == []
 
 

@@ -3,5 +3,18 @@
 from pathlib import Path
 
 PROJECT = Path(__file__).resolve().parents[2]
+ROOMS = ("conf", "pipeline", "stages")
+"""The folders of the product."""
+
 SHARED = PROJECT.parent / "shared"
 """Recorded replies and robots of others: where it is not there, the tests that read it are skipped."""
+
+
+def link_package(folder: Path, tree: Path = PROJECT) -> None:
+    """Makes the package `linkwright` in a folder for Python's path, as the wheel lays it out, of links into a
+    tree."""
+    package = folder / "linkwright"
+    package.mkdir(parents=True)
+    places = [*(tree / "pipeline" / "package").glob("*.*"), *(tree / room for room in ROOMS)]
+    for place in places:
+        (package / place.name).symlink_to(place)

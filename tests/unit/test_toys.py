@@ -15,7 +15,7 @@ import mujoco
 import pytest
 
 from tests.support.command import environment
-from tests.support.places import PROJECT
+from tests.support.places import PROJECT, ROOMS, link_package
 
 GOLDENS = """
 import sys
@@ -33,9 +33,11 @@ class Tree:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        for name in ("conf", "pipeline", "stages", "tests/config"):
+        for name in (*ROOMS, "tests/config"):
             # With the compiled modules, which are valid in the copy: to compile them again takes a second.
             shutil.copytree(PROJECT / name, folder / name)
+        # As an installation has it, before which the copy comes on Python's path.
+        link_package(folder, folder)
         shutil.copy(PROJECT / "tests/__init__.py", folder / "tests")
         shutil.copy(PROJECT / "pyproject.toml", folder)
 
@@ -62,7 +64,7 @@ class Tree:
     def run(self, *arguments: str) -> str:
         """The output of Python in the copy."""
         line = [sys.executable, *arguments]
-        environ = environment(self.folder.parent)
+        environ = environment(self.folder.parent, PYTHONPATH=str(self.folder))
         done = subprocess.run(line, cwd=self.folder, env=environ, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stdout + done.stderr
         return done.stdout

@@ -15,7 +15,7 @@ from linkwright.stages.robot import guest, process_usage
 from linkwright.stages.robot.errors import ConfigError, SourceError
 from linkwright.stages.robot.guest import Bounds, Ended
 from tests.support import processes
-from tests.support.places import PROJECT
+from tests.support.places import PROJECT, link_package
 
 ENOUGH = Bounds(seconds=60, memory=1 << 30, reply=1000)
 ENDLESS = """
@@ -209,6 +209,7 @@ def test_it_ends_with_us_however_we_end(tmp_path):
 def test_it_ends_with_the_end_of_its_requests():
     """So it ends with us on every system, once it has nothing to do."""
     head = {"module": "json", "path": sys.path, "seconds": 60, "parent": os.getpid(), "environ": []}
+    head["package"] = str(PROJECT)
     line = json.dumps(head).encode() + b"\n"
     done = subprocess.run([sys.executable, "-I", guest._MAIN], input=line, capture_output=True, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (0, b"", b"")
@@ -219,8 +220,12 @@ def test_it_finds_us_where_we_are_not_installed(tmp_path):
     (tmp_path / "visitor.py").write_text(
         "import linkwright.stages\ndef answer(request): return linkwright.stages.__file__.encode()"
     )
-    code = "from linkwright.stages.robot.guest import *\nprint(ask('visitor', b'', Bounds(60, 1 << 30, 1000), {}).decode())"
-    environ = {"PYTHONPATH": os.pathsep.join([str(PROJECT), str(tmp_path)])}
+    code = (
+        "from linkwright.stages.robot.guest import *\n"
+        "print(ask('visitor', b'', Bounds(60, 1 << 30, 1000), {}).decode())"
+    )
+    link_package(tmp_path / "copy")
+    environ = {"PYTHONPATH": os.pathsep.join([str(tmp_path / "copy"), str(tmp_path)])}
     (tmp_path / "stages").mkdir()
     done = subprocess.run(
         [sys.executable, "-S", "-c", code],
@@ -230,7 +235,7 @@ def test_it_finds_us_where_we_are_not_installed(tmp_path):
         text=True,
         check=False,
     )
-    assert done.stdout.strip() == str(PROJECT / "stages" / "__init__.py"), done.stderr
+    assert Path(done.stdout.strip()).resolve() == PROJECT / "stages" / "__init__.py", done.stderr
 
 
 def test_memory_is_known_without_proc_too(monkeypatch):

@@ -5,7 +5,7 @@ from pathlib import Path
 import mujoco
 import pytest
 
-from linkwright.pipeline import face
+import linkwright as package
 from linkwright.pipeline.api.building import Build
 from linkwright.pipeline.report import Report
 from tests.support.command import environment, linkwright, robot_files, tree
@@ -26,7 +26,7 @@ def folder(tmp_path, monkeypatch, cache):
 
 
 def test_a_build_in_memory_has_the_files_of_the_command_and_writes_and_prints_nothing(folder, cache, capfd):
-    built = face.build("source=sample", "name=arm", "mesh=visual")
+    built = package.build("source=sample", "name=arm", "mesh=visual")
     assert capfd.readouterr() == ("", "")
     assert list(folder.iterdir()) == []
     assert (built.report.status, built.report.folder) == ("built", "")
@@ -39,7 +39,7 @@ def test_a_build_in_memory_has_the_files_of_the_command_and_writes_and_prints_no
 
 
 def test_mujoco_compiles_the_files_whatever_else_is_exported():
-    built = face.build(
+    built = package.build(
         "source=sample", "name=arm", "mesh=visual", "export=[urdf,mjcf,ros2,python]", "validate=quick"
     )
     for file in ("arm.xml", "scene.xml"):
@@ -52,13 +52,13 @@ def test_an_output_folder_is_written_where_one_is_named(folder, how):
     given = (["source=sample", "until=graph"], {"output": Path("out")})
     if how == "key":
         given = ([*given[0], "output=out"], {})
-    built = face.build(*given[0], **given[1])
+    built = package.build(*given[0], **given[1])
     assert robot_files(folder / "out.graph") == dict(built.files)
     assert built.report.folder == "out.graph"
 
 
 def test_progress_is_shown_when_asked_for(capfd):
-    face.build("source=sample", "until=graph", progress=True)
+    package.build("source=sample", "until=graph", progress=True)
     shown = capfd.readouterr()
     assert shown.out == ""
     assert [line.split()[0] for line in shown.err.splitlines()] == ["fetch", "graph"]
@@ -67,16 +67,16 @@ def test_progress_is_shown_when_asked_for(capfd):
 def test_a_build_that_fails_leaves_nothing(folder):
     (folder / "arm.urdf").write_text("<robot name='arm'><link/></robot>")
     before = tree(folder)
-    with pytest.raises(face.SourceError) as caught:
-        face.build("source=urdf", "source.path=arm.urdf")
+    with pytest.raises(package.SourceError) as caught:
+        package.build("source=urdf", "source.path=arm.urdf")
     assert tree(folder) == before
     assert not any("report" in note for note in getattr(caught.value, "__notes__", ()))
 
 
 def test_a_build_that_ends_before_the_graph_has_no_robot():
-    built = face.build("source=sample", "until=fetch")
+    built = package.build("source=sample", "until=fetch")
     assert (dict(built.files), built.outline) == ({}, "")
-    with pytest.raises(face.LinkwrightError, match="ended before the graph stage"):
+    with pytest.raises(package.LinkwrightError, match="ended before the graph stage"):
         _ = built.robot
 
 

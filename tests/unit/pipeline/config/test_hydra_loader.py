@@ -60,7 +60,7 @@ def here(tmp_path):
 @pytest.mark.parametrize("overrides", COMMANDS, ids=" ".join)
 def test_tree_and_paths_are_those_of_hydra_alone(here, overrides):
     everything = [*overrides, *searching([here])]
-    with initialize_config_module("conf", job_name="linkwright", **HYDRA):
+    with initialize_config_module("linkwright.conf", job_name="linkwright", **HYDRA):
         expected = compose(PRIMARY, everything, return_hydra_config=True)
         loader = GlobalHydra.instance().config_loader()
         files = [

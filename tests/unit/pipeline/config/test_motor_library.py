@@ -115,7 +115,10 @@ def test_every_motor_of_ours_lies_where_the_package_of_the_presets_is() -> None:
 
 
 def test_the_names_of_motors_are_listed_without_heavy_imports() -> None:
-    code = "import sys, linkwright.pipeline.motor_files as m; m.library(); print({'yaml', 'pydantic'} & {*sys.modules})"
+    code = (
+        "import sys; from linkwright.pipeline import motor_files; motor_files.library(); "
+        "print({'yaml', 'pydantic'} & {*sys.modules})"
+    )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=dict(os.environ))
     assert done.stdout.strip() == "set()"
 

@@ -271,7 +271,8 @@ def test_a_picture_from_the_cache_imports_nothing_heavy(tmp_path, cache, counted
     made = preview(cache, FILES, {}, "png")
     code = (
         "import sys\nfrom pathlib import Path\nfrom linkwright.pipeline import preview as room\n"
-        "from linkwright.pipeline.caching.actions import Cache\nfrom linkwright.pipeline.caching.store import Store\n"
+        "from linkwright.pipeline.caching.actions import Cache\n"
+        "from linkwright.pipeline.caching.store import Store\n"
         f"cache = Cache(Store(Path({str(tmp_path / 'cache')!r})))\n"
         f"found = room.begun(cache, {FILES!r}, {{}}, 'png').result()\n"
         "heavy = [name for name in ('numpy', 'mujoco', 'PIL', 'lxml', 'trimesh') if name in sys.modules]\n"

@@ -99,7 +99,8 @@ def test_a_ledger_is_the_users_own_unless_the_group_shares_the_cache(tmp_path, s
 
 def test_many_processes_lose_no_call(tmp_path):
     code = (
-        "import sys; from pathlib import Path; from linkwright.stages.fetch.onshape.api.ledger import Ledger\n"
+        "import sys; from pathlib import Path\n"
+        "from linkwright.stages.fetch.onshape.api.ledger import Ledger\n"
         "ledger = Ledger(Path(sys.argv[1]), 'aa', 2026)\n"
         "for _ in range(200): ledger.note('elements', 200, 17)"
     )
