@@ -7,8 +7,8 @@ import sys
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING
 
-from linkwright.pipeline import streams
 from linkwright.pipeline.options import HELP, Command, Detail, UsageError, parse
+from linkwright.pipeline.terminal import streams
 from linkwright.pipeline.verbs import VERBS
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None" = Non
         return _complete("".join(arguments[1:2]))
     if {"-h", *HELP}.intersection(arguments):
         return _run(arguments, build)  # prints only our own text, which needs no cleaning
-    from linkwright.pipeline.terminal import clean_streams
+    from linkwright.pipeline.terminal.terminal import clean_streams
 
     with clean_streams():
         return _run(arguments, build)
@@ -61,7 +61,7 @@ def _run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None") -> 
             return _sweep(command, build)
         return _single(command, build)
     except UsageError as error:
-        from linkwright.pipeline.terminal import say
+        from linkwright.pipeline.terminal.terminal import say
 
         say(f"error: {error}", sys.stderr)
         return 2
@@ -133,15 +133,16 @@ def _install_completion(shell: str) -> str:
 def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:
     if build is not None:
         return build(_plan(command)).exit_status
-    from linkwright.pipeline import observed, unchanged
-    from linkwright.pipeline.closing import show
-    from linkwright.pipeline.progress import Quiet, progress_for
+    from linkwright.pipeline import observed
+    from linkwright.pipeline.run import unchanged
+    from linkwright.pipeline.terminal.closing import show
+    from linkwright.pipeline.terminal.progress import Quiet, progress_for
 
     progress = Quiet() if command.detail == "errors" else progress_for(sys.stderr)
     action = unchanged.action_of(command)
     report = unchanged.again(action, command, progress)
     if report is None:
-        from linkwright.pipeline.build import build_files
+        from linkwright.pipeline.run.build import build_files
 
         with observed.recording(action.key) as seen:
             plan = _plan(command)
@@ -157,7 +158,7 @@ def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:
 
 def _plan(command: Command) -> "Plan":
     from linkwright.pipeline.config.compose import compose_plan
-    from linkwright.pipeline.preflight import plan_problems
+    from linkwright.pipeline.run.preflight import plan_problems
 
     return compose_plan(command.overrides, command.config_dirs, judge=plan_problems).plan
 
@@ -166,15 +167,15 @@ def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
     import functools
     import time
 
-    from linkwright.pipeline.build import build as build_robot
     from linkwright.pipeline.config.compose import session
     from linkwright.pipeline.output.folder import named
-    from linkwright.pipeline.preflight import sweep_problems
+    from linkwright.pipeline.run.build import build as build_robot
+    from linkwright.pipeline.run.preflight import sweep_problems
     from linkwright.pipeline.sweep.folder import keep, prepare
     from linkwright.pipeline.sweep.launch import Account, launch
     from linkwright.pipeline.sweep.outcome import Outcome, sweep_status, table
     from linkwright.pipeline.sweep.run import Task, jobs_of, judge_folders
-    from linkwright.pipeline.terminal import say
+    from linkwright.pipeline.terminal.terminal import say
 
     began = time.time()
     with session(command.config_dirs, judge=sweep_problems) as composer:
@@ -199,7 +200,7 @@ def _report(error: BaseException, detail: Detail) -> int:
     """Prints an error as one message; returns the exit status."""
     from linkwright.pipeline.errors import exit_status, render
     from linkwright.pipeline.interrupt import behind
-    from linkwright.pipeline.terminal import say
+    from linkwright.pipeline.terminal.terminal import say
 
     error = KeyboardInterrupt() if behind(error) else error
     if os.environ.get("LINKWRIGHT_TRACEBACK", "") not in ("", "0"):

@@ -6,8 +6,8 @@ from pathlib import Path
 from linkwright.pipeline.changes.since import since
 from linkwright.pipeline.live.made import NOTHING, Live
 from linkwright.pipeline.preview import NONE, Preview
-from linkwright.pipeline.progress import Log
 from linkwright.pipeline.report import Report
+from linkwright.pipeline.terminal.progress import Log
 
 
 def documents(

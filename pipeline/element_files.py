@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from linkwright.pipeline import observed
 from linkwright.pipeline.errors import ConfigError, Diagnostic, as_problems, refusal
-from linkwright.stages.robot import regular_files
+from linkwright.stages.robot.system import regular_files
 
 if TYPE_CHECKING:
     from linkwright.pipeline.config.plan import Plan

@@ -9,7 +9,7 @@ import errno
 from collections.abc import Sequence
 
 from linkwright.pipeline import interrupt
-from linkwright.pipeline.finding_lines import Style, finding_lines
+from linkwright.pipeline.terminal.finding_lines import Style, finding_lines
 from linkwright.stages.robot.errors import (
     AssemblyError,
     AuthError,

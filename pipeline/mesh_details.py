@@ -6,14 +6,14 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from linkwright.pipeline.caching.actions import Remembered
-from linkwright.pipeline.context import notes
-from linkwright.stages.robot.exclude_names import excluded_colliders
-from linkwright.stages.robot.plural import count
+from linkwright.pipeline.stages.context import notes
+from linkwright.stages.robot.contact.exclude_names import excluded_colliders
+from linkwright.stages.robot.text.plural import count
 
 if TYPE_CHECKING:
-    from linkwright.pipeline.context import BuildContext
+    from linkwright.pipeline.stages.context import BuildContext
     from linkwright.stages.mesh import Shown
-    from linkwright.stages.robot.geometry import ColliderFigures, Exclude, Geometry, Touch
+    from linkwright.stages.robot.model.geometry import ColliderFigures, Exclude, Geometry, Touch
 
 _MM = 1e3
 

@@ -1,6 +1,6 @@
 """What a build asks of the file system and of the environment before its first stage, with each answer.
 
-An unchanged build is recognised by asking the same again (`pipeline.unchanged`). Whoever reads a file or a
+An unchanged build is recognised by asking the same again (`pipeline.run.unchanged`). Whoever reads a file or a
 variable that decides what is composed asks here. A variable's value is kept as a digest, since it may be a
 secret. Imports nothing heavy.
 """
@@ -15,7 +15,7 @@ from contextvars import ContextVar
 from pathlib import Path
 
 import linkwright.conf
-from linkwright.stages.robot import regular_files
+from linkwright.stages.robot.system import regular_files
 
 LARGEST = 16 << 20
 """A larger file counts as unreadable [bytes]; of YAML and XML less is read."""
@@ -60,7 +60,7 @@ class Observed:
         self.note(question, about, answer(question, about, self.salt, self._environ))
 
     def note(self, question: str, about: str, said: str) -> None:
-        """Keeps an answer. The files of `conf` are a part of the program (see `pipeline.program`)."""
+        """Keeps an answer. The files of `conf` are a part of the program (see `pipeline.run.program`)."""
         if about.startswith(_OURS) and ".." not in about:
             return
         if self._answers.setdefault((question, about), said) != said:

@@ -11,7 +11,7 @@ from linkwright.pipeline.output.manifest import REPORT
 from linkwright.pipeline.secrets import Secrets
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.printable import printable_lines
+from linkwright.stages.robot.text.printable import printable_lines
 
 Status = Literal["built", "stale", "invalid", "failed"]
 
@@ -39,7 +39,7 @@ class Report:
     `bundle`: the inputs, by the SHA-256 of their `manifest`, by which `linkwright bundle` finds them.
     `figures`: counts of links, joints, dofs, loops, parts, meshes and triangles, the mass [kg], with
     `validate=strict` MuJoCo's `steps_per_second` on one thread of the machine that built it, and how
-    the mechanism moves: `coordinates`, `gruebler` and `dof` (see `stages.robot.model.Mobility`).
+    the mechanism moves: `coordinates`, `gruebler` and `dof` (see `stages.robot.model.robot.Mobility`).
     `details`: tables of the stages, each a list of rows: `colliders`, `links`, `excludes` and
     `touching` (see `pipeline.mesh_details.details`), and the `order` of joints, actuators and sensors
     (see `stages.export.order_tables`), and what other `readers` drop (see `stages.export.readers`).
@@ -139,6 +139,6 @@ def versions(libraries: Mapping[str, str]) -> dict[str, str]:
     """Versions of linkwright, of Python and of the libraries that made the result."""
     import platform
 
-    from linkwright.pipeline.stage import installed
+    from linkwright.pipeline.stages.stage import installed
 
     return {"linkwright": installed("linkwright"), "python": platform.python_version(), **libraries}

@@ -84,7 +84,7 @@ def guests_at_home(monkeypatch: pytest.MonkeyPatch) -> None:
     many tests of what is read, where tests of the guests show the rest."""
     from tests.support.mjcfs import at_home
 
-    monkeypatch.setattr("linkwright.stages.robot.guest.ask", at_home)
+    monkeypatch.setattr("linkwright.stages.robot.system.guest.ask", at_home)
     monkeypatch.setattr("linkwright.pipeline.checking.guest._limit", lambda *_: None)
 
 

@@ -14,11 +14,11 @@ import yaml
 
 from linkwright.pipeline.config.choices import name_of
 from linkwright.pipeline.config.compose import compose_plan
-from linkwright.pipeline.config.hydra_node import hydra_text
+from linkwright.pipeline.config.files.trust import CODE
+from linkwright.pipeline.config.hydra.node import hydra_text
 from linkwright.pipeline.config.plan import Plan
-from linkwright.pipeline.config.trust import CODE
 from linkwright.pipeline.errors import ConfigError, Diagnostic, refusal
-from linkwright.pipeline.preflight import plan_problems
+from linkwright.pipeline.run.preflight import plan_problems
 
 HEADER = "# @package _global_\n"
 

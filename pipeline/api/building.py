@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING, Any
 
-from linkwright.pipeline.check_text import tally
 from linkwright.pipeline.errors import LinkwrightError
 from linkwright.pipeline.report import Report
+from linkwright.pipeline.terminal.check_text import tally
 from linkwright.stages.graph.view.views import PICTURE
 
 if TYPE_CHECKING:
@@ -110,12 +110,12 @@ def build(
     errors. A failed check does not raise: see `report.status` and `report.failed_checks`.
     """
     from linkwright.pipeline.api.arguments import plan_of
-    from linkwright.pipeline.build import build_files
+    from linkwright.pipeline.run.build import build_files
 
     plan = plan_of(what, trust, plugins, output, config_dirs)
     shown = None
     if progress:
-        from linkwright.pipeline.progress import progress_for
+        from linkwright.pipeline.terminal.progress import progress_for
 
         shown = progress_for(sys.stderr)
     built = build_files(plan, shown, in_memory=plan.output is None)

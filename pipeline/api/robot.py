@@ -9,9 +9,11 @@ import numpy.typing as npt
 
 from linkwright.pipeline.config.messages import nearest
 from linkwright.pipeline.errors import LinkwrightError
-from linkwright.stages.robot import dynamics, kinematics, model
-from linkwright.stages.robot.model import Array, Value
-from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.dynamics import mass_matrix as dynamics
+from linkwright.stages.robot.model import robot as model
+from linkwright.stages.robot.model.robot import Array, Value
+from linkwright.stages.robot.motion import kinematics
+from linkwright.stages.robot.text.plural import count
 
 Q = Mapping[str, float | Sequence[float]] | Sequence[float] | npt.NDArray[np.floating[Any]]
 """Joint values by name, or all of them in the order of `Robot.dofs`, one after the other."""

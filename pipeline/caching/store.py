@@ -21,7 +21,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from linkwright.pipeline import disk_space
+from linkwright.pipeline.caching import disk_space
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.errors import FULL, CacheError, OutputError, reason
 from linkwright.pipeline.lock import acquired

@@ -9,7 +9,7 @@ import os
 import subprocess
 
 from linkwright.pipeline.errors import OutputError
-from linkwright.stages.robot.programs import program
+from linkwright.stages.robot.system.programs import program
 
 _LIMIT_S = 60
 

@@ -8,8 +8,8 @@ from typing import Any
 
 from linkwright.pipeline.changes.change import Change
 from linkwright.pipeline.changes.read import FILE, Described
-from linkwright.stages.robot.plural import count
-from linkwright.stages.robot.printable import printable
+from linkwright.stages.robot.text.plural import count
+from linkwright.stages.robot.text.printable import printable
 
 ONLY = f"of a folder only its {FILE} is compared; `linkwright check` compares the other files with that"
 """What is said where a folder was given."""

@@ -10,7 +10,7 @@ from linkwright.pipeline.changes.change import Change
 from linkwright.pipeline.changes.read import FILE
 from linkwright.pipeline.output import manifest
 from linkwright.stages.robot.check import Check
-from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.text.plural import count
 
 MOST = 20
 """So many differences of the robot are said in words."""

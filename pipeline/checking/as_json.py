@@ -40,7 +40,7 @@ from linkwright.pipeline.checking.verdict import Issue, Verdict, file_of, issues
 from linkwright.pipeline.errors import OutputError, reason
 from linkwright.pipeline.reference.codes import remedy
 from linkwright.stages.robot.check import Check
-from linkwright.stages.robot.regular_files import FileTooLarge, content
+from linkwright.stages.robot.system.regular_files import FileTooLarge, content
 
 FORMAT, VERSION = "linkwright-check", 1
 LARGEST_BASELINE = 1 << 27

@@ -5,8 +5,8 @@ import json
 from linkwright.pipeline.checking.verdict import Verdict
 from linkwright.pipeline.checking.wire import load
 from linkwright.pipeline.errors import OutputError
-from linkwright.stages.robot import guest
 from linkwright.stages.robot.errors import SourceError
+from linkwright.stages.robot.system import guest
 
 GUEST = "linkwright.pipeline.checking.guest"
 

@@ -29,7 +29,7 @@ def answer(request: bytes) -> bytes:
     """To {"place", "level"}: the verdict, as `wire` has it. SourceError where the files cannot be read, or
     need more time or memory than their sizes explain."""
     from linkwright.pipeline.checking.run import checked
-    from linkwright.stages.validate.admission import admitted
+    from linkwright.stages.validate.reading.admission import admitted
 
     asked = json.loads(request)
     try:

@@ -5,7 +5,7 @@ from linkwright.pipeline.checking.verdict import Verdict, file_of
 from linkwright.pipeline.reference.codes import remedy
 from linkwright.stages.formats.xml import element, to_bytes
 from linkwright.stages.robot.check import Check
-from linkwright.stages.robot.printable import printable, printable_lines
+from linkwright.stages.robot.text.printable import printable, printable_lines
 
 
 def as_junit(verdict: Verdict) -> bytes:

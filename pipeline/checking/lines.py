@@ -4,8 +4,8 @@ import re
 from pathlib import Path
 from typing import Any
 
-from linkwright.stages.formats.mjcf_bounds import LARGEST_TEXT
-from linkwright.stages.robot.regular_files import FileTooLarge, content
+from linkwright.stages.formats.mjcf.bounds import LARGEST_TEXT
+from linkwright.stages.robot.system.regular_files import FileTooLarge, content
 
 _LABEL = re.compile(r'(?P<tag>[\w:.-]+)(?: "(?P<name>.*)")?')
 """How a finding names an element: its tag, and its name."""

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from linkwright.stages.formats.described import Truth
 from linkwright.stages.robot.check import Check
-from linkwright.stages.robot.regular_files import is_file
+from linkwright.stages.robot.system.regular_files import is_file
 
 CODES = {"ros2": "C-ROS2", "python": "C-PYTHON"}
 """By format."""
@@ -17,7 +17,7 @@ TRUTH = "robot.json"
 
 def check_packages(folder: Path, truth: Truth) -> Iterator[Check]:
     """That each says what a build would write again, and that copies are those of the files as they are."""
-    from linkwright.stages.validate.guarded import guarded
+    from linkwright.stages.validate.reading.guarded import guarded
 
     if truth.packages:
         files = _beside(folder, truth)

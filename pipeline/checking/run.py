@@ -79,7 +79,7 @@ def _against(truth: "Truth", folder: Path, level: str) -> tuple[Check, ...]:
     """The checks of a build, of its files as they are."""
     from linkwright.pipeline.checking.packages import check_packages
     from linkwright.stages.validate import validate
-    from linkwright.stages.validate.present import present
+    from linkwright.stages.validate.reading.present import present
     from linkwright.stages.validate.section import ValidateSections
 
     keys = ValidateSections.model_validate({"validate": {"level": level}})

@@ -1,10 +1,10 @@
 """The verdict of checks as text."""
 
-from linkwright.pipeline.check_text import check_lines, tally
 from linkwright.pipeline.checking.verdict import Verdict
+from linkwright.pipeline.terminal.check_text import check_lines, tally
 from linkwright.stages.robot.check import Check
-from linkwright.stages.robot.plural import count
-from linkwright.stages.robot.printable import printable
+from linkwright.stages.robot.text.plural import count
+from linkwright.stages.robot.text.printable import printable
 
 MOST_FINDINGS = 10
 """Of a check, in the text."""

@@ -20,25 +20,26 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, open_dict
 from omegaconf.errors import OmegaConfBaseException
 
-from linkwright.pipeline import pasted
-from linkwright.pipeline.config import hosts, interpolated, trust
+from linkwright.pipeline.config import interpolated
 from linkwright.pipeline.config.choices import resolved_tree
-from linkwright.pipeline.config.hydra_errors import explained
-from linkwright.pipeline.config.hydra_files import guarded
-from linkwright.pipeline.config.hydra_loader import PRIMARY, aside, composed, swift, use_loader
-from linkwright.pipeline.config.hydra_node import HydraNode, hydra_text, searching
-from linkwright.pipeline.config.hydra_reading import Reading
+from linkwright.pipeline.config.files import hosts, trust
+from linkwright.pipeline.config.files.places import OUTPUT, SWEEP_DIR, outside
+from linkwright.pipeline.config.hydra.errors import explained
+from linkwright.pipeline.config.hydra.files import guarded
+from linkwright.pipeline.config.hydra.loader import PRIMARY, aside, composed, swift, use_loader
+from linkwright.pipeline.config.hydra.node import HydraNode, hydra_text, searching
+from linkwright.pipeline.config.hydra.reading import Reading
 from linkwright.pipeline.config.messages import fitting
 from linkwright.pipeline.config.optional import add_optional
 from linkwright.pipeline.config.overrides import Override, read, refused
 from linkwright.pipeline.config.partial import Draft
-from linkwright.pipeline.config.places import OUTPUT, SWEEP_DIR, outside
 from linkwright.pipeline.config.plain import plain
 from linkwright.pipeline.config.plan import Judge, Plan
 from linkwright.pipeline.config.presets import GROUPS, Presets, chosen, content, stand_in
 from linkwright.pipeline.errors import ConfigError, Diagnostic, refusal
 from linkwright.pipeline.key_path import Place
 from linkwright.pipeline.secrets import Secrets
+from linkwright.pipeline.terminal import pasted
 
 DEFAULT = "robot=sample"
 

@@ -8,10 +8,10 @@ from typing import Any
 import yaml
 from pydantic import ValidationError
 
-from linkwright.pipeline.config import yaml_file
+from linkwright.pipeline.config.files import yaml_file
 from linkwright.pipeline.config.messages import diagnostics, nearest
 from linkwright.pipeline.motor_files import FOLDER, library
-from linkwright.stages.export.motor_section import MotorSection
+from linkwright.stages.export.configuration.motor_section import MotorSection
 from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.section import Section
 

@@ -4,8 +4,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from linkwright.pipeline.errors import Diagnostic
-from linkwright.stages.robot.globs import did_you_mean, there_are
 from linkwright.stages.robot.optional_section import GLOB_KEYS, all_globs, globs_of
+from linkwright.stages.robot.text.globs import did_you_mean, there_are
 
 KEY = "optional"
 

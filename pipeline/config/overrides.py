@@ -10,9 +10,9 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from linkwright.pipeline import pasted
 from linkwright.pipeline.config import grammar
 from linkwright.pipeline.config.messages import nearest
+from linkwright.pipeline.terminal import pasted
 from linkwright.stages.robot.errors import Diagnostic
 
 CODE = "E-OVERRIDE"

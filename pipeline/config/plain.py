@@ -6,9 +6,9 @@ from typing import Any
 from omegaconf import DictConfig, ListConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
-from linkwright.pipeline.config.hydra_words import RESOLVING, Words, in_words
+from linkwright.pipeline.config.files.yaml_file import DEEPEST, MOST_VALUES
+from linkwright.pipeline.config.hydra.words import RESOLVING, Words, in_words
 from linkwright.pipeline.config.messages import how_to_give
-from linkwright.pipeline.config.yaml_file import DEEPEST, MOST_VALUES
 from linkwright.pipeline.errors import Diagnostic
 from linkwright.pipeline.key_path import Place, key_of
 

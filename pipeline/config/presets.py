@@ -9,13 +9,14 @@ from typing import Any
 import yaml
 
 import linkwright.conf
-from linkwright.pipeline import observed, pasted
-from linkwright.pipeline.config import reach, yaml_file
+from linkwright.pipeline import observed
 from linkwright.pipeline.config.choices import Choices
+from linkwright.pipeline.config.files import reach, yaml_file
 from linkwright.pipeline.config.messages import EXPERIMENT, nearest
 from linkwright.pipeline.key_path import Place, key_of
 from linkwright.pipeline.motor_files import FOLDER as MOTORS
 from linkwright.pipeline.motor_files import is_motor
+from linkwright.pipeline.terminal import pasted
 from linkwright.stages.robot.errors import ConfigError, Diagnostic
 
 OURS = Path(linkwright.conf.__file__).parent

@@ -7,8 +7,8 @@ import mujoco
 import numpy as np
 
 from linkwright.pipeline.live.rounding import rounded, vector
-from linkwright.stages.robot.model import Array, Loop, Robot
-from linkwright.stages.robot.start_pose import keyframes as named_poses
+from linkwright.stages.robot.model.robot import Array, Loop, Robot
+from linkwright.stages.robot.motion.start_pose import keyframes as named_poses
 
 _POINTS = {"revolute": (0.0, 1.0), "ball": (0.0,)}
 """Of each type of loop the points on its axis that stay together, in levers from its origin."""

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from linkwright.pipeline.live.rounding import rounded
-from linkwright.stages.robot.model import Part, Robot
+from linkwright.stages.robot.model.robot import Part, Robot
 
 
 def links(robot: Robot, colliders: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:

@@ -11,12 +11,12 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, Literal
 
 from linkwright.pipeline.caching.actions import Action, canonical
-from linkwright.pipeline.context import FILES, ROBOT
 from linkwright.pipeline.digest import sha256
+from linkwright.pipeline.stages.context import FILES, ROBOT
 from linkwright.stages.robot.errors import Diagnostic
 
 if TYPE_CHECKING:
-    from linkwright.pipeline.context import BuildContext
+    from linkwright.pipeline.stages.context import BuildContext
 
 VERSION = 9
 """Raised when the same robot gives another pack."""
@@ -127,7 +127,7 @@ def _made(
     context: "BuildContext", source: str, colliders: list[dict[str, Any]], say: Callable[[str], None]
 ) -> Mapping[str, bytes]:
     """What is kept of the view."""
-    from linkwright.pipeline.stage import installed
+    from linkwright.pipeline.stages.stage import installed
 
     exported = context.files["export"].below(FILES)
     needed = [path for path in sorted(exported) if not path.endswith(_NEVER_READ)]

@@ -7,14 +7,14 @@ from typing import Any
 from linkwright.pipeline.live.actuators import actuators
 from linkwright.pipeline.live.beside_urdf import with_poses
 from linkwright.pipeline.live.compiled import LiveModel, compiled
-from linkwright.pipeline.live.engine import EngineCopy, NoCopy, engine_copy
+from linkwright.pipeline.live.engine.copy import EngineCopy, NoCopy, engine_copy
 from linkwright.pipeline.live.geoms import geoms
 from linkwright.pipeline.live.links import links
 from linkwright.pipeline.live.mechanism import bodies, frames, joints, keyframes, loops, relations
 from linkwright.pipeline.live.meshes import stored_meshes
 from linkwright.pipeline.live.pack import VERSION, Buffers, packed
 from linkwright.pipeline.live.rounding import rounded, vector
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.robot import Robot
 
 _VIEW = 140.0, -20.0
 """Azimuth and elevation [degrees] from which a robot without a scene is seen."""

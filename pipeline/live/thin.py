@@ -12,7 +12,7 @@ from typing import TypeVar
 import numpy as np
 
 from linkwright.pipeline.live.triangles import Corners, Facets, Points
-from linkwright.stages.mesh.surface import weld
+from linkwright.stages.mesh.surfaces.surface import weld
 from linkwright.stages.mesh.tessellation import PartMesh
 from linkwright.stages.mesh.visuals.budget import lowest
 from linkwright.stages.mesh.visuals.simplify import SimplifiablePart, simplified

@@ -11,7 +11,7 @@ from linkwright.pipeline.lock import FOLDER as LOCKS
 from linkwright.pipeline.output import manifest
 from linkwright.pipeline.output.location import ELSEWHERE
 from linkwright.pipeline.output.manifest import DigestReader, Entry
-from linkwright.stages.robot.printable import printable
+from linkwright.stages.robot.text.printable import printable
 
 REPLACED = ".replaced"
 """The suffix of the folder for files that were in the way."""

@@ -14,7 +14,8 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 
-from linkwright.pipeline import disk_space, lock
+from linkwright.pipeline import lock
+from linkwright.pipeline.caching import disk_space
 from linkwright.pipeline.caching.store import write_tree
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.errors import ConfigError, InTheWay, LinkwrightError, OutputError, reason

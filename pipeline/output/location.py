@@ -5,8 +5,8 @@ import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from linkwright.pipeline import pasted
 from linkwright.pipeline.errors import ConfigError
+from linkwright.pipeline.terminal import pasted
 
 NAME_MAX = 255
 """Most bytes of a name, on all usual file systems."""

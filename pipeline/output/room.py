@@ -2,8 +2,8 @@
 
 import contextlib
 
+from linkwright.pipeline.caching.disk_space import LEAST
 from linkwright.pipeline.caching.store import Store
-from linkwright.pipeline.disk_space import LEAST
 from linkwright.pipeline.output.folder import Output
 
 

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     )
     from linkwright.pipeline.report import Report
     from linkwright.stages.robot.check import Check, Finding
-    from linkwright.stages.robot.model import Dof, Frame, Joint, Link
+    from linkwright.stages.robot.model.robot import Dof, Frame, Joint, Link
     from linkwright.stages.validate.compiled import CompiledModel
 
     __version__: str
@@ -93,11 +93,11 @@ _PLACES = {
     "build": "linkwright.pipeline.api.building",
     "Check": "linkwright.stages.robot.check",
     "CompiledModel": "linkwright.stages.validate.compiled",
-    "Dof": "linkwright.stages.robot.model",
+    "Dof": "linkwright.stages.robot.model.robot",
     "Finding": "linkwright.stages.robot.check",
-    "Frame": "linkwright.stages.robot.model",
-    "Joint": "linkwright.stages.robot.model",
-    "Link": "linkwright.stages.robot.model",
+    "Frame": "linkwright.stages.robot.model.robot",
+    "Joint": "linkwright.stages.robot.model.robot",
+    "Link": "linkwright.stages.robot.model.robot",
     "Report": "linkwright.pipeline.report",
     "Robot": "linkwright.pipeline.api.robot",
 }

@@ -1,9 +1,9 @@
 """What changed since the previous build of the folder, for people."""
 
 from linkwright.pipeline.changes.since import Since
-from linkwright.pipeline.page.markup import name, part, section, table, text
+from linkwright.pipeline.page.html.markup import name, part, section, table, text
 from linkwright.pipeline.secrets import Secrets
-from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.text.plural import count
 
 
 def changed(changes: Since | None, secrets: Secrets) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from linkwright.pipeline.page.codes import to_code
-from linkwright.pipeline.page.markup import folded, plain_table, section, table, text
+from linkwright.pipeline.page.html.markup import folded, plain_table, section, table, text
 
 OUTCOMES = ("failed", "warning", "passed")
 """Of a check, the gravest first."""

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from linkwright.pipeline.page.markup import inline, link, section, table, text
+from linkwright.pipeline.page.html.markup import inline, link, section, table, text
 from linkwright.pipeline.reference.codes import explanations
 
 LEVELS = {"E": "error", "W": "warning"}

@@ -4,9 +4,9 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from linkwright.pipeline.page.markup import folded, image, name, plain_table, section, table, text
+from linkwright.pipeline.page.html.markup import folded, image, name, plain_table, section, table, text
 from linkwright.pipeline.secrets import Secrets
-from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.text.plural import count
 
 Row = Mapping[str, Any]
 

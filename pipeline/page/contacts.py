@@ -3,9 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from linkwright.pipeline.page.markup import folded, plain_table, section
-from linkwright.stages.robot.globs import listed
-from linkwright.stages.robot.plural import count
+from linkwright.pipeline.page.html.markup import folded, plain_table, section
+from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.plural import count
 
 
 def contacts(excludes: Sequence[Mapping[str, Any]]) -> str:

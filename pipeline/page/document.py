@@ -17,11 +17,11 @@ from linkwright.pipeline.page.fix_first import MOST, fix_first, fixes
 from linkwright.pipeline.page.graph import graph, tables_of
 from linkwright.pipeline.page.head import facts, head
 from linkwright.pipeline.page.hero import hero
-from linkwright.pipeline.page.markup import text
+from linkwright.pipeline.page.html.markup import text
+from linkwright.pipeline.page.html.shell import ReportSection, Top, document
 from linkwright.pipeline.page.order import order
 from linkwright.pipeline.page.provenance import cost, provenance
 from linkwright.pipeline.page.readers import readers
-from linkwright.pipeline.page.shell import ReportSection, Top, document
 from linkwright.pipeline.preview import NONE, Preview
 from linkwright.pipeline.report import Report
 from linkwright.pipeline.secrets import Secrets

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 
-from linkwright.pipeline.page.markup import file_link, folded, section, table
+from linkwright.pipeline.page.html.markup import file_link, folded, section, table
 
 ASSETS = "assets/"
 

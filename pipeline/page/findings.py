@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from linkwright.pipeline.page.codes import level_of, to_code
-from linkwright.pipeline.page.markup import folded, name, part, section, table, text
-from linkwright.stages.robot.plural import count
+from linkwright.pipeline.page.html.markup import folded, name, part, section, table, text
+from linkwright.stages.robot.text.plural import count
 
 LEVELS = {"error": "Errors", "warning": "Warnings", "info": "For information"}
 

@@ -6,9 +6,9 @@ from typing import Any
 
 from linkwright.pipeline.page.checks import outcome, said, split_name
 from linkwright.pipeline.page.codes import level_of, problems_of, to_code
-from linkwright.pipeline.page.markup import inline, section, shortened, text
+from linkwright.pipeline.page.html.markup import inline, section, shortened, text
 from linkwright.pipeline.reference.codes import remedy
-from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.text.plural import count
 
 MOST = 5
 """So many things are named."""

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from html import escape, unescape
 from typing import Any
 
-from linkwright.pipeline.page.markup import file_link, folded, part, plain_table, section, text
+from linkwright.pipeline.page.html.markup import file_link, folded, part, plain_table, section, text
 from linkwright.pipeline.secrets import Secrets
 from linkwright.stages.graph.view.views import PICTURE
 

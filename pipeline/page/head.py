@@ -7,8 +7,8 @@ from linkwright.pipeline.changes.since import Since
 from linkwright.pipeline.page.checks import tally
 from linkwright.pipeline.page.figures import NAMES
 from linkwright.pipeline.page.files import top_level
-from linkwright.pipeline.page.markup import file_link, link, text
-from linkwright.stages.robot.plural import count
+from linkwright.pipeline.page.html.markup import file_link, link, text
+from linkwright.stages.robot.text.plural import count
 
 BESIDE = ("report.json", "config.yaml", "build.log")
 """The other documents of a build, in the same folder."""

@@ -5,7 +5,7 @@ from urllib.parse import quote
 
 from linkwright.pipeline.live.made import Live
 from linkwright.pipeline.live.viewer import LiveView, view
-from linkwright.pipeline.page.markup import text
+from linkwright.pipeline.page.html.markup import text
 from linkwright.pipeline.preview import Preview
 
 _SLOT = "<!-- preview -->"

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from linkwright.pipeline.page.markup import part, plain_table, section
+from linkwright.pipeline.page.html.markup import part, plain_table, section
 
 Row = Mapping[str, Any]
 

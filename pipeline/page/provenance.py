@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from linkwright.pipeline.page.figures import name_of, shown
-from linkwright.pipeline.page.markup import (
+from linkwright.pipeline.page.html.markup import (
     file_link,
     link,
     pairs,

@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from linkwright.pipeline.page.markup import folded, inline, name, section, table
-from linkwright.stages.robot.plural import count
+from linkwright.pipeline.page.html.markup import folded, inline, name, section, table
+from linkwright.stages.robot.text.plural import count
 
 SHOWN = 6
 """Of what a row is about so many names are shown; report.json has all."""

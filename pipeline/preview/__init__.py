@@ -15,7 +15,7 @@ from typing import Literal
 from linkwright.pipeline.caching.actions import Action, Cache
 from linkwright.pipeline.digest import sha256
 from linkwright.stages.robot.errors import ConfigError, Diagnostic, LinkwrightError
-from linkwright.stages.robot.install import install
+from linkwright.stages.robot.system.install import install
 
 Kind = Literal["png", "turn", "none"]
 Make = Callable[[], Mapping[str, bytes]]
@@ -171,7 +171,7 @@ def _is_asset(path: str) -> bool:
 
 
 def _versions(*libraries: str) -> dict[str, str]:
-    from linkwright.pipeline.stage import installed
+    from linkwright.pipeline.stages.stage import installed
 
     return {name: installed(name) for name in libraries}
 

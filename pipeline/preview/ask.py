@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 from linkwright.pipeline.preview import ENDED, REFUSED, Kind
 from linkwright.pipeline.preview.look import Look, packed
-from linkwright.stages.robot import guest
 from linkwright.stages.robot.errors import LinkwrightError
-from linkwright.stages.robot.guest import Bounds
+from linkwright.stages.robot.system import guest
+from linkwright.stages.robot.system.guest import Bounds
 
 GUEST = "linkwright.pipeline.preview.guest"
 

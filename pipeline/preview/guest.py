@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from linkwright.pipeline.preview import PICTURE, SMALL, TURN
+from linkwright.pipeline.preview.drawing.painting import picture
+from linkwright.pipeline.preview.drawing.pixels import reduced
+from linkwright.pipeline.preview.drawing.studio import LitRobot, studio, swept, turned_by
 from linkwright.pipeline.preview.look import unpacked
-from linkwright.pipeline.preview.painting import picture
-from linkwright.pipeline.preview.pixels import reduced
-from linkwright.pipeline.preview.studio import LitRobot, studio, swept, turned_by
 from linkwright.pipeline.preview.surface import surface_of
 from linkwright.stages.formats import png
 from linkwright.stages.robot.errors import SourceError

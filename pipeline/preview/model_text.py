@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from posixpath import join, normpath
 
-from linkwright.stages.formats.mesh_points import is_binary_stl
+from linkwright.stages.formats.meshes.points import is_binary_stl
 from linkwright.stages.formats.xml import Element, parse, to_bytes
 from linkwright.stages.mujoco.includes import resolve
 from linkwright.stages.mujoco.urdf import with_every_link

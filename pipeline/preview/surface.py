@@ -8,7 +8,7 @@ import numpy.typing as npt
 from linkwright.pipeline.preview import solids
 from linkwright.pipeline.preview.look import Blob, Geom, Look
 from linkwright.pipeline.preview.thinning import thinned
-from linkwright.stages.formats.mesh_points import mesh_points
+from linkwright.stages.formats.meshes.points import mesh_points
 from linkwright.stages.mesh.view.raster import Corners, Indices, Numbers
 
 Single = npt.NDArray[np.float32]

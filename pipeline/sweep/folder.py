@@ -17,7 +17,7 @@ from linkwright.pipeline.output import conflicts, manifest
 from linkwright.pipeline.output.folder import move_aside, named
 from linkwright.pipeline.output.location import ELSEWHERE, absolute, require_free
 from linkwright.pipeline.secrets import Secrets
-from linkwright.stages.robot.printable import printable_lines
+from linkwright.stages.robot.text.printable import printable_lines
 
 if TYPE_CHECKING:
     from linkwright.pipeline.sweep.outcome import Outcome
@@ -96,7 +96,7 @@ def _write(root: Path, runs: Sequence[Mapping[str, Any]]) -> None:
 
 def _page(root: Path, jobs: Sequence[Mapping[str, Any]]) -> bytes:
     """The page about the last run."""
-    from linkwright.pipeline.page.sweep import page
+    from linkwright.pipeline.page.sweep.document import page
 
     inside = [{**job, "folder": Path(os.path.relpath(job["folder"], root)).as_posix()} for job in jobs]
     beside = [name for name in (SUMMARY, ACCOUNT) if (root / name).is_file()]

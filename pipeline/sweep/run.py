@@ -11,24 +11,24 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from linkwright.pipeline.config.files.trust import SweepSettings
 from linkwright.pipeline.config.overrides import Override
 from linkwright.pipeline.config.plan import Judge, Plan, is_run_key
-from linkwright.pipeline.config.trust import SweepSettings
 from linkwright.pipeline.errors import as_problems, refusal
 from linkwright.pipeline.interrupt import behind, check
-from linkwright.pipeline.preflight import destination
+from linkwright.pipeline.run.preflight import destination
 from linkwright.pipeline.sweep.outcome import Outcome, built, failed
-from linkwright.pipeline.terminal import clean, width_of
-from linkwright.pipeline.wrapping import wrapped
+from linkwright.pipeline.terminal.terminal import clean, width_of
+from linkwright.pipeline.terminal.wrapping import wrapped
 from linkwright.stages.robot.errors import ConfigError, Diagnostic
-from linkwright.stages.robot.printable import sentence
+from linkwright.stages.robot.text.printable import sentence
 
 if TYPE_CHECKING:
     from linkwright.pipeline.config.compose import Composed, Composer, SweepRequest
     from linkwright.pipeline.report import Report
 
 Build = Callable[[Plan], "Report"]
-"""The function that a job calls: `pipeline.build.build`, or a replacement in tests."""
+"""The function that a job calls: `pipeline.run.build.build`, or a replacement in tests."""
 
 LONGEST_SLUG = 60
 

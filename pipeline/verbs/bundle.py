@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from linkwright.pipeline import pasted
 from linkwright.pipeline.errors import CacheError, ConfigError, OutputError
 from linkwright.pipeline.output import access
-from linkwright.pipeline.terminal import say
-from linkwright.stages.robot.plural import count
+from linkwright.pipeline.terminal import pasted
+from linkwright.pipeline.terminal.terminal import say
+from linkwright.stages.robot.text.plural import count
 
 HELP = """\
 linkwright bundle: pack the inputs of a build into one file, to build the robot
@@ -156,7 +156,7 @@ def _configured(folder: Path) -> str | None:
     """The key `cache.dir` of the build, if it had one."""
     import yaml
 
-    from linkwright.pipeline.config import yaml_file
+    from linkwright.pipeline.config.files import yaml_file
 
     try:
         plan: Any = yaml_file.read(folder / "config.yaml")

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from linkwright.pipeline.errors import ConfigError, OutputError, reason
-from linkwright.pipeline.terminal import say
+from linkwright.pipeline.terminal.terminal import say
 
 HELP = """\
 linkwright check: whether the files of a robot are right, as they are now.

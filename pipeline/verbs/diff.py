@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from linkwright.pipeline.errors import ConfigError
-from linkwright.pipeline.terminal import say
+from linkwright.pipeline.terminal.terminal import say
 
 HELP = """\
 linkwright diff: what is different between two robots.

@@ -11,7 +11,7 @@ from linkwright.pipeline.reference import SCHEMA
 from linkwright.pipeline.reference.codes import explanations, level, remedy
 from linkwright.pipeline.reference.environment import VARIABLES
 from linkwright.pipeline.reference.key_entries import KeyEntry, entries, matching, nearest
-from linkwright.pipeline.terminal import say
+from linkwright.pipeline.terminal.terminal import say
 
 HELP = """\
 linkwright explain: the meaning of a code, a key, a motor or an environment
@@ -87,7 +87,7 @@ def _code(code: str) -> str:
 def _motor(name: str, file: Path) -> str:
     """The entry of a motor; ConfigError where its file is wrong."""
     from linkwright.pipeline.config.plan import Plan
-    from linkwright.stages.export.motor_section import QUANTITIES
+    from linkwright.stages.export.configuration.motor_section import QUANTITIES
 
     tree = {"source": {"kind": "sample"}, "actuators": {"*": {"motor": name}}}
     motor = Plan.parse(tree, folders=[Path.cwd()]).motors[name]

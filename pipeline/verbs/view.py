@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from linkwright.pipeline.errors import ConfigError, OutputError
-from linkwright.stages.robot.programs import program
+from linkwright.stages.robot.system.programs import program
 
 HELP = """\
 linkwright view: open the robot of a build in MuJoCo's own viewer, simulating,

@@ -9,12 +9,12 @@ from linkwright.stages.export.writer import Exported, FormatFiles, Writer, Write
 
 if TYPE_CHECKING:
     from linkwright.stages.export.amend.amend import Amended
+    from linkwright.stages.export.ground.standing import Stance
     from linkwright.stages.export.section import ExportSections
-    from linkwright.stages.export.standing import Stance
     from linkwright.stages.formats.written import Written
     from linkwright.stages.robot.errors import Diagnostic
-    from linkwright.stages.robot.geometry import Geometry
-    from linkwright.stages.robot.model import Robot
+    from linkwright.stages.robot.model.geometry import Geometry
+    from linkwright.stages.robot.model.robot import Robot
 
 VERSION = 60
 """Grows with every change of what this stage makes of the same input."""
@@ -56,13 +56,13 @@ def export(
     format cannot express. `texts`: of the files that `elements` name, by entry."""
     from linkwright.stages.export.actuators.advice import advice
     from linkwright.stages.export.actuators.gravity import gravity_of
+    from linkwright.stages.export.ground.standing import stand
     from linkwright.stages.export.mjcf_only import mjcf_only
     from linkwright.stages.export.order_tables import order_of
     from linkwright.stages.export.python.writer import package_record
     from linkwright.stages.export.readers import dropped
     from linkwright.stages.export.robot_json import describe
     from linkwright.stages.export.settled import settled
-    from linkwright.stages.export.standing import stand
 
     keys = settled(keys, robot)
     standing = stand(robot, geometry, keys)
@@ -110,7 +110,7 @@ def _written(
     from linkwright.stages.export.sensors.resolve import sensing_of
     from linkwright.stages.export.urdf.form import form_of
     from linkwright.stages.formats.written import Written
-    from linkwright.stages.robot.driven import as_driven
+    from linkwright.stages.robot.dynamics.driven import as_driven
 
     written = Written(robot, geometry=geometry, mjcf_form=mjcf_form_of(robot, geometry, keys))
     actuation, of_actuators = driven(written, keys, standing)

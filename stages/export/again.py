@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 
 from linkwright.stages.export import writer_of
+from linkwright.stages.export.ground.standing import Stance
 from linkwright.stages.export.section import ExportSections
-from linkwright.stages.export.standing import Stance
 from linkwright.stages.export.urdf.model import write_urdf
 from linkwright.stages.export.urdf.srdf.model import plan_of, write_srdf
 from linkwright.stages.export.writer import WriterInput
 from linkwright.stages.formats.described import Truth
 from linkwright.stages.formats.written import Written
-from linkwright.stages.robot.poses import UNMOVED
+from linkwright.stages.robot.model.poses import UNMOVED
 
 ASSETS = "assets/"
 

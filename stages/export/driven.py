@@ -6,18 +6,18 @@ from typing import TYPE_CHECKING
 from linkwright.stages.export import writer_of
 from linkwright.stages.export.actuators.gravity import gravity_of
 from linkwright.stages.export.actuators.resolve import actuate
-from linkwright.stages.export.footing import supports
+from linkwright.stages.export.ground.footing import supports
 from linkwright.stages.export.writer import WriterInput
 from linkwright.stages.formats.written import Written
-from linkwright.stages.robot.actuation import Actuation
+from linkwright.stages.robot.dynamics.statics import GroundSupport
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.model import Configuration, Robot
-from linkwright.stages.robot.statics import GroundSupport
+from linkwright.stages.robot.model.actuation import Actuation
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.robot import Configuration, Robot
 
 if TYPE_CHECKING:
+    from linkwright.stages.export.ground.standing import Stance
     from linkwright.stages.export.section import ExportSections
-    from linkwright.stages.export.standing import Stance
     from linkwright.stages.mujoco.trial import Trial
 
 LARGE = 200

@@ -4,8 +4,8 @@ from collections.abc import Collection, Iterator
 
 from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.globs import listed
-from linkwright.stages.robot.mjcf_extras import MjcfExtras, children_of
+from linkwright.stages.robot.model.mjcf_extras import MjcfExtras, children_of
+from linkwright.stages.robot.text.globs import listed
 
 OTHERS = ("urdf", "sdf", "usd")
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from linkwright.stages.robot.geometry import Colour, Geometry, Shape
+from linkwright.stages.robot.model.geometry import Colour, Geometry, Shape
 
 Paint = tuple[Colour, str]
 """A colour and the name of an image, "" for none."""

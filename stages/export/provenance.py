@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import fields
 
-from linkwright.stages.robot.actuation import Supplied
-from linkwright.stages.robot.model import Dof, Dynamics
+from linkwright.stages.robot.model.actuation import Supplied
+from linkwright.stages.robot.model.robot import Dof, Dynamics
 
 
 def provenance(dof: Dof, estimated: bool = False, motors: Sequence[Supplied] = ()) -> dict[str, str]:

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
-    from linkwright.stages.robot.geometry import Geometry
-    from linkwright.stages.robot.model import Dof, Robot
+    from linkwright.stages.robot.model.geometry import Geometry
+    from linkwright.stages.robot.model.robot import Dof, Robot
 
 Thing = Literal[
     "balls",

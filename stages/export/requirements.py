@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from linkwright.stages.robot.errors import ConfigError
-from linkwright.stages.robot.install import install
+from linkwright.stages.robot.system.install import install
 
 if TYPE_CHECKING:
     from linkwright.stages.export.section import ExportSections

@@ -24,11 +24,11 @@ from linkwright.stages.formats.robot_json.scene import KeyframeRecord
 from linkwright.stages.formats.robot_json.shapes import ColliderRecord, ShapeRecord
 from linkwright.stages.formats.robot_json.values import PoseRecord
 from linkwright.stages.formats.written import FormatView, Written
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.model import Dof, Joint, Loop, Robot
-from linkwright.stages.robot.poses import at_rest
-from linkwright.stages.robot.printable import printable_lines
-from linkwright.stages.robot.start_pose import SAVED, keyframes
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.poses import at_rest
+from linkwright.stages.robot.model.robot import Dof, Joint, Loop, Robot
+from linkwright.stages.robot.motion.start_pose import SAVED, keyframes
+from linkwright.stages.robot.text.printable import printable_lines
 
 
 def describe(

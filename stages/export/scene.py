@@ -4,15 +4,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from linkwright.stages.robot.model import Array, Configuration, Robot, frozen
-from linkwright.stages.robot.poses import from_parts, rotation_from_rpy
-from linkwright.stages.robot.scene import Ground, Scene
-from linkwright.stages.robot.start_pose import keyframes
+from linkwright.stages.robot.model.poses import from_parts, rotation_from_rpy
+from linkwright.stages.robot.model.robot import Array, Configuration, Robot, frozen
+from linkwright.stages.robot.model.scene import Ground, Scene
+from linkwright.stages.robot.motion.start_pose import keyframes
 
 if TYPE_CHECKING:
-    from linkwright.stages.export.scene_section import GroundSection
+    from linkwright.stages.export.configuration.scene_section import GroundSection
+    from linkwright.stages.export.ground.standing import Stance
     from linkwright.stages.export.section import ExportSections
-    from linkwright.stages.export.standing import Stance
 
 
 def scene_of(robot: Robot, keys: "ExportSections", standing: "Stance", start: Configuration) -> Scene:

@@ -6,11 +6,11 @@ from typing import Annotated, Any, Self
 from pydantic import Field, SerializerFunctionWrapHandler, create_model, model_serializer, model_validator
 
 from linkwright.stages.export import WRITERS, writer_of
-from linkwright.stages.export.actuator_section import ActuatorChoice
-from linkwright.stages.export.element_section import AttributeChoice, ElementSection
-from linkwright.stages.export.motor_section import MotorSection
-from linkwright.stages.export.scene_section import GroundSection, SceneSection
-from linkwright.stages.export.sensor_section import SensorChoice
+from linkwright.stages.export.configuration.actuator_section import ActuatorChoice
+from linkwright.stages.export.configuration.element_section import AttributeChoice, ElementSection
+from linkwright.stages.export.configuration.motor_section import MotorSection
+from linkwright.stages.export.configuration.scene_section import GroundSection, SceneSection
+from linkwright.stages.export.configuration.sensor_section import SensorChoice
 from linkwright.stages.robot.optional_section import OptionalSection
 from linkwright.stages.robot.section import (
     Section,

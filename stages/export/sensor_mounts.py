@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.globs import there_are
-from linkwright.stages.robot.model import Array, Robot, frozen
+from linkwright.stages.robot.model.robot import Array, Robot, frozen
+from linkwright.stages.robot.text.globs import there_are
 
 if TYPE_CHECKING:
-    from linkwright.stages.export.sensor_section import SensorSection
+    from linkwright.stages.export.configuration.sensor_section import SensorSection
 
 LOADED = ("force", "torque", "force_torque")
 """Types of sensors that measure what the link above exerts."""

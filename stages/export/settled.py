@@ -2,10 +2,10 @@
 
 from typing import TYPE_CHECKING
 
-from linkwright.stages.export.mujoco_section import DEFAULTS
-from linkwright.stages.export.standing import stands_in_source
-from linkwright.stages.robot.mjcf_extras import NO_EXTRAS
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.export.configuration.mujoco_section import DEFAULTS
+from linkwright.stages.export.ground.standing import stands_in_source
+from linkwright.stages.robot.model.mjcf_extras import NO_EXTRAS
+from linkwright.stages.robot.model.robot import Robot
 
 if TYPE_CHECKING:
     from linkwright.stages.export.section import ExportSections

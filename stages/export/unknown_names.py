@@ -4,12 +4,12 @@ so: it is found before any mesh is made."""
 from typing import TYPE_CHECKING
 
 from linkwright.stages.export.actuators.choices import wanted_of
-from linkwright.stages.export.mjcf.cameras import unknown_frames
+from linkwright.stages.export.mjcf.sensing.cameras import unknown_frames
 from linkwright.stages.export.sensor_mounts import mounts_of, report_unknown
 from linkwright.stages.export.sensors.of_dofs import joint_sensors, report_unmatched
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.robot import Robot
 
 if TYPE_CHECKING:
     from linkwright.stages.export.section import ExportSections

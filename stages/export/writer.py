@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 from linkwright.stages.robot.errors import Diagnostic
 
 if TYPE_CHECKING:
+    from linkwright.stages.export.ground.standing import Stance
     from linkwright.stages.export.section import ExportSections
-    from linkwright.stages.export.standing import Stance
     from linkwright.stages.formats.robot_json.files import OrderRecord
     from linkwright.stages.formats.written import Written
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from linkwright.stages.fetch.source import FileSource
-from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.text.plural import count
 
 if TYPE_CHECKING:
     from linkwright.stages.fetch.recording import Recording

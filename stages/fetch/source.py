@@ -11,11 +11,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
-from linkwright.stages.robot import regular_files
+from linkwright.stages.robot.system import regular_files
 
 if TYPE_CHECKING:
     from linkwright.stages.fetch.onshape.api.retries import Patience
-    from linkwright.stages.fetch.onshape.reply_store import ReplyStore
+    from linkwright.stages.fetch.onshape.replies.store import ReplyStore
     from linkwright.stages.fetch.recording import Recording
     from linkwright.stages.robot.bundle import Bundle
     from linkwright.stages.robot.errors import Diagnostic

@@ -5,7 +5,7 @@ import binascii
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from linkwright.stages.robot.geometry import Colour
+from linkwright.stages.robot.model.geometry import Colour
 
 NEUTRAL: Colour = (0.7, 0.7, 0.7, 1.0)
 """The colour where CAD has none."""

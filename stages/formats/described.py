@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 from typing import Any
 
-from linkwright.stages.formats.mjcf_form import MjcfForm
+from linkwright.stages.formats.mjcf.form import MjcfForm
 from linkwright.stages.formats.robot_json import FORMAT, VERSION
 from linkwright.stages.formats.robot_json.codec import RobotJsonError, modelled, read
 from linkwright.stages.formats.robot_json.files import PackageRecord, SrdfRecord
@@ -19,10 +19,10 @@ from linkwright.stages.formats.robot_json.robot import RobotRecord
 from linkwright.stages.formats.urdf.form import UrdfForm
 from linkwright.stages.formats.urdf.srdf_form import SrdfForm
 from linkwright.stages.formats.written import Written
-from linkwright.stages.robot.amendments import Amendments
-from linkwright.stages.robot.driven import as_driven
-from linkwright.stages.robot.mjcf_extras import MjcfElement
-from linkwright.stages.robot.model import Joint, Link, Robot
+from linkwright.stages.robot.dynamics.driven import as_driven
+from linkwright.stages.robot.model.amendments import Amendments
+from linkwright.stages.robot.model.mjcf_extras import MjcfElement
+from linkwright.stages.robot.model.robot import Joint, Link, Robot
 
 PACKAGES = ("ros2", "python")
 """The tables of packages that are written from the other files."""

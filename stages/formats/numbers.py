@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from linkwright.stages.robot.model import Array
+from linkwright.stages.robot.model.robot import Array
 
 TOLERANCE = 1e-12
 

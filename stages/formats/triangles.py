@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from linkwright.stages.robot.errors import ProtocolError
-from linkwright.stages.robot.geometry import Colour
+from linkwright.stages.robot.model.geometry import Colour
 
 if TYPE_CHECKING:
     import numpy as np

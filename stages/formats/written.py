@@ -6,24 +6,24 @@ from typing import Any
 
 import orjson
 
-from linkwright.stages.formats.mjcf_form import MjcfForm
-from linkwright.stages.formats.mjcf_written import as_written as as_in_mjcf
+from linkwright.stages.formats.mjcf.form import MjcfForm
+from linkwright.stages.formats.mjcf.written import as_written as as_in_mjcf
 from linkwright.stages.formats.urdf.as_written import as_written as as_in_urdf
 from linkwright.stages.formats.urdf.form import UrdfForm
 from linkwright.stages.formats.urdf.names import UrdfNames, urdf_names
 from linkwright.stages.formats.urdf.srdf_form import SrdfForm
 from linkwright.stages.robot import codec
-from linkwright.stages.robot.actuation import NONE, Actuation
-from linkwright.stages.robot.amendments import UNCHANGED, Amendments
-from linkwright.stages.robot.driven import as_driven
-from linkwright.stages.robot.fused_geometry import fused_geometry
-from linkwright.stages.robot.fusing import Holders, holders, on_fixed_joints
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.mjcf_extras import NO_EXTRAS, MjcfExtras
-from linkwright.stages.robot.model import Configuration, Robot
-from linkwright.stages.robot.scene import Scene
-from linkwright.stages.robot.sensing import NOTHING, Sensing
-from linkwright.stages.robot.start_pose import starting_point
+from linkwright.stages.robot.dynamics.driven import as_driven
+from linkwright.stages.robot.dynamics.fused_geometry import fused_geometry
+from linkwright.stages.robot.dynamics.fusing import Holders, holders, on_fixed_joints
+from linkwright.stages.robot.model.actuation import NONE, Actuation
+from linkwright.stages.robot.model.amendments import UNCHANGED, Amendments
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.mjcf_extras import NO_EXTRAS, MjcfExtras
+from linkwright.stages.robot.model.robot import Configuration, Robot
+from linkwright.stages.robot.model.scene import Scene
+from linkwright.stages.robot.model.sensing import NOTHING, Sensing
+from linkwright.stages.robot.motion.start_pose import starting_point
 
 NO_SHAPES = Geometry((), {})
 

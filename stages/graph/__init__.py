@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     from linkwright.stages.graph.mechanism import MechanismReader
     from linkwright.stages.graph.section import GraphSections
     from linkwright.stages.robot.bundle import Bundle
-    from linkwright.stages.robot.model import Robot
+    from linkwright.stages.robot.model.robot import Robot
 
 VERSION = 25
 

@@ -10,7 +10,7 @@ from linkwright.stages.robot.quantity_keys import Position, PositiveLength, Rang
 from linkwright.stages.robot.section import Positive, Section, Text, Triple, example, invalid
 
 if TYPE_CHECKING:
-    from linkwright.stages.robot.model import PrimitiveKind
+    from linkwright.stages.robot.model.robot import PrimitiveKind
 
 
 def _direction(axis: tuple[float, float, float]) -> tuple[float, float, float]:

@@ -5,13 +5,13 @@ from dataclasses import replace
 from linkwright.stages.graph.mechanism import Mechanism, MechanismReader
 from linkwright.stages.graph.passes.actuation import with_actuation
 from linkwright.stages.graph.passes.added_links import with_added_frames, with_added_links
-from linkwright.stages.graph.passes.joint_limits import with_properties
 from linkwright.stages.graph.passes.keyframes import with_keyframes
-from linkwright.stages.graph.passes.limit_checks import with_checked_limits
+from linkwright.stages.graph.passes.limits.joint_limits import with_properties
+from linkwright.stages.graph.passes.limits.limit_checks import with_checked_limits
+from linkwright.stages.graph.passes.limits.placeholders import without_placeholders
 from linkwright.stages.graph.passes.link_mass import check_links, with_given_masses, with_least_inertias
 from linkwright.stages.graph.passes.mjcf_extras import with_bodies, with_mjcf
 from linkwright.stages.graph.passes.mobility import with_mobility
-from linkwright.stages.graph.passes.placeholders import without_placeholders
 from linkwright.stages.graph.passes.relations import with_relations
 from linkwright.stages.graph.passes.rename import renamed
 from linkwright.stages.graph.passes.semantics import with_semantics
@@ -23,7 +23,7 @@ from linkwright.stages.graph.tree import Tree, spanning_tree
 from linkwright.stages.robot.bundle import Bundle
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import AssemblyError
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.robot import Robot
 
 
 def assemble(bundle: Bundle, keys: GraphSections, read: MechanismReader) -> Robot:

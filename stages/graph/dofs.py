@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from linkwright.stages.robot.model import Array, Dof, DofKind, JointType, Value, frozen
-from linkwright.stages.robot.poses import at_rest, inverse, quat_from_rotation
+from linkwright.stages.robot.model.poses import at_rest, inverse, quat_from_rotation
+from linkwright.stages.robot.model.robot import Array, Dof, DofKind, JointType, Value, frozen
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,9 +6,9 @@ from fnmatch import translate
 from typing import TypeVar
 
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.globs import there_are
-from linkwright.stages.robot.model import Joint, Loop, Robot
-from linkwright.stages.robot.names import RESERVED
+from linkwright.stages.robot.model.robot import Joint, Loop, Robot
+from linkwright.stages.robot.text.globs import there_are
+from linkwright.stages.robot.text.names import RESERVED
 
 Entry = TypeVar("Entry")
 

@@ -8,20 +8,20 @@ from linkwright.stages.robot.quantity_keys import Position
 from linkwright.stages.robot.section import NonNegative, Number, Positive, Section, Text, example, invalid
 
 if TYPE_CHECKING:
-    from linkwright.stages.robot.model import Array
+    from linkwright.stages.robot.model.robot import Array
 
 
 def tensor(values: tuple[float, ...]) -> "Array":
     """The symmetric (3, 3) tensor of [ixx, iyy, izz] or [ixx, iyy, izz, ixy, ixz, iyz]."""
-    from linkwright.stages.robot.model import frozen
+    from linkwright.stages.robot.model.robot import frozen
 
     xx, yy, zz, xy, xz, yz = (*values, 0.0, 0.0, 0.0)[:6]
     return frozen([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
 def _of_a_solid(values: tuple[float, ...]) -> tuple[float, ...]:
-    from linkwright.stages.robot.inertia import is_physical
-    from linkwright.stages.robot.model import Inertial, frozen
+    from linkwright.stages.robot.dynamics.inertia import is_physical
+    from linkwright.stages.robot.model.robot import Inertial, frozen
 
     if len(values) not in (3, 6):
         raise invalid("must be [ixx, iyy, izz] or [ixx, iyy, izz, ixy, ixz, iyz]")

@@ -11,8 +11,8 @@ from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.robot.bundle import Bundle
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.mjcf_extras import MjcfExtras
-from linkwright.stages.robot.model import (
+from linkwright.stages.robot.model.mjcf_extras import MjcfExtras
+from linkwright.stages.robot.model.robot import (
     Actuator,
     Array,
     Dof,
@@ -26,7 +26,7 @@ from linkwright.stages.robot.model import (
     Sensor,
     Transmission,
 )
-from linkwright.stages.robot.semantics import NOTHING_MORE, RobotSemantics
+from linkwright.stages.robot.model.semantics import NOTHING_MORE, RobotSemantics
 
 WORLD_LINK = "world"
 """The link of the assembly's origin, where something moves relative to it."""

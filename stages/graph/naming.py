@@ -6,7 +6,7 @@ from typing import Generic, TypeVar
 
 from linkwright.stages.graph.mechanism import WORLD_LINK
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.names import free
+from linkwright.stages.robot.text.names import free
 
 Key = TypeVar("Key", bound=Hashable)
 FrameKey = TypeVar("FrameKey", bound=Hashable)

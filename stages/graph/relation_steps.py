@@ -8,8 +8,8 @@ import networkx as nx
 
 from linkwright.stages.graph.mechanism import RelationSpec
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.globs import as_key
-from linkwright.stages.robot.model import Value
+from linkwright.stages.robot.model.robot import Value
+from linkwright.stages.robot.text.globs import as_key
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,9 +16,9 @@ from linkwright.stages.graph.root import base_of
 from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.graph.tree import Edge, Tree
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.globs import fits, there_are
-from linkwright.stages.robot.inertia import merged, moved
-from linkwright.stages.robot.model import (
+from linkwright.stages.robot.dynamics.inertia import merged, moved
+from linkwright.stages.robot.model.poses import at_rest, inverse
+from linkwright.stages.robot.model.robot import (
     Array,
     Dof,
     Dynamics,
@@ -31,9 +31,9 @@ from linkwright.stages.robot.model import (
     Robot,
     frozen,
 )
-from linkwright.stages.robot.names import free
-from linkwright.stages.robot.poses import at_rest, inverse
-from linkwright.stages.robot.ways import ways_up
+from linkwright.stages.robot.motion.tree_paths import ways_up
+from linkwright.stages.robot.text.globs import fits, there_are
+from linkwright.stages.robot.text.names import free
 
 SOLREF = (0.005, 1.0)
 """MuJoCo's solref of a loop that says none: time constant [s] and damping ratio."""

@@ -8,8 +8,8 @@ from linkwright.stages.graph.mechanism import WORLD_LINK, Marker, Mechanism
 from linkwright.stages.graph.section import RootSection
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import NoRoot
-from linkwright.stages.robot.globs import matching, with_plain
-from linkwright.stages.robot.model import Array, Base
+from linkwright.stages.robot.model.robot import Array, Base
+from linkwright.stages.robot.text.globs import matching, with_plain
 
 
 def choose_root(mechanism: Mechanism, keys: RootSection) -> tuple[int, Array]:

@@ -12,9 +12,9 @@ from linkwright.stages.graph.root import choose_root, heaviest
 from linkwright.stages.graph.section import GraphSections, RootSection
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import Diagnostic, Disconnected
-from linkwright.stages.robot.globs import fits, there_are
-from linkwright.stages.robot.model import Array, JointType
-from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.model.robot import Array, JointType
+from linkwright.stages.robot.text.globs import fits, there_are
+from linkwright.stages.robot.text.plural import count
 
 CUT_LAST: dict[JointType, int] = {"prismatic": 0, "revolute": 2, "ball": 3, "fixed": 4}
 """Connections go into the tree by this rank (others: 1); the last are the first to be cut."""

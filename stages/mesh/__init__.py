@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 if TYPE_CHECKING:
     from linkwright.stages.mesh.section import MeshSections
     from linkwright.stages.robot.bundle import Bundle
-    from linkwright.stages.robot.geometry import Geometry
-    from linkwright.stages.robot.model import Robot
+    from linkwright.stages.robot.model.geometry import Geometry
+    from linkwright.stages.robot.model.robot import Robot
 
 VERSION = 51
 """Grows with every change of what this stage makes of the same input."""

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from linkwright.stages.formats.triangles import distinct
-from linkwright.stages.mesh import obj, stl, textures
-from linkwright.stages.mesh.surface import Surface
+from linkwright.stages.mesh.files import obj, stl
+from linkwright.stages.mesh.surfaces.surface import Surface
+from linkwright.stages.mesh.visuals import textures
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.geometry import Shape
-from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.model.geometry import Shape
+from linkwright.stages.robot.text.plural import count
 
 if TYPE_CHECKING:
     from linkwright.stages.mesh.section import MeshSection

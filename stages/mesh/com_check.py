@@ -7,14 +7,14 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from linkwright.stages.mesh import stl
-from linkwright.stages.mesh.primitives import around
-from linkwright.stages.mesh.surface import Points
+from linkwright.stages.mesh.collide.primitives import around
+from linkwright.stages.mesh.files import stl
+from linkwright.stages.mesh.surfaces.surface import Points
 from linkwright.stages.mesh.tessellation import PartMesh
+from linkwright.stages.robot.dynamics.inertia import merged, moved
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.geometry import Shape
-from linkwright.stages.robot.inertia import merged, moved
-from linkwright.stages.robot.model import Array, Link, MeshRef, Part
+from linkwright.stages.robot.model.geometry import Shape
+from linkwright.stages.robot.model.robot import Array, Link, MeshRef, Part
 
 _OF_SIZE = 1e-6
 _MANY = 20_000

@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Literal
 
-from linkwright.stages.mesh.choices import Choice
-from linkwright.stages.mesh.collider_settings import default_tolerance
+from linkwright.stages.mesh.collide.choices import Choice
+from linkwright.stages.mesh.configuration.collider_settings import default_tolerance
 from linkwright.stages.mesh.link_mesh import LinkParts
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.model import Link, Part
-from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.model.robot import Link, Part
+from linkwright.stages.robot.text.plural import count
 
 FILES = ("urdf", "mjcf")
 """The kinds of bundle that declare collision shapes of their own."""

@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 from linkwright.stages.mesh.link_mesh import PartFinding
 from linkwright.stages.mesh.visuals.make import LinkVisuals
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.model import Link, MeshRef, Part
-from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.model.robot import Link, MeshRef, Part
+from linkwright.stages.robot.text.plural import count
 
 _APART = 0.02
 _SHOWN = 20

@@ -7,41 +7,43 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from linkwright.stages.mesh import mesh_file, primitives, textures
 from linkwright.stages.mesh.assets import written
 from linkwright.stages.mesh.by_contact.made import by_contact
 from linkwright.stages.mesh.by_contact.meeting import wanted
 from linkwright.stages.mesh.by_contact.report import false_contacts
 from linkwright.stages.mesh.by_contact.request import ContactRequest, FalsePair
-from linkwright.stages.mesh.choices import Choice, choices
-from linkwright.stages.mesh.collide import Collided, ColliderJob, collide
-from linkwright.stages.mesh.collider_report import colliders_reported, figures_of
-from linkwright.stages.mesh.collider_settings import ColliderSettings
-from linkwright.stages.mesh.collision import Collider, colliders
+from linkwright.stages.mesh.collide import primitives
+from linkwright.stages.mesh.collide.choices import Choice, choices
+from linkwright.stages.mesh.collide.collision import Collider, colliders
+from linkwright.stages.mesh.collide.make import Collided, ColliderJob, collide
+from linkwright.stages.mesh.collide.report import colliders_reported, figures_of
 from linkwright.stages.mesh.com_check import unbalanced
+from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
 from linkwright.stages.mesh.contact_parts import reported as too_small_reported
 from linkwright.stages.mesh.contact_parts import with_basis
 from linkwright.stages.mesh.contacts.analysis import self_contacts
 from linkwright.stages.mesh.contacts.apart import apart
 from linkwright.stages.mesh.contacts.chosen import chosen_pairs
 from linkwright.stages.mesh.diagnostics import diagnostics
+from linkwright.stages.mesh.files import mesh_file
+from linkwright.stages.mesh.files.mesh_file import MeshFile
+from linkwright.stages.mesh.files.names import file_names, part_words
 from linkwright.stages.mesh.geoms import GeomRules
 from linkwright.stages.mesh.idle_keys import BY_CONTACT, idle_keys
 from linkwright.stages.mesh.ignored import without_ignored
 from linkwright.stages.mesh.library import MeshLibrary
 from linkwright.stages.mesh.link_mesh import PartFinding
 from linkwright.stages.mesh.link_uses import LinkUses, link_visuals, used_meshes
-from linkwright.stages.mesh.mesh_file import MeshFile
-from linkwright.stages.mesh.names import file_names, part_words
-from linkwright.stages.mesh.pieces import Piece, placed
+from linkwright.stages.mesh.surfaces.pieces import Piece, placed
+from linkwright.stages.mesh.visuals import textures
 from linkwright.stages.mesh.visuals.make import LinkVisuals
-from linkwright.stages.robot.adjacency import Pair
 from linkwright.stages.robot.bundle import Bundle
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import MeshError
-from linkwright.stages.robot.geom_form import PLAIN
-from linkwright.stages.robot.geometry import ColliderFigures, Geometry, Role, Shape
-from linkwright.stages.robot.model import Link, Part, Primitive, Robot
+from linkwright.stages.robot.model.geom_form import PLAIN
+from linkwright.stages.robot.model.geometry import ColliderFigures, Geometry, Role, Shape
+from linkwright.stages.robot.model.robot import Link, Part, Primitive, Robot
+from linkwright.stages.robot.motion.adjacency import Pair
 
 if TYPE_CHECKING:
     from linkwright.stages.mesh import Memo, Shown

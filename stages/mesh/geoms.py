@@ -4,16 +4,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from linkwright.stages.mesh.choices import names_of
-from linkwright.stages.mesh.unmatched import report_unmatched
+from linkwright.stages.mesh.collide.choices import names_of
+from linkwright.stages.mesh.collide.unmatched import report_unmatched
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.geom_form import ContactProperties
-from linkwright.stages.robot.geometry import Shape
-from linkwright.stages.robot.globs import fits
-from linkwright.stages.robot.model import Link, Part
+from linkwright.stages.robot.model.geom_form import ContactProperties
+from linkwright.stages.robot.model.geometry import Shape
+from linkwright.stages.robot.model.robot import Link, Part
+from linkwright.stages.robot.text.globs import fits
 
 if TYPE_CHECKING:
-    from linkwright.stages.mesh.geom_section import GeomSection
+    from linkwright.stages.mesh.configuration.geom_section import GeomSection
 
 _WHERE = "geoms"
 

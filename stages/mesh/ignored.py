@@ -6,11 +6,11 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from linkwright.stages.mesh.choices import names_of
-from linkwright.stages.mesh.unmatched import report_unmatched
+from linkwright.stages.mesh.collide.choices import names_of
+from linkwright.stages.mesh.collide.unmatched import report_unmatched
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.globs import fits
-from linkwright.stages.robot.model import Link, Part
+from linkwright.stages.robot.model.robot import Link, Part
+from linkwright.stages.robot.text.globs import fits
 
 if TYPE_CHECKING:
     from linkwright.stages.mesh.section import IgnoreSection

@@ -3,11 +3,11 @@
 from collections.abc import Iterable
 
 from linkwright.stages.mesh import tessellation
-from linkwright.stages.mesh.surface import Surface
+from linkwright.stages.mesh.surfaces.surface import Surface
 from linkwright.stages.mesh.tessellation import PartMesh
 from linkwright.stages.mesh.visuals.budget import Decimator
 from linkwright.stages.robot.bundle import Bundle
-from linkwright.stages.robot.model import Link, MeshRef, Part
+from linkwright.stages.robot.model.robot import Link, MeshRef, Part
 
 MOVED = 5e-5
 """How far the surface of a part with too many triangles may be moved, to make colliders of it [m]."""

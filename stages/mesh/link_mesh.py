@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import orjson
 
-from linkwright.stages.mesh.mesh_file import MeshFile
-from linkwright.stages.mesh.surface import Surface, moved
+from linkwright.stages.mesh.files.mesh_file import MeshFile
+from linkwright.stages.mesh.surfaces.surface import Surface, moved
 from linkwright.stages.mesh.tessellation import PartMesh
 from linkwright.stages.mesh.visuals.budget import Decimation, Decimator
 from linkwright.stages.mesh.visuals.make import Drawn, LinkVisuals, visuals
-from linkwright.stages.robot.model import Array, MeshRef
+from linkwright.stages.robot.model.robot import Array, MeshRef
 
 if TYPE_CHECKING:
     from linkwright.stages.mesh.section import VisualSection

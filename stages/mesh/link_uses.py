@@ -5,15 +5,15 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from linkwright.stages.mesh import link_mesh
-from linkwright.stages.mesh.choices import Choice
-from linkwright.stages.mesh.collide import ColliderJob, jobs_of
+from linkwright.stages.mesh.collide.choices import Choice
+from linkwright.stages.mesh.collide.make import ColliderJob, jobs_of
 from linkwright.stages.mesh.contact_parts import too_small
 from linkwright.stages.mesh.geoms import GeomRules
 from linkwright.stages.mesh.library import MeshLibrary
 from linkwright.stages.mesh.link_mesh import LinkParts, Use
 from linkwright.stages.mesh.visuals.make import LinkVisuals
-from linkwright.stages.robot.geom_form import PLAIN
-from linkwright.stages.robot.model import Link, Part
+from linkwright.stages.robot.model.geom_form import PLAIN
+from linkwright.stages.robot.model.robot import Link, Part
 
 if TYPE_CHECKING:
     from linkwright.stages.mesh import Memo

@@ -5,12 +5,12 @@ from collections.abc import Sequence
 from typing import Any
 
 from linkwright.stages.robot import codec
-from linkwright.stages.robot.model import Dof, Robot
+from linkwright.stages.robot.model.robot import Dof, Robot
 
 
 def motion_digest(robot: Robot) -> str:
     """A digest of all that decides where links are: not of masses, dynamics or the origins in CAD."""
-    from linkwright.stages.robot.start_pose import HOME
+    from linkwright.stages.robot.motion.start_pose import HOME
 
     def dofs(every: Sequence[Dof]) -> list[Any]:
         return [[dof.name, dof.kind, dof.axis, dof.origin, dof.limits, dof.saved] for dof in every]

@@ -4,8 +4,13 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from linkwright.stages.mesh.collider_section import CoacdParameters, ColliderChoice, ColliderName, VertexCount
-from linkwright.stages.mesh.geom_section import GeomSection
+from linkwright.stages.mesh.configuration.collider_section import (
+    CoacdParameters,
+    ColliderChoice,
+    ColliderName,
+    VertexCount,
+)
+from linkwright.stages.mesh.configuration.geom_section import GeomSection
 from linkwright.stages.robot.optional_section import OptionalSection
 from linkwright.stages.robot.quantity_keys import NonNegativeLength, PositiveLength
 from linkwright.stages.robot.section import Count, NonNegative, Section, Text, example

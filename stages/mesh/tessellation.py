@@ -8,8 +8,8 @@ import numpy.typing as npt
 
 from linkwright.stages.formats import triangles
 from linkwright.stages.formats.triangles import Body
-from linkwright.stages.mesh.surface import Surface, weld
-from linkwright.stages.robot.geometry import Colour
+from linkwright.stages.mesh.surfaces.surface import Surface, weld
+from linkwright.stages.robot.model.geometry import Colour
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,9 +9,9 @@ import numpy as np
 from linkwright.stages.formats.numbers import exact
 from linkwright.stages.mujoco.elements import OBJ, camera, geom, light, name_of, site
 from linkwright.stages.mujoco.fields import BODY, attributes, joint_attributes
-from linkwright.stages.robot.arrays import Array
-from linkwright.stages.robot.mjcf_extras import Attributes, MjcfElement
-from linkwright.stages.robot.poses import from_parts, inverse, quat_from_rotation, rotation_from_quat
+from linkwright.stages.robot.model.arrays import Array
+from linkwright.stages.robot.model.mjcf_extras import Attributes, MjcfElement
+from linkwright.stages.robot.model.poses import from_parts, inverse, quat_from_rotation, rotation_from_quat
 
 _TYPES = {
     int(mujoco.mjtJoint.mjJNT_HINGE): "hinge",

@@ -23,8 +23,8 @@ from linkwright.stages.mujoco.fields import (
     attributes,
     bare,
 )
-from linkwright.stages.robot.mjcf_extras import Attributes, MjcfElement
-from linkwright.stages.robot.poses import rotation_from_quat
+from linkwright.stages.robot.model.mjcf_extras import Attributes, MjcfElement
+from linkwright.stages.robot.model.poses import rotation_from_quat
 
 OBJ = mujoco.mjtObj
 

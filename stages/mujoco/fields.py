@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 from linkwright.stages.formats.numbers import exact
-from linkwright.stages.robot.mjcf_extras import Attributes
+from linkwright.stages.robot.model.mjcf_extras import Attributes
 
 _BARE = """<mujoco><worldbody><light/><camera/><geom name="floor" size="1"/>
 <body name="a"><joint name="a"/><geom name="a" size="1"/><site name="a"/></body>

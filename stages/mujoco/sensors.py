@@ -7,7 +7,7 @@ import mujoco
 
 from linkwright.stages.mujoco.elements import KINDS, OBJ, Name, name_of, named
 from linkwright.stages.mujoco.fields import SENSOR, attributes
-from linkwright.stages.robot.mjcf_extras import Attributes, MjcfElement
+from linkwright.stages.robot.model.mjcf_extras import Attributes, MjcfElement
 
 _TAGS = {
     "jointactfrc": "jointactuatorfrc",

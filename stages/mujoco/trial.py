@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from linkwright.stages.mujoco.state import at_keyframe
 from linkwright.stages.mujoco.warnings import listening
-from linkwright.stages.robot.model import Array
+from linkwright.stages.robot.model.robot import Array
 
 SECONDS = 2.0
 """The length of a trial run."""

@@ -15,10 +15,10 @@ import orjson
 from linkwright.stages.robot.bundle import Bundle, FileBundle, OnshapeBundle
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.model.geometry import Geometry
 
 if TYPE_CHECKING:  # numpy comes with the model, and a fully cached build needs neither
-    from linkwright.stages.robot.model import Robot
+    from linkwright.stages.robot.model.robot import Robot
 
 T = TypeVar("T")
 
@@ -57,7 +57,7 @@ def hints(kind: type) -> dict[str, Any]:
     try:
         return get_type_hints(kind)
     except NameError:
-        from linkwright.stages.robot import model
+        from linkwright.stages.robot.model import robot as model
 
         return get_type_hints(kind, localns=vars(model))
 
@@ -83,7 +83,7 @@ def typed(kind: Any, data: Any) -> Any:
         return typed(_unaliased(kind), data)
     if origin is not None and issubclass(origin, Mapping):
         return data
-    from linkwright.stages.robot.model import frozen
+    from linkwright.stages.robot.model.robot import frozen
 
     return frozen(data)
 
@@ -115,7 +115,7 @@ def encode_robot(robot: "Robot") -> bytes:
 
 
 def decode_robot(data: bytes) -> "Robot":
-    from linkwright.stages.robot.model import Robot
+    from linkwright.stages.robot.model.robot import Robot
 
     return load(Robot, data)
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from linkwright.stages.robot.errors import AssemblyError, Diagnostic
-from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.text.plural import count
 
 
 @dataclass(slots=True)

@@ -15,7 +15,7 @@ a stage is a `Diagnostic`: the first letter of its code is its level.
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from linkwright.stages.robot.printable import sentence
+from linkwright.stages.robot.text.printable import sentence
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,10 +14,10 @@ from pydantic import (
 )
 
 from linkwright.stages.robot.section import invalid
-from linkwright.stages.robot.units import SI, UNITS, Measure
+from linkwright.stages.robot.text.units import SI, UNITS, Measure
 
 if TYPE_CHECKING:  # numpy comes with it
-    from linkwright.stages.robot.dofs import DofKind
+    from linkwright.stages.robot.model.dofs import DofKind
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _TYPED = re.compile(rf"\s*({_NUMBER})\s*(\S.*?)?\s*")

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from linkwright.stages.robot.errors import ConfigError
-from linkwright.stages.robot.globs import there_are
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.robot.text.globs import there_are
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any, Literal, Protocol
 
 from linkwright.stages.formats.written import FormatView, Written
-from linkwright.stages.robot.amendments import Surplus, tag_of
 from linkwright.stages.robot.check import Check, CheckLevel, Finding
-from linkwright.stages.robot.fusing import Holders
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.mjcf_extras import children_of
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.dynamics.fusing import Holders
+from linkwright.stages.robot.model.amendments import Surplus, tag_of
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.mjcf_extras import children_of
+from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.validate.asked import AS_STANDARD, Asked
 
 LOOKS = frozenset(["rgba", "material", "texture", "color", "default", "class"])

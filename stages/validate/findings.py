@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from linkwright.stages.robot.check import Finding
-from linkwright.stages.robot.model import Array
+from linkwright.stages.robot.model.robot import Array
 
 MOST = 5
 """Findings of one check: the rest would say no more."""

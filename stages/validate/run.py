@@ -8,9 +8,9 @@ from importlib import import_module
 from pathlib import Path
 
 from linkwright.stages.formats.written import Written
-from linkwright.stages.robot.amendments import Amendment
 from linkwright.stages.robot.check import Check
-from linkwright.stages.robot.globs import listed
+from linkwright.stages.robot.model.amendments import Amendment
+from linkwright.stages.robot.text.globs import listed
 from linkwright.stages.validate.asked import AS_STANDARD, Asked
 from linkwright.stages.validate.compiled import (
     SCENE,
@@ -20,13 +20,13 @@ from linkwright.stages.validate.compiled import (
     FileKind,
     without_warnings,
 )
-from linkwright.stages.validate.coordinates import missing_names
 from linkwright.stages.validate.files.model_config import model_config
 from linkwright.stages.validate.files.run import check_folder
-from linkwright.stages.validate.guarded import guarded
+from linkwright.stages.validate.model.coordinates import missing_names
 from linkwright.stages.validate.own import OwnCheck
 from linkwright.stages.validate.readiness.finished import Finished
 from linkwright.stages.validate.readiness.score import score
+from linkwright.stages.validate.reading.guarded import guarded
 
 OTHERS = (".sdf", ".srdf", ".usda")
 """Endings of files of a build that no engine reads, and that may name assets."""

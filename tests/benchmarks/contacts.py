@@ -18,10 +18,10 @@ from typing import Any
 import mujoco
 
 from linkwright.stages.formats.described import described
-from linkwright.stages.validate.checks.false_contact import GIVEN
+from linkwright.stages.validate.checks.contact.false_contact import GIVEN
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.contact_errors import PairErrors, contact_errors
-from linkwright.stages.validate.shapes import seen_and_solid
+from linkwright.stages.validate.model.shapes import seen_and_solid
 from tests.benchmarks.arm import write_arm
 from tests.benchmarks.dropped import DROPS, STEPS, forward, models, stepped
 from tests.benchmarks.walker import write_walker

@@ -11,9 +11,9 @@ import mujoco
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from linkwright.stages.robot.model import Array
-from linkwright.stages.validate.seen_surfaces import surface
-from linkwright.stages.validate.shapes import seen_and_solid
+from linkwright.stages.robot.model.robot import Array
+from linkwright.stages.validate.model.seen_surfaces import surface
+from linkwright.stages.validate.model.shapes import seen_and_solid
 
 VARIANTS = ("made", "raw", "hulls")
 """The colliders of the build; every mesh and primitive that is seen; one hull a link."""

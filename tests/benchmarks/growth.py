@@ -19,9 +19,9 @@ from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
-from linkwright.pipeline.build import build_files
 from linkwright.pipeline.config.compose import compose_plan
-from linkwright.pipeline.progress import Quiet
+from linkwright.pipeline.run.build import build_files
+from linkwright.pipeline.terminal.progress import Quiet
 from linkwright.stages.fetch.bundle.archive import pack
 from tests.benchmarks.large import PARTS, large
 from tests.benchmarks.many_parts import many_parts

@@ -21,16 +21,16 @@ from lxml import etree
 
 from linkwright.pipeline.config.plan import Plan
 from linkwright.stages.export import Exported, export
-from linkwright.stages.export.footing import balanced, mass_and_center, touching
-from linkwright.stages.export.standing import stand
+from linkwright.stages.export.ground.footing import balanced, mass_and_center, touching
+from linkwright.stages.export.ground.standing import stand
 from linkwright.stages.fetch.urdf.gather import gather
 from linkwright.stages.graph import build_robot
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.robot.bundle import Bundle
 from linkwright.stages.robot.errors import LinkwrightError
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.model import Robot
-from linkwright.stages.robot.start_pose import home
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.robot.motion.start_pose import home
 from tests.benchmarks.example_robots import SETTLES, installed
 from tests.support.building import plan_of
 

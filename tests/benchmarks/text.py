@@ -12,13 +12,13 @@ from itertools import pairwise
 import numpy as np
 
 from linkwright.stages.export import export, writer_of
+from linkwright.stages.export.ground.standing import stand
 from linkwright.stages.export.mjcf.form import form_of as mjcf_form_of
-from linkwright.stages.export.standing import stand
 from linkwright.stages.export.urdf.form import form_of
 from linkwright.stages.export.writer import WriterInput
 from linkwright.stages.formats.written import Written
-from linkwright.stages.robot.actuation import NONE
-from linkwright.stages.robot.model import Limits, Robot
+from linkwright.stages.robot.model.actuation import NONE
+from linkwright.stages.robot.model.robot import Limits, Robot
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.robots import joint, pose, robot_with
 

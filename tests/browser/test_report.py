@@ -7,7 +7,7 @@ import pytest
 
 from linkwright.pipeline.live.made import NOTHING, Live
 from linkwright.pipeline.page.document import page
-from linkwright.pipeline.page.sweep import page as sweep_page
+from linkwright.pipeline.page.sweep.document import page as sweep_page
 from linkwright.pipeline.secrets import Secrets
 from linkwright.stages.graph.view.views import views
 from tests.browser.models import ALL_JOINTS, small_pack

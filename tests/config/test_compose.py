@@ -3,7 +3,7 @@
 import pytest
 
 from linkwright.pipeline.config.compose import compose_plan
-from linkwright.pipeline.preflight import plan_problems
+from linkwright.pipeline.run.preflight import plan_problems
 from linkwright.stages.robot.errors import ConfigError
 from tests.support.users import MY_ARM, URL, write
 

@@ -13,9 +13,9 @@ import yaml
 
 import linkwright
 from linkwright.pipeline.api.building import Build
-from linkwright.pipeline.build import build_files
 from linkwright.pipeline.cli import parse
 from linkwright.pipeline.config.compose import compose_plan
+from linkwright.pipeline.run.build import build_files
 from linkwright.pipeline.verbs import VERBS
 from linkwright.stages.formats.xml import Element
 from linkwright.stages.formats.xml import parse as parse_xml

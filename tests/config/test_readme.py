@@ -15,15 +15,15 @@ import mujoco
 import pytest
 import yaml
 
-from linkwright.pipeline.build import build_files
 from linkwright.pipeline.cli import parse
 from linkwright.pipeline.config.compose import Composed, compose_plan
+from linkwright.pipeline.run.build import build_files
 from linkwright.pipeline.verbs import VERBS
 from linkwright.stages.export import export
 from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.graph.view.outline import outline
 from linkwright.stages.graph.view.picture import draw
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.robot.section import Section
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import NO_MESHES, plan_of, robot_of

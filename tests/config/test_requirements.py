@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from linkwright.stages.robot.install import OPTIONAL, install
+from linkwright.stages.robot.system.install import OPTIONAL, install
 from tests.support.places import PROJECT, ROOMS
 
 FLOORS = runpy.run_path(str(PROJECT / ".ci" / "floors.py"))

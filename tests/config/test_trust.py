@@ -8,9 +8,9 @@ import pytest
 
 from linkwright.pipeline.cli import run
 from linkwright.pipeline.config.compose import compose_plan, session
-from linkwright.pipeline.config.trust import listed
-from linkwright.pipeline.preflight import plan_problems
+from linkwright.pipeline.config.files.trust import listed
 from linkwright.pipeline.report import Report
+from linkwright.pipeline.run.preflight import plan_problems
 from linkwright.stages.robot.errors import ConfigError
 from tests.support.cases import mostly_slow
 from tests.support.hostile import CODE, MARK, ROBOTS

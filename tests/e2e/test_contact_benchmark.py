@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from linkwright.stages.validate.contact_errors import contact_errors
-from linkwright.stages.validate.shapes import seen_and_solid
+from linkwright.stages.validate.model.shapes import seen_and_solid
 from tests.benchmarks.contacts import compiled, counts
 from tests.benchmarks.dropped import VARIANTS, models, recorded
 from tests.benchmarks.walker import PARTS, walker_document

@@ -9,8 +9,8 @@ import pytest
 import trimesh
 from hypothesis import HealthCheck, assume, given, settings
 
-from linkwright.stages.robot.geometry import Geometry, Shape
-from linkwright.stages.robot.model import Relation, Robot
+from linkwright.stages.robot.model.geometry import Geometry, Shape
+from linkwright.stages.robot.model.robot import Relation, Robot
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.fake_onshape.sample import sample_document

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 from filelock import FileLock
 
-from linkwright.stages.robot import guest
+from linkwright.stages.robot.system import guest
 from tests.support import seen_parts
 from tests.support.command import called, environment, linkwright
 from tests.support.fidelity import fidelity, pieces_of

@@ -6,8 +6,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from linkwright.pipeline.build import Built, build_files
 from linkwright.pipeline.config.compose import compose_plan
+from linkwright.pipeline.run.build import Built, build_files
 from linkwright.stages.formats.xml import parse
 from tests.support.users import write
 

@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from linkwright.stages.robot.model import Limits, Relation
+from linkwright.stages.robot.model.robot import Limits, Relation
 from tests.support.building import plan_of, write
 from tests.support.places import PROJECT
 from tests.support.robots import at, joint, robot_with

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from linkwright.pipeline.build import build
 from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.run.build import build
 from linkwright.stages.robot.errors import Disconnected
-from linkwright.stages.robot.kinematics import link_poses, saved_configuration
-from linkwright.stages.robot.model import Configuration, Robot
-from linkwright.stages.robot.poses import inverse
+from linkwright.stages.robot.model.poses import inverse
+from linkwright.stages.robot.model.robot import Configuration, Robot
+from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
 from tests.support.building import plan_of, write
 from tests.support.engines import Mujoco, Pinocchio
 from tests.support.recorded import (

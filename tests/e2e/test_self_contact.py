@@ -7,11 +7,11 @@ import mujoco
 import numpy as np
 import pytest
 
-from linkwright.pipeline.build import build_files
 from linkwright.pipeline.config.compose import compose_plan
+from linkwright.pipeline.run.build import build_files
 from linkwright.stages.robot import codec
-from linkwright.stages.robot.pose_samples import sampled_poses
-from linkwright.stages.robot.start_pose import home
+from linkwright.stages.robot.motion.pose_samples import sampled_poses
+from linkwright.stages.robot.motion.start_pose import home
 from tests.support import kept_colliders
 from tests.support.other_robots import AS_IT_IS
 from tests.support.places import SHARED

@@ -15,11 +15,11 @@ from unittest.mock import patch
 
 import pytest
 
-import linkwright.pipeline.build
-from linkwright.pipeline import program, unchanged
+import linkwright.pipeline.run.build
 from linkwright.pipeline.caching.maintenance import collect, verify
 from linkwright.pipeline.options import parse
-from linkwright.pipeline.progress import Quiet
+from linkwright.pipeline.run import program, unchanged
+from linkwright.pipeline.terminal.progress import Quiet
 from tests.e2e.test_traps import ROBOT, URDF
 from tests.support.command import called, environment, robot_files
 from tests.unit.pipeline.test_cli import HEAVY
@@ -60,13 +60,13 @@ def here(tmp_path: Path) -> Path:
 def builds(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The names of the robots whose builds ran their stages."""
     names: list[str] = []
-    build_files = linkwright.pipeline.build.build_files
+    build_files = linkwright.pipeline.run.build.build_files
 
     def counted(plan: Any, *args: Any, **more: Any) -> Any:
         names.append(plan.name)
         return build_files(plan, *args, **more)
 
-    monkeypatch.setattr(linkwright.pipeline.build, "build_files", counted)
+    monkeypatch.setattr(linkwright.pipeline.run.build, "build_files", counted)
     return names
 
 

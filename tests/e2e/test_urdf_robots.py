@@ -12,9 +12,9 @@ from linkwright.stages.fetch.urdf.gather import gather
 from linkwright.stages.graph import build_robot
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.robot.bundle import Bundle
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.robot.motion.kinematics import link_poses
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.prefixed import prefixed
 from tests.fake_onshape.sample import sample_document

@@ -9,8 +9,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from linkwright.pipeline.build import Built, build_files
 from linkwright.pipeline.config.compose import compose_plan
+from linkwright.pipeline.run.build import Built, build_files
 from tests.support import kept_colliders
 
 SIDE = 0.02

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from linkwright.stages.formats.described import described
-from linkwright.stages.robot.driven import as_driven
+from linkwright.stages.robot.dynamics.driven import as_driven
 from linkwright.stages.validate import validate
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents

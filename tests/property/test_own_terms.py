@@ -15,8 +15,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from lxml import etree
 
-from linkwright.stages.robot.model import Robot, Value
-from linkwright.stages.robot.start_pose import starting_point
+from linkwright.stages.robot.model.robot import Robot, Value
+from linkwright.stages.robot.motion.start_pose import starting_point
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.property.test_parity import drawn, same, slowly

@@ -17,9 +17,9 @@ from hypothesis import strategies as st
 
 from linkwright.stages.graph.dofs import conjugate
 from linkwright.stages.robot.codec import decode_robot, encode_robot
-from linkwright.stages.robot.dynamics import mass_matrix
-from linkwright.stages.robot.model import Configuration, Joint, Robot, Value
-from linkwright.stages.robot.start_pose import starting_point
+from linkwright.stages.robot.dynamics.mass_matrix import mass_matrix
+from linkwright.stages.robot.model.robot import Configuration, Joint, Robot, Value
+from linkwright.stages.robot.motion.start_pose import starting_point
 from linkwright.stages.validate import validate
 from tests.fake_onshape.copies import within
 from tests.fake_onshape.document import Document

@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from linkwright.stages.export import export
-from linkwright.stages.robot.start_pose import home
+from linkwright.stages.robot.motion.start_pose import home
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.support.building import NO_MESHES, plan_of, robot_of

@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from linkwright.pipeline.config.plan import Plan
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.model import JointType, Robot
-from linkwright.stages.robot.poses import at_rest
+from linkwright.stages.robot.model.poses import at_rest
+from linkwright.stages.robot.model.robot import JointType, Robot
+from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.validate.read.sdf import check_file
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents

@@ -8,11 +8,11 @@ import pytest
 
 from linkwright.stages.mesh.contacts.analysis import POSES
 from linkwright.stages.mesh.contacts.colliders import measures_overlaps
-from linkwright.stages.robot.geometry import Geometry, Shape
-from linkwright.stages.robot.left_out import LeftOut
-from linkwright.stages.robot.model import Limits
-from linkwright.stages.robot.pose_samples import sampled_poses
-from linkwright.stages.robot.start_pose import home
+from linkwright.stages.robot.contact.left_out import LeftOut
+from linkwright.stages.robot.model.geometry import Geometry, Shape
+from linkwright.stages.robot.model.robot import Limits
+from linkwright.stages.robot.motion.pose_samples import sampled_poses
+from linkwright.stages.robot.motion.start_pose import home
 from tests.support.robots import EVERY, joint, pose, robot_with
 from tests.support.touching import (
     apart,

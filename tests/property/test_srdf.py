@@ -14,10 +14,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from linkwright.stages.export.urdf.srdf.convex import at_least, bodies_of
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.model import Limits, Robot, frozen
-from linkwright.stages.robot.poses import inverse
-from linkwright.stages.robot.start_pose import home
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.poses import inverse
+from linkwright.stages.robot.model.robot import Limits, Robot, frozen
+from linkwright.stages.robot.motion.start_pose import home
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.property.test_self_contact import random_robot

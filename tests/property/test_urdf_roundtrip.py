@@ -13,8 +13,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from linkwright.stages.robot.inertia import moved
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.dynamics.inertia import moved
+from linkwright.stages.robot.model.robot import Robot
 from tests.support.building import plan_of, write
 from tests.support.checked import checked
 from tests.support.engines import Mujoco, Pinocchio

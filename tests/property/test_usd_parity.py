@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from linkwright.pipeline.config.plan import Plan
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.validate import validate
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents

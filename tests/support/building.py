@@ -7,11 +7,11 @@ from linkwright.pipeline.config.plan import Plan
 from linkwright.stages.export import Exported, export
 from linkwright.stages.fetch.bundle.archive import read
 from linkwright.stages.fetch.onshape.gather import gather
-from linkwright.stages.fetch.onshape.recorded import Recorded
+from linkwright.stages.fetch.onshape.replies.recorded import Recorded
 from linkwright.stages.graph import build_robot
 from linkwright.stages.robot.bundle import Bundle
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.robot import Robot
 from tests.fake_onshape.bundle import bundle_bytes
 from tests.fake_onshape.document import Document
 

@@ -3,11 +3,11 @@
 from pathlib import Path
 from typing import Any
 
-from linkwright.stages.formats import mjcf_written
+from linkwright.stages.formats.mjcf import written as mjcf_written
 from linkwright.stages.formats.urdf.as_written import form_with
 from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.check import Check
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.validate import validate
 from linkwright.stages.validate.section import ValidateSections
 

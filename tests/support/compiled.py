@@ -5,10 +5,10 @@ from typing import Any
 
 import mujoco
 
-from linkwright.stages.formats.mjcf_form import MjcfForm
+from linkwright.stages.formats.mjcf.form import MjcfForm
 from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.check import Check
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.validate.compiled import CompiledModel
 from tests.support.robots import robot_with
 

@@ -3,15 +3,15 @@
 from contextlib import closing
 from typing import Any
 
-from linkwright.stages.mesh import improvement
-from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.collide import improvement
+from linkwright.stages.mesh.collide.acceptance import Judge
+from linkwright.stages.mesh.collide.cut_pieces import PieceCutter
+from linkwright.stages.mesh.collide.improvement import Improvement, helper
 from linkwright.stages.mesh.colliders import coacd
-from linkwright.stages.mesh.cut_pieces import PieceCutter
+from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
 from linkwright.stages.mesh.decompose import DecomposeOptions, decomposed
-from linkwright.stages.mesh.improvement import Improvement, helper
-from linkwright.stages.mesh.pieces import surface_of
-from linkwright.stages.mesh.surface import Surface
-from linkwright.stages.mesh.verdict import Judge
+from linkwright.stages.mesh.surfaces.pieces import surface_of
+from linkwright.stages.mesh.surfaces.surface import Surface
 from linkwright.stages.robot.errors import DecompositionFailed
 
 

@@ -6,7 +6,7 @@ from hypothesis import HealthCheck
 from hypothesis import strategies as st
 
 from linkwright.pipeline.config.plan import Plan
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.robot import Robot
 from tests.fake_onshape.document import Document
 from tests.support.building import plan_of, robot_of
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from linkwright.stages.robot.kinematics import link_poses, saved_configuration
-from linkwright.stages.robot.model import Array, Dynamics, Inertial, Joint, JointType, Robot, frozen
+from linkwright.stages.robot.model.robot import Array, Dynamics, Inertial, Joint, JointType, Robot, frozen
+from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
 from tests.support.robots import at, joint, loop, robot_with
 
 ACROSS = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0.0], [0, 0, 0, 1]])

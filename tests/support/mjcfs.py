@@ -14,7 +14,7 @@ from linkwright.stages.graph import build_robot
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.robot.bundle import Bundle
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.validate import validate
 from tests.support.building import plan_of
 from tests.support.engines import Mujoco

@@ -6,13 +6,13 @@ import orjson
 from linkwright.stages.graph.onshape.assembly import Assembly, Mate
 from linkwright.stages.graph.onshape.bodies import Bodies, find_bodies
 from linkwright.stages.graph.onshape.definition import read_assembly
-from linkwright.stages.graph.onshape.mates import dofs_of, right_handed
-from linkwright.stages.graph.onshape.part_solids import PartSolids
-from linkwright.stages.graph.onshape.patterns import with_copies
+from linkwright.stages.graph.onshape.mass.part_solids import PartSolids
+from linkwright.stages.graph.onshape.mates.joints import dofs_of, right_handed
+from linkwright.stages.graph.onshape.patterns.instances import with_copies
 from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.kinematics import chain
-from linkwright.stages.robot.poses import inverse
+from linkwright.stages.robot.model.poses import inverse
+from linkwright.stages.robot.motion.kinematics import chain
 from tests.fake_onshape.definition import definition
 from tests.fake_onshape.document import ORIGIN, Document
 from tests.fake_onshape.frames import turn

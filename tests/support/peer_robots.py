@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 import mujoco
 import numpy as np
 
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.model import Robot
-from linkwright.stages.robot.poses import from_parts, rotation_from_rpy
+from linkwright.stages.robot.model.poses import from_parts, rotation_from_rpy
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.robot.motion.kinematics import link_poses
 from tests.support.pinocchio import pin
 
 Values = Mapping[str, float]

@@ -12,8 +12,8 @@ import trimesh
 from linkwright.stages.export import export
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.robot.bundle import Bundle
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.model import Inertial, Link, MeshRef, Part, Robot, frozen
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.robot import Inertial, Link, MeshRef, Part, Robot, frozen
 from tests.support.building import plan_of
 from tests.support.robots import robot_with
 from tests.support.solids import bodies_of

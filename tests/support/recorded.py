@@ -12,7 +12,7 @@ import pytest
 from linkwright.stages.fetch.bundle.archive import read
 from linkwright.stages.fetch.onshape import requests
 from linkwright.stages.fetch.onshape.gather import gather
-from linkwright.stages.fetch.onshape.recorded import Recorded
+from linkwright.stages.fetch.onshape.replies.recorded import Recorded
 from linkwright.stages.robot.bundle import Bundle, StudioKey
 from tests.support.places import SHARED
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from linkwright.stages.robot.inertia import moved
-from linkwright.stages.robot.kinematics import link_poses, saved_configuration
-from linkwright.stages.robot.model import (
+from linkwright.stages.robot.dynamics.inertia import moved
+from linkwright.stages.robot.model.poses import at_rest, from_parts, inverse, rotation_from_quat
+from linkwright.stages.robot.model.robot import (
     Array,
     Base,
     Dof,
@@ -30,7 +30,7 @@ from linkwright.stages.robot.model import (
     Value,
     frozen,
 )
-from linkwright.stages.robot.poses import at_rest, from_parts, inverse, rotation_from_quat
+from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
 
 X, Y, Z, NONE = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
 

@@ -17,8 +17,8 @@ from linkwright.stages.fetch.source import Fetched
 from linkwright.stages.graph import build_robot
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.robot import codec
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.robot import Robot
 from tests.support.building import plan_of, write
 
 Corners = npt.NDArray[np.float64]

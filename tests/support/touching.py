@@ -11,10 +11,10 @@ from linkwright.stages.export import export
 from linkwright.stages.export.writer import Exported
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.robot.bundle import Bundle
-from linkwright.stages.robot.geometry import Exclude, Geometry
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.model import Primitive, Robot, frozen
-from linkwright.stages.validate.coordinates import set_values
+from linkwright.stages.robot.model.geometry import Exclude, Geometry
+from linkwright.stages.robot.model.robot import Primitive, Robot, frozen
+from linkwright.stages.robot.motion.kinematics import link_poses
+from linkwright.stages.validate.model.coordinates import set_values
 from tests.support.building import plan_of
 
 Pairs = dict[tuple[str, str], float]

@@ -18,7 +18,7 @@ from linkwright.stages.export import Exported
 from linkwright.stages.graph import build_robot
 from linkwright.stages.robot.bundle import Bundle, FileBundle
 from linkwright.stages.robot.codec import decode_robot, encode_robot
-from linkwright.stages.robot.model import Inertial, Robot
+from linkwright.stages.robot.model.robot import Inertial, Robot
 from tests.support.building import plan_of, write
 from tests.support.engines import Mujoco, Pinocchio
 

@@ -9,9 +9,9 @@ import mujoco
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from linkwright.stages.robot.loops import POINTWISE
-from linkwright.stages.robot.model import Robot, Value
-from linkwright.stages.robot.start_pose import starting_point
+from linkwright.stages.robot.model.robot import Robot, Value
+from linkwright.stages.robot.motion.loops import POINTWISE
+from linkwright.stages.robot.motion.start_pose import starting_point
 from tests.support.engines import Mujoco, Pinocchio
 from tests.support.robots import some_values
 from tests.support.usd import Usd, complaints, stage_of

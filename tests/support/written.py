@@ -5,8 +5,8 @@ from pathlib import Path
 import mujoco
 
 from linkwright.stages.formats.written import Written
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.validate.compiled import CompiledModel
 from tests.support.robots import joint, robot_with
 

@@ -14,7 +14,7 @@ from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.graph.tree import spanning_tree
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import Diagnostic, Disconnected
-from linkwright.stages.robot.model import Provenance
+from linkwright.stages.robot.model.robot import Provenance
 from tests.support.places import PROJECT
 from tests.support.robots import joint, robot_with
 

@@ -134,7 +134,7 @@ def test_only_the_room_of_onshape_knows_its_rest_api(words):
 @pytest.mark.parametrize(
     ("question", "answer"),
     [
-        ("where mates become joints", "stages/graph/onshape/mates.py"),
+        ("where mates become joints", "stages/graph/onshape/mates/joints.py"),
         ("where HTTP is spoken", "stages/fetch/onshape/api/transport.py"),
         ("where a URDF is parsed", "stages/formats/urdf/parse.py"),
         ("where loops are closed in MJCF", "stages/export/mjcf/loops.py"),

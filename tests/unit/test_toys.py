@@ -250,7 +250,7 @@ from functools import partial
 
 import numpy as np
 
-from linkwright.stages.robot.poses import inverse, motion
+from linkwright.stages.robot.model.poses import inverse, motion
 from linkwright.stages.validate.same.found import (
     FormatWords,
     FoundMimic,
@@ -447,7 +447,7 @@ print(json.dumps([[link.density for link in links], row, "kg/m³" in markdown()]
 def test_a_fact_of_the_robot_is_a_field_and_a_line_of_each_writer(tree: Tree) -> None:
     """The density of a link's material, which reaches robot.json and is read back, the MJCF and the page."""
     tree.add_after(
-        "stages/robot/model.py", "    shapes: tuple[Primitive, ...] = ()", "    density: float = 2712.5"
+        "stages/robot/model/robot.py", "    shapes: tuple[Primitive, ...] = ()", "    density: float = 2712.5"
     )
     records = "stages/formats/robot_json/links.py"
     tree.add_after(records, "    shapes: tuple[LinkShapeRecord, ...]", "    density: Number")

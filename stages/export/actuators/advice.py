@@ -6,12 +6,12 @@ import numpy as np
 
 from linkwright.stages.export.actuators.choices import Wanted, driven_order
 from linkwright.stages.export.actuators.loads import postures
-from linkwright.stages.robot.actuation import Actuation
-from linkwright.stages.robot.couplings import Couplings
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.model import Array, Robot
-from linkwright.stages.robot.start_pose import home
-from linkwright.stages.robot.statics import GRAVITY
+from linkwright.stages.robot.dynamics.statics import GRAVITY
+from linkwright.stages.robot.model.actuation import Actuation
+from linkwright.stages.robot.model.robot import Array, Robot
+from linkwright.stages.robot.motion.couplings import Couplings
+from linkwright.stages.robot.motion.kinematics import link_poses
+from linkwright.stages.robot.motion.start_pose import home
 
 _MANY = 50
 """Of a robot with more dofs the driver of a follower is not looked for: that takes time by their square."""

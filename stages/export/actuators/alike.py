@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from linkwright.stages.export.actuators.loads import Load
-from linkwright.stages.robot.model import Dof, Joint, Robot
+from linkwright.stages.robot.model.robot import Dof, Joint, Robot
 
 MASS = 0.01
 """Copies move masses that differ by at most this share: left and right parts of CAD are rarely equal."""

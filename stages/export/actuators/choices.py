@@ -6,15 +6,15 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from linkwright.stages.robot.couplings import nearest_first
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.globs import as_key, did_you_mean, fits, listed, there_are
-from linkwright.stages.robot.model import Dof, Robot
+from linkwright.stages.robot.model.robot import Dof, Robot
+from linkwright.stages.robot.motion.couplings import nearest_first
 from linkwright.stages.robot.quantity_keys import TypedNumber, as_typed, misfit
+from linkwright.stages.robot.text.globs import as_key, did_you_mean, fits, listed, there_are
 
 if TYPE_CHECKING:
-    from linkwright.stages.export.actuator_section import ActuatorSection
-    from linkwright.stages.export.motor_section import MotorSection
+    from linkwright.stages.export.configuration.actuator_section import ActuatorSection
+    from linkwright.stages.export.configuration.motor_section import MotorSection
 
 WHERE = "actuators"
 
@@ -126,7 +126,7 @@ def _judge(
     wanted: Wanted, dof: Dof, matched: str, motors: Mapping[str, MotorSection], log: Diagnostics
 ) -> None:
     """E-ACTUATOR for parameters that the type does not have, and for those that need others."""
-    from linkwright.stages.export.actuator_section import fields_of
+    from linkwright.stages.export.configuration.actuator_section import fields_of
 
     allowed = fields_of(wanted.type)
     for name in wanted.parameters:

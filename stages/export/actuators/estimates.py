@@ -14,7 +14,7 @@ than what it moves: beyond that the servo is softer.
 import math
 
 from linkwright.stages.export.actuators.loads import Load
-from linkwright.stages.robot.dofs import DofKind
+from linkwright.stages.robot.model.dofs import DofKind
 
 SAG = {"turn": 0.01, "slide": 0.001}
 """How far [rad, m] a servo with estimated stiffness sags, where its effort and the time step allow it."""

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from linkwright.stages.robot.statics import GRAVITY
+from linkwright.stages.robot.dynamics.statics import GRAVITY
 
 
 def gravity_of(option: Any) -> tuple[float, ...]:

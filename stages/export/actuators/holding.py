@@ -5,11 +5,11 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from linkwright.stages.export.actuators.loads import LoadBounds, along
-from linkwright.stages.robot.couplings import Couplings
-from linkwright.stages.robot.model import Array, Configuration, Robot
-from linkwright.stages.robot.pose_batch import repeated
-from linkwright.stages.robot.start_pose import keyframes
-from linkwright.stages.robot.statics import GroundSupport, holding_forces
+from linkwright.stages.robot.dynamics.statics import GroundSupport, holding_forces
+from linkwright.stages.robot.model.robot import Array, Configuration, Robot
+from linkwright.stages.robot.motion.couplings import Couplings
+from linkwright.stages.robot.motion.pose_batch import repeated
+from linkwright.stages.robot.motion.start_pose import keyframes
 
 GroundSupports = Callable[[Configuration], Sequence[GroundSupport]]
 """What the ground carries of a free robot at a pose; nothing where the robot does not stand."""

@@ -6,15 +6,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from linkwright.stages.robot.couplings import Couplings, Rates
-from linkwright.stages.robot.dynamics import SPEEDS, held_inertias, mass_matrix
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.model import Array, Configuration, DofKind, Robot
-from linkwright.stages.robot.pose_batch import Values, chosen, count_of, many_link_poses, repeated
-from linkwright.stages.robot.pose_samples import sampled_poses
-from linkwright.stages.robot.start_pose import home
-from linkwright.stages.robot.statics import holding_forces
-from linkwright.stages.robot.ways import Ways
+from linkwright.stages.robot.dynamics.mass_matrix import SPEEDS, held_inertias, mass_matrix
+from linkwright.stages.robot.dynamics.statics import holding_forces
+from linkwright.stages.robot.model.robot import Array, Configuration, DofKind, Robot
+from linkwright.stages.robot.motion.couplings import Couplings, Rates
+from linkwright.stages.robot.motion.kinematics import link_poses
+from linkwright.stages.robot.motion.pose_batch import Values, chosen, count_of, many_link_poses, repeated
+from linkwright.stages.robot.motion.pose_samples import sampled_poses
+from linkwright.stages.robot.motion.start_pose import home
+from linkwright.stages.robot.motion.tree_paths import Ways
 
 POSES = 64
 """How many poses stand for a robot's range."""

@@ -14,11 +14,11 @@ from linkwright.stages.export.actuators.loads import Load
 from linkwright.stages.export.actuators.motors import Motors, Overruled, equipped
 from linkwright.stages.export.actuators.ranges import control_range, widened
 from linkwright.stages.export.actuators.terms import terms_of
-from linkwright.stages.robot.actuation import SERVOS, Actuator, ActuatorType, Armature
-from linkwright.stages.robot.holding_control import can_hold, control_at
-from linkwright.stages.robot.model import Dof, Robot, Value
-from linkwright.stages.robot.names import free
-from linkwright.stages.robot.start_pose import HOME, keyframes
+from linkwright.stages.robot.dynamics.holding_control import can_hold, control_at
+from linkwright.stages.robot.model.actuation import SERVOS, Actuator, ActuatorType, Armature
+from linkwright.stages.robot.model.robot import Dof, Robot, Value
+from linkwright.stages.robot.motion.start_pose import HOME, keyframes
+from linkwright.stages.robot.text.names import free
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,13 +15,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from linkwright.stages.export.actuators.choices import WHERE, Wanted
-from linkwright.stages.robot.actuation import SERVOS, Supplied
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.globs import as_key, listed
-from linkwright.stages.robot.model import Dof
+from linkwright.stages.robot.model.actuation import SERVOS, Supplied
+from linkwright.stages.robot.model.robot import Dof
+from linkwright.stages.robot.text.globs import as_key, listed
 
 if TYPE_CHECKING:
-    from linkwright.stages.export.motor_section import MotorSection, MotorValue
+    from linkwright.stages.export.configuration.motor_section import MotorSection, MotorValue
 
 Motors = Mapping[str, "MotorSection"]
 

@@ -4,9 +4,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from linkwright.stages.robot.actuation import Actuator
-from linkwright.stages.robot.holding_control import control_at
-from linkwright.stages.robot.model import Dof, Value
+from linkwright.stages.robot.dynamics.holding_control import control_at
+from linkwright.stages.robot.model.actuation import Actuator
+from linkwright.stages.robot.model.robot import Dof, Value
 
 
 def control_range(dof: Dof, made: Actuator, given: Mapping[str, Any]) -> tuple[float, float] | None:

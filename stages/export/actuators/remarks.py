@@ -7,11 +7,11 @@ import numpy as np
 
 from linkwright.stages.export.actuators.choices import Wanted
 from linkwright.stages.export.actuators.make import ActuatorMaker, strongest
-from linkwright.stages.robot.actuation import Actuation
-from linkwright.stages.robot.couplings import Rates
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.globs import as_key, listed
-from linkwright.stages.robot.model import Dof, Robot
+from linkwright.stages.robot.model.actuation import Actuation
+from linkwright.stages.robot.model.robot import Dof, Robot
+from linkwright.stages.robot.motion.couplings import Rates
+from linkwright.stages.robot.text.globs import as_key, listed
 
 WHERE = "actuators"
 

@@ -14,18 +14,18 @@ from linkwright.stages.export.actuators.loads import bounds_of, lighter, loads, 
 from linkwright.stages.export.actuators.make import ActuatorMaker
 from linkwright.stages.export.actuators.motors import Motors, report_overruled, supplied
 from linkwright.stages.export.actuators.remarks import remark, remark_couplings, remark_passive, remark_servos
-from linkwright.stages.robot.actuation import Actuation, Actuator
-from linkwright.stages.robot.couplings import Couplings, Rates
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.driven import with_motors
+from linkwright.stages.robot.dynamics.driven import with_motors
+from linkwright.stages.robot.dynamics.statics import GRAVITY
 from linkwright.stages.robot.errors import Diagnostic, ExportError
-from linkwright.stages.robot.model import Array, Robot
-from linkwright.stages.robot.plural import count
-from linkwright.stages.robot.pose_batch import count_of
-from linkwright.stages.robot.statics import GRAVITY
+from linkwright.stages.robot.model.actuation import Actuation, Actuator
+from linkwright.stages.robot.model.robot import Array, Robot
+from linkwright.stages.robot.motion.couplings import Couplings, Rates
+from linkwright.stages.robot.motion.pose_batch import count_of
+from linkwright.stages.robot.text.plural import count
 
 if TYPE_CHECKING:
-    from linkwright.stages.export.actuator_section import ActuatorSection
+    from linkwright.stages.export.configuration.actuator_section import ActuatorSection
 
 NO_MOTORS: Motors = {}
 EVERY_GLOB_MATCHES: Mapping[Any, Sequence[str]] = {}

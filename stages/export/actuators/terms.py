@@ -4,8 +4,8 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from linkwright.stages.export.actuator_section import DC_MOTOR
-from linkwright.stages.robot.model import Dof
+from linkwright.stages.export.configuration.actuator_section import DC_MOTOR
+from linkwright.stages.robot.model.robot import Dof
 
 OPEN = 1e6
 """The open end of the range of a target: MuJoCo up to 3.10 demands a range."""

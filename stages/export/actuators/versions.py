@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from linkwright.stages.robot.errors import ConfigError, Diagnostic
 
 if TYPE_CHECKING:
-    from linkwright.stages.export.actuator_section import ActuatorSection
+    from linkwright.stages.export.configuration.actuator_section import ActuatorSection
 
 TYPES: Mapping[str, str] = {"dcmotor": "3.7", "pid": "3.12"}
 """Type → the first MuJoCo that has it."""

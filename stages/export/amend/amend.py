@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 from linkwright.stages.export.amend.documents import Documents, Refused
 from linkwright.stages.export.amend.entries import Entry, entries
 from linkwright.stages.formats.xml import Element
-from linkwright.stages.robot.amendments import UNCHANGED, Amendment, Amendments, Surplus
 from linkwright.stages.robot.errors import Diagnostic, ExportError
-from linkwright.stages.robot.globs import listed
+from linkwright.stages.robot.model.amendments import UNCHANGED, Amendment, Amendments, Surplus
+from linkwright.stages.robot.text.globs import listed
 
 if TYPE_CHECKING:
     from linkwright.stages.export.section import ExportSections

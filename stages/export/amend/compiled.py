@@ -13,8 +13,8 @@ from linkwright.stages.formats.numbers import number
 from linkwright.stages.formats.xml import Element, to_bytes
 from linkwright.stages.mujoco.compile import compiled_text
 from linkwright.stages.mujoco.includes import put_in_place
-from linkwright.stages.robot.amendments import Amendment, Surplus
-from linkwright.stages.robot.globs import did_you_mean
+from linkwright.stages.robot.model.amendments import Amendment, Surplus
+from linkwright.stages.robot.text.globs import did_you_mean
 
 _QPOS = {0: 7, 1: 4, 2: 1, 3: 1}
 """Numbers in qpos by the type of a joint: free, ball, slide, hinge."""

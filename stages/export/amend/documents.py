@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from linkwright.stages.formats.own_xml import SECTIONS, kind_of, name_of, names, section_of
 from linkwright.stages.formats.xml import Element, element, parse, to_bytes
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.globs import did_you_mean, listed
+from linkwright.stages.robot.text.globs import did_you_mean, listed
 
 ROLES: Mapping[str, tuple[str, ...]] = {"urdf": ("robot",), "mjcf": ("robot", "scene")}
 """Format → what its files are, in the order in which its writer names them; the SRDF, which comes after the

@@ -9,11 +9,11 @@ from linkwright.stages.export.amend.documents import Documents, Refused, XmlFile
 from linkwright.stages.formats.numbers import number
 from linkwright.stages.formats.own_xml import language_of, names, unknown_tag
 from linkwright.stages.formats.xml import Element, Malformed, element, fragment
-from linkwright.stages.robot.amendments import Amendment
-from linkwright.stages.robot.globs import listed
+from linkwright.stages.robot.model.amendments import Amendment
+from linkwright.stages.robot.text.globs import listed
 
 if TYPE_CHECKING:
-    from linkwright.stages.export.element_section import IntoSection
+    from linkwright.stages.export.configuration.element_section import IntoSection
     from linkwright.stages.export.section import ExportSections
 
 FORMATS, TAG = "formats", "tag"

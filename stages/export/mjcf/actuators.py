@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 from linkwright.stages.formats.numbers import TURN, number, spaced
 from linkwright.stages.formats.xml import Element, element
-from linkwright.stages.robot.actuation import Actuation
-from linkwright.stages.robot.holding_control import control_at, state_at
-from linkwright.stages.robot.mjcf_extras import MjcfExtras
-from linkwright.stages.robot.model import Configuration, Sensor
+from linkwright.stages.robot.dynamics.holding_control import control_at, state_at
+from linkwright.stages.robot.model.actuation import Actuation
+from linkwright.stages.robot.model.mjcf_extras import MjcfExtras
+from linkwright.stages.robot.model.robot import Configuration, Sensor
 
 
 def write_actuation(

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from linkwright.stages.export.mjcf.filters import WORLD, Geom
+from linkwright.stages.export.mjcf.contact.filters import WORLD, Geom
 from linkwright.stages.export.mjcf.joints import free_joint_name, write_joints
 from linkwright.stages.export.mjcf.loops import Closures
 from linkwright.stages.export.mjcf.placement import above_bodies, orientation, placement, write_placed
@@ -12,14 +12,14 @@ from linkwright.stages.export.paints import Paint, paint
 from linkwright.stages.formats.numbers import LENGTH, number, rounded_tensor, spaced
 from linkwright.stages.formats.written import Written
 from linkwright.stages.formats.xml import Element, element
-from linkwright.stages.robot.fusing import members
-from linkwright.stages.robot.geom_form import ContactProperties
-from linkwright.stages.robot.geometry import Shape
-from linkwright.stages.robot.inertia import moved, principal_axes
-from linkwright.stages.robot.kinematics import chain
-from linkwright.stages.robot.model import Array, Frame, Inertial, Joint, Link, Primitive
-from linkwright.stages.robot.names import free
-from linkwright.stages.robot.poses import UNMOVED, inverse
+from linkwright.stages.robot.dynamics.fusing import members
+from linkwright.stages.robot.dynamics.inertia import moved, principal_axes
+from linkwright.stages.robot.model.geom_form import ContactProperties
+from linkwright.stages.robot.model.geometry import Shape
+from linkwright.stages.robot.model.poses import UNMOVED, inverse
+from linkwright.stages.robot.model.robot import Array, Frame, Inertial, Joint, Link, Primitive
+from linkwright.stages.robot.motion.kinematics import chain
+from linkwright.stages.robot.text.names import free
 
 PRINCIPAL = 1e-9
 """What an MJCF source's axes of inertia may leave off the diagonal, as a share of the largest moment."""

@@ -6,12 +6,12 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 from linkwright.stages.formats.written import Written
-from linkwright.stages.robot.dofs import AS_THE_MATE
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.globs import listed
-from linkwright.stages.robot.mjcf_extras import MjcfElement, MjcfExtras
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.dofs import AS_THE_MATE
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.mjcf_extras import MjcfElement, MjcfExtras
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.robot.text.globs import listed
 
 if TYPE_CHECKING:
     from linkwright.stages.export.section import ExportSections

@@ -4,14 +4,14 @@ from collections import Counter
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from linkwright.stages.export.mjcf.contact.filters import filters
 from linkwright.stages.export.mjcf.extras import extras_of
-from linkwright.stages.export.mjcf.filters import filters
 from linkwright.stages.export.sensor_mounts import loaded_links
-from linkwright.stages.formats.mjcf_form import MjcfForm
-from linkwright.stages.formats.mjcf_written import form_with
+from linkwright.stages.formats.mjcf.form import MjcfForm
+from linkwright.stages.formats.mjcf.written import form_with
 from linkwright.stages.formats.written import Written
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.robot import Robot
 
 if TYPE_CHECKING:
     from linkwright.stages.export.section import ExportSections

@@ -9,10 +9,10 @@ from collections.abc import Collection, Mapping, Sequence
 
 from linkwright.stages.formats.numbers import LENGTH, least_of, number, spaced
 from linkwright.stages.formats.xml import Element, element
-from linkwright.stages.robot.kinematics import chain
-from linkwright.stages.robot.model import Array, Configuration, Dof, Robot, Value
-from linkwright.stages.robot.names import free
-from linkwright.stages.robot.poses import UNMOVED, inverse, motion, quat_from_rotation
+from linkwright.stages.robot.model.poses import UNMOVED, inverse, motion, quat_from_rotation
+from linkwright.stages.robot.model.robot import Array, Configuration, Dof, Robot, Value
+from linkwright.stages.robot.motion.kinematics import chain
+from linkwright.stages.robot.text.names import free
 
 OPEN = "1e6"
 """The open end of a one-sided limit: MuJoCo has no one-sided range."""

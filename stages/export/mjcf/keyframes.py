@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 from linkwright.stages.export.mjcf.actuators import KeyedActuator, drives, key_attributes
 from linkwright.stages.export.mjcf.joints import free_joint_name, free_qpos, qpos
 from linkwright.stages.export.mjcf.sections import drives_of
-from linkwright.stages.formats.mjcf_joints import joints_in_order
+from linkwright.stages.formats.mjcf.joints import joints_in_order
 from linkwright.stages.formats.numbers import TURN, number
 from linkwright.stages.formats.xml import Element, element
-from linkwright.stages.robot.model import Array, Configuration, Robot
-from linkwright.stages.robot.poses import UNMOVED
-from linkwright.stages.robot.start_pose import keyframes
+from linkwright.stages.robot.model.poses import UNMOVED
+from linkwright.stages.robot.model.robot import Array, Configuration, Robot
+from linkwright.stages.robot.motion.start_pose import keyframes
 
 if TYPE_CHECKING:
     from linkwright.stages.export.writer import WriterInput

@@ -19,12 +19,12 @@ import numpy as np
 from linkwright.stages.export.mjcf.placement import placement
 from linkwright.stages.formats.numbers import spaced
 from linkwright.stages.formats.xml import Element, element
-from linkwright.stages.robot.inertia import moved
-from linkwright.stages.robot.kinematics import chain
-from linkwright.stages.robot.loops import POINTWISE
-from linkwright.stages.robot.model import Array, Configuration, Dof, Inertial, Loop, Robot, frozen
-from linkwright.stages.robot.names import free
-from linkwright.stages.robot.poses import inverse
+from linkwright.stages.robot.dynamics.inertia import moved
+from linkwright.stages.robot.model.poses import inverse
+from linkwright.stages.robot.model.robot import Array, Configuration, Dof, Inertial, Loop, Robot, frozen
+from linkwright.stages.robot.motion.kinematics import chain
+from linkwright.stages.robot.motion.loops import POINTWISE
+from linkwright.stages.robot.text.names import free
 
 Site = tuple[str, str, Array]
 """The link (or carrier) that has the site, the site's name, and its pose (4, 4) on the link."""

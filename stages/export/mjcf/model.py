@@ -7,25 +7,25 @@ Element and attribute rules are those of MuJoCo's XML reference. Every body has 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from linkwright.stages.export.configuration.mujoco_section import IN_THE_ROBOT
 from linkwright.stages.export.mjcf.actuators import write_actuation
 from linkwright.stages.export.mjcf.bodies import BodyWriter, stem
-from linkwright.stages.export.mjcf.cameras import carried_cameras, write_camera
-from linkwright.stages.export.mjcf.classes import write_classes
-from linkwright.stages.export.mjcf.contacts import write_contacts
-from linkwright.stages.export.mjcf.filters import Filters
+from linkwright.stages.export.mjcf.contact.contacts import write_contacts
+from linkwright.stages.export.mjcf.contact.filters import Filters
+from linkwright.stages.export.mjcf.defaults.classes import write_classes
 from linkwright.stages.export.mjcf.keyframes import write_keyframes
 from linkwright.stages.export.mjcf.loops import STIFF, Closures, held
 from linkwright.stages.export.mjcf.sections import ordered, write_sections
-from linkwright.stages.export.mjcf.sensing import write_mounted
+from linkwright.stages.export.mjcf.sensing.cameras import carried_cameras, write_camera
+from linkwright.stages.export.mjcf.sensing.sensing import write_mounted
 from linkwright.stages.export.mjcf.settings import text
-from linkwright.stages.export.mujoco_section import IN_THE_ROBOT
 from linkwright.stages.export.paints import Paint, materials
 from linkwright.stages.formats.numbers import TURN, number, spaced
 from linkwright.stages.formats.xml import Element, element, to_bytes
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.mjcf_extras import NO_EXTRAS, MjcfExtras
-from linkwright.stages.robot.model import Configuration, Relation, Robot, Value
-from linkwright.stages.robot.names import free
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.mjcf_extras import NO_EXTRAS, MjcfExtras
+from linkwright.stages.robot.model.robot import Configuration, Relation, Robot, Value
+from linkwright.stages.robot.text.names import free
 
 if TYPE_CHECKING:
     from linkwright.stages.export.writer import WriterInput

@@ -2,9 +2,9 @@
 
 from linkwright.stages.formats.numbers import LENGTH, spaced
 from linkwright.stages.formats.xml import Element, element
-from linkwright.stages.robot.mjcf_extras import MjcfElement
-from linkwright.stages.robot.model import Array
-from linkwright.stages.robot.poses import quat_from_rotation
+from linkwright.stages.robot.model.mjcf_extras import MjcfElement
+from linkwright.stages.robot.model.poses import quat_from_rotation
+from linkwright.stages.robot.model.robot import Array
 
 
 def placement(pose: Array) -> dict[str, str]:

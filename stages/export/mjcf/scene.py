@@ -6,20 +6,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from linkwright.stages.export.mjcf.cameras import overview, write_camera
+from linkwright.stages.export.configuration.mujoco_section import IN_THE_ROBOT
 from linkwright.stages.export.mjcf.keyframes import write_keyframes
 from linkwright.stages.export.mjcf.placement import placement
 from linkwright.stages.export.mjcf.sections import write_sections
+from linkwright.stages.export.mjcf.sensing.cameras import overview, write_camera
 from linkwright.stages.export.mjcf.settings import text
-from linkwright.stages.export.mujoco_section import IN_THE_ROBOT
 from linkwright.stages.export.scene import ground_pose
 from linkwright.stages.formats.numbers import number, spaced
 from linkwright.stages.formats.xml import Element, element, parse, to_bytes
-from linkwright.stages.robot.names import free
-from linkwright.stages.robot.scene import FLOOR as GROUND
+from linkwright.stages.robot.model.scene import FLOOR as GROUND
+from linkwright.stages.robot.text.names import free
 
 if TYPE_CHECKING:
-    from linkwright.stages.export.scene_section import GroundSection, LightSection, SkySection
+    from linkwright.stages.export.configuration.scene_section import GroundSection, LightSection, SkySection
     from linkwright.stages.export.writer import WriterInput
 
 TEMPLATE = Path(__file__).with_name("scene.xml")

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from linkwright.stages.export.mjcf.actuators import KeyedActuator
 from linkwright.stages.export.mjcf.placement import write_element
 from linkwright.stages.formats.xml import Element, element
-from linkwright.stages.robot.mjcf_extras import MjcfElement, MjcfExtras, children_of
+from linkwright.stages.robot.model.mjcf_extras import MjcfElement, MjcfExtras, children_of
 
 STATES = {"none": 0, "integrator": 1, "filter": 1, "filterexact": 1, "muscle": 1}
 """Numbers of states of an actuator by its dynamics; those of a user say how many."""

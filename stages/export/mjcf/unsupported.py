@@ -4,11 +4,11 @@ which links have no bodies."""
 import math
 from collections.abc import Iterator, Sequence
 
-from linkwright.stages.export.mjcf.filters import CLASSES
+from linkwright.stages.export.mjcf.contact.filters import CLASSES
 from linkwright.stages.formats.written import Written
-from linkwright.stages.robot.adjacency import Pair
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.model import Value
+from linkwright.stages.robot.model.robot import Value
+from linkwright.stages.robot.motion.adjacency import Pair
 
 
 def unsupported(written: Written, wide: Sequence[Pair] = ()) -> Iterator[Diagnostic]:

@@ -13,8 +13,8 @@ class MjcfWriter:
         return (f"{robot}.xml", "scene.xml")
 
     def write(self, given: WriterInput) -> FormatFiles:
+        from linkwright.stages.export.mjcf.contact.filters import filters
         from linkwright.stages.export.mjcf.extras import lost
-        from linkwright.stages.export.mjcf.filters import filters
         from linkwright.stages.export.mjcf.model import write_mjcf
         from linkwright.stages.export.mjcf.reset import reset
         from linkwright.stages.export.mjcf.scene import write_scene

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 
-from linkwright.stages.formats.mjcf_joints import joints_in_order
+from linkwright.stages.formats.mjcf.joints import joints_in_order
 from linkwright.stages.formats.robot_json.files import (
     MjcfActuatorRow,
     MjcfJointRow,
@@ -11,9 +11,9 @@ from linkwright.stages.formats.robot_json.files import (
 )
 from linkwright.stages.formats.robot_json.values import as_float
 from linkwright.stages.formats.xml import Element
-from linkwright.stages.robot.actuation import Actuation, Actuator
-from linkwright.stages.robot.model import Dof, Robot
-from linkwright.stages.robot.sensor_kinds import DIMENSIONS, LENGTHS, QUATERNION, unit_of
+from linkwright.stages.robot.model.actuation import Actuation, Actuator
+from linkwright.stages.robot.model.robot import Dof, Robot
+from linkwright.stages.robot.model.sensor_kinds import DIMENSIONS, LENGTHS, QUATERNION, unit_of
 
 SIZES = {"turn": (1, 1), "slide": (1, 1), "ball": (4, 3), "free": (7, 6)}
 """Kind of dof → how many numbers it has in `qpos`, and in `qvel`."""

@@ -11,12 +11,12 @@ from linkwright.stages.export.ros2.names import legal_names
 from linkwright.stages.formats.urdf.names import UrdfNames
 from linkwright.stages.formats.written import Written
 from linkwright.stages.formats.xml import Element
-from linkwright.stages.robot.actuation import Actuation
-from linkwright.stages.robot.model import Robot, Sensor
-from linkwright.stages.robot.names import free
-from linkwright.stages.robot.poses import motion, turns_from_rotation
-from linkwright.stages.robot.sensing import Sensing
-from linkwright.stages.robot.start_pose import home
+from linkwright.stages.robot.model.actuation import Actuation
+from linkwright.stages.robot.model.poses import motion, turns_from_rotation
+from linkwright.stages.robot.model.robot import Robot, Sensor
+from linkwright.stages.robot.model.sensing import Sensing
+from linkwright.stages.robot.motion.start_pose import home
+from linkwright.stages.robot.text.names import free
 
 COMMANDS: Mapping[str, str] = {
     "position": "position",

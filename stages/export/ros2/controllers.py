@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from linkwright.stages.export.ros2.control import Control
-from linkwright.stages.robot.names import free
+from linkwright.stages.robot.text.names import free
 
 RATE = 100
 """Hz: the default of ros2_control."""

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from linkwright.stages.formats.numbers import number
-from linkwright.stages.robot.poses import inverse
+from linkwright.stages.robot.model.poses import inverse
 
 if TYPE_CHECKING:
-    from linkwright.stages.export.standing import Stance
+    from linkwright.stages.export.ground.standing import Stance
 
 _DISPLAY = '''"""Shows @ROBOT@ in RViz, with sliders for its joints.
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from linkwright.stages.export.package_names import stem_of
-from linkwright.stages.robot.names import free, plain
+from linkwright.stages.robot.text.names import free, plain
 
 TAGS = frozenset(
     {"arg", "attribute", "call", "element", "if", "include", "insert_block", "macro", "property", "unless"}

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from linkwright.stages.export.ros2.moveit import Semantics
-from linkwright.stages.robot.names import free
+from linkwright.stages.robot.text.names import free
 
 TRAJECTORY = "joint_trajectory_controller"
 """The name of the controller of the joints that are in no arm of several, and in no gripper."""

@@ -81,7 +81,7 @@ def _files(
     from linkwright.stages.export.ros2.section import Ros2FormatSection
     from linkwright.stages.export.ros2.xacro_files import control_macro, entry, macro
     from linkwright.stages.formats.xml import to_bytes
-    from linkwright.stages.robot.names import free
+    from linkwright.stages.robot.text.names import free
 
     name = given.written.robot.name
     keys = given.keys.export.ros2 or Ros2FormatSection()

@@ -10,8 +10,8 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
-from linkwright.stages.robot.adjacency import Pair
-from linkwright.stages.robot.geometry import Exclude, Geometry
+from linkwright.stages.robot.model.geometry import Exclude, Geometry
+from linkwright.stages.robot.motion.adjacency import Pair
 
 BITS, LOW = 16, 8
 """The bits of a mask, and those that everything without a mask has."""

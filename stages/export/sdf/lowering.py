@@ -9,9 +9,8 @@ from typing import Literal
 import numpy as np
 
 from linkwright.stages.formats.sdf.names import SdfNames
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.loops import CLOSED, across, closing, gap
-from linkwright.stages.robot.model import (
+from linkwright.stages.robot.model.poses import at_rest, inverse, motion
+from linkwright.stages.robot.model.robot import (
     Array,
     Configuration,
     Dof,
@@ -23,8 +22,9 @@ from linkwright.stages.robot.model import (
     Robot,
     Value,
 )
-from linkwright.stages.robot.poses import at_rest, inverse, motion
-from linkwright.stages.robot.ways import Ways
+from linkwright.stages.robot.motion.kinematics import link_poses
+from linkwright.stages.robot.motion.loops import CLOSED, across, closing, gap
+from linkwright.stages.robot.motion.tree_paths import Ways
 
 SdfJointType = Literal["fixed", "continuous", "revolute", "prismatic", "ball"]
 

@@ -18,11 +18,11 @@ from linkwright.stages.export.sdf.sensors import SdfSensor, Sensors, write_senso
 from linkwright.stages.formats.numbers import LENGTH, TURN, number, numbers, spaced
 from linkwright.stages.formats.sdf.names import SdfNames
 from linkwright.stages.formats.xml import Element, element, to_bytes
-from linkwright.stages.robot.geometry import Geometry, Shape
-from linkwright.stages.robot.inertia import SPECK
-from linkwright.stages.robot.model import Array, Inertial, Primitive, Robot
-from linkwright.stages.robot.names import free
-from linkwright.stages.robot.poses import rpy_from_rotation
+from linkwright.stages.robot.dynamics.inertia import SPECK
+from linkwright.stages.robot.model.geometry import Geometry, Shape
+from linkwright.stages.robot.model.poses import rpy_from_rotation
+from linkwright.stages.robot.model.robot import Array, Inertial, Primitive, Robot
+from linkwright.stages.robot.text.names import free
 
 VERSION = "1.9"
 """The newest that Gazebo Fortress and Debian 12 read."""

@@ -9,10 +9,10 @@ import numpy as np
 
 from linkwright.stages.formats.numbers import number
 from linkwright.stages.formats.xml import Element, element
-from linkwright.stages.robot.model import Array, Robot
-from linkwright.stages.robot.names import free
-from linkwright.stages.robot.poses import from_parts
-from linkwright.stages.robot.sensing import Sensing, Sensor, SensorCamera
+from linkwright.stages.robot.model.poses import from_parts
+from linkwright.stages.robot.model.robot import Array, Robot
+from linkwright.stages.robot.model.sensing import Sensing, Sensor, SensorCamera
+from linkwright.stages.robot.text.names import free
 
 KINDS: Mapping[str, str] = {
     "gyro": "imu",

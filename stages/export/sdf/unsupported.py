@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from linkwright.stages.export.sdf.contacts import BITS, LOW
 from linkwright.stages.export.sdf.model import SdfPlan
 from linkwright.stages.formats.numbers import number
-from linkwright.stages.robot.actuation import Actuation
+from linkwright.stages.robot.dynamics.inertia import NEXT_TO_NOTHING
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.globs import listed
-from linkwright.stages.robot.inertia import NEXT_TO_NOTHING
-from linkwright.stages.robot.model import Joint, Loop, Robot, Value
+from linkwright.stages.robot.model.actuation import Actuation
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.robot import Joint, Loop, Robot, Value
+from linkwright.stages.robot.text.globs import listed
 
 
 def unsupported(

@@ -6,18 +6,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from linkwright.stages.export.extents import Extents
+from linkwright.stages.export.configuration.sensor_section import MEASURES
+from linkwright.stages.export.ground.extents import Extents
 from linkwright.stages.export.sensor_mounts import Mount, mounts_of, report_unknown
-from linkwright.stages.export.sensor_section import MEASURES
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.model import Array, Robot, Sensor, frozen
-from linkwright.stages.robot.names import free
-from linkwright.stages.robot.poses import from_parts, inverse, rotation_from_rpy
-from linkwright.stages.robot.sensing import SensorCamera, SensorSite, SensorTarget, ZoneShape
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.poses import from_parts, inverse, rotation_from_rpy
+from linkwright.stages.robot.model.robot import Array, Robot, Sensor, frozen
+from linkwright.stages.robot.model.sensing import SensorCamera, SensorSite, SensorTarget, ZoneShape
+from linkwright.stages.robot.text.names import free
 
 if TYPE_CHECKING:
-    from linkwright.stages.export.sensor_section import SensorSection
+    from linkwright.stages.export.configuration.sensor_section import SensorSection
 
 WORLD = "world"
 """The link that is the assembly's origin: a site has its name in the MJCF."""

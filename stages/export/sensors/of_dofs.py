@@ -3,16 +3,16 @@
 from collections.abc import Collection, Iterator, Mapping
 from typing import TYPE_CHECKING, Literal
 
-from linkwright.stages.export.sensor_section import MEASURES
-from linkwright.stages.robot.actuation import Actuation
+from linkwright.stages.export.configuration.sensor_section import MEASURES
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.globs import fits, there_are
-from linkwright.stages.robot.model import Dof, Robot, Sensor
+from linkwright.stages.robot.model.actuation import Actuation
+from linkwright.stages.robot.model.robot import Dof, Robot, Sensor
 from linkwright.stages.robot.quantity_keys import as_typed, misfit
+from linkwright.stages.robot.text.globs import fits, there_are
 
 if TYPE_CHECKING:
-    from linkwright.stages.export.actuator_section import ActuatorSection
-    from linkwright.stages.export.sensor_section import SensorSection
+    from linkwright.stages.export.configuration.actuator_section import ActuatorSection
+    from linkwright.stages.export.configuration.sensor_section import SensorSection
 
 OF_BALLS = {"pos": "ballquat", "vel": "ballangvel"}
 """What is measured of a ball → MuJoCo's element."""

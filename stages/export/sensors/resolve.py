@@ -5,15 +5,15 @@ from typing import TYPE_CHECKING
 
 from linkwright.stages.export.sensors.mounted import Mounted
 from linkwright.stages.export.sensors.of_dofs import actuator_sensors, encoders, joint_sensors
-from linkwright.stages.robot.actuation import Actuation
 from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.dynamics.measuring import measuring
 from linkwright.stages.robot.errors import Diagnostic, ExportError
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.measuring import measuring
-from linkwright.stages.robot.model import Robot, Sensor
-from linkwright.stages.robot.names import plain
-from linkwright.stages.robot.plural import count
-from linkwright.stages.robot.sensing import Sensing
+from linkwright.stages.robot.model.actuation import Actuation
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.robot import Robot, Sensor
+from linkwright.stages.robot.model.sensing import Sensing
+from linkwright.stages.robot.text.names import plain
+from linkwright.stages.robot.text.plural import count
 
 if TYPE_CHECKING:
     from linkwright.stages.export.section import ExportSections

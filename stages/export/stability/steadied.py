@@ -10,15 +10,15 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
 from linkwright.stages.mujoco.trial import Trial
-from linkwright.stages.robot.actuation import Actuation, Armature
-from linkwright.stages.robot.driven import as_driven
-from linkwright.stages.robot.dynamics import SPEEDS, mass_matrix
+from linkwright.stages.robot.dynamics.driven import as_driven
+from linkwright.stages.robot.dynamics.mass_matrix import SPEEDS, mass_matrix
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.globs import listed
-from linkwright.stages.robot.loops import POINTWISE
-from linkwright.stages.robot.model import Dof, Robot
-from linkwright.stages.robot.start_pose import home
-from linkwright.stages.robot.ways import Ways
+from linkwright.stages.robot.model.actuation import Actuation, Armature
+from linkwright.stages.robot.model.robot import Dof, Robot
+from linkwright.stages.robot.motion.loops import POINTWISE
+from linkwright.stages.robot.motion.start_pose import home
+from linkwright.stages.robot.motion.tree_paths import Ways
+from linkwright.stages.robot.text.globs import listed
 
 SHARES = (1 / 64, 1 / 16, 1 / 4, 1.0, 4.0)
 """The armatures that are tried, as shares of the largest inertia that a dof of the group moves."""

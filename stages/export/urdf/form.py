@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 from linkwright.stages.formats.urdf.as_written import form_with
 from linkwright.stages.formats.urdf.form import UrdfForm
-from linkwright.stages.robot.actuation import Actuation
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.actuation import Actuation
+from linkwright.stages.robot.model.robot import Robot
 
 if TYPE_CHECKING:
     from linkwright.stages.export.section import ExportSections

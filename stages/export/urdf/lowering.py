@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from linkwright.stages.formats.urdf.names import UrdfNames, urdf_names
-from linkwright.stages.robot.model import Array, Dof, Dynamics, Joint, Limits, Robot
+from linkwright.stages.robot.model.robot import Array, Dof, Dynamics, Joint, Limits, Robot
 
 UrdfJointType = Literal["fixed", "continuous", "revolute", "prismatic", "floating"]
 

@@ -17,10 +17,10 @@ from linkwright.stages.formats.numbers import LENGTH, TURN, number, numbers, spa
 from linkwright.stages.formats.urdf.names import UrdfNames
 from linkwright.stages.formats.written import Written
 from linkwright.stages.formats.xml import Element, element, parse, to_bytes
-from linkwright.stages.robot.geometry import Geometry, Role, Shape
-from linkwright.stages.robot.inertia import SPECK, ZERO
-from linkwright.stages.robot.model import Array, Inertial, Limits, Primitive, Robot
-from linkwright.stages.robot.poses import from_parts, rpy_from_rotation
+from linkwright.stages.robot.dynamics.inertia import SPECK, ZERO
+from linkwright.stages.robot.model.geometry import Geometry, Role, Shape
+from linkwright.stages.robot.model.poses import from_parts, rpy_from_rotation
+from linkwright.stages.robot.model.robot import Array, Inertial, Limits, Primitive, Robot
 
 UNSET_EFFORT = 100.0
 UNSET_VELOCITY = 10.0

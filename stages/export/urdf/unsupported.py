@@ -7,12 +7,12 @@ from linkwright.stages.formats.numbers import number
 from linkwright.stages.formats.urdf.form import UrdfForm
 from linkwright.stages.formats.urdf.names import urdf_names, urdf_steps
 from linkwright.stages.formats.written import Written
+from linkwright.stages.robot.dynamics.fusing import Holders
+from linkwright.stages.robot.dynamics.inertia import NEXT_TO_NOTHING
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.fusing import Holders
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.inertia import NEXT_TO_NOTHING
-from linkwright.stages.robot.linear_coupling import LinearCoupling
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.robot.motion.linear_coupling import LinearCoupling
 
 
 def unsupported(written: Written) -> Iterator[Diagnostic]:

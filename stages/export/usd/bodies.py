@@ -6,11 +6,11 @@ from linkwright.stages.export.usd.joints import UsdJoint
 from linkwright.stages.export.usd.layer import Prim, rounded
 from linkwright.stages.formats.numbers import LENGTH, rounded_tensor
 from linkwright.stages.formats.usd.names import UsdNames
-from linkwright.stages.robot.inertia import SPECK, principal_axes
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.loops import across, closing
-from linkwright.stages.robot.model import Array, Configuration, Inertial, Robot
-from linkwright.stages.robot.poses import at_rest, motion
+from linkwright.stages.robot.dynamics.inertia import SPECK, principal_axes
+from linkwright.stages.robot.model.poses import at_rest, motion
+from linkwright.stages.robot.model.robot import Array, Configuration, Inertial, Robot
+from linkwright.stages.robot.motion.kinematics import link_poses
+from linkwright.stages.robot.motion.loops import across, closing
 
 
 def body_poses(

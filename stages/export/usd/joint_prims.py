@@ -6,7 +6,7 @@ from linkwright.stages.export.usd.joints import UsdJoint
 from linkwright.stages.export.usd.layer import Prim
 from linkwright.stages.formats.numbers import LENGTH, TURN
 from linkwright.stages.formats.usd.joint_facts import DEGREES, JointFacts, resistance, units
-from linkwright.stages.robot.model import Array, Limits
+from linkwright.stages.robot.model.robot import Array, Limits
 
 
 def write_joint(prim: Prim, joint: UsdJoint) -> None:

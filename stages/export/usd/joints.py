@@ -12,8 +12,17 @@ from typing import Literal
 import numpy as np
 
 from linkwright.stages.formats.usd.names import UsdNames
-from linkwright.stages.robot.model import Array, Configuration, Dof, Dynamics, Joint, Limits, Loop, Robot
-from linkwright.stages.robot.poses import at_rest, from_parts, motion, rotation_from_quat
+from linkwright.stages.robot.model.poses import at_rest, from_parts, motion, rotation_from_quat
+from linkwright.stages.robot.model.robot import (
+    Array,
+    Configuration,
+    Dof,
+    Dynamics,
+    Joint,
+    Limits,
+    Loop,
+    Robot,
+)
 
 JointType = Literal["Fixed", "Revolute", "Prismatic", "Spherical", ""]
 """Of UsdPhysics: `Physics<type>Joint`; "" is the general one."""

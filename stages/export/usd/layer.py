@@ -16,8 +16,8 @@ import numpy.typing as npt
 from pxr import Gf, Sdf, Vt
 
 from linkwright.stages.formats.numbers import LENGTH, TURN, number, numbers
-from linkwright.stages.robot.model import Array
-from linkwright.stages.robot.poses import quat_from_rotation
+from linkwright.stages.robot.model.poses import quat_from_rotation
+from linkwright.stages.robot.model.robot import Array
 
 _TYPES: Mapping[str, Any] = {
     "asset": Sdf.ValueTypeNames.Asset,

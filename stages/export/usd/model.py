@@ -26,12 +26,12 @@ from linkwright.stages.export.usd.shapes import write_colliders, write_materials
 from linkwright.stages.formats.usd.drives import Drives
 from linkwright.stages.formats.usd.joint_facts import JointFacts, driven, mimic, state
 from linkwright.stages.formats.usd.names import UsdNames, identifiers
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.inertia import SPECK
-from linkwright.stages.robot.model import Array, Configuration, Robot
-from linkwright.stages.robot.names import free
-from linkwright.stages.robot.poses import from_parts
-from linkwright.stages.robot.sensing import Sensing, SensorCamera
+from linkwright.stages.robot.dynamics.inertia import SPECK
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.poses import from_parts
+from linkwright.stages.robot.model.robot import Array, Configuration, Robot
+from linkwright.stages.robot.model.sensing import Sensing, SensorCamera
+from linkwright.stages.robot.text.names import free
 
 _FROM_IMAGE = np.diag([1.0, -1.0, -1.0])
 """camera_from_prim (3, 3): cameras of USD look along −z, with y up; ours along z, with y down."""

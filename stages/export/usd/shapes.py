@@ -7,12 +7,12 @@ import numpy as np
 
 from linkwright.stages.export.paints import Paint, materials, paint
 from linkwright.stages.export.usd.layer import Layer, Prim
-from linkwright.stages.formats.mesh_faces import MeshFaces, mesh_faces
+from linkwright.stages.formats.meshes.faces import MeshFaces, mesh_faces
 from linkwright.stages.formats.usd.colours import ROUGHNESS, linear
 from linkwright.stages.formats.usd.names import identifiers
-from linkwright.stages.robot.geometry import Geometry, Shape
-from linkwright.stages.robot.model import Array, Primitive
-from linkwright.stages.robot.names import free
+from linkwright.stages.robot.model.geometry import Geometry, Shape
+from linkwright.stages.robot.model.robot import Array, Primitive
+from linkwright.stages.robot.text.names import free
 
 Friction = tuple[float, float, float]
 """Sliding [-], torsional [m] and rolling [m]."""

@@ -5,12 +5,12 @@ from collections.abc import Iterator
 from linkwright.stages.export.usd.model import UsdPlan
 from linkwright.stages.formats.numbers import number
 from linkwright.stages.formats.usd.zeros import is_turned
-from linkwright.stages.robot.actuation import Actuation
+from linkwright.stages.robot.dynamics.inertia import NEXT_TO_NOTHING
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.inertia import NEXT_TO_NOTHING
-from linkwright.stages.robot.model import Robot
-from linkwright.stages.robot.start_pose import HOME
+from linkwright.stages.robot.model.actuation import Actuation
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.robot.motion.start_pose import HOME
 
 
 def unsupported(

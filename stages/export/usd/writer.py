@@ -51,7 +51,7 @@ def _plan(given: WriterInput) -> "UsdPlan":
     from linkwright.stages.formats.usd.drives import drives_of
     from linkwright.stages.formats.usd.names import usd_names
     from linkwright.stages.formats.usd.zeros import ball_zeros
-    from linkwright.stages.robot.start_pose import home
+    from linkwright.stages.robot.motion.start_pose import home
 
     robot = given.written.robot
     names = usd_names(robot)

@@ -10,8 +10,8 @@ from typing import Any, ClassVar
 from linkwright.stages.fetch import source_class
 from linkwright.stages.fetch.recording import LARGEST
 from linkwright.stages.fetch.source import FetchContext, Fetched, FileSource
-from linkwright.stages.robot import regular_files
 from linkwright.stages.robot.errors import SourceError
+from linkwright.stages.robot.system import regular_files
 
 
 class BundleSource(FileSource):

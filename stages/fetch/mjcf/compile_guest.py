@@ -8,10 +8,10 @@ from pathlib import Path
 
 import mujoco
 
-from linkwright.stages.fetch.mjcf.compiled import convert
-from linkwright.stages.fetch.mjcf.meshes import Meshes
-from linkwright.stages.fetch.mjcf.textures import Textures
-from linkwright.stages.formats import mjcf_bounds
+from linkwright.stages.fetch.mjcf.compiled.meshes import Meshes
+from linkwright.stages.fetch.mjcf.compiled.model import convert
+from linkwright.stages.fetch.mjcf.compiled.textures import Textures
+from linkwright.stages.formats.mjcf import bounds as mjcf_bounds
 from linkwright.stages.mujoco.compile import NotCompiled, refusals
 from linkwright.stages.mujoco.warnings import listening
 from linkwright.stages.robot import codec

@@ -13,9 +13,9 @@ from html import unescape
 from itertools import chain, product
 from pathlib import Path, PurePath
 
-from linkwright.stages.formats.mjcf_bounds import LARGEST_TEXT
-from linkwright.stages.robot import regular_files
+from linkwright.stages.formats.mjcf.bounds import LARGEST_TEXT
 from linkwright.stages.robot.errors import SourceError
+from linkwright.stages.robot.system import regular_files
 
 LARGEST_FILE = 1 << 29
 """Largest size of one file [bytes]."""

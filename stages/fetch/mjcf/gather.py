@@ -1,6 +1,6 @@
 """The source `mjcf`: a model file, read and compiled by MuJoCo itself, as a bundle.
 
-The bundle has the compiled model (`stages.formats.mjcf`), exact to the bit, and the triangles of each
+The bundle has the compiled model (`stages.formats.mjcf.model`), exact to the bit, and the triangles of each
 mesh and its textures, but no file of the model, so later stages do not depend on how MuJoCo finds and reads
 files.
 MuJoCo's own export of a model is not used: it loses defaults, inertias and digits.
@@ -17,9 +17,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from linkwright.stages.fetch.robot_file import IMAGE, MESH
-from linkwright.stages.robot import guest
 from linkwright.stages.robot.bundle import FileBundle
 from linkwright.stages.robot.errors import Diagnostic, ProtocolError, SourceError
+from linkwright.stages.robot.system import guest
 
 if TYPE_CHECKING:
     from linkwright.stages.fetch.mjcf.section import MjcfSourceSection

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from threading import Lock
 
 from linkwright.stages.robot.errors import SourceError
-from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.text.plural import count
 
 
 class Budget:

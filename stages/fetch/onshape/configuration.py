@@ -15,8 +15,8 @@ import orjson
 from linkwright.stages.formats.onshape_configuration import encoded, joined, split
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import ProtocolError, SourceError
-from linkwright.stages.robot.globs import did_you_mean
-from linkwright.stages.robot.units import SI, UNITS, Measure
+from linkwright.stages.robot.text.globs import did_you_mean
+from linkwright.stages.robot.text.units import SI, UNITS, Measure
 
 Kind = Literal["Enum", "Boolean", "Quantity", "String"]
 _KEY = "source.configuration"

@@ -10,8 +10,8 @@ from dataclasses import replace
 from typing import Any
 
 from linkwright.stages.fetch.onshape import configuration, requests
-from linkwright.stages.fetch.onshape.cached_client import CachedClient
-from linkwright.stages.fetch.onshape.freshness import Workspace
+from linkwright.stages.fetch.onshape.asking.cached_client import CachedClient
+from linkwright.stages.fetch.onshape.asking.freshness import Workspace
 from linkwright.stages.fetch.onshape.url import AssemblyUrl
 from linkwright.stages.robot.errors import SourceError
 

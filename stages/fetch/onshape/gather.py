@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from hashlib import sha256
 from typing import Protocol
 
-from linkwright.stages.fetch.onshape import definition, features
-from linkwright.stages.fetch.onshape.features import Owner
+from linkwright.stages.fetch.onshape import definition
+from linkwright.stages.fetch.onshape.replies import features
+from linkwright.stages.fetch.onshape.replies.features import Owner
 from linkwright.stages.robot.bundle import Features, OnshapeBundle, Studio, StudioKey
 
 

@@ -9,7 +9,7 @@ from linkwright.stages.fetch.onshape import reply_sizes
 from linkwright.stages.fetch.source import FetchContext, Fetched, Source
 from linkwright.stages.robot.bundle import OnshapeBundle
 from linkwright.stages.robot.errors import ConfigError
-from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.text.plural import count
 
 if TYPE_CHECKING:
     from linkwright.stages.fetch.onshape.section import OnshapeSourceSection
@@ -66,7 +66,7 @@ class OnshapeSource(Source):
         }
 
     def fetch(self, context: FetchContext) -> Fetched:
-        from linkwright.stages.fetch.onshape.online import fetch
+        from linkwright.stages.fetch.onshape.asking.online import fetch
 
         return fetch(self._keys, context)
 
@@ -93,7 +93,7 @@ class OnshapeSource(Source):
     @staticmethod
     def replay(recording: Recording, where: str) -> OnshapeBundle:
         from linkwright.stages.fetch.onshape.gather import gather
-        from linkwright.stages.fetch.onshape.recorded import Recorded
+        from linkwright.stages.fetch.onshape.replies.recorded import Recorded
 
         return gather(Recorded(recording, where))
 

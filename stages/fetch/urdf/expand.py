@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING, Any
 
 from linkwright.stages.fetch.urdf.ros_packages import VARIABLES
 from linkwright.stages.fetch.urdf.text import LARGEST
-from linkwright.stages.robot import guest
 from linkwright.stages.robot.errors import ConfigError, SourceError
-from linkwright.stages.robot.install import install
+from linkwright.stages.robot.system import guest
+from linkwright.stages.robot.system.install import install
 
 if TYPE_CHECKING:
     from linkwright.stages.fetch.urdf.section import UrdfSourceSection

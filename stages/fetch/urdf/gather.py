@@ -9,21 +9,21 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 from linkwright.stages.fetch.robot_file import IMAGE
-from linkwright.stages.fetch.urdf.companions import companions
-from linkwright.stages.fetch.urdf.loose_mesh import LooseMesh, body
-from linkwright.stages.fetch.urdf.mesh_file import Unreadable, read
+from linkwright.stages.fetch.urdf.meshes.companions import companions
+from linkwright.stages.fetch.urdf.meshes.loose_mesh import LooseMesh, body
+from linkwright.stages.fetch.urdf.meshes.mesh_file import Unreadable, read
+from linkwright.stages.fetch.urdf.meshes.textures import NO_COORDINATES, Texture, texture
 from linkwright.stages.fetch.urdf.resolve import MeshPlace
 from linkwright.stages.fetch.urdf.srdf_file import NAME, SRDF, SrdfFile, is_asked
 from linkwright.stages.fetch.urdf.survey import LARGEST_MESH, Survey, survey
-from linkwright.stages.fetch.urdf.textures import NO_COORDINATES, Texture, texture
 from linkwright.stages.formats import png, triangles
 from linkwright.stages.formats.srdf.parse import parse_srdf
 from linkwright.stages.formats.urdf.model import Urdf, UrdfShape, mesh_key
 from linkwright.stages.formats.urdf.parse import parse
 from linkwright.stages.formats.xml import Malformed
-from linkwright.stages.robot import regular_files
 from linkwright.stages.robot.bundle import FileBundle
 from linkwright.stages.robot.errors import Diagnostic, SourceError
+from linkwright.stages.robot.system import regular_files
 
 if TYPE_CHECKING:
     from linkwright.stages.fetch.urdf.section import UrdfSourceSection

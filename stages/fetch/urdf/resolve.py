@@ -12,7 +12,7 @@ from pathlib import Path, PurePosixPath
 from urllib.parse import unquote
 
 from linkwright.stages.fetch.urdf.ros_packages import Packages
-from linkwright.stages.robot import regular_files
+from linkwright.stages.robot.system import regular_files
 
 _MOST_SEEN = 50_000
 """Files below the robot's folder that are looked through for one that is not where it should be."""

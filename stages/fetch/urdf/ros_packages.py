@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from linkwright.stages.robot import regular_files
+from linkwright.stages.robot.system import regular_files
 
 _NAME = re.compile(rb"<name>\s*([^<\s]+)\s*</name>")
 _OF_ROS = ("ROS_PACKAGE_PATH", "GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH")

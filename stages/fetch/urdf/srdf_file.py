@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from linkwright.stages.fetch.urdf import text
-from linkwright.stages.robot import regular_files
 from linkwright.stages.robot.errors import ConfigError, Diagnostic, SourceError
+from linkwright.stages.robot.system import regular_files
 
 if TYPE_CHECKING:
     from linkwright.stages.fetch.urdf.section import UrdfSourceSection

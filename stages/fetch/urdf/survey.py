@@ -15,12 +15,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from linkwright.stages.fetch.urdf import expand, plain, srdf_file, text
-from linkwright.stages.fetch.urdf.companions import NAMING_FILES, companions
+from linkwright.stages.fetch.urdf.meshes.companions import NAMING_FILES, companions
 from linkwright.stages.fetch.urdf.resolve import MeshPlace, MeshPlaces
 from linkwright.stages.fetch.urdf.ros_packages import Packages
 from linkwright.stages.fetch.urdf.srdf_file import SrdfFile
-from linkwright.stages.robot import regular_files
 from linkwright.stages.robot.errors import SourceError
+from linkwright.stages.robot.system import regular_files
 
 if TYPE_CHECKING:
     from linkwright.stages.fetch.urdf.section import UrdfSourceSection

@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from linkwright.stages.robot import regular_files
 from linkwright.stages.robot.errors import SourceError
+from linkwright.stages.robot.system import regular_files
 
 LARGEST = 1 << 24
 """Larger files are not read as a robot [bytes]."""

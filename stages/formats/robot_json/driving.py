@@ -16,8 +16,15 @@ from linkwright.stages.formats.robot_json.values import (
     TextPairs,
     Turned,
 )
-from linkwright.stages.robot.actuation import Actuation, Actuator, ActuatorType, Armature
-from linkwright.stages.robot.sensing import Sensing, Sensor, SensorCamera, SensorSite, SensorTarget, ZoneShape
+from linkwright.stages.robot.model.actuation import Actuation, Actuator, ActuatorType, Armature
+from linkwright.stages.robot.model.sensing import (
+    Sensing,
+    Sensor,
+    SensorCamera,
+    SensorSite,
+    SensorTarget,
+    ZoneShape,
+)
 
 
 @dataclass(frozen=True, kw_only=True)

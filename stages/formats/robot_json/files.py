@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from linkwright.stages.formats.robot_json.codec import UNREAD, JsonRecord, Key
 from linkwright.stages.formats.robot_json.values import DofName, ExactValue, LinkName, Pose, ShortRange, short
-from linkwright.stages.robot.linear_coupling import LinearCoupling
+from linkwright.stages.robot.motion.linear_coupling import LinearCoupling
 
 
 @dataclass(frozen=True)

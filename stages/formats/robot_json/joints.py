@@ -21,8 +21,8 @@ from linkwright.stages.formats.robot_json.values import (
     Vector,
     as_float,
 )
-from linkwright.stages.robot import model
-from linkwright.stages.robot.poses import UNMOVED
+from linkwright.stages.robot.model import robot as model
+from linkwright.stages.robot.model.poses import UNMOVED
 
 
 @dataclass(frozen=True)

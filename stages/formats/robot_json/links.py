@@ -15,7 +15,7 @@ from linkwright.stages.formats.robot_json.values import (
     PoseRecord,
     Tensor,
 )
-from linkwright.stages.robot import model
+from linkwright.stages.robot.model import robot as model
 
 MIRROR = np.diag([1.0, 1.0, -1.0, 1.0])
 """What takes the right-handed pose that is written of a mirrored part to its own (4, 4)."""

@@ -14,7 +14,7 @@ from linkwright.stages.formats.robot_json.values import (
     TextPairs,
     TextsPairs,
 )
-from linkwright.stages.robot import mjcf_extras
+from linkwright.stages.robot.model import mjcf_extras
 
 
 @dataclass(frozen=True)

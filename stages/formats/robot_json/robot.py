@@ -26,10 +26,10 @@ from linkwright.stages.formats.robot_json.shapes import (
     TouchRecord,
 )
 from linkwright.stages.formats.robot_json.values import Number, PoseRecord
-from linkwright.stages.robot import model
-from linkwright.stages.robot.amendments import Amendment, Surplus
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.semantics import NOTHING_MORE, RobotSemantics
+from linkwright.stages.robot.model import robot as model
+from linkwright.stages.robot.model.amendments import Amendment, Surplus
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.semantics import NOTHING_MORE, RobotSemantics
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,8 @@ from linkwright.stages.formats.robot_json.values import (
     SettingValue,
     Values,
 )
-from linkwright.stages.robot.model import Keyframe
-from linkwright.stages.robot.scene import Ground, Scene
+from linkwright.stages.robot.model.robot import Keyframe
+from linkwright.stages.robot.model.scene import Ground, Scene
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ from typing import Annotated, Any
 from linkwright.stages.formats.robot_json.codec import UNREAD, JsonRecord, Key
 from linkwright.stages.formats.robot_json.links import PrimitiveRecord
 from linkwright.stages.formats.robot_json.values import Bounds, Colour, LinkName, Short, TextPairs, each_of
-from linkwright.stages.robot.geom_form import PLAIN, ContactProperties, GeomForm
-from linkwright.stages.robot.geometry import Exclude, ExcludeReason, Role, Shape, Touch
+from linkwright.stages.robot.model.geom_form import PLAIN, ContactProperties, GeomForm
+from linkwright.stages.robot.model.geometry import Exclude, ExcludeReason, Role, Shape, Touch
 
 
 @dataclass(frozen=True)

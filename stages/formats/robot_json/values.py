@@ -18,9 +18,9 @@ from linkwright.stages.formats.robot_json.codec import (
     refused,
     table_of,
 )
-from linkwright.stages.robot.model import Array, Value, frozen
-from linkwright.stages.robot.poses import from_parts, quat_from_rotation, rotation_from_quat
-from linkwright.stages.robot.scene import Setting
+from linkwright.stages.robot.model.poses import from_parts, quat_from_rotation, rotation_from_quat
+from linkwright.stages.robot.model.robot import Array, Value, frozen
+from linkwright.stages.robot.model.scene import Setting
 
 
 def as_float(value: float, least: float = 0.0) -> float:

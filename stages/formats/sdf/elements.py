@@ -3,8 +3,8 @@
 import numpy as np
 
 from linkwright.stages.formats.xml import Element
-from linkwright.stages.robot.model import Array
-from linkwright.stages.robot.poses import from_parts, rotation_from_rpy
+from linkwright.stages.robot.model.poses import from_parts, rotation_from_rpy
+from linkwright.stages.robot.model.robot import Array
 
 
 class SdfError(ValueError):

@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 
 from linkwright.stages.formats.sdf.model import ReadJoint, SdfModel
-from linkwright.stages.robot.model import Array
-from linkwright.stages.robot.poses import inverse
+from linkwright.stages.robot.model.poses import inverse
+from linkwright.stages.robot.model.robot import Array
 
 
 def moved_links(model: SdfModel, motions: Mapping[str, Array]) -> dict[str, Array]:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from linkwright.stages.formats.sdf.shapes import SdfShape
-from linkwright.stages.robot.model import Array, Dynamics, Inertial, Limits
+from linkwright.stages.robot.model.robot import Array, Dynamics, Inertial, Limits
 
 
 @dataclass(frozen=True, slots=True, eq=False)

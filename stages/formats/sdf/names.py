@@ -4,8 +4,8 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from linkwright.stages.robot.model import Joint, Loop, Robot
-from linkwright.stages.robot.names import free
+from linkwright.stages.robot.model.robot import Joint, Loop, Robot
+from linkwright.stages.robot.text.names import free
 
 ROOT_OF_ALL = "world"
 """A link of this name is the origin of the assembly; to an SDF it is what is outside of the model."""

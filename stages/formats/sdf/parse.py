@@ -14,8 +14,8 @@ from linkwright.stages.formats.sdf.model import ReadJoint, SdfFrame, SdfLink, Sd
 from linkwright.stages.formats.sdf.names import ROOT_OF_ALL
 from linkwright.stages.formats.sdf.shapes import shapes_of
 from linkwright.stages.formats.xml import Element, Malformed, parse
-from linkwright.stages.robot.model import Array, Dynamics, Inertial, Limits, frozen
-from linkwright.stages.robot.poses import inverse
+from linkwright.stages.robot.model.poses import inverse
+from linkwright.stages.robot.model.robot import Array, Dynamics, Inertial, Limits, frozen
 
 VERSIONS = ("1.7", "1.8", "1.9", "1.10", "1.11", "1.12")
 """With these, names and poses mean the same."""

@@ -7,8 +7,8 @@ import numpy as np
 
 from linkwright.stages.formats.sdf.elements import SdfError, bound, needed, numbers, pose_of, truth
 from linkwright.stages.formats.xml import Element, tag
-from linkwright.stages.robot.geometry import Colour
-from linkwright.stages.robot.model import Array, frozen
+from linkwright.stages.robot.model.geometry import Colour
+from linkwright.stages.robot.model.robot import Array, frozen
 
 SIZES = {"box": (("size", 3),), "sphere": (("radius", 1),)} | dict.fromkeys(
     ("cylinder", "capsule"), (("radius", 1), ("length", 1))

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from linkwright.stages.formats.urdf.names import urdf_names
-from linkwright.stages.robot.model import Dof, Limits, Robot
+from linkwright.stages.robot.model.robot import Dof, Limits, Robot
 
 
 @dataclass(frozen=True, slots=True)

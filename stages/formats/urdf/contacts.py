@@ -3,10 +3,10 @@
 from collections.abc import Iterable, Mapping, Sequence, Set
 
 from linkwright.stages.formats.written import Written
-from linkwright.stages.robot.adjacency import Pair, adjacent_pairs
-from linkwright.stages.robot.fusing import members
-from linkwright.stages.robot.model import Robot
-from linkwright.stages.robot.semantics import NEVER
+from linkwright.stages.robot.dynamics.fusing import members
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.robot.model.semantics import NEVER
+from linkwright.stages.robot.motion.adjacency import Pair, adjacent_pairs
 
 Reason = str
 """In the words of MoveIt's assistant, Adjacent: next to each other; Default: touching in every pose; User:

@@ -8,8 +8,8 @@ import numpy as np
 
 from linkwright.stages.formats.urdf.diagnostics import FileDiagnostics
 from linkwright.stages.formats.xml import Element, tag
-from linkwright.stages.robot.model import Array, frozen
-from linkwright.stages.robot.poses import from_parts, rotation_from_quat, rotation_from_rpy
+from linkwright.stages.robot.model.poses import from_parts, rotation_from_quat, rotation_from_rpy
+from linkwright.stages.robot.model.robot import Array, frozen
 
 
 def child(element: Element, name: str, log: FileDiagnostics) -> Element | None:

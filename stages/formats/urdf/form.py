@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from linkwright.stages.robot.linear_coupling import LinearCoupling
+from linkwright.stages.robot.motion.linear_coupling import LinearCoupling
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,9 +11,9 @@ from pathlib import PurePosixPath
 from typing import Literal
 
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.geometry import Colour
-from linkwright.stages.robot.model import Array, Inertial, Limits
-from linkwright.stages.robot.model import Transmission as Transmission
+from linkwright.stages.robot.model.geometry import Colour
+from linkwright.stages.robot.model.robot import Array, Inertial, Limits
+from linkwright.stages.robot.model.robot import Transmission as Transmission
 
 UrdfShapeKind = Literal["box", "cylinder", "sphere", "capsule", "mesh"]
 UrdfJointType = Literal["revolute", "continuous", "prismatic", "fixed", "floating", "planar"]

@@ -8,8 +8,8 @@ joint; a ball is three joints. Links share one space of names there, joints anot
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from linkwright.stages.robot.model import Joint, Robot
-from linkwright.stages.robot.names import free
+from linkwright.stages.robot.model.robot import Joint, Robot
+from linkwright.stages.robot.text.names import free
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,9 +26,9 @@ from linkwright.stages.formats.urdf.model import (
 from linkwright.stages.formats.urdf.shapes import Materials, collisions, visuals
 from linkwright.stages.formats.urdf.transmissions import controlled, rotors, transmissions
 from linkwright.stages.formats.xml import Element, tag
+from linkwright.stages.robot.dynamics.inertia import moved
 from linkwright.stages.robot.errors import SourceError
-from linkwright.stages.robot.inertia import moved
-from linkwright.stages.robot.model import Array, Inertial, Limits, frozen
+from linkwright.stages.robot.model.robot import Array, Inertial, Limits, frozen
 
 _TYPES: tuple[str, ...] = get_args(UrdfJointType)
 _PARTS = ("link", "joint", "material", "transmission", "ros2_control", "mujoco")

@@ -10,7 +10,7 @@ from linkwright.stages.formats.urdf.diagnostics import FileDiagnostics
 from linkwright.stages.formats.urdf.elements import child, number, numbers, pose
 from linkwright.stages.formats.urdf.model import UrdfShape, UrdfShapeKind
 from linkwright.stages.formats.xml import Element, tag
-from linkwright.stages.robot.geometry import Colour
+from linkwright.stages.robot.model.geometry import Colour
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from linkwright.stages.robot.adjacency import Pair
+from linkwright.stages.robot.motion.adjacency import Pair
 
 
 @dataclass(frozen=True, slots=True)

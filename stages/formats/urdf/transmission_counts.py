@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from linkwright.stages.formats import xml
 from linkwright.stages.formats.xml import Element, tag
-from linkwright.stages.robot.dofs import AS_THE_MATE, MateValue
+from linkwright.stages.robot.model.dofs import AS_THE_MATE, MateValue
 
 REDUCTIONS = ("mechanicalReduction", "mechanical_reduction")
 

@@ -1,6 +1,6 @@
 """Colours of a USD."""
 
-from linkwright.stages.robot.geometry import Colour
+from linkwright.stages.robot.model.geometry import Colour
 
 ROUGHNESS = 0.5
 """Of every surface."""

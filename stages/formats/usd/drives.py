@@ -5,10 +5,10 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from linkwright.stages.robot.actuation import SERVOS, Actuation, Actuator
-from linkwright.stages.robot.holding_control import state_at
-from linkwright.stages.robot.model import Configuration, Dof, Robot, Value
-from linkwright.stages.robot.start_pose import HOME
+from linkwright.stages.robot.dynamics.holding_control import state_at
+from linkwright.stages.robot.model.actuation import SERVOS, Actuation, Actuator
+from linkwright.stages.robot.model.robot import Configuration, Dof, Robot, Value
+from linkwright.stages.robot.motion.start_pose import HOME
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 from linkwright.stages.formats.numbers import LENGTH, TURN, number
 from linkwright.stages.formats.usd.drives import Drive
-from linkwright.stages.robot.model import Dof, Relation
+from linkwright.stages.robot.model.robot import Dof, Relation
 
 DEGREES = 180.0 / math.pi
 

@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
-from linkwright.stages.robot.model import Joint, Loop, Robot
-from linkwright.stages.robot.names import free, plain
+from linkwright.stages.robot.model.robot import Joint, Loop, Robot
+from linkwright.stages.robot.text.names import free, plain
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 import math
 
-from linkwright.stages.robot.model import Configuration, Robot, Value
+from linkwright.stages.robot.model.robot import Configuration, Robot, Value
 
 _ROUNDING = 1e-12
 

@@ -3,11 +3,11 @@
 from collections.abc import Callable, Iterator, Sequence
 from typing import cast
 
-from linkwright.stages.formats.mjcf import Mjcf, MjcfSensorEnd
+from linkwright.stages.formats.mjcf.model import Mjcf, MjcfSensorEnd
 from linkwright.stages.graph.mjcf.naming import MjcfFileNames
-from linkwright.stages.robot.actuation import Actuator, ActuatorType
-from linkwright.stages.robot.names import free
-from linkwright.stages.robot.sensing import Sensor, SensorTarget, ZoneShape
+from linkwright.stages.robot.model.actuation import Actuator, ActuatorType
+from linkwright.stages.robot.model.sensing import Sensor, SensorTarget, ZoneShape
+from linkwright.stages.robot.text.names import free
 
 
 def actuators_of(mjcf: Mjcf, names: MjcfFileNames) -> tuple[Actuator, ...]:

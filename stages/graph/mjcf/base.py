@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from linkwright.stages.formats.mjcf import Mjcf, MjcfBody
+from linkwright.stages.formats.mjcf.model import Mjcf, MjcfBody
 from linkwright.stages.graph.mjcf.equalities import Closing
 
 

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from linkwright.stages.formats.mjcf import MjcfClosure
+from linkwright.stages.formats.mjcf.model import MjcfClosure
 from linkwright.stages.graph.dofs import residual
 from linkwright.stages.graph.mechanism import Connection
-from linkwright.stages.robot.kinematics import chain
-from linkwright.stages.robot.model import (
+from linkwright.stages.robot.model.poses import inverse, quat_from_rotation
+from linkwright.stages.robot.model.robot import (
     Array,
     Dof,
     DofKind,
@@ -20,7 +20,7 @@ from linkwright.stages.robot.model import (
     Value,
     frozen,
 )
-from linkwright.stages.robot.poses import inverse, quat_from_rotation
+from linkwright.stages.robot.motion.kinematics import chain
 
 SECOND_POINT = "_axis"
 """Suffix of the sites of a hinge's second point."""

@@ -3,11 +3,11 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from linkwright.stages.formats.mjcf import Mjcf, MjcfNamedPose
+from linkwright.stages.formats.mjcf.model import Mjcf, MjcfNamedPose
 from linkwright.stages.graph.mjcf.actuation import actuator_names, sensor_names
 from linkwright.stages.graph.mjcf.equalities import Closing
 from linkwright.stages.graph.mjcf.naming import MjcfFileNames
-from linkwright.stages.robot.mjcf_extras import (
+from linkwright.stages.robot.model.mjcf_extras import (
     MjcfAttributes,
     MjcfBodyFrame,
     MjcfElement,
@@ -15,7 +15,7 @@ from linkwright.stages.robot.mjcf_extras import (
     MjcfKeyframe,
     MjcfMounted,
 )
-from linkwright.stages.robot.model import Array, Keyframe
+from linkwright.stages.robot.model.robot import Array, Keyframe
 
 
 def extras_of(

@@ -14,10 +14,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from linkwright.stages.formats.mjcf import MjcfBody, MjcfJoint
+from linkwright.stages.formats.mjcf.model import MjcfBody, MjcfJoint
 from linkwright.stages.graph.dofs import FREEDOMS, Freedom
-from linkwright.stages.robot.model import Array, Dof, DofKind, JointType, Value, frozen
-from linkwright.stages.robot.poses import at_rest, from_parts, inverse, motion
+from linkwright.stages.robot.model.poses import at_rest, from_parts, inverse, motion
+from linkwright.stages.robot.model.robot import Array, Dof, DofKind, JointType, Value, frozen
 
 KINDS: Mapping[str, DofKind] = {"hinge": "turn", "slide": "slide", "ball": "ball", "free": "free"}
 

@@ -1,11 +1,11 @@
 """Keyframes of an MJCF, by the names that its joints have now."""
 
-from linkwright.stages.formats.mjcf import Mjcf
+from linkwright.stages.formats.mjcf.model import Mjcf
 from linkwright.stages.graph.mjcf.naming import MjcfFileNames
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.globs import listed
-from linkwright.stages.robot.model import Keyframe
-from linkwright.stages.robot.names import free
+from linkwright.stages.robot.model.robot import Keyframe
+from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.names import free
 
 
 def keyframes_of(mjcf: Mjcf, names: MjcfFileNames, root: int, log: Diagnostics) -> tuple[Keyframe, ...]:

@@ -2,12 +2,12 @@
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
-from linkwright.stages.formats.mjcf import Mjcf
+from linkwright.stages.formats.mjcf.model import Mjcf
 from linkwright.stages.graph.mechanism import WORLD_LINK
 from linkwright.stages.graph.mjcf.equalities import Closing
 from linkwright.stages.graph.naming import FileNames, Namer
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.mjcf_extras import MjcfElement
+from linkwright.stages.robot.model.mjcf_extras import MjcfElement
 
 WORLD_NUMBER = 0
 """The body that is the world."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from linkwright.stages.formats.mjcf import Mjcf, MjcfBody, MjcfGeom
+from linkwright.stages.formats.mjcf.model import Mjcf, MjcfBody, MjcfGeom
 from linkwright.stages.graph.cad_only_keys import report_unused
 from linkwright.stages.graph.dofs import backwards
 from linkwright.stages.graph.mechanism import (
@@ -28,10 +28,10 @@ from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.bundle import Bundle
 from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.dynamics.inertia import ZERO, moved
 from linkwright.stages.robot.errors import ProtocolError
-from linkwright.stages.robot.inertia import ZERO, moved
-from linkwright.stages.robot.kinematics import chain
-from linkwright.stages.robot.model import (
+from linkwright.stages.robot.model.poses import inverse
+from linkwright.stages.robot.model.robot import (
     Array,
     Configuration,
     JointType,
@@ -42,7 +42,7 @@ from linkwright.stages.robot.model import (
     Value,
     frozen,
 )
-from linkwright.stages.robot.poses import inverse
+from linkwright.stages.robot.motion.kinematics import chain
 
 NO_JOINT = "the MJCF has no joint between it and the world"
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from linkwright.stages.robot.bundle import StudioKey
 from linkwright.stages.robot.errors import AssemblyError, Diagnostic
-from linkwright.stages.robot.model import Array, MateRef, frozen
+from linkwright.stages.robot.model.robot import Array, MateRef, frozen
 
 Path = tuple[str, ...]
 Record = Mapping[str, Any]

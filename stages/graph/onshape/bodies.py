@@ -16,7 +16,7 @@ from linkwright.stages.graph.onshape.assembly import Assembly, Mate, Path
 from linkwright.stages.graph.onshape.rigid_subassemblies import rigid_subassemblies
 from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.text.plural import count
 
 WORLD: Path = ()
 """The assembly origin, as a node beside the occurrences."""

@@ -21,12 +21,12 @@ from linkwright.stages.graph.onshape.assembly import (
     check_parts,
     without_empty,
 )
-from linkwright.stages.graph.onshape.mates import JOINT_TYPES
+from linkwright.stages.graph.onshape.mates.joints import JOINT_TYPES
 from linkwright.stages.graph.onshape.reply_fields import check_rigid, number, numbers, path_of, shape_of, text
 from linkwright.stages.robot.bundle import StudioKey
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import ProtocolError
-from linkwright.stages.robot.model import Array, MateRef, frozen
+from linkwright.stages.robot.model.robot import Array, MateRef, frozen
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from linkwright.stages.graph.onshape.assembly import Assembly, Path, check_parts, without_empty
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.text.plural import count
 
 SHOWN = 10
 """So many hidden instances are listed by name."""

@@ -14,8 +14,8 @@ from typing import TypeVar
 from linkwright.stages.graph.mechanism import WORLD_LINK
 from linkwright.stages.graph.onshape.assembly import Assembly, Connector, Path
 from linkwright.stages.graph.onshape.bodies import Bodies
-from linkwright.stages.graph.onshape.mates import dof_names
-from linkwright.stages.robot.names import legal, shortest_unique
+from linkwright.stages.graph.onshape.mates.joints import dof_names
+from linkwright.stages.robot.text.names import legal, shortest_unique
 
 Key = TypeVar("Key")
 

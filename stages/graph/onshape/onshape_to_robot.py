@@ -29,11 +29,11 @@ from linkwright.stages.graph.onshape.onshape_to_robot_names import (
 )
 from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.globs import escaped, listed, unnumbered
-from linkwright.stages.robot.model import frozen
-from linkwright.stages.robot.names import legal, legal_or_unnamed
-from linkwright.stages.robot.poses import inverse
+from linkwright.stages.robot.model.poses import inverse
+from linkwright.stages.robot.model.robot import frozen
 from linkwright.stages.robot.section import Section
+from linkwright.stages.robot.text.globs import escaped, listed, unnumbered
+from linkwright.stages.robot.text.names import legal, legal_or_unnamed
 
 AnySection = TypeVar("AnySection", bound=Section)
 

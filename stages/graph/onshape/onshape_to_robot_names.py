@@ -7,9 +7,9 @@ import numpy as np
 
 from linkwright.stages.graph.onshape.assembly import Assembly, Mate, MateRelation, Path
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.model import frozen
-from linkwright.stages.robot.names import legal
-from linkwright.stages.robot.poses import inverse
+from linkwright.stages.robot.model.poses import inverse
+from linkwright.stages.robot.model.robot import frozen
+from linkwright.stages.robot.text.names import legal
 
 DOF, CLOSING, FRAME, FIX = "dof_", "closing_", "frame_", "fix_"
 INVERTED = frozenset({"inv", "inverted"})

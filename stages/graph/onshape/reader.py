@@ -18,22 +18,22 @@ from linkwright.stages.graph.onshape.assembly import Assembly, Mate, Path
 from linkwright.stages.graph.onshape.bodies import Bodies, find_bodies
 from linkwright.stages.graph.onshape.definition import read_assembly
 from linkwright.stages.graph.onshape.hidden import without_hidden
-from linkwright.stages.graph.onshape.limits import Remarks, with_limits
-from linkwright.stages.graph.onshape.mates import JOINT_TYPES, dofs_of, right_handed
+from linkwright.stages.graph.onshape.mass.part_mass import SHEET, Weight, part_key, weighed
+from linkwright.stages.graph.onshape.mass.part_solids import PartSolids
+from linkwright.stages.graph.onshape.mates.joints import JOINT_TYPES, dofs_of, right_handed
+from linkwright.stages.graph.onshape.mates.limits import Remarks, with_limits
+from linkwright.stages.graph.onshape.mates.parallel import Absorbed, MateKey, combined
 from linkwright.stages.graph.onshape.naming import AssemblyNames, is_link_name, name_everything
 from linkwright.stages.graph.onshape.onshape_to_robot import translated
-from linkwright.stages.graph.onshape.parallel_mates import Absorbed, MateKey, combined
-from linkwright.stages.graph.onshape.part_mass import SHEET, Weight, part_key, weighed
-from linkwright.stages.graph.onshape.part_solids import PartSolids
-from linkwright.stages.graph.onshape.patterns import with_copies
+from linkwright.stages.graph.onshape.patterns.instances import with_copies
 from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.robot.bundle import OnshapeBundle
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import AssemblyError
-from linkwright.stages.robot.kinematics import chain
-from linkwright.stages.robot.model import MeshRef, Part, Provenance, frozen
-from linkwright.stages.robot.names import legal
-from linkwright.stages.robot.poses import inverse
+from linkwright.stages.robot.model.poses import inverse
+from linkwright.stages.robot.model.robot import MeshRef, Part, Provenance, frozen
+from linkwright.stages.robot.motion.kinematics import chain
+from linkwright.stages.robot.text.names import legal
 
 Weights = Mapping[Path, Weight]
 

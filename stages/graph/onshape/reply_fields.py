@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from linkwright.stages.robot.errors import ProtocolError
-from linkwright.stages.robot.model import Array
+from linkwright.stages.robot.model.robot import Array
 
 
 @contextmanager

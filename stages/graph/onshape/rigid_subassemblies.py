@@ -6,8 +6,8 @@ from fnmatch import fnmatchcase
 from linkwright.stages.graph.onshape.assembly import Assembly, Occurrence, Path
 from linkwright.stages.graph.section import DepthSection
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.globs import there_are, unnumbered
-from linkwright.stages.robot.names import legal
+from linkwright.stages.robot.text.globs import there_are, unnumbered
+from linkwright.stages.robot.text.names import legal
 
 
 def rigid_subassemblies(assembly: Assembly, depth: DepthSection, log: Diagnostics) -> frozenset[Path]:

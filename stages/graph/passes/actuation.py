@@ -8,8 +8,8 @@ from linkwright.stages.formats.urdf.transmissions import with_joints
 from linkwright.stages.graph.mechanism import Mechanism
 from linkwright.stages.graph.passes.actuator_counts import recounted
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.globs import listed
-from linkwright.stages.robot.model import Robot, Sensor, Transmission
+from linkwright.stages.robot.model.robot import Robot, Sensor, Transmission
+from linkwright.stages.robot.text.globs import listed
 
 
 def with_actuation(robot: Robot, mechanism: Mechanism, log: Diagnostics) -> Robot:

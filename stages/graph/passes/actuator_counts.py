@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from linkwright.stages.formats.numbers import exact
-from linkwright.stages.robot.actuation import Actuator
-from linkwright.stages.robot.model import MateValue
+from linkwright.stages.robot.model.actuation import Actuator
+from linkwright.stages.robot.model.robot import MateValue
 
 Range = tuple[float, float] | None
 

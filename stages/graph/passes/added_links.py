@@ -11,9 +11,9 @@ from linkwright.stages.graph.globs import names_in, unusable
 from linkwright.stages.graph.mass_section import tensor
 from linkwright.stages.graph.mechanism import WORLD_LINK
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.globs import there_are
-from linkwright.stages.robot.inertia import ZERO, primitive_inertial
-from linkwright.stages.robot.model import (
+from linkwright.stages.robot.dynamics.inertia import ZERO, primitive_inertial
+from linkwright.stages.robot.model.poses import from_parts, inverse, rotation_from_rpy
+from linkwright.stages.robot.model.robot import (
     Array,
     Dof,
     Dynamics,
@@ -27,8 +27,8 @@ from linkwright.stages.robot.model import (
     Robot,
     frozen,
 )
-from linkwright.stages.robot.names import free
-from linkwright.stages.robot.poses import from_parts, inverse, rotation_from_rpy
+from linkwright.stages.robot.text.globs import there_are
+from linkwright.stages.robot.text.names import free
 
 TYPES: Mapping[str, JointType] = {
     "fixed": "fixed",

@@ -5,11 +5,11 @@ from dataclasses import replace
 
 from linkwright.stages.graph.passes.source_keyframes import source_values
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.dof_ranges import ranges
-from linkwright.stages.robot.globs import as_key, fits, listed, there_are
-from linkwright.stages.robot.model import Dof, Keyframe, Robot
+from linkwright.stages.robot.model.robot import Dof, Keyframe, Robot
+from linkwright.stages.robot.motion.dof_ranges import ranges
+from linkwright.stages.robot.motion.start_pose import HOME, SAVED, home, keyframes, open_loops
 from linkwright.stages.robot.quantity_keys import as_typed, misfit
-from linkwright.stages.robot.start_pose import HOME, SAVED, home, keyframes, open_loops
+from linkwright.stages.robot.text.globs import as_key, fits, listed, there_are
 
 BEYOND = 1e-9
 """How far [rad or m] a value may lie beyond a limit: the rounding of what was typed."""

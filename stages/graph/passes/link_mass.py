@@ -9,9 +9,9 @@ from linkwright.stages.graph.globs import entries_of
 from linkwright.stages.graph.mass_section import LinkMassSection, tensor
 from linkwright.stages.graph.mechanism import WORLD_LINK
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.globs import as_key, listed
-from linkwright.stages.robot.inertia import ZERO, is_physical, large_enough, principal, scaled
-from linkwright.stages.robot.model import Inertial, Link, Robot, frozen
+from linkwright.stages.robot.dynamics.inertia import ZERO, is_physical, large_enough, principal, scaled
+from linkwright.stages.robot.model.robot import Inertial, Link, Robot, frozen
+from linkwright.stages.robot.text.globs import as_key, listed
 
 _CORRECT = "correct the material or the mass override in Onshape, or give inertia in mass."
 _LARGER = "check the units of the document, or FASTEN the link to a larger one"

@@ -8,10 +8,10 @@ import numpy as np
 from linkwright.stages.graph.mechanism import Mechanism
 from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.kinematics import link_poses, saved_configuration
-from linkwright.stages.robot.mjcf_extras import MjcfAttributes, MjcfBodyFrame, MjcfMounted
-from linkwright.stages.robot.model import Array, Dof, Robot, frozen
-from linkwright.stages.robot.poses import inverse
+from linkwright.stages.robot.model.mjcf_extras import MjcfAttributes, MjcfBodyFrame, MjcfMounted
+from linkwright.stages.robot.model.poses import inverse
+from linkwright.stages.robot.model.robot import Array, Dof, Robot, frozen
+from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
 
 _GIVEN = {
     "damping": "damping",

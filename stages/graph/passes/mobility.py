@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.kinematics import link_poses, saved_configuration
-from linkwright.stages.robot.model import Array, Dof, Loop, Mobility, Robot
-from linkwright.stages.robot.poses import motion
-from linkwright.stages.robot.ways import ways_up
+from linkwright.stages.robot.model.poses import motion
+from linkwright.stages.robot.model.robot import Array, Dof, Loop, Mobility, Robot
+from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
+from linkwright.stages.robot.motion.tree_paths import ways_up
 
 FREEDOM = {"turn": 1, "slide": 1, "ball": 3, "free": 6}
 

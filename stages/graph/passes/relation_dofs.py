@@ -9,10 +9,10 @@ from linkwright.stages.graph.mechanism import RelationSpec
 from linkwright.stages.graph.relation_steps import DofRelation
 from linkwright.stages.graph.section import RelationSection
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.globs import as_key, listed
-from linkwright.stages.robot.model import DofKind, Joint, Robot
-from linkwright.stages.robot.names import free, legal
+from linkwright.stages.robot.model.robot import DofKind, Joint, Robot
 from linkwright.stages.robot.quantity_keys import as_typed, misfit
+from linkwright.stages.robot.text.globs import as_key, listed
+from linkwright.stages.robot.text.names import free, legal
 
 PAIRS: Mapping[str, tuple[tuple[DofKind, DofKind], ...]] = {
     "GEAR": (("turn", "turn"),),

@@ -11,14 +11,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from linkwright.stages.graph.mechanism import RelationSpec
-from linkwright.stages.graph.passes.joint_limits import unwrapped, with_each_dof
+from linkwright.stages.graph.passes.limits.joint_limits import unwrapped, with_each_dof
 from linkwright.stages.graph.passes.relation_dofs import configured, dof_relations, named
 from linkwright.stages.graph.relation_steps import DofRelation, Step, driver_of, steps_of, trees_of, walk
 from linkwright.stages.graph.section import RelationSection
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.globs import as_key
-from linkwright.stages.robot.kinematics import link_poses, saved_configuration
-from linkwright.stages.robot.model import Dof, DofKind, Link, Relation, Robot, frozen
+from linkwright.stages.robot.model.robot import Dof, DofKind, Link, Relation, Robot, frozen
+from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
+from linkwright.stages.robot.text.globs import as_key
 
 ZERO_OFFSET = 1e-6
 """An offset [rad or m] that the saved pose leaves below this is rounding."""

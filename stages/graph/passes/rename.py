@@ -8,9 +8,9 @@ from linkwright.stages.graph.globs import unusable
 from linkwright.stages.graph.mechanism import WORLD_LINK, Connection, Mechanism
 from linkwright.stages.graph.section import NamesSection
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.globs import listed, matching, with_plain
-from linkwright.stages.robot.mjcf_extras import NewName
-from linkwright.stages.robot.sensing import Sensor
+from linkwright.stages.robot.model.mjcf_extras import NewName
+from linkwright.stages.robot.model.sensing import Sensor
+from linkwright.stages.robot.text.globs import listed, matching, with_plain
 
 
 def renamed(mechanism: Mechanism, wanted: NamesSection, log: Diagnostics) -> Mechanism:

@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from linkwright.stages.robot.model import Robot
-from linkwright.stages.robot.semantics import (
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.robot.model.semantics import (
     NOTHING_MORE,
     DisabledPair,
     EndEffector,

@@ -4,13 +4,13 @@ from collections.abc import Mapping, Sequence
 from itertools import chain
 
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.dof_ranges import ranges
-from linkwright.stages.robot.globs import as_key, fits, listed
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.loop_groups import LoopGroups
-from linkwright.stages.robot.loops import across, closing
-from linkwright.stages.robot.model import Dof, Keyframe, Robot
-from linkwright.stages.robot.start_pose import SAVED, nearest, nearest_closed, open_loops, saved
+from linkwright.stages.robot.model.robot import Dof, Keyframe, Robot
+from linkwright.stages.robot.motion.dof_ranges import ranges
+from linkwright.stages.robot.motion.kinematics import link_poses
+from linkwright.stages.robot.motion.loop_groups import LoopGroups
+from linkwright.stages.robot.motion.loops import across, closing
+from linkwright.stages.robot.motion.start_pose import SAVED, nearest, nearest_closed, open_loops, saved
+from linkwright.stages.robot.text.globs import as_key, fits, listed
 
 ROUNDED = 1e-3
 """How far [rad or m] a typed value may be from a limit, from what a relation makes of its driver and from the

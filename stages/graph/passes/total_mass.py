@@ -3,9 +3,9 @@
 from dataclasses import replace
 
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.inertia import merged, moved, scaled
-from linkwright.stages.robot.model import Inertial, Link, Robot
-from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.dynamics.inertia import merged, moved, scaled
+from linkwright.stages.robot.model.robot import Inertial, Link, Robot
+from linkwright.stages.robot.text.plural import count
 
 WHERE = "mass.total"
 

@@ -13,10 +13,10 @@ import numpy as np
 from linkwright.stages.graph.passes.relations import negligible
 from linkwright.stages.graph.section import JointSection
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.dofs import AS_THE_MATE
-from linkwright.stages.robot.globs import fits
-from linkwright.stages.robot.model import Array, Dof, Limits, MateValue, Relation, Robot, frozen
-from linkwright.stages.robot.poses import at_rest, motion
+from linkwright.stages.robot.model.dofs import AS_THE_MATE
+from linkwright.stages.robot.model.poses import at_rest, motion
+from linkwright.stages.robot.model.robot import Array, Dof, Limits, MateValue, Relation, Robot, frozen
+from linkwright.stages.robot.text.globs import fits
 
 SCALAR = ("turn", "slide")
 

@@ -9,10 +9,10 @@ from linkwright.stages.formats.urdf.model import Urdf, UrdfJoint, UrdfLink, Urdf
 from linkwright.stages.graph.mechanism import WORLD_LINK
 from linkwright.stages.graph.urdf.structure import tops
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.globs import listed
-from linkwright.stages.robot.inertia import LEAST_MOMENT, NEXT_TO_NOTHING, SPECK, merged, moved
-from linkwright.stages.robot.model import Array, Inertial, frozen
-from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.dynamics.inertia import LEAST_MOMENT, NEXT_TO_NOTHING, SPECK, merged, moved
+from linkwright.stages.robot.model.robot import Array, Inertial, frozen
+from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.plural import count
 
 
 @dataclass(frozen=True, slots=True, eq=False)

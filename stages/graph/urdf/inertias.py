@@ -8,7 +8,7 @@ from linkwright.stages.formats.urdf.model import Urdf, UrdfLink, UrdfShape
 from linkwright.stages.graph.urdf.solid_inertia import solid_of
 from linkwright.stages.robot.bundle import Bundle
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.inertia import (
+from linkwright.stages.robot.dynamics.inertia import (
     FLATTEST_WRITTEN,
     NEXT_TO_NOTHING,
     is_physical,
@@ -16,7 +16,7 @@ from linkwright.stages.robot.inertia import (
     principal,
     spread,
 )
-from linkwright.stages.robot.model import Array, Inertial, frozen
+from linkwright.stages.robot.model.robot import Array, Inertial, frozen
 
 Policy = Literal["refuse", "recompute", "project"]
 

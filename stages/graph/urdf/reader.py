@@ -26,10 +26,10 @@ from linkwright.stages.graph.urdf.srdf import with_srdf
 from linkwright.stages.graph.urdf.structure import SCALAR, check_structure, tops
 from linkwright.stages.robot.bundle import Bundle, FileBundle
 from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.dynamics.inertia import ZERO, moved
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.inertia import ZERO, moved
-from linkwright.stages.robot.kinematics import chain
-from linkwright.stages.robot.model import (
+from linkwright.stages.robot.model.poses import at_rest
+from linkwright.stages.robot.model.robot import (
     Array,
     Dof,
     DofKind,
@@ -43,7 +43,7 @@ from linkwright.stages.robot.model import (
     Provenance,
     frozen,
 )
-from linkwright.stages.robot.poses import at_rest
+from linkwright.stages.robot.motion.kinematics import chain
 
 TYPES: Mapping[str, JointType] = {
     "fixed": "fixed",

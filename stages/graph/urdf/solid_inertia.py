@@ -8,8 +8,14 @@ import numpy.typing as npt
 from linkwright.stages.formats import triangles
 from linkwright.stages.formats.urdf.model import UrdfShape, mesh_key
 from linkwright.stages.robot.bundle import Bundle
-from linkwright.stages.robot.inertia import merged, moved, primitive_inertial, primitive_volume, solid_inertia
-from linkwright.stages.robot.model import Array, Inertial
+from linkwright.stages.robot.dynamics.inertia import (
+    merged,
+    moved,
+    primitive_inertial,
+    primitive_volume,
+    solid_inertia,
+)
+from linkwright.stages.robot.model.robot import Array, Inertial
 
 
 def solid_of(shapes: Iterable[UrdfShape], bundle: Bundle) -> Inertial | None:

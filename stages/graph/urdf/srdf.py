@@ -19,16 +19,16 @@ from linkwright.stages.graph.urdf.dummy_links import UrdfFrame
 from linkwright.stages.graph.urdf.naming import UrdfFileNames
 from linkwright.stages.robot.bundle import FileBundle
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.globs import listed
-from linkwright.stages.robot.model import Keyframe
-from linkwright.stages.robot.plural import count
-from linkwright.stages.robot.semantics import (
+from linkwright.stages.robot.model.robot import Keyframe
+from linkwright.stages.robot.model.semantics import (
     DisabledPair,
     EndEffector,
     JointGroup,
     RobotSemantics,
     VirtualJoint,
 )
+from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.plural import count
 
 REQUEST, NAME = "robot.srdf", "srdf"
 """The request of a bundle that stands for an SRDF's text, and the option that has its name."""

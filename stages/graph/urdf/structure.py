@@ -7,7 +7,7 @@ import networkx as nx
 
 from linkwright.stages.formats.urdf.model import Urdf, UrdfJoint, UrdfMimic
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.globs import listed
+from linkwright.stages.robot.text.globs import listed
 
 SCALAR = ("revolute", "continuous", "prismatic")
 """Types of joints that have one number for their value."""

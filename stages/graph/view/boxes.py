@@ -6,8 +6,8 @@ from typing import Literal
 
 from linkwright.stages.graph.view.canvas import fitted, text_width
 from linkwright.stages.graph.view.labels import frames_on, is_origin, kilograms, motions, part_names, rules
-from linkwright.stages.robot.model import Joint, Link, Loop, Robot
-from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.model.robot import Joint, Link, Loop, Robot
+from linkwright.stages.robot.text.plural import count
 
 ROOM = 190.0  # what a name may take
 ROW, PAD, MARK = 14.0, 7.0, 14.0  # a row of a box, the space about the rows, what a row's mark takes

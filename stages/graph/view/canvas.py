@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from linkwright.stages.formats import xml
 from linkwright.stages.graph.view.labels import shortened
-from linkwright.stages.robot.printable import printable, printable_lines
+from linkwright.stages.robot.text.printable import printable, printable_lines
 
 FONT = "system-ui, 'Segoe UI', 'Helvetica Neue', Arial, 'DejaVu Sans', sans-serif"
 _NARROW, _BROAD = frozenset(" ijlft.,:;'|()[]!I-"), frozenset("mwMW@%—…+=×±≤≥<>~")

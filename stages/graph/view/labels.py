@@ -4,9 +4,9 @@ import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
-from linkwright.stages.robot.model import Dof, Joint, Link, Relation, Robot
-from linkwright.stages.robot.plural import count
-from linkwright.stages.robot.printable import columns, printable
+from linkwright.stages.robot.model.robot import Dof, Joint, Link, Relation, Robot
+from linkwright.stages.robot.text.plural import count
+from linkwright.stages.robot.text.printable import columns, printable
 
 _UNITS = {"turn": (math.degrees(1.0), "deg"), "slide": (1e3, "mm")}
 

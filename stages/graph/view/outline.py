@@ -19,9 +19,9 @@ from linkwright.stages.graph.view.labels import (
     standing,
     totals,
 )
-from linkwright.stages.robot.model import Joint, Robot
-from linkwright.stages.robot.plural import count
-from linkwright.stages.robot.printable import columns, printable
+from linkwright.stages.robot.model.robot import Joint, Robot
+from linkwright.stages.robot.text.plural import count
+from linkwright.stages.robot.text.printable import columns, printable
 
 _WIDE = 100  # columns up to which the lines of the tree take three columns a level
 _GAP = 2  # columns between the cells of a line

@@ -25,8 +25,8 @@ from linkwright.stages.graph.view.symbols import (
     legend,
     sign,
 )
-from linkwright.stages.robot.model import Robot
-from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.robot.text.plural import count
 
 PAPER, FILL, ROOT = "#ffffff", "#f6f8fa", "#e6effb"
 LOOPS = ("#b5179e", "#c2410c", "#15803d", "#6d28d9", "#b91c1c", "#0e7490", "#a16207", "#475569")

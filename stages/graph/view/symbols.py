@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from linkwright.stages.graph.view.canvas import Canvas, TextStyle, text_width
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.robot import Robot
 
 INK, SOFT, EDGE = "#1b1f24", "#57606a", "#8b949e"
 JOINT, RELATION, FRAME, LOOP = "#1d4ed8", "#0f766e", "#3f6212", "#b5179e"

@@ -15,9 +15,9 @@ from linkwright.stages.graph.view.labels import (
     standing,
     value,
 )
-from linkwright.stages.robot.model import Dof, Joint, Robot
-from linkwright.stages.robot.plural import count
-from linkwright.stages.robot.printable import printable
+from linkwright.stages.robot.model.robot import Dof, Joint, Robot
+from linkwright.stages.robot.text.plural import count
+from linkwright.stages.robot.text.printable import printable
 
 Rows = list[list[str]]
 

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from linkwright.stages.robot.model import Robot
+    from linkwright.stages.robot.model.robot import Robot
 
 PICTURE, OUTLINE, TABLES = "graph.svg", "outline.txt", "tables.json"
 NARROW_OUTLINE = "narrow_outline.txt"

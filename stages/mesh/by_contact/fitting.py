@@ -12,12 +12,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from linkwright.stages.mesh.by_contact.ends import End, fitted_end
-from linkwright.stages.mesh.by_contact.piece import Chunk
-from linkwright.stages.mesh.collider_settings import ColliderSettings
-from linkwright.stages.mesh.improvement import TASKS
-from linkwright.stages.mesh.surface import Surface
-from linkwright.stages.robot import process_usage
-from linkwright.stages.robot.guest import ONE_THREAD, Bounds, Ended, Guest
+from linkwright.stages.mesh.collide.improvement import TASKS
+from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
+from linkwright.stages.mesh.cut.piece import Chunk
+from linkwright.stages.mesh.surfaces.surface import Surface
+from linkwright.stages.robot.system import process_usage
+from linkwright.stages.robot.system.guest import ONE_THREAD, Bounds, Ended, Guest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -8,14 +8,14 @@ from typing import cast
 
 import numpy as np
 
-from linkwright.stages.mesh.by_contact.piece import Chunk, hulled
-from linkwright.stages.mesh.collider_settings import ColliderSettings
-from linkwright.stages.mesh.convex_hull import convex_hull
+from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
+from linkwright.stages.mesh.cut.piece import Chunk, hulled
 from linkwright.stages.mesh.fit import CHEAPEST, fits
-from linkwright.stages.mesh.pieces import Piece, placed, surface_of, volume
-from linkwright.stages.mesh.surface import Surface, compacted, joined, moved
-from linkwright.stages.robot.model import Array, Primitive
-from linkwright.stages.robot.poses import inverse
+from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
+from linkwright.stages.mesh.surfaces.pieces import Piece, placed, surface_of, volume
+from linkwright.stages.mesh.surfaces.surface import Surface, compacted, joined, moved
+from linkwright.stages.robot.model.poses import inverse
+from linkwright.stages.robot.model.robot import Array, Primitive
 
 LARGER = 1.1
 """How many times the volume of the hull a primitive may have."""

@@ -10,20 +10,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 import orjson
 
-from linkwright.stages.mesh import collision
 from linkwright.stages.mesh.by_contact.request import ContactRequest, FalsePair
-from linkwright.stages.mesh.collision import Collision
-from linkwright.stages.mesh.pieces import Piece
-from linkwright.stages.mesh.surface import Surface
-from linkwright.stages.robot.globs import listed
-from linkwright.stages.robot.plural import count
+from linkwright.stages.mesh.collide import collision
+from linkwright.stages.mesh.collide.collision import Collision
+from linkwright.stages.mesh.surfaces.pieces import Piece
+from linkwright.stages.mesh.surfaces.surface import Surface
+from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.plural import count
 
 if TYPE_CHECKING:
     from linkwright.stages.mesh import Memo
     from linkwright.stages.mesh.by_contact.ends import End
     from linkwright.stages.mesh.by_contact.links import Placed
     from linkwright.stages.mesh.by_contact.robot import Solution
-    from linkwright.stages.mesh.collide import ColliderJob
+    from linkwright.stages.mesh.collide.make import ColliderJob
     from linkwright.stages.mesh.library import MeshLibrary
 
 

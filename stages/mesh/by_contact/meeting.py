@@ -9,11 +9,11 @@ import numpy as np
 
 from linkwright.stages.mesh.by_contact.poses import relative
 from linkwright.stages.mesh.measure import BoxTree, Nearest
-from linkwright.stages.mesh.pieces import beyond, half_spaces
-from linkwright.stages.mesh.surface import Surface
+from linkwright.stages.mesh.surfaces.pieces import beyond, half_spaces
+from linkwright.stages.mesh.surfaces.surface import Surface
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.globs import fits, there_are
-from linkwright.stages.robot.model import Array, Joint, Link, Robot
+from linkwright.stages.robot.model.robot import Array, Joint, Link, Robot
+from linkwright.stages.robot.text.globs import fits, there_are
 
 _NAMED = re.compile(r"foot|tool|grasp|grip|tcp|tip|end_?effector|(^|_)ee($|_)", re.IGNORECASE)
 """Names of frames by which a robot meets the world."""

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from linkwright.stages.mesh.by_contact.piece import Chunk
-from linkwright.stages.robot.clearance import engine
-from linkwright.stages.robot.model import Array
+from linkwright.stages.mesh.cut.piece import Chunk
+from linkwright.stages.robot.contact.clearance import engine
+from linkwright.stages.robot.model.robot import Array
 
 Numbers = npt.NDArray[np.float64]
 

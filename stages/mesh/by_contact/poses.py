@@ -9,8 +9,8 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from linkwright.stages.robot.meeting_boxes import meeting_boxes
-from linkwright.stages.robot.model import Array
+from linkwright.stages.robot.contact.meeting_boxes import meeting_boxes
+from linkwright.stages.robot.model.robot import Array
 
 Bounds = tuple[Array, Array]
 """The lower and upper corners (n, 3) [m] of boxes in their links' frames."""

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 from linkwright.stages.mesh.by_contact.request import FalsePair
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.globs import as_key
+from linkwright.stages.robot.text.globs import as_key
 
 
 def false_contacts(pairs: Sequence[FalsePair]) -> Iterator[Diagnostic]:

@@ -8,13 +8,13 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from linkwright.stages.mesh import collision
-from linkwright.stages.mesh.pieces import Piece
-from linkwright.stages.robot.adjacency import Pair
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.mesh.collide import collision
+from linkwright.stages.mesh.surfaces.pieces import Piece
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.robot.motion.adjacency import Pair
 
 if TYPE_CHECKING:
-    from linkwright.stages.mesh.collide import ColliderJob
+    from linkwright.stages.mesh.collide.make import ColliderJob
 
 POSES = 512
 """Seeded poses that make colliders: by fewer harmless pairs look bad, by 64 of them 5 to 9 %."""

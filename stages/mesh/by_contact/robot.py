@@ -13,17 +13,17 @@ from linkwright.stages.mesh.by_contact.ends import End
 from linkwright.stages.mesh.by_contact.fitting import EndFitter, EndToFit, FittedEnd, end_fitter
 from linkwright.stages.mesh.by_contact.links import Touchable, by_part, started
 from linkwright.stages.mesh.by_contact.pair import Pair
-from linkwright.stages.mesh.by_contact.piece import Chunk, rough
 from linkwright.stages.mesh.by_contact.poses import near_pairs, relative
 from linkwright.stages.mesh.by_contact.request import POSES, ContactRequest, FalsePair
 from linkwright.stages.mesh.by_contact.search import PieceSearch
-from linkwright.stages.mesh.collider_settings import ColliderSettings
-from linkwright.stages.mesh.convex_hull import convex_hull
+from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
+from linkwright.stages.mesh.cut.piece import Chunk, rough
 from linkwright.stages.mesh.library import MOVED
-from linkwright.stages.mesh.pieces import Piece, surface_of
-from linkwright.stages.mesh.surface import Surface
-from linkwright.stages.robot.clearance import engine
-from linkwright.stages.robot.model import Array, Primitive, Robot
+from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
+from linkwright.stages.mesh.surfaces.pieces import Piece, surface_of
+from linkwright.stages.mesh.surfaces.surface import Surface
+from linkwright.stages.robot.contact.clearance import engine
+from linkwright.stages.robot.model.robot import Array, Primitive, Robot
 
 MARGIN = 0.002
 """How deep [m] colliders of two links may be in each other that are this far apart."""
@@ -141,10 +141,10 @@ def _content(surface: Surface, starts: Sequence[Sequence[Chunk]]) -> bytes:
 
 def _poses(robot: Robot, bodies: Sequence[Touchable], surfaces: Sequence[Surface]) -> list[Array]:
     """root_from_link (n, 4, 4) of each body, at `home` first."""
-    from linkwright.stages.robot.kinematics import link_poses
-    from linkwright.stages.robot.pose_batch import many_link_poses, repeated
-    from linkwright.stages.robot.pose_samples import sampled_poses
-    from linkwright.stages.robot.start_pose import home
+    from linkwright.stages.robot.motion.kinematics import link_poses
+    from linkwright.stages.robot.motion.pose_batch import many_link_poses, repeated
+    from linkwright.stages.robot.motion.pose_samples import sampled_poses
+    from linkwright.stages.robot.motion.start_pose import home
 
     start = home(robot)
     placed = link_poses(robot, start)

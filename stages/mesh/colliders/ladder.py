@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.collide.acceptance import Judge, miss
+from linkwright.stages.mesh.collide.collision import Collision
+from linkwright.stages.mesh.collide.cut_pieces import Cut, PieceCutter
+from linkwright.stages.mesh.collide.plainer import plainer
 from linkwright.stages.mesh.colliders import hull
-from linkwright.stages.mesh.collision import Collision
-from linkwright.stages.mesh.convex_hull import convex_hull
-from linkwright.stages.mesh.cut_pieces import Cut, PieceCutter
+from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
 from linkwright.stages.mesh.fit import CHEAPEST, capped_hull, fits
-from linkwright.stages.mesh.pieces import Piece, surface_of
-from linkwright.stages.mesh.plainer import plainer
-from linkwright.stages.mesh.snapping import snapped
-from linkwright.stages.mesh.surface import Surface, joined
-from linkwright.stages.mesh.verdict import Judge, miss
+from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
+from linkwright.stages.mesh.surfaces.pieces import Piece, surface_of
+from linkwright.stages.mesh.surfaces.snapping import snapped
+from linkwright.stages.mesh.surfaces.surface import Surface, joined
 
 _WORTH = 2.0
 """Pieces that miss the tolerance are taken where they are so many times nearer than the hull: of the open

@@ -15,11 +15,11 @@ from linkwright.stages.mesh.contacts.findings import findings
 from linkwright.stages.mesh.contacts.narrow import Mask, narrowed
 from linkwright.stages.mesh.motion_digest import motion_digest
 from linkwright.stages.robot import codec
-from linkwright.stages.robot.adjacency import Pair, adjacent_pairs
+from linkwright.stages.robot.contact.exclude_names import excluded_colliders
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.exclude_names import excluded_colliders
-from linkwright.stages.robot.geometry import ColliderFigures, Exclude, ExcludeReason, Shape, Touch
-from linkwright.stages.robot.model import Array, Configuration, Robot
+from linkwright.stages.robot.model.geometry import ColliderFigures, Exclude, ExcludeReason, Shape, Touch
+from linkwright.stages.robot.model.robot import Array, Configuration, Robot
+from linkwright.stages.robot.motion.adjacency import Pair, adjacent_pairs
 
 if TYPE_CHECKING:
     from linkwright.stages.mesh import Memo
@@ -115,8 +115,8 @@ def _found(
     of those others that touch in every sampled pose too; `free`: the rest of what touches at `home`.
     Without a `search` nothing is excluded that is not given."""
     from linkwright.stages.mesh.contacts.colliders import Colliders
-    from linkwright.stages.robot.kinematics import link_poses
-    from linkwright.stages.robot.start_pose import home
+    from linkwright.stages.robot.motion.kinematics import link_poses
+    from linkwright.stages.robot.motion.start_pose import home
 
     colliders = Colliders(shapes, files)
     start = home(robot)
@@ -157,8 +157,8 @@ def _always(
     `depths`: of the pairs that touch at `start`, there."""
     if not depths:
         return
-    from linkwright.stages.robot.pose_batch import count_of, many_link_poses
-    from linkwright.stages.robot.pose_samples import sampled_poses
+    from linkwright.stages.robot.motion.pose_batch import count_of, many_link_poses
+    from linkwright.stages.robot.motion.pose_samples import sampled_poses
 
     values = sampled_poses(robot, POSES, colliders.span(), start)
     poses = many_link_poses(robot, values)

@@ -4,8 +4,8 @@ from collections.abc import Collection
 from typing import TYPE_CHECKING
 
 from linkwright.stages.mesh.contacts.by_source import excluded
-from linkwright.stages.robot.adjacency import Pair, adjacent_pairs
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.robot.motion.adjacency import Pair, adjacent_pairs
 
 if TYPE_CHECKING:
     from linkwright.stages.mesh.section import ContactSection

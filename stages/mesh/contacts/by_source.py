@@ -7,11 +7,11 @@ from itertools import combinations
 import numpy as np
 import numpy.typing as npt
 
-from linkwright.stages.robot.adjacency import Pair
-from linkwright.stages.robot.geometry import Exclude, Shape
-from linkwright.stages.robot.left_out import LeftOut
-from linkwright.stages.robot.mjcf_extras import MjcfElement, children_of
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.contact.left_out import LeftOut
+from linkwright.stages.robot.model.geometry import Exclude, Shape
+from linkwright.stages.robot.model.mjcf_extras import MjcfElement, children_of
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.robot.motion.adjacency import Pair
 
 Grid = npt.NDArray[np.bool_]
 """(n, m): which shapes of one link collide with which of another."""

@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from linkwright.stages.robot.adjacency import Pair
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.globs import fits, there_are
+from linkwright.stages.robot.motion.adjacency import Pair
+from linkwright.stages.robot.text.globs import fits, there_are
 
 _WHERE = "contact.exclude"
 

@@ -13,12 +13,12 @@ import numpy.typing as npt
 from linkwright.stages.formats.numbers import spaced
 from linkwright.stages.formats.xml import Element, element, to_bytes
 from linkwright.stages.mesh.contacts.narrow import Mask
-from linkwright.stages.robot.adjacency import Pair
+from linkwright.stages.robot.contact.meeting_boxes import meeting_boxes
 from linkwright.stages.robot.errors import MeshError
-from linkwright.stages.robot.geometry import Shape
-from linkwright.stages.robot.meeting_boxes import meeting_boxes
-from linkwright.stages.robot.model import Array
-from linkwright.stages.robot.poses import from_parts, quat_from_rotation, rotation_from_quat
+from linkwright.stages.robot.model.geometry import Shape
+from linkwright.stages.robot.model.poses import from_parts, quat_from_rotation, rotation_from_quat
+from linkwright.stages.robot.model.robot import Array
+from linkwright.stages.robot.motion.adjacency import Pair
 
 TOUCHING = 1e-6
 """Colliders touch that are no further apart than this [m]: single precision moves faces that much."""

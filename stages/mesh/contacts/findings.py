@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator, Sequence
 
+from linkwright.stages.robot.contact.exclude_names import Names
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.exclude_names import Names
-from linkwright.stages.robot.geometry import Exclude, Touch
-from linkwright.stages.robot.globs import as_key, listed
-from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.model.geometry import Exclude, Touch
+from linkwright.stages.robot.text.globs import as_key, listed
+from linkwright.stages.robot.text.plural import count
 
 _WHERE = "contact"
 

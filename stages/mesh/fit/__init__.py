@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from linkwright.stages.mesh.fit.kinds import Fitted
-    from linkwright.stages.mesh.surface import Surface
-    from linkwright.stages.robot.model import Primitive, PrimitiveKind
+    from linkwright.stages.mesh.surfaces.surface import Surface
+    from linkwright.stages.robot.model.robot import Primitive, PrimitiveKind
 
 Engine = Literal["mujoco", "mjx"]
 

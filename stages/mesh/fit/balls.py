@@ -4,9 +4,9 @@ import numpy as np
 import numpy.typing as npt
 
 from linkwright.stages.mesh.fit.outline import Floats, Outline
-from linkwright.stages.mesh.surface import Points
-from linkwright.stages.robot.model import Primitive, frozen
-from linkwright.stages.robot.poses import from_parts
+from linkwright.stages.mesh.surfaces.surface import Points
+from linkwright.stages.robot.model.poses import from_parts
+from linkwright.stages.robot.model.robot import Primitive, frozen
 
 _CENTRES = 700
 _WANTED = 2500

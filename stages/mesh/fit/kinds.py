@@ -12,9 +12,9 @@ from linkwright.stages.mesh.fit.directions import Silhouette, across, frames, si
 from linkwright.stages.mesh.fit.outline import Floats, Outline, outline_of
 from linkwright.stages.mesh.fit.refine import refined, refined_below
 from linkwright.stages.mesh.fit.score import error, least_error
-from linkwright.stages.mesh.surface import Surface
-from linkwright.stages.robot.model import Primitive, PrimitiveKind, frozen
-from linkwright.stages.robot.poses import from_parts
+from linkwright.stages.mesh.surfaces.surface import Surface
+from linkwright.stages.robot.model.poses import from_parts
+from linkwright.stages.robot.model.robot import Primitive, PrimitiveKind, frozen
 
 _ALIKE = 1e-3
 """Errors that differ by less than this share, or by a thousandth of it of the part's size, are alike."""

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from linkwright.stages.mesh.collider_settings import LEAST_TOLERANCE, TOLERANCE_OF_SIZE
-from linkwright.stages.mesh.convex_hull import convex_hull
-from linkwright.stages.mesh.pieces import signed_distance
-from linkwright.stages.mesh.surface import Points, Surface
+from linkwright.stages.mesh.configuration.collider_settings import LEAST_TOLERANCE, TOLERANCE_OF_SIZE
+from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
+from linkwright.stages.mesh.surfaces.pieces import signed_distance
+from linkwright.stages.mesh.surfaces.surface import Points, Surface
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
-    from linkwright.stages.robot.model import Primitive
+    from linkwright.stages.robot.model.robot import Primitive
 
 Floats = npt.NDArray[np.float64]
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from linkwright.stages.mesh.fit.outline import Outline
 from linkwright.stages.mesh.fit.score import error
-from linkwright.stages.robot.model import Primitive, frozen
+from linkwright.stages.robot.model.robot import Primitive, frozen
 
 _WORTH_IT = 2.0
 """Of an error of more than so many times the usual tolerance no small steps make a good fit."""

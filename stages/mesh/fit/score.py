@@ -5,10 +5,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from linkwright.stages.mesh.fit.outline import Floats, Outline
-from linkwright.stages.mesh.surface import Points
-from linkwright.stages.robot.inertia import primitive_area, primitive_volume
-from linkwright.stages.robot.model import Array, Primitive
-from linkwright.stages.robot.poses import from_parts
+from linkwright.stages.mesh.surfaces.surface import Points
+from linkwright.stages.robot.dynamics.inertia import primitive_area, primitive_volume
+from linkwright.stages.robot.model.poses import from_parts
+from linkwright.stages.robot.model.robot import Array, Primitive
 
 MOST_OF_TOLERANCE = 3.0
 """How many times the tolerance a collider may stand out at most, where 95 % of it stay within."""

@@ -12,4 +12,4 @@ from linkwright.stages.mesh.measure.samples import even as even
 from linkwright.stages.mesh.measure.target import Target as Target
 from linkwright.stages.mesh.measure.tree import BoxTree as BoxTree
 from linkwright.stages.mesh.measure.tree import Nearest as Nearest
-from linkwright.stages.robot.geometry import Measures as Measures
+from linkwright.stages.robot.model.geometry import Measures as Measures

@@ -9,9 +9,9 @@ from linkwright.stages.mesh.measure.samples import even
 from linkwright.stages.mesh.measure.target import SAMPLES, Target
 from linkwright.stages.mesh.measure.tree import Indices, Numbers, Value, largest
 from linkwright.stages.mesh.measure.union import Union
-from linkwright.stages.mesh.pieces import Piece
-from linkwright.stages.mesh.surface import Points, Surface
-from linkwright.stages.robot.geometry import Measures
+from linkwright.stages.mesh.surfaces.pieces import Piece
+from linkwright.stages.mesh.surfaces.surface import Points, Surface
+from linkwright.stages.robot.model.geometry import Measures
 
 WITHIN = 1.5e-3
 """Of the diagonal: how far a maximum may be from the true one; a tenth of the default tolerance."""

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from linkwright.stages.mesh.inside import Inside
 from linkwright.stages.mesh.measure.tree import BoxTree, Corners, Indices, Nearest, Numbers, split
-from linkwright.stages.mesh.pieces import Piece, beyond, half_spaces, signed_distance, surface_of
-from linkwright.stages.mesh.surface import Points, Surface, joined
-from linkwright.stages.robot.model import Primitive
+from linkwright.stages.mesh.surfaces.inside import Inside
+from linkwright.stages.mesh.surfaces.pieces import Piece, beyond, half_spaces, signed_distance, surface_of
+from linkwright.stages.mesh.surfaces.surface import Points, Surface, joined
+from linkwright.stages.robot.model.robot import Primitive
 
 _MANY = 500  # planes
 _HEIGHTS = 1 << 18  # of points above planes, worked out in one go

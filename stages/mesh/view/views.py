@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from linkwright.stages.mesh import Memo
-    from linkwright.stages.robot.geometry import Geometry
+    from linkwright.stages.robot.model.geometry import Geometry
 
 PICTURES = "pictures.json"
 

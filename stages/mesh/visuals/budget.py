@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from linkwright.stages.mesh.surface import Surface
+from linkwright.stages.mesh.surfaces.surface import Surface
 from linkwright.stages.mesh.tessellation import PartMesh
 from linkwright.stages.mesh.visuals.error import apart
 from linkwright.stages.mesh.visuals.simplify import SimplifiablePart, simplified
-from linkwright.stages.robot.model import MeshRef
+from linkwright.stages.robot.model.robot import MeshRef
 
 LEAST_BOUND = 2e-4
 """The error that every part may have [m]."""

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from linkwright.stages.mesh import mesh_file
-from linkwright.stages.mesh.mesh_file import MeshFile
-from linkwright.stages.mesh.surface import Surface, chosen, joined, moved
+from linkwright.stages.mesh.files import mesh_file
+from linkwright.stages.mesh.files.mesh_file import MeshFile
+from linkwright.stages.mesh.surfaces.surface import Surface, chosen, joined, moved
 from linkwright.stages.mesh.tessellation import PartMesh
 from linkwright.stages.mesh.visuals.budget import Decimation, Decimator
-from linkwright.stages.robot.geometry import Colour
-from linkwright.stages.robot.model import Array, MeshRef
+from linkwright.stages.robot.model.geometry import Colour
+from linkwright.stages.robot.model.robot import Array, MeshRef
 
 if TYPE_CHECKING:
     from linkwright.stages.mesh.section import VisualSection

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from linkwright.stages.mesh.surface import Points, Surface, Triangles, weld
+from linkwright.stages.mesh.surfaces.surface import Points, Surface, Triangles, weld
 from linkwright.stages.mesh.tessellation import PartMesh
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from linkwright.stages.validate.bare.figures import Lump, WeighedBody
     from linkwright.stages.validate.bare.findings import Coded
     from linkwright.stages.validate.bare.together import Compiled
-    from linkwright.stages.validate.documents import ModelDocument
+    from linkwright.stages.validate.reading.documents import ModelDocument
 
 ENDINGS = (".urdf", ".xml", ".mjcf")
 """How the names of model files end."""
@@ -21,7 +21,7 @@ def check_bare(path: Path) -> "tuple[Check, ...]":
     """The checks of a URDF or MJCF (a scene too); of a folder, of each that lies in it, and of the URDF and
     the MJCF of one robot against each other."""
     from linkwright.stages.validate.bare.together import Compiled, check_together
-    from linkwright.stages.validate.documents import read
+    from linkwright.stages.validate.reading.documents import read
 
     paths = [path]
     if path.is_dir():
@@ -70,9 +70,9 @@ def _bodies(document: "ModelDocument", model: object) -> "list[WeighedBody]":
 
 def _weighed(path: Path, together: "Sequence[Lump]") -> "Iterator[Check]":
     """The checks of bodies, each with what is fixed to it, by the codes that a build has for them."""
-    from linkwright.stages.validate import inertials
     from linkwright.stages.validate.bare import bodies
     from linkwright.stages.validate.files.run import result
+    from linkwright.stages.validate.model import inertials
 
     yield from inertials.checks(path.name, bodies.inertials(together))
     level, findings = bodies.colliders(together)

@@ -5,12 +5,12 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from linkwright.stages.robot.check import CheckLevel, Finding
-from linkwright.stages.robot.model import Array
+from linkwright.stages.robot.model.robot import Array
 from linkwright.stages.validate.bare.figures import Lump, ShapeFigures
 from linkwright.stages.validate.bare.findings import Coded
-from linkwright.stages.validate.body_shapes import directions
 from linkwright.stages.validate.findings import named
-from linkwright.stages.validate.inertials import MARK, STAND_IN, ShapedInertial
+from linkwright.stages.validate.model.body_shapes import directions
+from linkwright.stages.validate.model.inertials import MARK, STAND_IN, ShapedInertial
 
 RATIO = 1000.0
 """Masses of neighbours above this ratio are hard to solve for."""

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from linkwright.stages.robot.inertia import merged, moved
-from linkwright.stages.robot.model import Array, Inertial
-from linkwright.stages.robot.poses import inverse
-from linkwright.stages.validate.body_shapes import extents_of
-from linkwright.stages.validate.inertials import Quantity, ShapedInertial
+from linkwright.stages.robot.dynamics.inertia import merged, moved
+from linkwright.stages.robot.model.poses import inverse
+from linkwright.stages.robot.model.robot import Array, Inertial
+from linkwright.stages.validate.model.body_shapes import extents_of
+from linkwright.stages.validate.model.inertials import Quantity, ShapedInertial
 
 CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 from linkwright.stages.robot.check import CheckLevel, Finding
-from linkwright.stages.validate.documents import ModelDocument
+from linkwright.stages.validate.reading.documents import ModelDocument
 
 
 @dataclass(frozen=True, slots=True)

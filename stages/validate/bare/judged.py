@@ -5,8 +5,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from linkwright.stages.robot.inertia import principal
-from linkwright.stages.robot.model import Array
+from linkwright.stages.robot.dynamics.inertia import principal
+from linkwright.stages.robot.model.robot import Array
 
 TRIANGLE = 1e-3
 """By how much, relative to the largest moment, A + B ≥ C may be missed: files have few digits."""

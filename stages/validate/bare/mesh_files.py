@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from linkwright.stages.formats import gltf
-from linkwright.stages.formats.dae_points import dae_points
-from linkwright.stages.formats.mesh_points import mesh_points
+from linkwright.stages.formats.meshes import gltf
+from linkwright.stages.formats.meshes.dae_points import dae_points
+from linkwright.stages.formats.meshes.points import mesh_points
 from linkwright.stages.robot.errors import LinkwrightError
-from linkwright.stages.robot.model import Array
-from linkwright.stages.validate.body_shapes import MOST, outermost_of
+from linkwright.stages.robot.model.robot import Array
+from linkwright.stages.validate.model.body_shapes import MOST, outermost_of
 
 _VERTEX = re.compile(rb"^\s*vertex\s+(\S+)\s+(\S+)\s+(\S+)", re.MULTILINE)
 

@@ -5,12 +5,12 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from linkwright.stages.robot.model import Inertial
-from linkwright.stages.robot.poses import from_parts
+from linkwright.stages.robot.model.poses import from_parts
+from linkwright.stages.robot.model.robot import Inertial
 from linkwright.stages.validate.bare.figures import ShapeFigures, WeighedBody
-from linkwright.stages.validate.body_shapes import geom_points, outermost_of
 from linkwright.stages.validate.findings import named
-from linkwright.stages.validate.mujoco_poses import rotation
+from linkwright.stages.validate.model.body_shapes import geom_points, outermost_of
+from linkwright.stages.validate.model.poses import rotation
 
 _HIDDEN = 3
 """Geoms of this group or above are not drawn by MuJoCo's viewer by default."""

@@ -8,7 +8,7 @@ from linkwright.stages.formats.xml import Element
 from linkwright.stages.validate.bare.findings import Coded, numbers
 from linkwright.stages.validate.bare.mjcf_defaults import Defaults
 from linkwright.stages.validate.bare.mjcf_values import degrees_of
-from linkwright.stages.validate.documents import MAKERS, ModelDocument
+from linkwright.stages.validate.reading.documents import MAKERS, ModelDocument
 
 _COORDINATES = {"hinge": 1, "slide": 1, "ball": 4, "free": 7}
 _VELOCITIES = {"hinge": 1, "slide": 1, "ball": 3, "free": 6}

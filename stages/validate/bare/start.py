@@ -8,7 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from linkwright.stages.formats.mesh_points import STL_FACE, STL_HEADER
+from linkwright.stages.formats.meshes.points import STL_FACE, STL_HEADER
 from linkwright.stages.formats.xml import parse, to_bytes
 from linkwright.stages.mujoco.compile import NotCompiled, refusals
 from linkwright.stages.mujoco.state import at_keyframe
@@ -16,14 +16,14 @@ from linkwright.stages.mujoco.trial import trial_run
 from linkwright.stages.mujoco.urdf import with_every_link
 from linkwright.stages.mujoco.warnings import deprecations, listening
 from linkwright.stages.robot.check import Check, CheckLevel, Finding
-from linkwright.stages.robot.model import Array
-from linkwright.stages.robot.plural import count
-from linkwright.stages.robot.regular_files import is_file
-from linkwright.stages.validate.asset_files import named_files
+from linkwright.stages.robot.model.robot import Array
+from linkwright.stages.robot.system.regular_files import is_file
+from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.bare.mjcf_figures import body_name
-from linkwright.stages.validate.documents import ModelDocument
 from linkwright.stages.validate.findings import named, unstable
-from linkwright.stages.validate.running import DEEP, Touching, touching
+from linkwright.stages.validate.reading.asset_files import named_files
+from linkwright.stages.validate.reading.documents import ModelDocument
+from linkwright.stages.validate.simulate.running import DEEP, Touching, touching
 
 ROOM = 128 << 20
 """Memory [bytes] for contacts in the trial, where a file reserves more, or counts rows as old files do."""

@@ -8,10 +8,10 @@ import mujoco
 import numpy as np
 
 from linkwright.stages.robot.check import Check, Finding
-from linkwright.stages.robot.model import Array
-from linkwright.stages.robot.plural import count
-from linkwright.stages.validate.documents import ModelDocument, sentence
+from linkwright.stages.robot.model.robot import Array
+from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.findings import named
+from linkwright.stages.validate.reading.documents import ModelDocument, sentence
 
 CODE = "C-TOGETHER"
 

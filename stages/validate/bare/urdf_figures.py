@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 
 from linkwright.stages.formats.xml import Element
-from linkwright.stages.robot.model import Array, Inertial
-from linkwright.stages.robot.poses import from_parts, rotation_from_rpy
-from linkwright.stages.validate.asset_files import named_files
+from linkwright.stages.robot.model.poses import from_parts, rotation_from_rpy
+from linkwright.stages.robot.model.robot import Array, Inertial
 from linkwright.stages.validate.bare.figures import ShapeFigures, WeighedBody, box_corners
 from linkwright.stages.validate.bare.findings import number, numbers
 from linkwright.stages.validate.bare.mesh_files import outermost_points
-from linkwright.stages.validate.documents import ModelDocument, called
+from linkwright.stages.validate.reading.asset_files import named_files
+from linkwright.stages.validate.reading.documents import ModelDocument, called
 
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 

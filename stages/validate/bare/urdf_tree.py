@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from linkwright.stages.formats.xml import Element
 from linkwright.stages.validate.bare.findings import Coded
-from linkwright.stages.validate.documents import ModelDocument
+from linkwright.stages.validate.reading.documents import ModelDocument
 
 
 def look(document: ModelDocument) -> Iterator[Coded]:

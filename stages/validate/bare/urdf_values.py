@@ -8,8 +8,8 @@ import numpy as np
 from linkwright.stages.formats.xml import Element
 from linkwright.stages.validate.bare.findings import Coded, number, numbers
 from linkwright.stages.validate.bare.judged import in_degrees, wrong_inertia, wrong_mass
-from linkwright.stages.validate.documents import ModelDocument
-from linkwright.stages.validate.inertials import STAND_IN
+from linkwright.stages.validate.model.inertials import STAND_IN
+from linkwright.stages.validate.reading.documents import ModelDocument
 
 MOVING = ("revolute", "continuous", "prismatic", "planar")
 

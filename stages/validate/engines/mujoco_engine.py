@@ -7,7 +7,7 @@ from linkwright.stages.mujoco.compile import NotCompiled, refusals, spec_of
 from linkwright.stages.mujoco.warnings import deprecations, listening
 from linkwright.stages.robot.check import Check
 from linkwright.stages.validate.compiled import Loaded, without_warnings
-from linkwright.stages.validate.located import located
+from linkwright.stages.validate.reading.located import located
 
 CODE = "C-COMPILE"
 

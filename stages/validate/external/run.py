@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from linkwright.stages.robot.check import Check, CheckLevel, Finding
-from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.external import CODE
 from linkwright.stages.validate.external.opinions import (
     Opinion,

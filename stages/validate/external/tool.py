@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 
-from linkwright.stages.robot.programs import program
+from linkwright.stages.robot.system.programs import program
 
 PATIENCE = 60.0
 """How long a program may take to say its version [s]."""

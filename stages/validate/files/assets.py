@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from linkwright.stages.robot.check import Finding
-from linkwright.stages.robot.regular_files import is_file
-from linkwright.stages.validate.asset_files import named_files
-from linkwright.stages.validate.documents import ModelDocument
+from linkwright.stages.robot.system.regular_files import is_file
 from linkwright.stages.validate.files.whole import damage
+from linkwright.stages.validate.reading.asset_files import named_files
+from linkwright.stages.validate.reading.documents import ModelDocument
 
 CODE = "C-ASSET"
 NAME = "assets"

@@ -5,8 +5,8 @@ from difflib import get_close_matches
 
 from linkwright.stages.formats.xml import Element, tag
 from linkwright.stages.robot.check import CheckLevel, Finding
-from linkwright.stages.validate.documents import ModelDocument
 from linkwright.stages.validate.files import mjcf_schema, urdf_schema
+from linkwright.stages.validate.reading.documents import ModelDocument
 
 CODE = "C-XML-KNOWN"
 NAME = "elements"

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from linkwright.stages.formats.xml import Element, Malformed, parse
 from linkwright.stages.robot.check import Check, Finding
-from linkwright.stages.validate.documents import sentence
 from linkwright.stages.validate.findings import differs, few
+from linkwright.stages.validate.reading.documents import sentence
 
 CODE = "C-SDF"
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from linkwright.stages.formats.own_xml import name_of, names
 from linkwright.stages.formats.xml import Element, tag
 from linkwright.stages.robot.check import Finding
-from linkwright.stages.validate.documents import ModelDocument, called, stem
+from linkwright.stages.validate.reading.documents import ModelDocument, called, stem
 
 CODE = "C-NAME"
 NAME = "names"

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from pathlib import PurePosixPath, PureWindowsPath
 
 from linkwright.stages.robot.check import CheckLevel, Finding
-from linkwright.stages.validate.asset_files import is_of_package, named_files, package_of
-from linkwright.stages.validate.documents import ModelDocument
+from linkwright.stages.validate.reading.asset_files import is_of_package, named_files, package_of
+from linkwright.stages.validate.reading.documents import ModelDocument
 
 CODE = "C-PATH"
 NAME = "paths"

@@ -6,8 +6,8 @@ from difflib import get_close_matches
 from linkwright.stages.formats.own_xml import names, section_of
 from linkwright.stages.formats.xml import Element, tag
 from linkwright.stages.robot.check import CheckLevel, Finding
-from linkwright.stages.validate.documents import MAKERS, ModelDocument, stem
 from linkwright.stages.validate.files.names import ASSETS
+from linkwright.stages.validate.reading.documents import MAKERS, ModelDocument, stem
 
 CODE = "C-REFERENCE"
 NAME = "references"

@@ -6,9 +6,9 @@ from importlib import import_module
 from pathlib import Path
 
 from linkwright.stages.robot.check import Check, CheckLevel, Finding
-from linkwright.stages.validate.documents import ModelDocument, broken_text, read, sentence
 from linkwright.stages.validate.files import CHECKS
 from linkwright.stages.validate.files.unused import unused_assets
+from linkwright.stages.validate.reading.documents import ModelDocument, broken_text, read, sentence
 
 XML = "C-XML"
 

@@ -5,8 +5,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from linkwright.stages.robot.check import Check, Finding
-from linkwright.stages.validate.asset_files import named_files
-from linkwright.stages.validate.documents import ModelDocument
+from linkwright.stages.validate.reading.asset_files import named_files
+from linkwright.stages.validate.reading.documents import ModelDocument
 
 CODE = "C-ASSET-UNUSED"
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from linkwright.stages.formats.mesh_points import STL_FACE, STL_HEADER
+from linkwright.stages.formats.meshes.points import STL_FACE, STL_HEADER
 from linkwright.stages.formats.xml import Malformed, parse
 
 

@@ -5,11 +5,11 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from linkwright.stages.robot.kinematics import rest_configuration
-from linkwright.stages.robot.model import Array, Configuration, Dof
-from linkwright.stages.robot.poses import inverse
+from linkwright.stages.robot.model.poses import inverse
+from linkwright.stages.robot.model.robot import Array, Configuration, Dof
+from linkwright.stages.robot.motion.kinematics import rest_configuration
 from linkwright.stages.validate.compiled import CompiledModel
-from linkwright.stages.validate.coordinates import (
+from linkwright.stages.validate.model.coordinates import (
     body_from_link,
     body_index,
     frame_pose,
@@ -19,8 +19,8 @@ from linkwright.stages.validate.coordinates import (
     set_values,
     site_index,
 )
-from linkwright.stages.validate.lumps import Lump, moved_lump
-from linkwright.stages.validate.mujoco_poses import placed
+from linkwright.stages.validate.model.lumps import Lump, moved_lump
+from linkwright.stages.validate.model.poses import placed
 from linkwright.stages.validate.same.found import Poses, ReadRobot
 
 

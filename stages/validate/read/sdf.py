@@ -14,15 +14,15 @@ from linkwright.stages.formats.sdf.names import sdf_names
 from linkwright.stages.formats.sdf.parse import parse_sdf
 from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.check import Check, Finding
-from linkwright.stages.robot.kinematics import chain, link_poses
-from linkwright.stages.robot.loops import across, closing
-from linkwright.stages.robot.model import Array, Configuration, Dof, Joint, Loop, Value
-from linkwright.stages.robot.plural import count
-from linkwright.stages.robot.poses import at_rest, inverse, motion, quat_from_rotation
-from linkwright.stages.robot.start_pose import starting_point
-from linkwright.stages.validate.coordinates import distance
+from linkwright.stages.robot.model.poses import at_rest, inverse, motion, quat_from_rotation
+from linkwright.stages.robot.model.robot import Array, Configuration, Dof, Joint, Loop, Value
+from linkwright.stages.robot.motion.kinematics import chain, link_poses
+from linkwright.stages.robot.motion.loops import across, closing
+from linkwright.stages.robot.motion.start_pose import starting_point
+from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.findings import differs, named
-from linkwright.stages.validate.lumps import Lump
+from linkwright.stages.validate.model.coordinates import distance
+from linkwright.stages.validate.model.lumps import Lump
 from linkwright.stages.validate.read.run import checks_by
 from linkwright.stages.validate.same.found import (
     FormatWords,

@@ -11,15 +11,15 @@ from linkwright.stages.formats.usd.names import usd_names
 from linkwright.stages.formats.usd.zeros import ball_zeros
 from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.check import Check, Finding
-from linkwright.stages.robot.inertia import SPECK
-from linkwright.stages.robot.kinematics import chain, link_poses
-from linkwright.stages.robot.model import Array, Configuration, Dof, Loop, Value
-from linkwright.stages.robot.plural import count
-from linkwright.stages.robot.poses import at_rest, from_parts, inverse, motion
-from linkwright.stages.robot.start_pose import HOME, home
-from linkwright.stages.validate.coordinates import SAME, distance
+from linkwright.stages.robot.dynamics.inertia import SPECK
+from linkwright.stages.robot.model.poses import at_rest, from_parts, inverse, motion
+from linkwright.stages.robot.model.robot import Array, Configuration, Dof, Loop, Value
+from linkwright.stages.robot.motion.kinematics import chain, link_poses
+from linkwright.stages.robot.motion.start_pose import HOME, home
+from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.findings import named, shown
-from linkwright.stages.validate.lumps import Lump
+from linkwright.stages.validate.model.coordinates import SAME, distance
+from linkwright.stages.validate.model.lumps import Lump
 from linkwright.stages.validate.read.run import checks_by
 from linkwright.stages.validate.same.found import (
     FormatWords,

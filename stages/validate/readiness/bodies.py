@@ -5,10 +5,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from linkwright.stages.robot.plural import count
-from linkwright.stages.validate.mujoco_poses import placed
+from linkwright.stages.robot.text.plural import count
+from linkwright.stages.validate.model.poses import placed
+from linkwright.stages.validate.model.shapes import MESH, directions, reach
 from linkwright.stages.validate.readiness.finished import Aside, Finished
-from linkwright.stages.validate.shapes import MESH, directions, reach
 
 VISUAL, COLLISION = 2, 3
 """The groups of geoms that are seen and that collide."""

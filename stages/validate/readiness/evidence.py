@@ -9,7 +9,7 @@ import numpy as np
 
 from linkwright.stages.mujoco.compile import NotCompiled, refusals
 from linkwright.stages.mujoco.warnings import deprecations
-from linkwright.stages.robot.install import install
+from linkwright.stages.robot.system.install import install
 from linkwright.stages.validate.readiness.finished import Aside, Finished
 
 FACES = 200_000

@@ -12,10 +12,10 @@ import numpy as np
 from linkwright.stages.formats.xml import Element, Malformed, parse
 from linkwright.stages.mujoco.state import at_keyframe
 from linkwright.stages.robot.check import Check
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.model import Robot
-from linkwright.stages.validate.coordinates import HINGE, SLIDE
-from linkwright.stages.validate.shapes import seen_and_solid
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.validate.model.coordinates import HINGE, SLIDE
+from linkwright.stages.validate.model.shapes import seen_and_solid
 
 
 class Aside(Exception):

@@ -7,11 +7,11 @@ import mujoco
 import numpy as np
 
 from linkwright.stages.mujoco.state import keyframe_of
-from linkwright.stages.robot.plural import count
-from linkwright.stages.validate.coordinates import BALL, FREE
-from linkwright.stages.validate.following import equalities
+from linkwright.stages.robot.text.plural import count
+from linkwright.stages.validate.model.coordinates import BALL, FREE
+from linkwright.stages.validate.model.following import equalities
+from linkwright.stages.validate.model.shapes import reach
 from linkwright.stages.validate.readiness.finished import Aside, Finished
-from linkwright.stages.validate.shapes import reach
 
 RANK = 1e-6
 ROUNDING = 1e-9

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from linkwright.stages.robot.check import Check, Finding, Table
-from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.readiness.finished import Aside, Finished
 from linkwright.stages.validate.readiness.points import POINTS, Point
 

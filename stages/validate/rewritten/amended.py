@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from linkwright.stages.robot.amendments import Amendment, tag_of
+from linkwright.stages.robot.model.amendments import Amendment, tag_of
 from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.rewritten.compare import Difference
 

@@ -5,12 +5,12 @@ from dataclasses import replace
 from itertools import groupby
 from pathlib import Path, PurePosixPath
 
-from linkwright.stages.robot.amendments import Amendment
 from linkwright.stages.robot.check import Check, CheckLevel, Finding
-from linkwright.stages.robot.plural import count
-from linkwright.stages.robot.regular_files import is_file
-from linkwright.stages.validate.documents import sentence
+from linkwright.stages.robot.model.amendments import Amendment
+from linkwright.stages.robot.system.regular_files import is_file
+from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.findings import few, named
+from linkwright.stages.validate.reading.documents import sentence
 from linkwright.stages.validate.rewritten.amended import is_amended
 from linkwright.stages.validate.rewritten.compare import Difference, differences
 from linkwright.stages.validate.rewritten.own import DESCRIBES, Weight, weight_of

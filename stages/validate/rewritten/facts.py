@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from linkwright.stages.robot.poses import rotation_from_rpy
+from linkwright.stages.robot.model.poses import rotation_from_rpy
 
 SAME = 1e-9
 """Numbers are the same within this, relative to the largest of their row, and turns within this [rad]."""

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from linkwright.stages.robot.check import Finding
-from linkwright.stages.robot.model import Array, Dof, Joint
-from linkwright.stages.robot.poses import inverse
-from linkwright.stages.validate.coordinates import SAME, distance
+from linkwright.stages.robot.model.poses import inverse
+from linkwright.stages.robot.model.robot import Array, Dof, Joint
 from linkwright.stages.validate.findings import apart, differs, few, place_differs
+from linkwright.stages.validate.model.coordinates import SAME, distance
 from linkwright.stages.validate.same.found import Poses, ReadRobot
 
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
 from linkwright.stages.robot.check import Check, Finding
-from linkwright.stages.robot.model import Array, Configuration, Dof, Inertial, Joint, Loop, Robot
+from linkwright.stages.robot.model.robot import Array, Configuration, Dof, Inertial, Joint, Loop, Robot
 from linkwright.stages.validate.findings import few, named
-from linkwright.stages.validate.lumps import Lump
+from linkwright.stages.validate.model.lumps import Lump
 
 Tag = Literal["link", "joint", "frame", "relation"]
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from linkwright.stages.robot.check import Check, Finding
-from linkwright.stages.robot.model import Array, Dof, Limits
+from linkwright.stages.robot.model.robot import Array, Dof, Limits
 from linkwright.stages.validate.findings import differs, shown
 from linkwright.stages.validate.same.found import FoundJoint, Numbers, ReadRobot
 

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from linkwright.stages.robot.check import Check, Finding
-from linkwright.stages.validate.coordinates import distance, spread
 from linkwright.stages.validate.findings import place_differs, worst_first
+from linkwright.stages.validate.model.coordinates import distance, spread
 from linkwright.stages.validate.same.found import FoundPlace, ReadRobot
 
 

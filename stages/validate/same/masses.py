@@ -10,7 +10,7 @@ import numpy as np
 
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.validate.findings import differs, worst_first
-from linkwright.stages.validate.lumps import UNITS, Lump, differences, expected_lump
+from linkwright.stages.validate.model.lumps import UNITS, Lump, differences, expected_lump
 from linkwright.stages.validate.same.found import FormatWords, ReadRobot
 
 

@@ -9,11 +9,11 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from linkwright.stages.robot.check import Check, Finding
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.model import Array
-from linkwright.stages.robot.poses import inverse
-from linkwright.stages.validate.coordinates import CAD_ERROR, distance, every_saved, spread
+from linkwright.stages.robot.model.poses import inverse
+from linkwright.stages.robot.model.robot import Array
+from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.validate.findings import shown
+from linkwright.stages.validate.model.coordinates import CAD_ERROR, distance, every_saved, spread
 from linkwright.stages.validate.same.differences import PosePair, differences
 from linkwright.stages.validate.same.found import Poses, ReadRobot
 

@@ -1,7 +1,7 @@
 """Every link, joint and frame is there by name, and nothing else."""
 
 from linkwright.stages.robot.check import Check, Finding
-from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.same.found import ReadRobot
 

@@ -3,10 +3,10 @@
 from collections.abc import Iterator
 
 from linkwright.stages.robot.check import Check, Finding
-from linkwright.stages.robot.model import Relation
-from linkwright.stages.robot.plural import count
-from linkwright.stages.validate.coordinates import SAME
+from linkwright.stages.robot.model.robot import Relation
+from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.findings import differs, named
+from linkwright.stages.validate.model.coordinates import SAME
 from linkwright.stages.validate.same.found import FoundMimic, ReadRobot
 
 

@@ -9,13 +9,13 @@ from typing import Protocol
 import numpy as np
 
 from linkwright.stages.robot.check import Finding
-from linkwright.stages.robot.fusing import Holders
-from linkwright.stages.robot.geometry import Colour, Geometry, Role, Shape
-from linkwright.stages.robot.model import Array
-from linkwright.stages.robot.plural import count
-from linkwright.stages.robot.poses import UNMOVED
-from linkwright.stages.validate.coordinates import SAME
+from linkwright.stages.robot.dynamics.fusing import Holders
+from linkwright.stages.robot.model.geometry import Colour, Geometry, Role, Shape
+from linkwright.stages.robot.model.poses import UNMOVED
+from linkwright.stages.robot.model.robot import Array
+from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.findings import differs, place_differs, shown
+from linkwright.stages.validate.model.coordinates import SAME
 
 COLOUR = 1e-4
 """Of each channel; a screen has steps of 1/255."""

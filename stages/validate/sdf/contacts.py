@@ -10,7 +10,7 @@ import numpy as np
 from linkwright.stages.formats.sdf.model import SdfLink, SdfModel
 from linkwright.stages.formats.sdf.shapes import SdfShape
 from linkwright.stages.robot.check import Finding
-from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.validate.findings import differs, named
 
 ALL, DEFAULT = 0xFFFF, 0xFF

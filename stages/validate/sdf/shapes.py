@@ -8,12 +8,12 @@ from linkwright.stages.formats.sdf.model import SdfModel
 from linkwright.stages.formats.sdf.shapes import SdfShape
 from linkwright.stages.formats.xml import parse
 from linkwright.stages.robot.check import Check, Finding
-from linkwright.stages.robot.geometry import Geometry, Shape
-from linkwright.stages.robot.model import Robot
-from linkwright.stages.robot.poses import UNMOVED
-from linkwright.stages.robot.scene import Scene
-from linkwright.stages.validate.coordinates import SAME
+from linkwright.stages.robot.model.geometry import Geometry, Shape
+from linkwright.stages.robot.model.poses import UNMOVED
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.robot.model.scene import Scene
 from linkwright.stages.validate.findings import differs, few, named, place_differs, shown
+from linkwright.stages.validate.model.coordinates import SAME
 from linkwright.stages.validate.same.shapes import (
     COLOUR,
     ShapeWords,

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from linkwright.stages.robot.check import Finding
-from linkwright.stages.robot.passive import passive_dofs
+from linkwright.stages.robot.dynamics.passive import passive_dofs
 from linkwright.stages.validate.findings import differs, named
 from linkwright.stages.validate.srdf.known import ReadSrdf
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from linkwright.stages.formats.urdf.chains import UrdfChains, UrdfStep, chains_of
 from linkwright.stages.formats.written import Written
 from linkwright.stages.formats.xml import Element
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.validate.findings import named
 
 

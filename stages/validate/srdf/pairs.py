@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from linkwright.stages.formats.urdf.contacts import Reason, known_pairs
 from linkwright.stages.formats.xml import Element
 from linkwright.stages.robot.check import Finding
-from linkwright.stages.robot.geometry import Geometry
+from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.validate.findings import differs, named
 from linkwright.stages.validate.srdf.known import ReadSrdf, pair
 

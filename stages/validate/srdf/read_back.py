@@ -6,8 +6,8 @@ from pathlib import Path
 from linkwright.stages.formats.written import Written
 from linkwright.stages.formats.xml import Malformed, parse
 from linkwright.stages.robot.check import Check
-from linkwright.stages.validate.documents import sentence
 from linkwright.stages.validate.findings import few
+from linkwright.stages.validate.reading.documents import sentence
 from linkwright.stages.validate.srdf.base import base, passive
 from linkwright.stages.validate.srdf.groups import end_effectors, groups
 from linkwright.stages.validate.srdf.known import ReadSrdf

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from linkwright.stages.formats.xml import Element, tag
 from linkwright.stages.robot.check import Finding
-from linkwright.stages.robot.globs import did_you_mean
+from linkwright.stages.robot.text.globs import did_you_mean
 from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.srdf.known import ReadSrdf, pair, state
 

@@ -7,11 +7,11 @@ import numpy as np
 
 from linkwright.stages.formats.xml import Element
 from linkwright.stages.robot.check import Finding
-from linkwright.stages.robot.model import Configuration
-from linkwright.stages.robot.poses import motion
-from linkwright.stages.robot.start_pose import HOME, keyframes
-from linkwright.stages.validate.coordinates import SAME, distance
+from linkwright.stages.robot.model.poses import motion
+from linkwright.stages.robot.model.robot import Configuration
+from linkwright.stages.robot.motion.start_pose import HOME, keyframes
 from linkwright.stages.validate.findings import differs, named, shown
+from linkwright.stages.validate.model.coordinates import SAME, distance
 from linkwright.stages.validate.srdf.known import ReadSrdf, state
 
 

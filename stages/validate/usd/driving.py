@@ -7,7 +7,7 @@ from linkwright.stages.formats.usd.drives import Drives
 from linkwright.stages.formats.usd.joint_facts import JointFacts, driven, mimic, resistance, state
 from linkwright.stages.formats.usd.names import UsdNames
 from linkwright.stages.robot.check import Finding
-from linkwright.stages.robot.model import Configuration, Dof, Robot
+from linkwright.stages.robot.model.robot import Configuration, Dof, Robot
 from linkwright.stages.validate.findings import differs, named
 from linkwright.stages.validate.usd.reader import ReadUsdJoint, UsdRobot
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from linkwright.stages.formats.usd.colours import ROUGHNESS, linear
 from linkwright.stages.robot.check import Finding
-from linkwright.stages.robot.geometry import Shape
+from linkwright.stages.robot.model.geometry import Shape
 from linkwright.stages.validate.findings import differs
 from linkwright.stages.validate.usd.shape_reader import ReadUsdShape
 

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from linkwright.stages.formats.mesh_faces import mesh_corners
+from linkwright.stages.formats.meshes.faces import mesh_corners
 from linkwright.stages.formats.usd.names import UsdNames
 from linkwright.stages.robot.check import Finding
-from linkwright.stages.robot.geometry import Geometry, Role, Shape
-from linkwright.stages.robot.model import Array, Robot
-from linkwright.stages.robot.plural import count
-from linkwright.stages.robot.poses import UNMOVED
+from linkwright.stages.robot.model.geometry import Geometry, Role, Shape
+from linkwright.stages.robot.model.poses import UNMOVED
+from linkwright.stages.robot.model.robot import Array, Robot
+from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.findings import differs, named, place_differs, shown
 from linkwright.stages.validate.usd.looks import looks
 from linkwright.stages.validate.usd.reader import UsdRobot

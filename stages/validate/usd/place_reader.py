@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from pxr import UsdGeom
 
-from linkwright.stages.robot.model import Array
-from linkwright.stages.robot.poses import inverse
+from linkwright.stages.robot.model.poses import inverse
+from linkwright.stages.robot.model.robot import Array
 
 _IMAGE = np.diag([1.0, -1.0, -1.0, 1.0])
 """prim_from_image (4, 4): cameras of USD look along −z, with y up; ours along z, with y down."""

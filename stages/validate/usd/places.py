@@ -4,8 +4,8 @@ from collections.abc import Iterator, Mapping
 
 from linkwright.stages.formats.usd.names import UsdNames, identifiers
 from linkwright.stages.robot.check import Finding
-from linkwright.stages.robot.model import Robot
-from linkwright.stages.robot.sensing import Sensing
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.robot.model.sensing import Sensing
 from linkwright.stages.validate.findings import differs, named, place_differs
 from linkwright.stages.validate.usd.place_reader import ReadUsdPlace
 from linkwright.stages.validate.usd.reader import UsdRobot

@@ -12,8 +12,8 @@ from pxr import Tf, Usd, UsdGeom, UsdPhysics
 
 from linkwright.stages.formats.usd.joint_facts import JointFacts
 from linkwright.stages.robot.check import Finding
-from linkwright.stages.robot.model import Array, Inertial, frozen
-from linkwright.stages.robot.poses import from_parts, rotation_from_quat
+from linkwright.stages.robot.model.poses import from_parts, rotation_from_quat
+from linkwright.stages.robot.model.robot import Array, Inertial, frozen
 from linkwright.stages.validate.usd.place_reader import ReadUsdPlace, places_of
 from linkwright.stages.validate.usd.prim_reader import flaws, schemas
 from linkwright.stages.validate.usd.shape_reader import ReadUsdShape, shapes_of

@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 from pxr import Usd, UsdGeom, UsdPhysics
 
-from linkwright.stages.robot.model import Array
-from linkwright.stages.robot.poses import inverse
+from linkwright.stages.robot.model.poses import inverse
+from linkwright.stages.robot.model.robot import Array
 from linkwright.stages.validate.usd.look_reader import ReadUsdLook, look_of
 from linkwright.stages.validate.usd.prim_reader import schemas
 

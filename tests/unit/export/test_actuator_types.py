@@ -11,10 +11,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from linkwright.pipeline.preflight import plan_problems
+from linkwright.pipeline.run.preflight import plan_problems
 from linkwright.stages.export import export
-from linkwright.stages.robot.actuation import Actuation
-from linkwright.stages.robot.model import Dynamics, Limits, Robot
+from linkwright.stages.robot.model.actuation import Actuation
+from linkwright.stages.robot.model.robot import Dynamics, Limits, Robot
 from linkwright.stages.validate import validate
 from tests.support.building import NO_MESHES, plan_of, write
 from tests.support.robots import joint, robot_with

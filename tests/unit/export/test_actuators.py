@@ -11,9 +11,9 @@ import pytest
 
 from linkwright.stages.export import Exported, export
 from linkwright.stages.export.actuators.resolve import actuate
-from linkwright.stages.robot.actuation import Actuation
 from linkwright.stages.robot.errors import ExportError
-from linkwright.stages.robot.model import Dynamics, Inertial, Limits, Relation, Robot, frozen
+from linkwright.stages.robot.model.actuation import Actuation
+from linkwright.stages.robot.model.robot import Dynamics, Inertial, Limits, Relation, Robot, frozen
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import NO_MESHES, plan_of, robot_of
 from tests.support.kit import SIDE, TOP, Kit, four_bar

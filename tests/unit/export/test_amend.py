@@ -13,11 +13,11 @@ import pytest
 
 from linkwright.stages.export import Exported, export
 from linkwright.stages.formats.xml import parse
-from linkwright.stages.robot.amendments import Surplus
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.errors import ConfigError, ExportError
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.model import Base, Robot
+from linkwright.stages.robot.model.amendments import Surplus
+from linkwright.stages.robot.model.robot import Base, Robot
+from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.validate import validate
 from tests.support.building import plan_of, write
 from tests.support.robots import at, joint, loop, robot_with

@@ -12,9 +12,9 @@ import pytest
 import linkwright.stages.export
 from linkwright.stages.export import WRITERS, FormatFiles, WriterInput, export, writer_of
 from linkwright.stages.formats.xml import parse
-from linkwright.stages.robot.kinematics import saved_configuration
-from linkwright.stages.robot.start_pose import starting_point
-from linkwright.stages.validate.mujoco_abilities import reads_mimic
+from linkwright.stages.robot.motion.kinematics import saved_configuration
+from linkwright.stages.robot.motion.start_pose import starting_point
+from linkwright.stages.validate.dynamics.mujoco_abilities import reads_mimic
 from tests.fake_onshape.frames import frame, turn
 from tests.support.building import NO_MESHES, plan_of, robot_of, write
 from tests.support.engines import Mujoco, Pinocchio

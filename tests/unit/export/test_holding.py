@@ -12,11 +12,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
-from linkwright.stages.export.footing import balanced, supports
-from linkwright.stages.export.standing import stand
-from linkwright.stages.robot.model import Dynamics, Keyframe, Limits, Primitive, Robot, frozen
-from linkwright.stages.robot.poses import from_parts, rotation_from_rpy
-from linkwright.stages.robot.start_pose import keyframes
+from linkwright.stages.export.ground.footing import balanced, supports
+from linkwright.stages.export.ground.standing import stand
+from linkwright.stages.robot.model.poses import from_parts, rotation_from_rpy
+from linkwright.stages.robot.model.robot import Dynamics, Keyframe, Limits, Primitive, Robot, frozen
+from linkwright.stages.robot.motion.start_pose import keyframes
 from linkwright.stages.validate import validate
 from tests.support.building import plan_of, write
 from tests.support.robots import at, joint, robot_with

@@ -9,15 +9,20 @@ import numpy as np
 import pytest
 
 from linkwright.stages.export import writer_of
+from linkwright.stages.export.ground.standing import stand
 from linkwright.stages.export.mjcf.unsupported import unsupported
 from linkwright.stages.export.settled import settled
-from linkwright.stages.export.standing import stand
 from linkwright.stages.export.writer import WriterInput
 from linkwright.stages.formats.written import Written
-from linkwright.stages.robot.geometry import Geometry, Shape
-from linkwright.stages.robot.kinematics import chain, link_poses, saved_configuration
-from linkwright.stages.robot.loops import gap
-from linkwright.stages.robot.model import (
+from linkwright.stages.robot.model.geometry import Geometry, Shape
+from linkwright.stages.robot.model.poses import (
+    inverse,
+    motion,
+    quat_from_rotation,
+    rotation_from_quat,
+    rotation_from_rpy,
+)
+from linkwright.stages.robot.model.robot import (
     Array,
     Dynamics,
     Frame,
@@ -30,14 +35,9 @@ from linkwright.stages.robot.model import (
     Value,
     frozen,
 )
-from linkwright.stages.robot.poses import (
-    inverse,
-    motion,
-    quat_from_rotation,
-    rotation_from_quat,
-    rotation_from_rpy,
-)
-from linkwright.stages.robot.start_pose import starting_point
+from linkwright.stages.robot.motion.kinematics import chain, link_poses, saved_configuration
+from linkwright.stages.robot.motion.loops import gap
+from linkwright.stages.robot.motion.start_pose import starting_point
 from tests.support import robots
 from tests.support.building import NO_MESHES, plan_of, robot_of, write
 from tests.support.kit import SIDE, TOP, Kit, four_bar

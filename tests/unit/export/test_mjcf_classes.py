@@ -9,8 +9,8 @@ from lxml import etree
 
 from linkwright.stages.export.mjcf import model as mjcf_model
 from linkwright.stages.mesh import make_geometry
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.model import Dynamics, Limits, Relation, Robot
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.robot import Dynamics, Limits, Relation, Robot
 from tests.support.building import plan_of, write
 from tests.support.robots import at, joint, loop, robot_with
 from tests.support.touching import NO_FILES, ball, box, no_memo

@@ -7,11 +7,11 @@ import mujoco
 import numpy as np
 import pytest
 
-from linkwright.stages.export.mjcf.filters import CLASSES, filters
-from linkwright.stages.robot.geom_form import ContactProperties
-from linkwright.stages.robot.geometry import Exclude, Geometry, Shape
-from linkwright.stages.robot.left_out import LeftOut
-from linkwright.stages.robot.start_pose import home
+from linkwright.stages.export.mjcf.contact.filters import CLASSES, filters
+from linkwright.stages.robot.contact.left_out import LeftOut
+from linkwright.stages.robot.model.geom_form import ContactProperties
+from linkwright.stages.robot.model.geometry import Exclude, Geometry, Shape
+from linkwright.stages.robot.motion.start_pose import home
 from tests.support.robots import joint, robot_with
 from tests.support.touching import ball, exported, geoms_in_mujoco, model_of
 

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from linkwright.pipeline.config.plan import Plan
-from linkwright.stages.formats.mjcf_form import MjcfForm
-from linkwright.stages.formats.mjcf_written import form_with
+from linkwright.stages.formats.mjcf.form import MjcfForm
+from linkwright.stages.formats.mjcf.written import form_with
 from linkwright.stages.formats.xml import parse
-from linkwright.stages.mesh.primitives import shapes as primitive_shapes
-from linkwright.stages.robot.geometry import Exclude, Geometry, Shape, Touch
-from linkwright.stages.robot.model import Array, Frame, Primitive, Robot, Sensor, frozen
-from linkwright.stages.robot.poses import from_parts, turn
+from linkwright.stages.mesh.collide.primitives import shapes as primitive_shapes
+from linkwright.stages.robot.model.geometry import Exclude, Geometry, Shape, Touch
+from linkwright.stages.robot.model.poses import from_parts, turn
+from linkwright.stages.robot.model.robot import Array, Frame, Primitive, Robot, Sensor, frozen
 from linkwright.stages.validate import validate
 from tests.support.building import plan_of, write
 from tests.support.engines import Mujoco, Pinocchio

@@ -16,10 +16,10 @@ from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.motor_files import OURS, library
 from linkwright.stages.export import Exported, export
-from linkwright.stages.export.motor_section import QUANTITIES, MotorSection
-from linkwright.stages.graph.passes.joint_limits import with_properties
+from linkwright.stages.export.configuration.motor_section import QUANTITIES, MotorSection
+from linkwright.stages.graph.passes.limits.joint_limits import with_properties
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.model import Limits, Robot
+from linkwright.stages.robot.model.robot import Limits, Robot
 from linkwright.stages.validate import validate
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import NO_MESHES, plan_of, robot_of, write

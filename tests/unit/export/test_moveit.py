@@ -7,8 +7,8 @@ import pytest
 import yaml
 
 from linkwright.stages.export import export
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.model import Dynamics, Frame, Limits, Relation, Robot, frozen
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.robot import Dynamics, Frame, Limits, Relation, Robot, frozen
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.robots import at, joint, robot_with
 from tests.support.ros2 import IncludeLaunchDescription, Package, check_manifest, launched, moveit_of, packed

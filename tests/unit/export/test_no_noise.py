@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from linkwright.stages.formats.xml import parse
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.model import Dynamics, Frame, Inertial, Limits, Relation, Robot, frozen
-from linkwright.stages.robot.poses import rotation_from_rpy
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.poses import rotation_from_rpy
+from linkwright.stages.robot.model.robot import Dynamics, Frame, Inertial, Limits, Relation, Robot, frozen
 from tests.support.building import plan_of, write
 from tests.support.robots import from_parts, joint, robot_with
 

@@ -10,16 +10,16 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from linkwright.stages.export import Exported, export
+from linkwright.stages.export.configuration.sensor_section import MEASURES
 from linkwright.stages.export.order.of_mjcf import MjcfOrder
 from linkwright.stages.export.order.of_urdf import urdf_rows
-from linkwright.stages.export.sensor_section import MEASURES
-from linkwright.stages.fetch.mjcf.actuation import _PLAIN_SENSORS
-from linkwright.stages.formats.mjcf_joints import joints_in_order
+from linkwright.stages.fetch.mjcf.compiled.actuation import _PLAIN_SENSORS
+from linkwright.stages.formats.mjcf.joints import joints_in_order
 from linkwright.stages.formats.robot_json.codec import write
 from linkwright.stages.formats.xml import parse
-from linkwright.stages.robot.actuation import NONE, Actuation, Actuator
-from linkwright.stages.robot.model import Joint, Loop, Robot
-from linkwright.stages.robot.sensor_kinds import DIMENSIONS, unit_of
+from linkwright.stages.robot.model.actuation import NONE, Actuation, Actuator
+from linkwright.stages.robot.model.robot import Joint, Loop, Robot
+from linkwright.stages.robot.model.sensor_kinds import DIMENSIONS, unit_of
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.fake_onshape.sample import sample_document

@@ -5,7 +5,7 @@ import colorsys
 import pytest
 
 from linkwright.stages.export.paints import WORDS, materials, word
-from linkwright.stages.robot.geometry import Geometry, Shape
+from linkwright.stages.robot.model.geometry import Geometry, Shape
 
 
 @pytest.mark.parametrize("name", WORDS)

@@ -8,8 +8,8 @@ import pytest
 from linkwright.pipeline.page.readers import SHOWN, readers
 from linkwright.stages.export import WRITERS, export
 from linkwright.stages.export.readers import READERS, dropped
-from linkwright.stages.robot.geometry import Geometry, Shape
-from linkwright.stages.robot.model import Dynamics, Frame, Limits, Relation, frozen
+from linkwright.stages.robot.model.geometry import Geometry, Shape
+from linkwright.stages.robot.model.robot import Dynamics, Frame, Limits, Relation, frozen
 from tests.support import drake
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.robots import at, joint, loop, robot_with

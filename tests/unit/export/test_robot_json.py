@@ -11,9 +11,9 @@ from scipy.spatial.transform import Rotation
 from linkwright.stages.export.robot_json import describe
 from linkwright.stages.export.urdf.lowering import lower
 from linkwright.stages.formats.written import Written
-from linkwright.stages.robot import kinematics
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.model import Dynamics, Frame, Limits, Mobility, Primitive, Robot, frozen
+from linkwright.stages.robot.model.robot import Dynamics, Frame, Limits, Mobility, Primitive, Robot, frozen
+from linkwright.stages.robot.motion import kinematics
+from linkwright.stages.robot.motion.kinematics import link_poses
 from tests.support.building import write
 from tests.support.engines import Mujoco, Pinocchio
 from tests.support.robots import (

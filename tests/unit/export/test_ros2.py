@@ -12,9 +12,9 @@ from lxml import etree
 from linkwright.stages.export import export
 from linkwright.stages.export.package_names import package_of
 from linkwright.stages.export.ros2.names import legal_names, macro_of
-from linkwright.stages.robot.geometry import Geometry, Shape
-from linkwright.stages.robot.model import Frame, Limits, Relation, Robot, frozen
-from linkwright.stages.robot.start_pose import home
+from linkwright.stages.robot.model.geometry import Geometry, Shape
+from linkwright.stages.robot.model.robot import Frame, Limits, Relation, Robot, frozen
+from linkwright.stages.robot.motion.start_pose import home
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.engines import Pinocchio
 from tests.support.robots import EVERY, at, joint, loop, pose, robot_with

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from linkwright.stages.export.mujoco_section import (
+from linkwright.stages.export.configuration.mujoco_section import (
     IN_THE_ROBOT,
     READS_THE_FILE,
     CompilerSection,
@@ -16,8 +16,8 @@ from linkwright.stages.export.mujoco_section import (
     OptionSection,
 )
 from linkwright.stages.robot.errors import ConfigError, ExportError
-from linkwright.stages.robot.model import Frame, Primitive, Robot, frozen
-from linkwright.stages.robot.poses import from_parts, rotation_from_rpy
+from linkwright.stages.robot.model.poses import from_parts, rotation_from_rpy
+from linkwright.stages.robot.model.robot import Frame, Primitive, Robot, frozen
 from tests.support.building import plan_of, write
 from tests.support.mujoco_schema import schema
 from tests.support.robots import at, joint, robot_with

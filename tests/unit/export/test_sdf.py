@@ -9,12 +9,12 @@ from scipy.spatial.transform import Rotation
 
 from linkwright.stages.export import export
 from linkwright.stages.formats.xml import parse
-from linkwright.stages.mesh.primitives import shapes as primitive_shapes
-from linkwright.stages.robot.dynamics import mass_matrix
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.model import Dynamics, Frame, Limits, Primitive, Relation, Robot, frozen
-from linkwright.stages.robot.start_pose import starting_point
+from linkwright.stages.mesh.collide.primitives import shapes as primitive_shapes
+from linkwright.stages.robot.dynamics.mass_matrix import mass_matrix
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.robot import Dynamics, Frame, Limits, Primitive, Relation, Robot, frozen
+from linkwright.stages.robot.motion.kinematics import link_poses
+from linkwright.stages.robot.motion.start_pose import starting_point
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.engines import Pinocchio
 from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_around, robot_with, some_values

@@ -8,9 +8,9 @@ import pytest
 
 from linkwright.stages.export import export
 from linkwright.stages.formats.written import Written
-from linkwright.stages.mesh.primitives import shapes as primitive_shapes
-from linkwright.stages.robot.geometry import Exclude, Geometry
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.mesh.collide.primitives import shapes as primitive_shapes
+from linkwright.stages.robot.model.geometry import Exclude, Geometry
+from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.validate.read.sdf import check_file
 from tests.support.building import plan_of
 from tests.support.robots import joint, robot_with

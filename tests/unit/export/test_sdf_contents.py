@@ -13,12 +13,12 @@ import trimesh
 from linkwright.stages.export import export
 from linkwright.stages.formats.written import Written
 from linkwright.stages.formats.xml import parse
-from linkwright.stages.mesh.primitives import shapes as primitive_shapes
+from linkwright.stages.mesh.collide.primitives import shapes as primitive_shapes
 from linkwright.stages.robot.errors import ConfigError
-from linkwright.stages.robot.geom_form import ContactProperties
-from linkwright.stages.robot.geometry import Geometry, Shape
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.model import Frame, Primitive, Robot, frozen
+from linkwright.stages.robot.model.geom_form import ContactProperties
+from linkwright.stages.robot.model.geometry import Geometry, Shape
+from linkwright.stages.robot.model.robot import Frame, Primitive, Robot, frozen
+from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.validate.read.sdf import check_file
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.robots import at, joint, loop, robot_with

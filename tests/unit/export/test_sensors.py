@@ -13,13 +13,13 @@ import yaml
 
 from linkwright.pipeline.config.plan import Plan
 from linkwright.stages.export import Exported, export
-from linkwright.stages.export.sensor_section import MEASURES, SensorSection
+from linkwright.stages.export.configuration.sensor_section import MEASURES, SensorSection
 from linkwright.stages.formats.xml import parse
-from linkwright.stages.mesh.primitives import shapes as primitive_shapes
+from linkwright.stages.mesh.collide.primitives import shapes as primitive_shapes
 from linkwright.stages.robot.errors import ConfigError, ExportError
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.model import Array, Frame, Limits, Primitive, Robot, Sensor, frozen
-from linkwright.stages.robot.poses import from_parts, turn
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.poses import from_parts, turn
+from linkwright.stages.robot.model.robot import Array, Frame, Limits, Primitive, Robot, Sensor, frozen
 from linkwright.stages.validate import validate
 from tests.support.building import NO_MESHES, plan_of, write
 from tests.support.robots import at, joint, loop, pose, robot_with

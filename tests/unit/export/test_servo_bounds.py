@@ -9,15 +9,15 @@ import pytest
 
 from linkwright.stages.export import export
 from linkwright.stages.export.actuators.resolve import actuate
-from linkwright.stages.robot.actuation import Actuation
-from linkwright.stages.robot.couplings import Couplings
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.loops import gap
-from linkwright.stages.robot.model import Dynamics, Limits, Robot
-from linkwright.stages.robot.pose_batch import chosen
-from linkwright.stages.robot.pose_samples import sampled_poses
-from linkwright.stages.robot.start_pose import saved
+from linkwright.stages.robot.model.actuation import Actuation
+from linkwright.stages.robot.model.robot import Dynamics, Limits, Robot
+from linkwright.stages.robot.motion.couplings import Couplings
+from linkwright.stages.robot.motion.kinematics import link_poses
+from linkwright.stages.robot.motion.loops import gap
+from linkwright.stages.robot.motion.pose_batch import chosen
+from linkwright.stages.robot.motion.pose_samples import sampled_poses
+from linkwright.stages.robot.motion.start_pose import saved
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.robots import at, joint, loop, robot_with
 from tests.unit.export.test_actuators import ACROSS, ARM, GRAVITY, exported, lump, pendulum

@@ -10,9 +10,9 @@ from scipy.spatial.transform import Rotation
 
 from linkwright.stages.export.urdf.srdf import disabled
 from linkwright.stages.export.writer import Exported
-from linkwright.stages.robot.geometry import Exclude, Geometry
-from linkwright.stages.robot.model import Frame, Keyframe, Limits, Relation, Robot, frozen
-from linkwright.stages.robot.start_pose import keyframes
+from linkwright.stages.robot.model.geometry import Exclude, Geometry
+from linkwright.stages.robot.model.robot import Frame, Keyframe, Limits, Relation, Robot, frozen
+from linkwright.stages.robot.motion.start_pose import keyframes
 from tests.support.building import NO_MESHES, plan_of, write
 from tests.support.robots import EVERY, at, joint, loop, pose, robot_with
 from tests.support.srdf import InPinocchio, Srdf

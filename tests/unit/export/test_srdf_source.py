@@ -9,7 +9,7 @@ from lxml import etree
 
 from linkwright.pipeline.config.plan import Plan
 from linkwright.stages.export import export
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.robot import Robot
 from tests.support.building import plan_of, write
 from tests.support.pinocchio import pin
 from tests.support.ros2 import moveit_of, packed

@@ -12,9 +12,9 @@ from linkwright.stages.export import Exported, export
 from linkwright.stages.export.mjcf.loops import held
 from linkwright.stages.export.stability.steadied import steadied
 from linkwright.stages.mujoco.trial import Trial, trial_run
-from linkwright.stages.robot.actuation import Actuation, Armature
-from linkwright.stages.robot.driven import as_driven
-from linkwright.stages.robot.model import Dynamics, Robot
+from linkwright.stages.robot.dynamics.driven import as_driven
+from linkwright.stages.robot.model.actuation import Actuation, Armature
+from linkwright.stages.robot.model.robot import Dynamics, Robot
 from linkwright.stages.validate import validate
 from tests.support.building import NO_MESHES, plan_of, robot_of, write
 from tests.support.cases import mostly_slow

@@ -12,11 +12,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from linkwright.stages.export import export
-from linkwright.stages.export.standing import stand
+from linkwright.stages.export.ground.standing import stand
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.robot.errors import ExportError
-from linkwright.stages.robot.model import Base, Keyframe, Limits, Primitive, Robot, frozen
-from linkwright.stages.robot.poses import from_parts, rotation_from_rpy
+from linkwright.stages.robot.model.poses import from_parts, rotation_from_rpy
+from linkwright.stages.robot.model.robot import Base, Keyframe, Limits, Primitive, Robot, frozen
 from tests.support.building import NO_MESHES, plan_of, write
 from tests.support.robots import at, joint, robot_with
 from tests.support.touching import NO_FILES, no_memo

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from linkwright.stages.export import export
-from linkwright.stages.robot.model import Relation, Robot
+from linkwright.stages.robot.model.robot import Relation, Robot
 from tests.support.building import plan_of
 from tests.support.robots import at, joint, robot_with
 from tests.support.ros2 import Package, packed

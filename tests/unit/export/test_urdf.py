@@ -12,12 +12,12 @@ from linkwright.stages.export.urdf.model import write_urdf
 from linkwright.stages.export.urdf.unsupported import unsupported
 from linkwright.stages.formats.written import Written
 from linkwright.stages.formats.xml import parse
-from linkwright.stages.mesh.primitives import shapes as primitive_shapes
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.inertia import primitive_volume
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.model import Dynamics, Frame, Limits, Primitive, Relation, Robot, frozen
-from linkwright.stages.validate.mujoco_abilities import reads_mimic
+from linkwright.stages.mesh.collide.primitives import shapes as primitive_shapes
+from linkwright.stages.robot.dynamics.inertia import primitive_volume
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.robot import Dynamics, Frame, Limits, Primitive, Relation, Robot, frozen
+from linkwright.stages.robot.motion.kinematics import link_poses
+from linkwright.stages.validate.dynamics.mujoco_abilities import reads_mimic
 from tests.support.pinocchio import pin
 from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_around, robot_with, some_values
 

@@ -12,12 +12,12 @@ import pytest
 from linkwright.stages.formats.urdf.as_written import form_with
 from linkwright.stages.formats.written import Written
 from linkwright.stages.formats.xml import parse
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.loop_lines import linear_couplings
-from linkwright.stages.robot.loops import gap
-from linkwright.stages.robot.model import Limits, Relation, Robot, frozen
-from linkwright.stages.robot.start_pose import home
-from linkwright.stages.validate.mujoco_abilities import reads_mimic
+from linkwright.stages.robot.model.robot import Limits, Relation, Robot, frozen
+from linkwright.stages.robot.motion.kinematics import link_poses
+from linkwright.stages.robot.motion.loop_lines import linear_couplings
+from linkwright.stages.robot.motion.loops import gap
+from linkwright.stages.robot.motion.start_pose import home
+from linkwright.stages.validate.dynamics.mujoco_abilities import reads_mimic
 from tests.fake_onshape.frames import frame
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import plan_of, robot_of, write

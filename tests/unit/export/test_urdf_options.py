@@ -15,11 +15,11 @@ from linkwright.stages.formats.urdf.form import UrdfForm
 from linkwright.stages.formats.written import Written
 from linkwright.stages.formats.xml import parse
 from linkwright.stages.mesh import make_geometry
-from linkwright.stages.mesh.primitives import shapes as primitive_shapes
-from linkwright.stages.robot.dynamics import mass_matrix
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.model import Frame, Primitive, Robot, frozen
+from linkwright.stages.mesh.collide.primitives import shapes as primitive_shapes
+from linkwright.stages.robot.dynamics.mass_matrix import mass_matrix
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.robot import Frame, Primitive, Robot, frozen
+from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.validate import validate
 from tests.support.building import bundle_of, plan_of, robot_of, write
 from tests.support.checked import checked

@@ -10,16 +10,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from linkwright.pipeline.preflight import plan_problems
+from linkwright.pipeline.run.preflight import plan_problems
 from linkwright.stages.export import export
-from linkwright.stages.mesh.primitives import shapes as primitive_shapes
-from linkwright.stages.mesh.stl import write as write_stl
-from linkwright.stages.mesh.surface import Surface
-from linkwright.stages.robot.dynamics import mass_matrix
-from linkwright.stages.robot.geom_form import ContactProperties
-from linkwright.stages.robot.geometry import Exclude, Geometry, Shape
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.model import (
+from linkwright.stages.mesh.collide.primitives import shapes as primitive_shapes
+from linkwright.stages.mesh.files.stl import write as write_stl
+from linkwright.stages.mesh.surfaces.surface import Surface
+from linkwright.stages.robot.dynamics.mass_matrix import mass_matrix
+from linkwright.stages.robot.model.geom_form import ContactProperties
+from linkwright.stages.robot.model.geometry import Exclude, Geometry, Shape
+from linkwright.stages.robot.model.poses import from_parts
+from linkwright.stages.robot.model.robot import (
     Actuator,
     Dynamics,
     Frame,
@@ -31,8 +31,8 @@ from linkwright.stages.robot.model import (
     Robot,
     frozen,
 )
-from linkwright.stages.robot.poses import from_parts
-from linkwright.stages.robot.start_pose import home
+from linkwright.stages.robot.motion.kinematics import link_poses
+from linkwright.stages.robot.motion.start_pose import home
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.engines import Pinocchio
 from tests.support.places import PROJECT

@@ -9,7 +9,7 @@ import pytest
 from linkwright.stages.export import Exported, export
 from linkwright.stages.fetch.mjcf.gather import gather
 from linkwright.stages.graph import build_robot
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.robot import Robot
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.mjcfs import model, written
 

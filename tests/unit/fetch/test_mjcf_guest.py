@@ -6,10 +6,10 @@ import pytest
 
 from linkwright.stages.fetch.mjcf import gather
 from linkwright.stages.fetch.mjcf.section import MjcfSourceSection
-from linkwright.stages.formats import mjcf_bounds
-from linkwright.stages.robot import guest
+from linkwright.stages.formats.mjcf import bounds as mjcf_bounds
 from linkwright.stages.robot.errors import SourceError
-from linkwright.stages.robot.guest import Bounds, Ended
+from linkwright.stages.robot.system import guest
+from linkwright.stages.robot.system.guest import Bounds, Ended
 from tests.support.mjcfs import at_home, body, bundle_of, model, written
 
 BOX = '<mesh name="box" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/>'

@@ -10,7 +10,7 @@ from linkwright.stages.export import export
 from linkwright.stages.fetch.mjcf.gather import gather
 from linkwright.stages.graph import build_robot
 from linkwright.stages.robot.errors import AssemblyError
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.robot import Robot
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.mjcfs import SOLID, body, model, written
 

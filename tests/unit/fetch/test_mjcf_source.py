@@ -12,16 +12,16 @@ from linkwright.stages.fetch.mjcf.gather import gather, identity
 from linkwright.stages.fetch.mjcf.section import MjcfSourceSection
 from linkwright.stages.fetch.mjcf.source import MjcfSource
 from linkwright.stages.formats import triangles
-from linkwright.stages.formats.mjcf import Mjcf
+from linkwright.stages.formats.mjcf.model import Mjcf
 from linkwright.stages.graph import build_robot
 from linkwright.stages.graph.dofs import conjugate
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.bundle import FileBundle
 from linkwright.stages.robot.errors import AssemblyError, ProtocolError, SourceError
-from linkwright.stages.robot.kinematics import chain, link_poses
-from linkwright.stages.robot.model import Limits, Spring
-from linkwright.stages.robot.start_pose import starting_point
+from linkwright.stages.robot.model.robot import Limits, Spring
+from linkwright.stages.robot.motion.kinematics import chain, link_poses
+from linkwright.stages.robot.motion.start_pose import starting_point
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import plan_of, write
 from tests.support.building import robot_of as drawn_robot
@@ -35,7 +35,7 @@ EXACT = 1e-9
 
 @pytest.fixture(autouse=True)
 def _guests_at_home(monkeypatch):
-    monkeypatch.setattr("linkwright.stages.robot.guest.ask", at_home)
+    monkeypatch.setattr("linkwright.stages.robot.system.guest.ask", at_home)
 
 
 def codes(robot):

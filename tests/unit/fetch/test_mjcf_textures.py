@@ -31,7 +31,7 @@ SEEN = 'material="painted" contype="0" conaffinity="0"'
 
 @pytest.fixture(autouse=True)
 def _guests_at_home(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("linkwright.stages.robot.guest.ask", at_home)
+    monkeypatch.setattr("linkwright.stages.robot.system.guest.ask", at_home)
 
 
 def source(

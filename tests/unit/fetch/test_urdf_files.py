@@ -22,7 +22,7 @@ from linkwright.stages.fetch.urdf.source import UrdfSource
 from linkwright.stages.formats import triangles
 from linkwright.stages.robot.bundle import Bundle, FileBundle
 from linkwright.stages.robot.errors import ConfigError, Diagnostic, SourceError
-from linkwright.stages.robot.geometry import NEUTRAL
+from linkwright.stages.robot.model.geometry import NEUTRAL
 from tests.support.places import PROJECT
 
 SIZE = (0.1, 0.2, 0.4)
@@ -297,8 +297,8 @@ def test_a_binary_stl_is_read_as_trimesh_reads_it_but_without_it(tmp_path):
     code = (
         "import sys\n"
         "from pathlib import Path\n"
-        "from linkwright.stages.fetch.urdf.companions import Companions\n"
-        "from linkwright.stages.fetch.urdf.mesh_file import read\n"
+        "from linkwright.stages.fetch.urdf.meshes.companions import Companions\n"
+        "from linkwright.stages.fetch.urdf.meshes.mesh_file import read\n"
         f"read(Path({str(tmp_path / 'a.stl')!r}).read_bytes(), 'a.stl', Companions())\n"
         "print('trimesh' in sys.modules)"
     )

@@ -10,8 +10,8 @@ from linkwright.stages.fetch import pinned, preflight
 from linkwright.stages.fetch.urdf import expand
 from linkwright.stages.fetch.urdf.gather import gather
 from linkwright.stages.fetch.urdf.section import UrdfSourceSection
-from linkwright.stages.robot import guest
 from linkwright.stages.robot.errors import ConfigError, SourceError
+from linkwright.stages.robot.system import guest
 from tests.unit.fetch.test_urdf_files import block, put
 
 XMLNS = b'xmlns:xacro="http://www.ros.org/wiki/xacro"'

@@ -6,8 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from linkwright.stages.formats.dae_points import dae_points
 from linkwright.stages.formats.damaged import Damaged
+from linkwright.stages.formats.meshes.dae_points import dae_points
 
 DAE = """<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <asset><created>2020-01-01</created><modified>2020-01-01</modified><unit meter="0.01"/></asset>

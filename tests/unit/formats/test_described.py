@@ -9,17 +9,16 @@ import pytest
 
 from linkwright.stages.export.robot_json import describe
 from linkwright.stages.formats.described import Truth, described
-from linkwright.stages.formats.mjcf_form import MjcfForm
+from linkwright.stages.formats.mjcf.form import MjcfForm
 from linkwright.stages.formats.robot_json.codec import RobotJsonError
 from linkwright.stages.formats.urdf.form import UrdfForm
 from linkwright.stages.formats.written import Written
-from linkwright.stages.robot.actuation import Actuation, Actuator, Armature
-from linkwright.stages.robot.amendments import Amendment, Amendments, Surplus
-from linkwright.stages.robot.driven import as_driven
-from linkwright.stages.robot.geom_form import ContactProperties
-from linkwright.stages.robot.geometry import Exclude, Geometry, Shape, Touch
-from linkwright.stages.robot.linear_coupling import LinearCoupling
-from linkwright.stages.robot.model import (
+from linkwright.stages.robot.dynamics.driven import as_driven
+from linkwright.stages.robot.model.actuation import Actuation, Actuator, Armature
+from linkwright.stages.robot.model.amendments import Amendment, Amendments, Surplus
+from linkwright.stages.robot.model.geom_form import ContactProperties
+from linkwright.stages.robot.model.geometry import Exclude, Geometry, Shape, Touch
+from linkwright.stages.robot.model.robot import (
     Dynamics,
     Frame,
     Keyframe,
@@ -33,8 +32,9 @@ from linkwright.stages.robot.model import (
     Transmission,
     frozen,
 )
-from linkwright.stages.robot.scene import Ground, Scene
-from linkwright.stages.robot.sensing import Sensing, SensorCamera, SensorSite
+from linkwright.stages.robot.model.scene import Ground, Scene
+from linkwright.stages.robot.model.sensing import Sensing, SensorCamera, SensorSite
+from linkwright.stages.robot.motion.linear_coupling import LinearCoupling
 from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_with, solid
 from tests.support.truth import differences
 

@@ -5,9 +5,9 @@ import json
 import pytest
 import trimesh
 
-from linkwright.stages.fetch.urdf.companions import Companions
-from linkwright.stages.fetch.urdf.mesh_file import Unreadable, read
-from linkwright.stages.formats import gltf, gltf_claims
+from linkwright.stages.fetch.urdf.meshes.companions import Companions
+from linkwright.stages.fetch.urdf.meshes.mesh_file import Unreadable, read
+from linkwright.stages.formats.meshes import gltf, gltf_claims
 from tests.fake_onshape.gltf import gltf as drawn
 from tests.unit.fetch.onshape.api.test_reply_sizes import changed
 from tests.unit.fetch.onshape.triangles.test_gltf import opened, studio

@@ -4,10 +4,10 @@ from dataclasses import fields
 
 import pytest
 
-from linkwright.stages.formats import mjcf_written
+from linkwright.stages.formats.mjcf import written as mjcf_written
 from linkwright.stages.formats.urdf.as_written import form_with
 from linkwright.stages.formats.written import Written, decode, encode
-from linkwright.stages.robot.driven import as_driven
+from linkwright.stages.robot.dynamics.driven import as_driven
 from tests.support.truth import differences
 from tests.unit.formats.test_described import ACTUATION, AMENDMENTS, GEOMETRY, SCENE, SENSING, whole
 

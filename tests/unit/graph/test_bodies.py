@@ -9,7 +9,7 @@ from linkwright.stages.fetch.onshape.triangles.faces import read as read_triangl
 from linkwright.stages.graph import build_robot
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.robot.errors import AssemblyError
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.robot import Robot
 from tests.fake_onshape import solids
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.extended_sample import ask

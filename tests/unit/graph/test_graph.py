@@ -12,8 +12,8 @@ import yaml
 from linkwright.stages.graph import build_robot
 from linkwright.stages.robot.bundle import Bundle
 from linkwright.stages.robot.errors import AssemblyError, Disconnected, NoRoot, ProtocolError
-from linkwright.stages.robot.kinematics import link_poses, saved_configuration
-from linkwright.stages.robot.model import Limits, Robot
+from linkwright.stages.robot.model.robot import Limits, Robot
+from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
 from tests.fake_onshape import solids
 from tests.fake_onshape.document import ORIGIN
 from tests.fake_onshape.frames import turn

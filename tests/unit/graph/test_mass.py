@@ -11,13 +11,13 @@ import yaml
 
 from linkwright.stages.formats.triangles import Body
 from linkwright.stages.graph.onshape.definition import read_assembly
-from linkwright.stages.graph.onshape.mass_estimate import shape_of
-from linkwright.stages.graph.onshape.part_mass import weighed
+from linkwright.stages.graph.onshape.mass.mass_estimate import shape_of
+from linkwright.stages.graph.onshape.mass.part_mass import weighed
 from linkwright.stages.graph.passes.link_mass import check_links, with_given_masses
 from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.dynamics.inertia import ZERO
 from linkwright.stages.robot.errors import AssemblyError, ConfigError
-from linkwright.stages.robot.inertia import ZERO
-from linkwright.stages.robot.model import Inertial, frozen
+from linkwright.stages.robot.model.robot import Inertial, frozen
 from tests.fake_onshape import solids
 from tests.fake_onshape.frames import frame
 from tests.support.building import bundle_of, plan_of, robot_of, write

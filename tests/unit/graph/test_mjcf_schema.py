@@ -13,15 +13,15 @@ import mujoco
 import pytest
 from lxml import etree
 
-from linkwright.stages.fetch.mjcf import unsupported
-from linkwright.stages.fetch.mjcf.compiled import convert
-from linkwright.stages.fetch.mjcf.meshes import Meshes
-from linkwright.stages.fetch.mjcf.textures import Textures
+from linkwright.stages.fetch.mjcf.compiled import unsupported
+from linkwright.stages.fetch.mjcf.compiled.meshes import Meshes
+from linkwright.stages.fetch.mjcf.compiled.model import convert
+from linkwright.stages.fetch.mjcf.compiled.textures import Textures
 from linkwright.stages.graph import build_robot
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.bundle import FileBundle
 from linkwright.stages.robot.codec import encode_robot
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.robot import Robot
 from tests.support.building import plan_of
 from tests.support.mujoco_schema import Where, schema
 

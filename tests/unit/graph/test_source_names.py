@@ -11,8 +11,8 @@ from lxml import etree
 
 from linkwright.stages.graph.tree import natural
 from linkwright.stages.mesh import make_geometry
-from linkwright.stages.mesh.names import file_names
-from linkwright.stages.robot.globs import as_key
+from linkwright.stages.mesh.files.names import file_names
+from linkwright.stages.robot.text.globs import as_key
 from tests.support.building import plan_of, write
 from tests.support.checked import checked
 from tests.support.mjcfs import body, model

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 
 from linkwright.stages.graph.mechanism import Connection, Marker, Mechanism, RelationSpec, RigidBody
-from linkwright.stages.graph.onshape.mates import JOINT_TYPES, dofs_of
+from linkwright.stages.graph.onshape.mates.joints import JOINT_TYPES, dofs_of
 from linkwright.stages.graph.robot_from_tree import place
 from linkwright.stages.graph.root import choose_root
 from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.graph.tree import Tree, spanning_tree
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import Disconnected, NoRoot
-from linkwright.stages.robot.kinematics import link_poses, saved_configuration
-from linkwright.stages.robot.model import Inertial, MateRef, Part, Provenance, frozen
-from linkwright.stages.robot.poses import from_parts, rotation_from_rpy
+from linkwright.stages.robot.model.poses import from_parts, rotation_from_rpy
+from linkwright.stages.robot.model.robot import Inertial, MateRef, Part, Provenance, frozen
+from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
 
 IDENTITY = frozen(np.eye(4))
 

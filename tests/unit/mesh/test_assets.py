@@ -10,12 +10,13 @@ import pytest
 import trimesh
 
 from linkwright.stages.formats.xml import parse
-from linkwright.stages.mesh import make_geometry, obj, stl
+from linkwright.stages.mesh import make_geometry
 from linkwright.stages.mesh.assets import surface, written
-from linkwright.stages.mesh.names import file_names, part_words
-from linkwright.stages.mesh.surface import Surface, rounded
-from linkwright.stages.robot.geometry import Geometry, Shape
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.mesh.files import obj, stl
+from linkwright.stages.mesh.files.names import file_names, part_words
+from linkwright.stages.mesh.surfaces.surface import Surface, rounded
+from linkwright.stages.robot.model.geometry import Geometry, Shape
+from linkwright.stages.robot.model.robot import Robot
 from tests.support.building import bundle_of, plan_of, robot_of, write
 from tests.support.checked import checked
 from tests.support.kit import SIDE, TOP, Kit

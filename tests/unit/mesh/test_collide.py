@@ -11,15 +11,16 @@ import numpy as np
 import pytest
 import trimesh
 
-from linkwright.stages.mesh import collide, make_geometry, tessellation
+from linkwright.stages.mesh import make_geometry, tessellation
+from linkwright.stages.mesh.collide import make as collide
 from linkwright.stages.mesh.fit import capped_hull
 from linkwright.stages.mesh.library import MOVED, MeshLibrary
 from linkwright.stages.mesh.section import MeshSections
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.bundle import Bundle
 from linkwright.stages.robot.errors import DecompositionFailed, MeshError
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.model import Inertial, Link, MeshRef, Part, Primitive, Robot, frozen
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.robot import Inertial, Link, MeshRef, Part, Primitive, Robot, frozen
 from tests.support.robots import robot_with
 from tests.support.solids import bodies_of
 

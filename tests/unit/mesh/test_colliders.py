@@ -15,18 +15,21 @@ import pytest
 import trimesh
 
 from linkwright.stages.formats.xml import parse
-from linkwright.stages.mesh import COLLIDERS, collision, fit, make_geometry, pieces, stl
-from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh import COLLIDERS, fit, make_geometry
+from linkwright.stages.mesh.collide import collision
+from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.colliders import hull, primitives, raw, spheres
-from linkwright.stages.mesh.collision import Collision
-from linkwright.stages.mesh.mesh_file import MeshFile
+from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
+from linkwright.stages.mesh.files import stl
+from linkwright.stages.mesh.files.mesh_file import MeshFile
 from linkwright.stages.mesh.section import MeshSection
-from linkwright.stages.mesh.surface import Surface, moved
+from linkwright.stages.mesh.surfaces import pieces
+from linkwright.stages.mesh.surfaces.surface import Surface, moved
 from linkwright.stages.robot import codec
-from linkwright.stages.robot.geometry import Measures
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.model import Primitive, PrimitiveKind, frozen
-from linkwright.stages.robot.poses import from_parts, rotation_from_rpy
+from linkwright.stages.robot.model.geometry import Measures
+from linkwright.stages.robot.model.poses import from_parts, rotation_from_rpy
+from linkwright.stages.robot.model.robot import Primitive, PrimitiveKind, frozen
+from linkwright.stages.robot.motion.kinematics import link_poses
 from tests.support.building import bundle_of, plan_of, robot_of, write
 from tests.support.checked import checked
 from tests.support.kit import SIDE, TOP, Kit

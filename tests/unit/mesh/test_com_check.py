@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from linkwright.stages.mesh import tessellation
+from linkwright.stages.mesh.collide.primitives import around
 from linkwright.stages.mesh.com_check import outside
-from linkwright.stages.mesh.primitives import around
-from linkwright.stages.robot.model import Inertial, Primitive, frozen
+from linkwright.stages.robot.model.robot import Inertial, Primitive, frozen
 from tests.unit.mesh.test_mesh import FLAT, INERTIAL, Memory, at, geometry, link_of, of_links, part
 
 CUBE = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])

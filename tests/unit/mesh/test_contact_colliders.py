@@ -11,9 +11,9 @@ from linkwright.stages.mesh import make_geometry
 from linkwright.stages.mesh.contacts.analysis import self_contacts
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.bundle import Bundle
-from linkwright.stages.robot.exclude_names import excluded_colliders
-from linkwright.stages.robot.geometry import Exclude, Shape
-from linkwright.stages.robot.model import Inertial, MeshRef, Part, frozen
+from linkwright.stages.robot.contact.exclude_names import excluded_colliders
+from linkwright.stages.robot.model.geometry import Exclude, Shape
+from linkwright.stages.robot.model.robot import Inertial, MeshRef, Part, frozen
 from tests.support.building import plan_of
 from tests.support.mjcfs import SOLID, body, bundle_of, model, robot_of, written
 from tests.support.robots import at

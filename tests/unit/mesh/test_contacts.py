@@ -13,11 +13,11 @@ from linkwright.stages.mesh.contacts import analysis
 from linkwright.stages.mesh.contacts.colliders import Colliders, measures_overlaps
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.errors import MeshError
-from linkwright.stages.robot.geometry import Exclude, Shape
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.model import Limits, Relation
-from linkwright.stages.robot.poses import turn
-from linkwright.stages.robot.start_pose import home, saved
+from linkwright.stages.robot.model.geometry import Exclude, Shape
+from linkwright.stages.robot.model.poses import turn
+from linkwright.stages.robot.model.robot import Limits, Relation
+from linkwright.stages.robot.motion.kinematics import link_poses
+from linkwright.stages.robot.motion.start_pose import home, saved
 from tests.support.building import plan_of
 from tests.support.robots import EVERY, at, joint, loop, robot_with
 from tests.support.touching import apart, ball, box, geometry_of, geoms_in_mujoco, in_mujoco, model_of

@@ -9,11 +9,11 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from linkwright.stages.mesh import stl
+from linkwright.stages.mesh.files import stl
 from linkwright.stages.mesh.measure import even
-from linkwright.stages.mesh.neighbours import neighbours
 from linkwright.stages.mesh.section import VisualSection
-from linkwright.stages.mesh.surface import Surface, weld
+from linkwright.stages.mesh.surfaces.neighbours import neighbours
+from linkwright.stages.mesh.surfaces.surface import Surface, weld
 from linkwright.stages.mesh.tessellation import PartMesh
 from linkwright.stages.mesh.visuals import simplify
 from linkwright.stages.mesh.visuals.budget import LEAST_BOUND, Decimator, bound, lowest
@@ -21,7 +21,7 @@ from linkwright.stages.mesh.visuals.error import apart, farthest
 from linkwright.stages.mesh.visuals.make import Drawn, visuals
 from linkwright.stages.mesh.visuals.simplify import SimplifiablePart, simplified
 from linkwright.stages.mesh.visuals.walk import WalkedSurface
-from linkwright.stages.robot.model import MeshRef
+from linkwright.stages.robot.model.robot import MeshRef
 from tests.support.places import PROJECT
 
 RED, BLUE = (1.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0)
@@ -247,10 +247,10 @@ def test_a_part_within_the_budget_imports_no_library_that_decimates_or_collides(
     code = (
         "import sys, numpy\n"
         "import linkwright.stages.mesh.geometry\n"
-        "from linkwright.stages.mesh.surface import Surface\n"
+        "from linkwright.stages.mesh.surfaces.surface import Surface\n"
         "from linkwright.stages.mesh.tessellation import PartMesh\n"
         "from linkwright.stages.mesh.visuals.budget import Decimator\n"
-        "from linkwright.stages.robot.model import MeshRef\n"
+        "from linkwright.stages.robot.model.robot import MeshRef\n"
         "few = numpy.zeros((4, 3), dtype=int)\n"
         "mesh = PartMesh(Surface(numpy.eye(3), few), ((1, 0, 0, 1),), few[:, 0], False, 0.0)\n"
         "ref = MeshRef('reply', 'one')\n"

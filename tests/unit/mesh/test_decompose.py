@@ -7,16 +7,16 @@ import manifold3d
 import numpy as np
 import pytest
 
-from linkwright.stages.mesh import collision, improvement
-from linkwright.stages.mesh.collider_settings import ColliderSettings
-from linkwright.stages.mesh.collision import Collision
+from linkwright.stages.mesh.collide import collision, improvement
+from linkwright.stages.mesh.collide.collision import Collision
+from linkwright.stages.mesh.collide.improvement import BOUNDS, Improvement, helper
+from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
 from linkwright.stages.mesh.decompose import DecomposeOptions, decomposed, search
 from linkwright.stages.mesh.decompose.prepare import NOT_CLOSED, prepared
-from linkwright.stages.mesh.improvement import BOUNDS, Improvement, helper
-from linkwright.stages.mesh.seams import containing_hull, grown
-from linkwright.stages.mesh.surface import Surface, weld
+from linkwright.stages.mesh.decompose.seams import containing_hull, grown
+from linkwright.stages.mesh.surfaces.surface import Surface, weld
 from linkwright.stages.robot.errors import ConfigError, DecompositionFailed, MeshError
-from linkwright.stages.robot.guest import Bounds
+from linkwright.stages.robot.system.guest import Bounds
 from tests.fake_onshape import solids
 from tests.support.decomposing import decompose, improved, task
 from tests.support.poison import POISONED

@@ -11,9 +11,9 @@ from scipy.spatial.transform import Rotation
 
 from linkwright.stages.mesh.fit import CHEAPEST, fit_one, fits, fittest
 from linkwright.stages.mesh.measure import Target, measure
-from linkwright.stages.mesh.pieces import placed, signed_distance
-from linkwright.stages.mesh.surface import Surface, moved, weld
-from linkwright.stages.robot.model import Primitive, frozen
+from linkwright.stages.mesh.surfaces.pieces import placed, signed_distance
+from linkwright.stages.mesh.surfaces.surface import Surface, moved, weld
+from linkwright.stages.robot.model.robot import Primitive, frozen
 
 LENGTHS = st.floats(0.002, 0.5)
 SEEDS = st.integers(0, 10_000)

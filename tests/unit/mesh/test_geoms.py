@@ -11,17 +11,17 @@ import pytest
 
 from linkwright.pipeline.config.compose import compose_plan
 from linkwright.stages.mesh import make_geometry
-from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.colliders import hull
-from linkwright.stages.mesh.collision import Collision
+from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
 from linkwright.stages.mesh.geoms import GeomRules
-from linkwright.stages.mesh.surface import Surface
+from linkwright.stages.mesh.surfaces.surface import Surface
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import ConfigError, MeshError
-from linkwright.stages.robot.geom_form import ContactProperties
-from linkwright.stages.robot.geometry import Geometry, Shape
-from linkwright.stages.robot.model import Primitive, Robot, frozen
+from linkwright.stages.robot.model.geom_form import ContactProperties
+from linkwright.stages.robot.model.geometry import Geometry, Shape
+from linkwright.stages.robot.model.robot import Primitive, Robot, frozen
 from tests.support.building import bundle_of, plan_of, robot_of, write
 from tests.support.kit import SIDE, TOP, Kit
 from tests.support.robots import joint, robot_with

@@ -8,12 +8,13 @@ import mujoco
 import numpy as np
 import pytest
 
-from linkwright.stages.mesh import collide, make_geometry
-from linkwright.stages.mesh.collision import Collision
+from linkwright.stages.mesh import make_geometry
+from linkwright.stages.mesh.collide import make as collide
+from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.section import MeshSections
 from linkwright.stages.robot.errors import MeshError
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.model import Primitive, Robot, frozen
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.robot import Primitive, Robot, frozen
 from tests.support.building import plan_of, write
 from tests.support.robots import joint, robot_with
 from tests.unit.mesh.test_collide import at, bundle, part, robot, rungs

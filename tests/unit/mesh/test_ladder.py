@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 import trimesh
 
-from linkwright.stages.mesh import cut_pieces
-from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.collide import cut_pieces
+from linkwright.stages.mesh.collide.acceptance import miss
+from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.colliders import ladder
-from linkwright.stages.mesh.collision import Collision
-from linkwright.stages.mesh.pieces import half_spaces, signed_distance
-from linkwright.stages.mesh.surface import Surface, moved
-from linkwright.stages.mesh.verdict import miss
-from linkwright.stages.robot.model import Primitive
-from linkwright.stages.robot.poses import from_parts, rotation_from_rpy
+from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
+from linkwright.stages.mesh.surfaces.pieces import half_spaces, signed_distance
+from linkwright.stages.mesh.surfaces.surface import Surface, moved
+from linkwright.stages.robot.model.poses import from_parts, rotation_from_rpy
+from linkwright.stages.robot.model.robot import Primitive
 
 SETTINGS = ColliderSettings()
 ASKEW = from_parts(rotation_from_rpy((0.4, -0.7, 1.1)), np.array([0.1, -0.2, 0.05]))

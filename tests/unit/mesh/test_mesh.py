@@ -14,9 +14,9 @@ from linkwright.stages.fetch.onshape.triangles.faces import compact
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.mesh.section import MeshSections
 from linkwright.stages.robot.bundle import OnshapeBundle
-from linkwright.stages.robot.geometry import NEUTRAL
-from linkwright.stages.robot.inertia import merged, moved
-from linkwright.stages.robot.model import (
+from linkwright.stages.robot.dynamics.inertia import merged, moved
+from linkwright.stages.robot.model.geometry import NEUTRAL
+from linkwright.stages.robot.model.robot import (
     Base,
     Inertial,
     Link,

@@ -13,14 +13,14 @@ import pytest
 import trimesh
 
 from linkwright.stages.formats import png
-from linkwright.stages.mesh import obj, stl
-from linkwright.stages.mesh.surface import Surface
+from linkwright.stages.mesh.files import obj, stl
+from linkwright.stages.mesh.surfaces.surface import Surface
 from linkwright.stages.mesh.view import pictures as room
 from linkwright.stages.mesh.view.pictures import SIDE, picture
 from linkwright.stages.mesh.view.raster import drawn, work
 from linkwright.stages.mesh.view.views import PICTURES, views
-from linkwright.stages.robot.geometry import ColliderFigures, Geometry, Shape
-from linkwright.stages.robot.model import Primitive, frozen
+from linkwright.stages.robot.model.geometry import ColliderFigures, Geometry, Shape
+from linkwright.stages.robot.model.robot import Primitive, frozen
 from tests.support.solids import box
 
 WHITE = np.array([255, 255, 255], dtype=np.uint8)

@@ -8,10 +8,10 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from linkwright.stages.mesh import pieces
-from linkwright.stages.mesh.convex_hull import convex_hull
-from linkwright.stages.robot.inertia import primitive_volume
-from linkwright.stages.robot.model import Primitive, frozen
+from linkwright.stages.mesh.surfaces import pieces
+from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
+from linkwright.stages.robot.dynamics.inertia import primitive_volume
+from linkwright.stages.robot.model.robot import Primitive, frozen
 
 SIZES = {
     "box": (0.3, 0.2, 0.05),

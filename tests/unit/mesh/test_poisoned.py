@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 
 from linkwright.stages.export import export
-from linkwright.stages.mesh import COLLIDERS, make_geometry, side_by_side
-from linkwright.stages.mesh.improvement import BOUNDS, TASKS, helper
+from linkwright.stages.mesh import COLLIDERS, make_geometry
+from linkwright.stages.mesh.collide import side_by_side
+from linkwright.stages.mesh.collide.improvement import BOUNDS, TASKS, helper
 from linkwright.stages.robot.errors import ProtocolError
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.guest import Bounds
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.system.guest import Bounds
 from tests.support.building import plan_of
 from tests.support.physics import VISUAL, robot_of_meshes
 from tests.support.poison import POISONED, RING, Mesh, torus

@@ -10,10 +10,11 @@ import trimesh
 from linkwright.pipeline.config.plan import Plan
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.mesh.by_contact import robot as by_contact
-from linkwright.stages.robot import codec, process_usage
+from linkwright.stages.robot import codec
 from linkwright.stages.robot.bundle import Bundle
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.robot.system import process_usage
 from tests.support.building import plan_of
 from tests.support.physics import robot_of_meshes
 

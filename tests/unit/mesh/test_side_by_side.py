@@ -12,12 +12,12 @@ from pathlib import Path
 
 import pytest
 
-from linkwright.stages.mesh import side_by_side as pool
-from linkwright.stages.mesh.improvement import helper, improved
-from linkwright.stages.mesh.side_by_side import Making, side_by_side
-from linkwright.stages.robot import process_usage
+from linkwright.stages.mesh.collide import side_by_side as pool
+from linkwright.stages.mesh.collide.improvement import helper, improved
+from linkwright.stages.mesh.collide.side_by_side import Making, side_by_side
 from linkwright.stages.robot.errors import DecompositionFailed
-from linkwright.stages.robot.guest import Guest
+from linkwright.stages.robot.system import process_usage
+from linkwright.stages.robot.system.guest import Guest
 from tests.support.decomposing import improved as alone
 from tests.support.decomposing import task
 from tests.support.places import PROJECT
@@ -118,7 +118,7 @@ ENDED = """
 import sys, time
 from functools import partial
 from linkwright.stages.mesh import side_by_side as pool
-from linkwright.stages.mesh.improvement import helper, improved
+from linkwright.stages.mesh.collide.improvement import helper, improved
 from tests.support.decomposing import task
 from tests.unit.mesh.test_decompose import CLAMP
 sys.path.append(sys.argv[1])

@@ -190,7 +190,7 @@ def test_the_order_of_triangles_and_points_does_not_matter(tmp_path: Path) -> No
 def test_large_meshes_are_several_files_with_one_image(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("linkwright.stages.mesh.mesh_file.MOST_FACES", 7)
+    monkeypatch.setattr("linkwright.stages.mesh.files.mesh_file.MOST_FACES", 7)
     _, geometry, _ = exported(tmp_path, robot(tmp_path))
     shapes = geometry.of("a", "visual")
     assert [shape.faces for shape in shapes] == [6, 6]

@@ -9,13 +9,13 @@ from hashlib import sha256
 import pytest
 import yaml
 
-from linkwright.pipeline.build import build
 from linkwright.pipeline.config.plan import Plan
-from linkwright.pipeline.context import FILES, NOTES, notes
 from linkwright.pipeline.errors import AssemblyError, ConfigError, InTheWay, SecretFound, render
 from linkwright.pipeline.output import manifest
-from linkwright.pipeline.progress import Lines, Quiet
-from linkwright.pipeline.stage import STAGES
+from linkwright.pipeline.run.build import build
+from linkwright.pipeline.stages.context import FILES, NOTES, notes
+from linkwright.pipeline.stages.stage import STAGES
+from linkwright.pipeline.terminal.progress import Lines, Quiet
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.errors import Diagnostic

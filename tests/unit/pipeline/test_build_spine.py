@@ -7,9 +7,9 @@ import sys
 
 import pytest
 
-from linkwright.pipeline.build import build
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.errors import LinkwrightError
+from linkwright.pipeline.run.build import build
 from tests.fake_onshape.bundle import bundle_bytes
 from tests.fake_onshape.sample import sample_document
 from tests.fake_onshape.server import OnshapeServer
@@ -119,7 +119,7 @@ def test_a_fully_cached_build_imports_nothing_heavy(archive, tmp_path, whole_pag
     build(plan(tmp_path, source), environ={})
     code = (
         "import sys\n"
-        "from linkwright.pipeline.build import build\n"
+        "from linkwright.pipeline.run.build import build\n"
         "from linkwright.pipeline.config.plan import Plan\n"
         f"data = {plan(tmp_path, source).tree()!r}\n"
         "report = build(Plan.parse(data), environ={})\n"

@@ -10,8 +10,8 @@ from linkwright.pipeline.checking import ask, wire
 from linkwright.pipeline.checking.run import checked
 from linkwright.pipeline.checking.verdict import Verdict
 from linkwright.pipeline.errors import OutputError
-from linkwright.stages.robot import guest
 from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.system import guest
 
 MODEL = '<mujoco><worldbody><body name="b"><joint/><geom size=".1"/></body></worldbody></mujoco>'
 

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from linkwright.pipeline.early_imports import Ahead
-from linkwright.pipeline.stage import STAGES
+from linkwright.pipeline.run.early_imports import Ahead
+from linkwright.pipeline.stages.stage import STAGES
 from tests.fake_onshape.sample import sample_document
 from tests.fake_onshape.server import OnshapeServer
 from tests.support.command import environment, linkwright
@@ -82,5 +82,5 @@ def test_only_a_build_that_must_read_replies_imports_what_reads_them(tmp_path) -
         profiled = linkwright(tmp_path, *source, environ=environ | {"PYTHONPROFILEIMPORTTIME": "1"})
     assert profiled.returncode == 0
     imported = {line.rpartition("|")[2].strip() for line in profiled.stderr.splitlines() if "|" in line}
-    assert "linkwright.stages.fetch.onshape.freshness" in imported
+    assert "linkwright.stages.fetch.onshape.asking.freshness" in imported
     assert not {"networkx", "scipy", "mujoco", "trimesh"} & imported

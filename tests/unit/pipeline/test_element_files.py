@@ -4,11 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from linkwright.pipeline.build import build_files
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.element_files import LARGEST, element_texts, require_entries
 from linkwright.pipeline.errors import ConfigError
-from linkwright.pipeline.preflight import plan_problems
+from linkwright.pipeline.run.build import build_files
+from linkwright.pipeline.run.preflight import plan_problems
 
 
 def plan_with(file: str, **more: object) -> Plan:

@@ -9,15 +9,14 @@ import subprocess
 import pytest
 from trimesh.creation import icosphere
 
-from linkwright.pipeline import disk_space
-from linkwright.pipeline.build import build
-from linkwright.pipeline.caching import actions
+from linkwright.pipeline.caching import actions, disk_space
 from linkwright.pipeline.caching.store import Store
 from linkwright.pipeline.cli import run
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.errors import CacheError, LinkwrightError, OutputError
 from linkwright.pipeline.output.folder import FAILED, Output
 from linkwright.pipeline.report import Report
+from linkwright.pipeline.run.build import build
 from linkwright.stages.fetch.onshape.api.ledger import Ledger
 from tests.fake_onshape.server import OnshapeServer
 from tests.support.command import environment, linkwright

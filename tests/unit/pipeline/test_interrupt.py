@@ -9,11 +9,11 @@ import threading
 import pytest
 
 from linkwright.pipeline import interrupt
-from linkwright.pipeline.build import build
 from linkwright.pipeline.caching.actions import Action, opened
 from linkwright.pipeline.cli import run as run_command
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.report import Report
+from linkwright.pipeline.run.build import build
 from tests.support.places import PROJECT
 from tests.unit.pipeline.test_build import Fake, fakes
 

@@ -12,7 +12,7 @@ import pytest
 
 from linkwright.pipeline import observed
 from linkwright.pipeline.config.compose import compose_plan
-from linkwright.pipeline.preflight import plan_problems
+from linkwright.pipeline.run.preflight import plan_problems
 
 ROBOT = """# @package _global_
 defaults:

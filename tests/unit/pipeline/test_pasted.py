@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from linkwright.pipeline import pasted
 from linkwright.pipeline.config.compose import compose_plan
-from linkwright.pipeline.config.trust import targets
+from linkwright.pipeline.config.files.trust import targets
+from linkwright.pipeline.terminal import pasted
 
 TEXTS = st.text(st.characters(exclude_characters="\0", exclude_categories=["Cs"]), min_size=1, max_size=12)
 HOSTILE = [

@@ -6,8 +6,8 @@ import re
 import pytest
 
 from linkwright.pipeline.mesh_details import time_left
-from linkwright.pipeline.progress import Lines, Log, Tee, Terminal, progress_for
 from linkwright.pipeline.report import StageReport
+from linkwright.pipeline.terminal.progress import Lines, Log, Tee, Terminal, progress_for
 
 DONE = StageReport("graph", True, 0.123, "2 links")
 

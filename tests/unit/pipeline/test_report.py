@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import yaml
 
-from linkwright.pipeline.closing import fitting, render, show
 from linkwright.pipeline.report import Report, StageReport, failure_lines, versions
+from linkwright.pipeline.terminal.closing import fitting, render, show
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.errors import Diagnostic
 

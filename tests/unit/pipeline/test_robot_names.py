@@ -3,7 +3,7 @@
 import pytest
 
 import linkwright.stages.mesh
-from linkwright.pipeline.build import build
+from linkwright.pipeline.run.build import build
 from linkwright.stages.robot.errors import LinkwrightError, MeshError
 from tests.support.building import plan_of
 

@@ -8,11 +8,11 @@ import pytest
 from linkwright.pipeline.caching.actions import Cache
 from linkwright.pipeline.caching.store import Store
 from linkwright.pipeline.config.plan import RUN_KEYS, Plan
-from linkwright.pipeline.context import FILES, NOTES, BuildContext, notes
-from linkwright.pipeline.stage import STAGES, installed, libraries, stages_until
+from linkwright.pipeline.stages.context import FILES, NOTES, BuildContext, notes
+from linkwright.pipeline.stages.stage import STAGES, installed, libraries, stages_until
 from linkwright.stages.fetch.section import SOURCES
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.plural import count
+from linkwright.stages.robot.text.plural import count
 from tests.support.places import PROJECT
 
 KEYS_OF_SOURCES = {name for keys in SOURCES.values() for name in keys.model_fields}

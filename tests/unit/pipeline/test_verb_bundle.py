@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from linkwright.pipeline.build import build
 from linkwright.pipeline.cli import run
 from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.run.build import build
 from tests.fake_onshape import solids
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.sample import sample_document

@@ -22,7 +22,7 @@ from linkwright.pipeline.cli import run
 from linkwright.pipeline.errors import OutputError
 from linkwright.pipeline.reference.codes import remedy
 from linkwright.stages.robot.check import Check, Finding
-from linkwright.stages.robot.model import Dynamics, Limits
+from linkwright.stages.robot.model.robot import Dynamics, Limits
 from tests.support.building import plan_of, write
 from tests.support.robots import at, joint, robot_with
 
@@ -125,7 +125,7 @@ def test_what_a_check_breaks_over_is_one_check_that_fails(
         yield compiled.result("first", True, "well")
         raise KeyError("leg")
 
-    monkeypatch.setattr("linkwright.stages.validate.checks.joints.check", breaks)
+    monkeypatch.setattr("linkwright.stages.validate.checks.mechanism.joints.check", breaks)
     monkeypatch.setattr("linkwright.pipeline.checking.ask.checked", checked)
     found = table([str(folder / "robot.urdf")], capsys, 3)
     assert [one["name"] for one in found["checks"] if not one["passed"]] == ["robot.urdf: joints"]

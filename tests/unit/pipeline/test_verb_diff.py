@@ -13,9 +13,9 @@ import pytest
 
 from linkwright.pipeline.changes.compare import compare
 from linkwright.pipeline.cli import run
-from linkwright.stages.robot.geom_form import ContactProperties
-from linkwright.stages.robot.geometry import Exclude, Geometry, Shape, Touch
-from linkwright.stages.robot.model import Primitive
+from linkwright.stages.robot.model.geom_form import ContactProperties
+from linkwright.stages.robot.model.geometry import Exclude, Geometry, Shape, Touch
+from linkwright.stages.robot.model.robot import Primitive
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import plan_of, robot_of, write
 from tests.support.robots import at

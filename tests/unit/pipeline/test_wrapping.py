@@ -8,8 +8,8 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from linkwright.pipeline.wrapping import wrapped
-from linkwright.stages.robot.printable import columns
+from linkwright.pipeline.terminal.wrapping import wrapped
+from linkwright.stages.robot.text.printable import columns
 
 WORDS = st.lists(st.text("abc中_'\"{}:,→", min_size=1, max_size=12), min_size=1, max_size=40)
 

@@ -6,8 +6,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from linkwright.stages.robot.adjacency import adjacent_pairs
-from linkwright.stages.robot.model import MeshRef
+from linkwright.stages.robot.model.robot import MeshRef
+from linkwright.stages.robot.motion.adjacency import adjacent_pairs
 from tests.support.robots import EVERY, LOOPS, joint, loop, robot_with
 
 HELD = tuple(kind for kind in EVERY if kind != "free")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from linkwright.stages.robot import clearance
+from linkwright.stages.robot.contact import clearance
 
 CUBE = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 SQUARES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]

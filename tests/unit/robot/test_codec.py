@@ -7,9 +7,9 @@ import numpy as np
 from typing_extensions import TypeAliasType
 
 from linkwright.stages.robot import codec
-from linkwright.stages.robot.geometry import Geometry, Shape
-from linkwright.stages.robot.kinematics import link_poses, saved_configuration
-from linkwright.stages.robot.model import Limits, Primitive, frozen
+from linkwright.stages.robot.model.geometry import Geometry, Shape
+from linkwright.stages.robot.model.robot import Limits, Primitive, frozen
+from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
 from tests.support import robots
 from tests.support.robots import joint, loop, robot_with, some_value
 

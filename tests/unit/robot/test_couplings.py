@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from linkwright.stages.robot.couplings import Couplings
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.loops import gap
-from linkwright.stages.robot.model import Robot
-from linkwright.stages.robot.pose_batch import repeated
-from linkwright.stages.robot.start_pose import saved
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.robot.motion.couplings import Couplings
+from linkwright.stages.robot.motion.kinematics import link_poses
+from linkwright.stages.robot.motion.loops import gap
+from linkwright.stages.robot.motion.pose_batch import repeated
+from linkwright.stages.robot.motion.start_pose import saved
 from tests.support.robots import at, joint, loop, pose, robot_with
 
 

@@ -1,6 +1,6 @@
 """Globs that users give, and what is said of one that nothing matches."""
 
-from linkwright.stages.robot.globs import there_are
+from linkwright.stages.robot.text.globs import there_are
 
 
 def test_a_message_names_what_is_near_and_all_there_is():

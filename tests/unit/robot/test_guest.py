@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from linkwright.stages.robot import guest, process_usage
 from linkwright.stages.robot.errors import ConfigError, SourceError
-from linkwright.stages.robot.guest import Bounds, Ended
+from linkwright.stages.robot.system import guest, process_usage
+from linkwright.stages.robot.system.guest import Bounds, Ended
 from tests.support import processes
 from tests.support.places import PROJECT, link_package
 
@@ -196,7 +196,7 @@ def test_it_ends_with_us_however_we_end(tmp_path):
     place = tmp_path / "pid"
     lines = f"import os\nopen({str(place)!r}, 'w').write(str(os.getpid()))\nwhile True: pass"
     (tmp_path / "visitor.py").write_text("def answer(request):\n    " + lines.replace("\n", "\n    "))
-    code = f"import sys\nsys.path[:0] = [{str(tmp_path)!r}]\nfrom linkwright.stages.robot.guest import *\n"
+    code = f"import sys\nsys.path[:0] = [{str(tmp_path)!r}]\nfrom linkwright.stages.robot.system.guest import *\n"
     code += "ask('visitor', b'', Bounds(60, 1 << 30, 10), {})"
     with subprocess.Popen([sys.executable, "-c", code], cwd=PROJECT) as host:
         until = time.monotonic() + 30
@@ -221,7 +221,7 @@ def test_it_finds_us_where_we_are_not_installed(tmp_path):
         "import linkwright.stages\ndef answer(request): return linkwright.stages.__file__.encode()"
     )
     code = (
-        "from linkwright.stages.robot.guest import *\n"
+        "from linkwright.stages.robot.system.guest import *\n"
         "print(ask('visitor', b'', Bounds(60, 1 << 30, 1000), {}).decode())"
     )
     link_package(tmp_path / "copy")

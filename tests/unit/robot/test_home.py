@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from linkwright.stages.robot.closing import Closer
-from linkwright.stages.robot.dof_ranges import ranges
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.loops import across, closing, gap
-from linkwright.stages.robot.model import Limits, Relation, Robot, frozen
-from linkwright.stages.robot.pose_batch import many_link_poses, repeated
-from linkwright.stages.robot.start_pose import home, nearest, saved
+from linkwright.stages.robot.model.robot import Limits, Relation, Robot, frozen
+from linkwright.stages.robot.motion.closing import Closer
+from linkwright.stages.robot.motion.dof_ranges import ranges
+from linkwright.stages.robot.motion.kinematics import link_poses
+from linkwright.stages.robot.motion.loops import across, closing, gap
+from linkwright.stages.robot.motion.pose_batch import many_link_poses, repeated
+from linkwright.stages.robot.motion.start_pose import home, nearest, saved
 from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_with, some_values
 
 A, B, C = 0.1, 0.13, 0.12

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from linkwright.stages.robot.inertia import (
+from linkwright.stages.robot.dynamics.inertia import (
     is_physical,
     merged,
     moved,
@@ -18,7 +18,7 @@ from linkwright.stages.robot.inertia import (
     principal_axes,
     solid_inertia,
 )
-from linkwright.stages.robot.model import Inertial, frozen
+from linkwright.stages.robot.model.robot import Inertial, frozen
 
 quats = st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda q: sum(v * v for v in q) > 1e-3)
 positions = st.tuples(*[st.floats(-2, 2)] * 3)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from linkwright.stages.robot.closing import Closer
-from linkwright.stages.robot.loop_groups import LoopGroups
-from linkwright.stages.robot.model import Relation, Robot
+from linkwright.stages.robot.model.robot import Relation, Robot
+from linkwright.stages.robot.motion.closing import Closer
+from linkwright.stages.robot.motion.loop_groups import LoopGroups
 from tests.support.robots import joint, loop, robot_with
 
 

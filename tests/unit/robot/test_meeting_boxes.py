@@ -5,7 +5,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from linkwright.stages.robot.meeting_boxes import meeting_boxes
+from linkwright.stages.robot.contact.meeting_boxes import meeting_boxes
 
 
 @pytest.mark.parametrize("number", [0, 1, 2, 40])

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from linkwright.stages.robot.names import legal, shortest_unique
+from linkwright.stages.robot.text.names import legal, shortest_unique
 
 
 @pytest.mark.parametrize(

@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.loops import gap
-from linkwright.stages.robot.model import Limits, Relation
-from linkwright.stages.robot.pose_batch import count_of
-from linkwright.stages.robot.pose_samples import sampled_poses
-from linkwright.stages.robot.poses import rotation_from_quat
-from linkwright.stages.robot.start_pose import home
+from linkwright.stages.robot.model.poses import rotation_from_quat
+from linkwright.stages.robot.model.robot import Limits, Relation
+from linkwright.stages.robot.motion.kinematics import link_poses
+from linkwright.stages.robot.motion.loops import gap
+from linkwright.stages.robot.motion.pose_batch import count_of
+from linkwright.stages.robot.motion.pose_samples import sampled_poses
+from linkwright.stages.robot.motion.start_pose import home
 from tests.support.robots import EVERY, joint, robot_with
 from tests.unit.robot.test_home import four_bar, reordered
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from linkwright.stages.robot.poses import (
+from linkwright.stages.robot.model.poses import (
     from_parts,
     inverse,
     motion,

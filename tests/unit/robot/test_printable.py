@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from linkwright.stages.formats import xml
-from linkwright.stages.robot.printable import printable, printable_lines
+from linkwright.stages.robot.text.printable import printable, printable_lines
 
 
 @pytest.mark.parametrize(

@@ -14,8 +14,8 @@ from linkwright.stages.fetch.mjcf.section import MjcfSourceSection
 from linkwright.stages.fetch.urdf.gather import gather as gather_urdf
 from linkwright.stages.fetch.urdf.ros_packages import Packages
 from linkwright.stages.fetch.urdf.section import UrdfSourceSection
-from linkwright.stages.robot import guest, regular_files
 from linkwright.stages.robot.errors import ConfigError, SourceError
+from linkwright.stages.robot.system import guest, regular_files
 from tests.support.mjcfs import model, written
 
 HUGE = 1 << 42
@@ -162,7 +162,7 @@ def test_a_package_whose_description_is_a_pipe_is_passed_by(tmp_path):
 
 
 def test_the_material_of_an_obj_that_is_a_pipe_is_none(tmp_path):
-    from linkwright.stages.fetch.urdf.companions import Companions, companions
+    from linkwright.stages.fetch.urdf.meshes.companions import Companions, companions
 
     os.mkfifo(tmp_path / "m.mtl")
     assert companions(tmp_path / "a.obj", b"mtllib m.mtl\n", []) == Companions()

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from linkwright.stages.graph import build_robot
-from linkwright.stages.robot.model import Robot
-from linkwright.stages.robot.ways import Ways
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.robot.motion.tree_paths import Ways
 from tests.support.building import plan_of
 from tests.support.urdfs import urdf_bundle
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from linkwright.stages.robot.errors import SourceError
-from linkwright.stages.validate import admission
-from linkwright.stages.validate.admission import admitted
+from linkwright.stages.validate.reading import admission
+from linkwright.stages.validate.reading.admission import admitted
 
 MESH = '<mujoco><asset><mesh name="m" file="{}"/></asset></mujoco>'
 

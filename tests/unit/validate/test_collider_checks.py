@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from linkwright.stages.robot.geometry import ColliderFigures, Geometry, Measures
-from linkwright.stages.robot.model import Primitive
-from linkwright.stages.validate.checks import bare_links, colliders
+from linkwright.stages.robot.model.geometry import ColliderFigures, Geometry, Measures
+from linkwright.stages.robot.model.robot import Primitive
+from linkwright.stages.validate.checks.contact import bare_links, colliders
 from tests.support.written import ONE_HINGE, compiled_of
 
 SEEN = 'group="2" contype="0" conaffinity="0"'

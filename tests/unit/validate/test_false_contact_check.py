@@ -8,15 +8,15 @@ import mujoco
 import numpy as np
 import pytest
 
-from linkwright.stages.robot.amendments import Amendment, Amendments
 from linkwright.stages.robot.check import Check
-from linkwright.stages.robot.geometry import ColliderFigures, Exclude, Geometry
-from linkwright.stages.robot.model import Limits
-from linkwright.stages.robot.pose_samples import sampled_poses
-from linkwright.stages.robot.start_pose import home
-from linkwright.stages.validate.checks import false_contact
+from linkwright.stages.robot.model.amendments import Amendment, Amendments
+from linkwright.stages.robot.model.geometry import ColliderFigures, Exclude, Geometry
+from linkwright.stages.robot.model.robot import Limits
+from linkwright.stages.robot.motion.pose_samples import sampled_poses
+from linkwright.stages.robot.motion.start_pose import home
+from linkwright.stages.validate.checks.contact import false_contact
 from linkwright.stages.validate.contact_errors import DEEP, REACH, SALT
-from linkwright.stages.validate.seen_surfaces import SOME, SeenSurfaces, surface, winding
+from linkwright.stages.validate.model.seen_surfaces import SOME, SeenSurfaces, surface, winding
 from tests.support.robots import joint, robot_with
 from tests.support.written import compiled_of
 

@@ -10,8 +10,8 @@ import mujoco
 import pytest
 
 from linkwright.stages.robot.check import Check
-from linkwright.stages.validate.documents import read
 from linkwright.stages.validate.files.run import check_document, check_folder, opened
+from linkwright.stages.validate.reading.documents import read
 from tests.support.mujoco_schema import schema
 from tests.support.other_robots import FILES
 from tests.support.places import PROJECT

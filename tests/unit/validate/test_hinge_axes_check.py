@@ -2,7 +2,7 @@
 
 import pytest
 
-from linkwright.stages.validate.checks import hinge_axes
+from linkwright.stages.validate.checks.mechanism import hinge_axes
 from tests.support.written import compiled_of
 
 RADIUS = 0.1

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import pytest
 
-from linkwright.stages.validate.checks.inertial import check
-from linkwright.stages.validate.checks.mass_ratio import check as ratios
+from linkwright.stages.validate.checks.mechanism.inertial import check
+from linkwright.stages.validate.checks.mechanism.mass_ratio import check as ratios
 from tests.support.compiled import compiled_of, only
 from tests.support.robots import joint, robot_with
 

@@ -16,14 +16,15 @@ from linkwright.stages.formats.described import described
 from linkwright.stages.formats.urdf.contacts import known_pairs
 from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.check import Check
-from linkwright.stages.robot.dynamics import mass_matrix
-from linkwright.stages.robot.model import Dynamics, Limits, Robot
-from linkwright.stages.validate.checks import contact_filter, parity, reach
+from linkwright.stages.robot.dynamics.mass_matrix import mass_matrix
+from linkwright.stages.robot.model.robot import Dynamics, Limits, Robot
+from linkwright.stages.validate.checks.contact import contact_filter, reach
+from linkwright.stages.validate.checks.mechanism import parity
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.contact_errors import never_collide
-from linkwright.stages.validate.mass_probes import PRODUCTS, WHOLE, probes
-from linkwright.stages.validate.random_poses import FEWEST, POSES, samples
-from linkwright.stages.validate.tree_dynamics import PosedRobot
+from linkwright.stages.validate.dynamics.mass_probes import PRODUCTS, WHOLE, probes
+from linkwright.stages.validate.dynamics.random_poses import FEWEST, POSES, samples
+from linkwright.stages.validate.dynamics.tree_dynamics import PosedRobot
 from tests.support.building import plan_of, write
 from tests.support.checked import checked
 from tests.support.robots import at, joint, robot_with

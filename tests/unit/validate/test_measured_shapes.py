@@ -4,8 +4,15 @@ import mujoco
 import numpy as np
 import pytest
 
-from linkwright.stages.validate.shapes import area, directions, outside, reach, seen_and_solid, surface_points
-from linkwright.stages.validate.shapes import vertices as vertices_of
+from linkwright.stages.validate.model.shapes import (
+    area,
+    directions,
+    outside,
+    reach,
+    seen_and_solid,
+    surface_points,
+)
+from linkwright.stages.validate.model.shapes import vertices as vertices_of
 
 TETRAHEDRON = "0 0 0  .1 0 0  0 .2 0  0 0 .3"
 

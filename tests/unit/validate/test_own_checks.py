@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from linkwright.pipeline.config.trust import covered, targets
+from linkwright.pipeline.config.files.trust import covered, targets
 from linkwright.pipeline.errors import ConfigError
-from linkwright.pipeline.plugins import sources, target
-from linkwright.pipeline.trusted_modules import NotTrusted, trust
+from linkwright.pipeline.plugins.plugins import sources, target
+from linkwright.pipeline.plugins.trusted_modules import NotTrusted, trust
 from linkwright.stages.robot.check import Check
 from linkwright.stages.validate.own import OwnCheck
 from tests.support.command import COMMAND

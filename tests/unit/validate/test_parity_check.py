@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from linkwright.stages.robot.check import Check
-from linkwright.stages.robot.dynamics import mass_matrix
-from linkwright.stages.robot.model import Limits, frozen
-from linkwright.stages.robot.statics import holding_forces
-from linkwright.stages.validate.random_poses import POSES, samples
-from linkwright.stages.validate.tree_dynamics import dynamics
+from linkwright.stages.robot.dynamics.mass_matrix import mass_matrix
+from linkwright.stages.robot.dynamics.statics import holding_forces
+from linkwright.stages.robot.model.robot import Limits, frozen
+from linkwright.stages.validate.dynamics.random_poses import POSES, samples
+from linkwright.stages.validate.dynamics.tree_dynamics import dynamics
 from tests.support.building import plan_of, write
 from tests.support.checked import checked
 from tests.support.robots import joint, pose, robot_with
@@ -67,7 +67,7 @@ def test_what_only_a_urdf_has_between_the_dofs_of_a_joint_counts_nowhere(tmp_pat
 
 
 def test_without_pinocchio_the_check_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("linkwright.stages.validate.checks.parity.installed", lambda: False)
+    monkeypatch.setattr("linkwright.stages.validate.checks.mechanism.parity.installed", lambda: False)
     write(arm(), tmp_path)
     mjcf, urdf = checks_in(tmp_path)
     assert "not installed" not in mjcf.detail

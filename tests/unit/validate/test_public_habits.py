@@ -10,7 +10,7 @@ from linkwright.stages.mujoco.trial import Trial
 from linkwright.stages.robot.check import Check
 from linkwright.stages.validate.bare import check_bare, start
 from linkwright.stages.validate.bare.mjcf_figures import figures
-from linkwright.stages.validate.mujoco_abilities import reads_mimic
+from linkwright.stages.validate.dynamics.mujoco_abilities import reads_mimic
 from tests.support.building import plan_of, write
 from tests.support.checked import checked
 from tests.support.urdfs import urdf_bundle, urdf_robot

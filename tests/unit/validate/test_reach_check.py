@@ -7,8 +7,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from linkwright.stages.validate.checks import reach
-from linkwright.stages.validate.following import Follower, swept_joints
+from linkwright.stages.validate.checks.contact import reach
+from linkwright.stages.validate.model.following import Follower, swept_joints
 from tests.support.robots import joint, robot_with
 from tests.support.written import compiled_of
 

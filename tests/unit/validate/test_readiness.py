@@ -8,8 +8,8 @@ import pytest
 
 from linkwright.stages.export import export
 from linkwright.stages.robot.check import Check
-from linkwright.stages.robot.geometry import ColliderFigures, Geometry, Measures
-from linkwright.stages.robot.model import Frame, Robot
+from linkwright.stages.robot.model.geometry import ColliderFigures, Geometry, Measures
+from linkwright.stages.robot.model.robot import Frame, Robot
 from linkwright.stages.validate.readiness.finished import Finished
 from linkwright.stages.validate.readiness.points import POINTS
 from linkwright.stages.validate.readiness.score import ASIDE, MISSING, PASSED, score

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from linkwright.stages.robot.amendments import Amendment
+from linkwright.stages.robot.model.amendments import Amendment
 from linkwright.stages.validate.rewritten.amended import is_amended
 from linkwright.stages.validate.rewritten.check import rewritten
 from linkwright.stages.validate.rewritten.compare import differences

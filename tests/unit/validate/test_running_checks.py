@@ -6,14 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from linkwright.stages.robot.geometry import Geometry, Touch
-from linkwright.stages.robot.mjcf_extras import MjcfExtras
-from linkwright.stages.robot.poses import from_parts
-from linkwright.stages.robot.scene import Ground, Scene
+from linkwright.stages.robot.model.geometry import Geometry, Touch
+from linkwright.stages.robot.model.mjcf_extras import MjcfExtras
+from linkwright.stages.robot.model.poses import from_parts
+from linkwright.stages.robot.model.scene import Ground, Scene
 from linkwright.stages.validate import measured
-from linkwright.stages.validate.checks import control_noise, energy, rest, start, time_step
-from linkwright.stages.validate.energy import SECONDS, drift_of_energy
-from linkwright.stages.validate.noise import control_ranges
+from linkwright.stages.validate.checks.contact import start
+from linkwright.stages.validate.checks.simulation import control_noise, energy, rest, time_step
+from linkwright.stages.validate.simulate.energy import SECONDS, drift_of_energy
+from linkwright.stages.validate.simulate.noise import control_ranges
 from tests.support.compiled import compiled_of, only
 from tests.support.robots import joint, robot_with
 
@@ -76,7 +77,7 @@ def test_an_inertia_of_nothing_is_an_error():
 
 def test_a_force_that_takes_energy_is_an_error(monkeypatch):
     """A damper that is left in: the energy falls by 2 · ½ b ω² per second, where ½ I ω² is the most."""
-    monkeypatch.setattr("linkwright.stages.validate.energy.PASSIVE", ())
+    monkeypatch.setattr("linkwright.stages.validate.simulate.energy.PASSIVE", ())
     text = pendulum(length=0.0, moment=1.0, joint='damping="0.01"')
     found = only(energy.check(compiled_of(text)), "energy")
     assert found.fails

@@ -10,8 +10,8 @@ import pytest
 
 from linkwright.stages.formats.sdf.elements import SdfError
 from linkwright.stages.formats.sdf.parse import parse_sdf
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.model import Dynamics, Frame, Limits, Relation, Robot, frozen
+from linkwright.stages.robot.model.robot import Dynamics, Frame, Limits, Relation, Robot, frozen
+from linkwright.stages.robot.motion.kinematics import link_poses
 from tests.support.building import plan_of, write
 from tests.support.checked import checked
 from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_with

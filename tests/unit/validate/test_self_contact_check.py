@@ -6,9 +6,9 @@ from pathlib import Path
 import mujoco
 import pytest
 
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.model import Robot
-from linkwright.stages.robot.start_pose import home
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.robot.motion.start_pose import home
 from tests.support.building import plan_of
 from tests.support.checked import checked
 from tests.support.robots import at, joint, robot_with

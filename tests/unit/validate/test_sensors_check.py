@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from linkwright.stages.export import Exported
-from linkwright.stages.robot.model import Frame, Limits, Robot, frozen
+from linkwright.stages.robot.model.robot import Frame, Limits, Robot, frozen
 from linkwright.stages.validate import validate
 from tests.support.building import plan_of, write
 from tests.support.robots import joint, pose, robot_with

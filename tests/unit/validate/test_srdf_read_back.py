@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from linkwright.stages.robot.model import Frame, Limits, Robot, frozen
+from linkwright.stages.robot.model.robot import Frame, Limits, Robot, frozen
 from tests.support.building import plan_of, write
 from tests.support.robots import at, joint, robot_with
 from tests.support.srdf_checks import srdf_checks

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 
 from linkwright.stages.robot.errors import ConfigError
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.model import Dynamics, Frame, Limits, Relation, Robot, frozen
-from linkwright.stages.robot.poses import from_parts
+from linkwright.stages.robot.model.poses import from_parts
+from linkwright.stages.robot.model.robot import Dynamics, Frame, Limits, Relation, Robot, frozen
+from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.validate import validate
 from linkwright.stages.validate.asked import Asked
-from linkwright.stages.validate.checks.torque import check
+from linkwright.stages.validate.checks.simulation.torque import check
 from linkwright.stages.validate.compiled import CompiledModel
-from linkwright.stages.validate.holding import holding
+from linkwright.stages.validate.simulate.holding import holding
 from tests.support.building import plan_of, robot_of, write
 from tests.support.kit import Kit, four_bar
 from tests.support.robots import at, joint, robot_with, solid

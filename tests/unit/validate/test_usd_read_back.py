@@ -9,9 +9,9 @@ import pytest
 from linkwright.stages.export import export
 from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.check import Check
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.model import Dynamics, Limits, Robot
-from linkwright.stages.robot.poses import at_rest, from_parts, turn
+from linkwright.stages.robot.model.poses import at_rest, from_parts, turn
+from linkwright.stages.robot.model.robot import Dynamics, Limits, Robot
+from linkwright.stages.robot.motion.kinematics import link_poses
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.robots import EVERY, LOOPS, joint, loop, pose, robot_with
 from tests.support.usd import pxr

@@ -12,12 +12,12 @@ import pytest
 from linkwright.stages.formats.urdf.as_written import form_with
 from linkwright.stages.formats.urdf.form import UrdfForm
 from linkwright.stages.mesh import make_geometry
-from linkwright.stages.robot.kinematics import chain, link_poses, saved_configuration
-from linkwright.stages.robot.model import Frame, Limits, Relation, Robot
-from linkwright.stages.robot.poses import inverse, turns_from_rotation
-from linkwright.stages.robot.poses import turn as turned
+from linkwright.stages.robot.model.poses import inverse, turns_from_rotation
+from linkwright.stages.robot.model.poses import turn as turned
+from linkwright.stages.robot.model.robot import Frame, Limits, Relation, Robot
+from linkwright.stages.robot.motion.kinematics import chain, link_poses, saved_configuration
 from linkwright.stages.validate import CHECKS, ENGINES
-from linkwright.stages.validate import mujoco_abilities as ability
+from linkwright.stages.validate.dynamics import mujoco_abilities as ability
 from tests.fake_onshape.frames import turn
 from tests.support import robots
 from tests.support.building import bundle_of, plan_of, robot_of, write

@@ -8,11 +8,11 @@ from itertools import combinations
 import numpy as np
 
 from linkwright.stages.export.urdf.srdf.convex import ConvexBodies, at_least
-from linkwright.stages.robot.adjacency import Pair
-from linkwright.stages.robot.model import Array, Configuration, Limits, Robot
-from linkwright.stages.robot.pose_batch import count_of, many_link_poses
-from linkwright.stages.robot.pose_samples import sampled_poses
-from linkwright.stages.robot.ways import ways_up
+from linkwright.stages.robot.model.robot import Array, Configuration, Limits, Robot
+from linkwright.stages.robot.motion.adjacency import Pair
+from linkwright.stages.robot.motion.pose_batch import count_of, many_link_poses
+from linkwright.stages.robot.motion.pose_samples import sampled_poses
+from linkwright.stages.robot.motion.tree_paths import ways_up
 
 POSES = 512
 """Poses in which a pair has to be apart."""

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from linkwright.stages.formats.mesh_points import mesh_points
-from linkwright.stages.robot.geometry import Geometry, Role, Shape
-from linkwright.stages.robot.model import Array, Primitive
+from linkwright.stages.formats.meshes.points import mesh_points
+from linkwright.stages.robot.model.geometry import Geometry, Role, Shape
+from linkwright.stages.robot.model.robot import Array, Primitive
 
 _STEPS = (1, 1, 2, 4, 8)
 """Steps of the algorithm, after which bodies are left out that cannot be the nearest ones."""

@@ -7,9 +7,9 @@ from linkwright.stages.export.urdf.srdf.apart import apart
 from linkwright.stages.export.urdf.srdf.convex import bodies_of
 from linkwright.stages.formats.urdf.contacts import Reason, known_pairs
 from linkwright.stages.formats.written import Written
-from linkwright.stages.robot.adjacency import Pair
-from linkwright.stages.robot.fusing import members
-from linkwright.stages.robot.start_pose import home
+from linkwright.stages.robot.dynamics.fusing import members
+from linkwright.stages.robot.motion.adjacency import Pair
+from linkwright.stages.robot.motion.start_pose import home
 
 MOST_LINKS = 128
 """Of a robot with more links that collide no pair is worked out: their number grows with its square, as would

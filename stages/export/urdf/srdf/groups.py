@@ -6,8 +6,8 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 from linkwright.stages.formats.urdf.names import urdf_names
-from linkwright.stages.robot.model import Joint, Robot
-from linkwright.stages.robot.names import free
+from linkwright.stages.robot.model.robot import Joint, Robot
+from linkwright.stages.robot.text.names import free
 
 ALL = "all"
 """The group of all joints."""

@@ -15,9 +15,9 @@ from linkwright.stages.formats.robot_json.files import SrdfRecord
 from linkwright.stages.formats.urdf.names import urdf_names
 from linkwright.stages.formats.written import Written
 from linkwright.stages.formats.xml import Element, comment, element, to_bytes
-from linkwright.stages.robot.model import Robot
-from linkwright.stages.robot.names import free
-from linkwright.stages.robot.passive import passive_dofs
+from linkwright.stages.robot.dynamics.passive import passive_dofs
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.robot.text.names import free
 
 WORLD = "world"
 """What the base is fixed to, or flies in."""

@@ -6,9 +6,9 @@ import numpy as np
 
 from linkwright.stages.formats.numbers import least_of, number
 from linkwright.stages.formats.urdf.names import UrdfNames
-from linkwright.stages.robot.model import Dof, Robot, Value
-from linkwright.stages.robot.poses import rotation_from_quat, turns_from_rotation
-from linkwright.stages.robot.start_pose import HOME, keyframes
+from linkwright.stages.robot.model.poses import rotation_from_quat, turns_from_rotation
+from linkwright.stages.robot.model.robot import Dof, Robot, Value
+from linkwright.stages.robot.motion.start_pose import HOME, keyframes
 
 
 def states_of(robot: Robot, names: UrdfNames) -> dict[str, dict[str, str]]:

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from linkwright.stages.export.urdf.srdf.disabled import MOST_LINKS
 from linkwright.stages.export.urdf.srdf.model import SrdfPlan
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.geometry import Geometry
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.robot import Robot
 
 
 def unsupported(robot: Robot, geometry: Geometry, plan: SrdfPlan) -> Iterator[Diagnostic]:

@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Literal
 from urllib.parse import quote
 
-from linkwright.stages.robot import regular_files
 from linkwright.stages.robot.errors import ConfigError, Diagnostic
+from linkwright.stages.robot.system import regular_files
 
 ACCESS = "ONSHAPE_ACCESS_KEY"
 SECRET = "ONSHAPE_SECRET_KEY"

@@ -11,7 +11,7 @@ from pathlib import Path
 from urllib.parse import SplitResult, urlsplit
 
 from linkwright.stages.robot.errors import ConfigError
-from linkwright.stages.robot.install import install
+from linkwright.stages.robot.system.install import install
 
 CERTIFICATES, FOLDER = "SSL_CERT_FILE", "SSL_CERT_DIR"
 

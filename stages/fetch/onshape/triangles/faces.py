@@ -20,7 +20,7 @@ from linkwright.stages.formats import triangles
 from linkwright.stages.formats.colours import colour_of
 from linkwright.stages.formats.triangles import Body
 from linkwright.stages.robot.errors import ProtocolError
-from linkwright.stages.robot.geometry import Colour
+from linkwright.stages.robot.model.geometry import Colour
 
 _Record = Mapping[str, Any]
 _Points = npt.NDArray[np.float64]

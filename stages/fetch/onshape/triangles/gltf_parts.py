@@ -13,8 +13,9 @@ import numpy.typing as npt
 import orjson
 
 from linkwright.stages.fetch.onshape.triangles.matching import BodyFigures, assigned
-from linkwright.stages.formats import gltf, triangles
-from linkwright.stages.formats.gltf import Node
+from linkwright.stages.formats import triangles
+from linkwright.stages.formats.meshes import gltf
+from linkwright.stages.formats.meshes.gltf import Node
 from linkwright.stages.robot.errors import ProtocolError
 
 _SPECK = 1e-9

@@ -18,7 +18,7 @@ from linkwright.stages.graph.onshape.expressions.quantity import (
     unit,
 )
 from linkwright.stages.graph.onshape.expressions.syntax import DEEPEST, Expression, parse
-from linkwright.stages.robot.units import UNITS, Measure
+from linkwright.stages.robot.text.units import UNITS, Measure
 
 __all__ = ["ExpressionError", "Quantity", "Scope", "UnknownVariable", "Value", "evaluate", "measured"]
 

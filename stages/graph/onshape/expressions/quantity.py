@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 
-from linkwright.stages.robot.units import Measure
+from linkwright.stages.robot.text.units import Measure
 
 Dimension = tuple[Fraction, Fraction]
 """Exponents of metre and radian."""

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from linkwright.stages.graph.onshape.expressions.quantity import ExpressionError
-from linkwright.stages.robot.units import UNITS
+from linkwright.stages.robot.text.units import UNITS
 
 _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"

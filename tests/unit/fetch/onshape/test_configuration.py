@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from linkwright.pipeline.build import build
 from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.run.build import build
 from linkwright.stages.fetch.bundle.archive import pack
 from linkwright.stages.fetch.onshape import configuration
 from linkwright.stages.fetch.onshape.configuration import encode

@@ -10,10 +10,10 @@ import pytest
 
 from linkwright.stages import fetch as stage
 from linkwright.stages.fetch.bundle.archive import pack, read
-from linkwright.stages.fetch.onshape import features
-from linkwright.stages.fetch.onshape.features import Owner
 from linkwright.stages.fetch.onshape.gather import gather
-from linkwright.stages.fetch.onshape.recorded import Recorded
+from linkwright.stages.fetch.onshape.replies import features
+from linkwright.stages.fetch.onshape.replies.features import Owner
+from linkwright.stages.fetch.onshape.replies.recorded import Recorded
 from linkwright.stages.graph import build_robot
 from linkwright.stages.robot.bundle import StudioKey
 from linkwright.stages.robot.codec import encode_robot

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from linkwright.stages.fetch.onshape import mass_check
 from linkwright.stages.fetch.onshape.call_budget import allow
+from linkwright.stages.fetch.onshape.replies import mass_check
 from linkwright.stages.robot.bundle import StudioKey
 from linkwright.stages.robot.errors import ProtocolError, SourceError
 from tests.fake_onshape.definition import definition

@@ -7,9 +7,9 @@ import threading
 
 import pytest
 
-from linkwright.pipeline.build import build
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.errors import SourceError
+from linkwright.pipeline.run.build import build
 from tests.fake_onshape import solids
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.server import Fault, OnshapeServer
@@ -20,7 +20,7 @@ COLD = 1 + 2 * 3
 WORKER = """
 import json, sys
 from pathlib import Path
-from linkwright.pipeline.build import build
+from linkwright.pipeline.run.build import build
 from linkwright.pipeline.config.plan import Plan
 
 print("ready", flush=True)

@@ -4,7 +4,7 @@ import tracemalloc
 
 import pytest
 
-from linkwright.stages.fetch.onshape.reply_checks import check
+from linkwright.stages.fetch.onshape.replies.checks import check
 from linkwright.stages.robot.errors import ProtocolError
 
 REQUEST = "/partstudios/d/a/m/b/e/c/massproperties?partId="

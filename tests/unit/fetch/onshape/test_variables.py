@@ -9,11 +9,11 @@ import time
 
 import pytest
 
-from linkwright.pipeline.build import build
 from linkwright.pipeline.config.plan import Plan
-from linkwright.pipeline.preflight import sweep_problems
+from linkwright.pipeline.run.build import build
+from linkwright.pipeline.run.preflight import sweep_problems
 from linkwright.stages import fetch as stage
-from linkwright.stages.fetch.onshape.variables import expression
+from linkwright.stages.fetch.onshape.asking.variables import expression
 from linkwright.stages.fetch.source import Calls
 from linkwright.stages.graph import build_robot
 from linkwright.stages.robot.errors import (

@@ -14,8 +14,8 @@ from linkwright.stages.graph.onshape.definition import read_assembly
 from linkwright.stages.graph.onshape.onshape_to_robot import translated
 from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.model import Limits, Robot
+from linkwright.stages.robot.model.robot import Limits, Robot
+from linkwright.stages.robot.motion.kinematics import link_poses
 from tests.fake_onshape.document import ORIGIN, Document
 from tests.fake_onshape.frames import frame
 from tests.fake_onshape.prefixed import LIKE_THEIRS, prefixed

@@ -8,12 +8,12 @@ import pytest
 
 from linkwright.stages.fetch.bundle.archive import read
 from linkwright.stages.fetch.onshape.gather import gather
-from linkwright.stages.fetch.onshape.recorded import Recorded
+from linkwright.stages.fetch.onshape.replies.recorded import Recorded
 from linkwright.stages.graph import build_robot
 from linkwright.stages.graph.onshape.assembly import Assembly, Mate
-from linkwright.stages.graph.onshape.limits import with_limits
+from linkwright.stages.graph.onshape.mates.limits import with_limits
 from linkwright.stages.robot.bundle import Features, OnshapeBundle, StudioKey
-from linkwright.stages.robot.model import MateRef, Robot
+from linkwright.stages.robot.model.robot import MateRef, Robot
 from tests.fake_onshape.replies import Replies
 from tests.fake_onshape.settable import typed_arm
 from tests.support.building import plan_of, robot_of

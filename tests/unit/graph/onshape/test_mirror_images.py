@@ -10,11 +10,11 @@ import yaml
 
 from linkwright.stages.graph import build_robot
 from linkwright.stages.robot.bundle import OnshapeBundle
-from linkwright.stages.robot.dynamics import mass_matrix
+from linkwright.stages.robot.dynamics.mass_matrix import mass_matrix
 from linkwright.stages.robot.errors import Disconnected
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.model import Joint, Robot
-from linkwright.stages.robot.poses import inverse
+from linkwright.stages.robot.model.poses import inverse
+from linkwright.stages.robot.model.robot import Joint, Robot
+from linkwright.stages.robot.motion.kinematics import link_poses
 from tests.fake_onshape import solids
 from tests.fake_onshape.document import Occurrence
 from tests.fake_onshape.frames import frame, turn

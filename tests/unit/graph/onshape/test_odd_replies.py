@@ -13,7 +13,7 @@ import pytest
 from linkwright.stages.graph import build_robot
 from linkwright.stages.robot.bundle import Bundle
 from linkwright.stages.robot.errors import AssemblyError, LinkwrightError, ProtocolError
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.robot.model.robot import Robot
 from tests.fake_onshape.document import ORIGIN, Occurrence
 from tests.fake_onshape.frames import frame
 from tests.support.building import bundle_of, plan_of

@@ -14,12 +14,12 @@ from hypothesis import strategies as st
 
 from linkwright.stages.graph.dofs import value_in
 from linkwright.stages.graph.onshape.assembly import Assembly, Entity, Mate, Occurrence
-from linkwright.stages.graph.onshape.mates import dofs_of, freedoms_of, right_handed
-from linkwright.stages.graph.onshape.parallel_mates import Absorbed, CombinedMates, combined
+from linkwright.stages.graph.onshape.mates.joints import dofs_of, freedoms_of, right_handed
+from linkwright.stages.graph.onshape.mates.parallel import Absorbed, CombinedMates, combined
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.kinematics import chain
-from linkwright.stages.robot.model import Array, MateRef, frozen
-from linkwright.stages.robot.poses import from_parts, inverse, rotation_from_quat, turn
+from linkwright.stages.robot.model.poses import from_parts, inverse, rotation_from_quat, turn
+from linkwright.stages.robot.model.robot import Array, MateRef, frozen
+from linkwright.stages.robot.motion.kinematics import chain
 from tests.support.building import robot_of
 from tests.support.kit import Kit
 

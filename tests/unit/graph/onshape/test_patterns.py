@@ -11,7 +11,7 @@ from linkwright.stages.graph.onshape.assembly import Mate
 from linkwright.stages.graph.onshape.bodies import find_bodies
 from linkwright.stages.graph.section import DepthSection, GraphSections
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.poses import inverse
+from linkwright.stages.robot.model.poses import inverse
 from tests.fake_onshape.definition import definition
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.frames import frame, turn

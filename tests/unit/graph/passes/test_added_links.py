@@ -8,11 +8,11 @@ import pytest
 from linkwright.stages.graph.passes.added_links import with_added_frames, with_added_links
 from linkwright.stages.graph.passes.link_mass import check_links
 from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.dynamics.inertia import primitive_inertial
 from linkwright.stages.robot.errors import ConfigError
-from linkwright.stages.robot.inertia import primitive_inertial
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.model import Frame, frozen
-from linkwright.stages.robot.poses import from_parts, inverse, rotation_from_rpy
+from linkwright.stages.robot.model.poses import from_parts, inverse, rotation_from_rpy
+from linkwright.stages.robot.model.robot import Frame, frozen
+from linkwright.stages.robot.motion.kinematics import link_poses
 from tests.support.building import plan_of
 from tests.support.robots import at, joint, pose, robot_with
 

@@ -7,11 +7,11 @@ import pytest
 import yaml
 
 from linkwright.stages.graph.passes.added_links import with_added_links
-from linkwright.stages.graph.passes.joint_limits import with_properties
-from linkwright.stages.graph.passes.limit_checks import LOCKED_PLAY, check_limits, report_loop_limits
+from linkwright.stages.graph.passes.limits.joint_limits import with_properties
+from linkwright.stages.graph.passes.limits.limit_checks import LOCKED_PLAY, check_limits, report_loop_limits
 from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.model import Limits, Relation, Robot
+from linkwright.stages.robot.model.robot import Limits, Relation, Robot
 from tests.support.robots import CARRIED, LOOPS, at, joint, loop, robot_with
 
 

@@ -9,10 +9,10 @@ import pytest
 from linkwright.stages.export import export
 from linkwright.stages.graph.passes.keyframes import with_keyframes
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.loops import gap
-from linkwright.stages.robot.model import Limits, Relation
-from linkwright.stages.robot.start_pose import home, keyframes, saved, starting_point
+from linkwright.stages.robot.model.robot import Limits, Relation
+from linkwright.stages.robot.motion.kinematics import link_poses
+from linkwright.stages.robot.motion.loops import gap
+from linkwright.stages.robot.motion.start_pose import home, keyframes, saved, starting_point
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.robots import joint, robot_with
 from tests.unit.robot.test_home import four_bar

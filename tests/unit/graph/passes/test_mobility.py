@@ -9,9 +9,9 @@ import pytest
 
 from linkwright.stages.graph.passes.mobility import with_mobility
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.kinematics import chain, link_poses, saved_configuration
-from linkwright.stages.robot.model import Relation, Robot
-from linkwright.stages.robot.poses import from_parts, inverse, motion, rotation_from_quat, turn
+from linkwright.stages.robot.model.poses import from_parts, inverse, motion, rotation_from_quat, turn
+from linkwright.stages.robot.model.robot import Relation, Robot
+from linkwright.stages.robot.motion.kinematics import chain, link_poses, saved_configuration
 from tests.support.robots import CHAINS, LOOPS, Z, at, joint, loop, pose, robot_with, some_value
 
 

@@ -6,11 +6,11 @@ import pytest
 from lxml import etree
 
 from linkwright.stages.formats.urdf.transmission_counts import with_counts
-from linkwright.stages.graph.passes.joint_limits import with_properties
+from linkwright.stages.graph.passes.limits.joint_limits import with_properties
 from linkwright.stages.graph.passes.zero_pose import with_zero
 from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.model import Limits, MateValue, Relation, Robot
+from linkwright.stages.robot.model.robot import Limits, MateValue, Relation, Robot
 from tests.support.building import plan_of, write
 from tests.support.mjcfs import body, model, robot_of, written
 from tests.support.robots import joint, robot_with

@@ -6,10 +6,10 @@ import mujoco
 import pytest
 from lxml import etree
 
-from linkwright.stages.graph.passes.placeholders import without_placeholders
+from linkwright.stages.graph.passes.limits.placeholders import without_placeholders
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.model import Dof, Dynamics, Limits, Robot
-from linkwright.stages.validate.noise import shaken
+from linkwright.stages.robot.model.robot import Dof, Dynamics, Limits, Robot
+from linkwright.stages.validate.simulate.noise import shaken
 from tests.support.building import plan_of, write
 from tests.support.robots import joint, robot_with
 from tests.support.urdfs import urdf_robot

@@ -8,8 +8,8 @@ from linkwright.stages.graph.mechanism import RelationSpec
 from linkwright.stages.graph.passes.relations import with_relations
 from linkwright.stages.graph.section import RelationSection
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.kinematics import link_poses, saved_configuration
-from linkwright.stages.robot.model import Limits, Robot
+from linkwright.stages.robot.model.robot import Limits, Robot
+from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
 from tests.support.robots import at, joint, loop, robot_with
 
 L = 0.01

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from linkwright.stages.graph.mechanism import Connection, Marker, Mechanism, RelationSpec, RigidBody
-from linkwright.stages.graph.onshape.mates import dofs_of
+from linkwright.stages.graph.onshape.mates.joints import dofs_of
 from linkwright.stages.graph.passes.rename import renamed
 from linkwright.stages.graph.section import NamesSection
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.model import MateRef, Provenance
+from linkwright.stages.robot.model.robot import MateRef, Provenance
 
 POSE = np.eye(4)
 

@@ -5,9 +5,14 @@ import pytest
 
 from linkwright.stages.graph.passes.zero_pose import with_zero
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.kinematics import chain, link_poses, rest_configuration, saved_configuration
-from linkwright.stages.robot.model import Limits, Relation, Robot
-from linkwright.stages.robot.poses import at_rest, from_parts, rotation_from_quat
+from linkwright.stages.robot.model.poses import at_rest, from_parts, rotation_from_quat
+from linkwright.stages.robot.model.robot import Limits, Relation, Robot
+from linkwright.stages.robot.motion.kinematics import (
+    chain,
+    link_poses,
+    rest_configuration,
+    saved_configuration,
+)
 from tests.support.robots import CHAINS, EVERY, LOOPS, joint, loop, pose, robot_with, some_value, some_values
 
 

@@ -15,10 +15,10 @@ from linkwright.stages.graph.urdf.inertias import nearest
 from linkwright.stages.graph.urdf.solid_inertia import solid_of
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.robot.codec import decode_robot, encode_robot
+from linkwright.stages.robot.dynamics.inertia import is_physical, primitive_inertial, principal
 from linkwright.stages.robot.errors import AssemblyError
-from linkwright.stages.robot.inertia import is_physical, primitive_inertial, principal
-from linkwright.stages.robot.kinematics import link_poses
-from linkwright.stages.robot.model import Limits, Robot
+from linkwright.stages.robot.model.robot import Limits, Robot
+from linkwright.stages.robot.motion.kinematics import link_poses
 from tests.support.building import plan_of, write
 from tests.support.checked import checked
 from tests.support.engines import Pinocchio

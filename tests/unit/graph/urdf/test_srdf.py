@@ -4,15 +4,15 @@ import math
 
 import pytest
 
-from linkwright.stages.robot.model import Robot
-from linkwright.stages.robot.semantics import (
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.robot.model.semantics import (
     NOTHING_MORE,
     DisabledPair,
     EndEffector,
     JointGroup,
     VirtualJoint,
 )
-from linkwright.stages.robot.start_pose import keyframes
+from linkwright.stages.robot.motion.start_pose import keyframes
 from tests.support.building import plan_of
 from tests.support.urdfs import urdf_robot
 

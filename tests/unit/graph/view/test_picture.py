@@ -17,8 +17,8 @@ from linkwright.stages.graph.view.layout import levels, tidy
 from linkwright.stages.graph.view.outline import NARROW, WHOLE, outline
 from linkwright.stages.graph.view.picture import _placed, draw
 from linkwright.stages.graph.view.tables import tables
-from linkwright.stages.robot.model import Dynamics, Frame, Limits, Mobility, Relation
-from linkwright.stages.robot.printable import columns, printable
+from linkwright.stages.robot.model.robot import Dynamics, Frame, Limits, Mobility, Relation
+from linkwright.stages.robot.text.printable import columns, printable
 from tests.support.robots import CHAINS, EVERY, joint, loop, robot_with
 from tests.unit.robot.test_home import four_bar
 

@@ -8,12 +8,12 @@ import trimesh
 
 from linkwright.stages.mesh.by_contact import fitting
 from linkwright.stages.mesh.by_contact.fitting import EndFitter, EndToFit, FittedEnd, end_fitter
-from linkwright.stages.mesh.by_contact.piece import hulled
-from linkwright.stages.mesh.collider_settings import ColliderSettings
+from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
+from linkwright.stages.mesh.cut.piece import hulled
 from linkwright.stages.mesh.fit import fittest
-from linkwright.stages.mesh.pieces import surface_of
-from linkwright.stages.mesh.surface import Surface, weld
-from linkwright.stages.robot.guest import Bounds
+from linkwright.stages.mesh.surfaces.pieces import surface_of
+from linkwright.stages.mesh.surfaces.surface import Surface, weld
+from linkwright.stages.robot.system.guest import Bounds
 
 SETTINGS = ColliderSettings(max_vertices=32)
 

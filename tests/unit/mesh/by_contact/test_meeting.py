@@ -5,8 +5,8 @@ import pytest
 import trimesh
 
 from linkwright.stages.mesh.by_contact.meeting import with_jaws
-from linkwright.stages.mesh.convex_hull import convex_hull
-from linkwright.stages.robot.model import Robot
+from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
+from linkwright.stages.robot.model.robot import Robot
 from tests.support.robots import at, joint, robot_with
 from tests.support.solids import of_mesh
 

@@ -9,9 +9,9 @@ import pytest
 from linkwright.pipeline.api.robot import Robot
 from linkwright.pipeline.errors import LinkwrightError
 from linkwright.stages.robot.codec import decode_robot, encode_robot
-from linkwright.stages.robot.inertia import SPECK
-from linkwright.stages.robot.model import Dof, Dynamics, Inertial, Joint, Limits, Link, frozen
-from linkwright.stages.robot.start_pose import starting_point
+from linkwright.stages.robot.dynamics.inertia import SPECK
+from linkwright.stages.robot.model.robot import Dof, Dynamics, Inertial, Joint, Limits, Link, frozen
+from linkwright.stages.robot.motion.start_pose import starting_point
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import plan_of, robot_of, write
 from tests.support.engines import Mujoco, Pinocchio

@@ -4,13 +4,13 @@ import json
 
 import pytest
 
-from linkwright.pipeline.build import build, build_files
 from linkwright.pipeline.changes.compare import compare
 from linkwright.pipeline.changes.since import MOST, since
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.output import manifest
 from linkwright.pipeline.page.changed import changed
 from linkwright.pipeline.page.head import difference
+from linkwright.pipeline.run.build import build, build_files
 from linkwright.pipeline.secrets import Secrets
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.errors import AssemblyError

@@ -8,8 +8,8 @@ from hydra.types import RunMode
 from omegaconf import OmegaConf
 
 from linkwright.pipeline.config.compose import HYDRA, compose_plan, session
-from linkwright.pipeline.config.hydra_loader import PRIMARY, composed
-from linkwright.pipeline.config.hydra_node import searching
+from linkwright.pipeline.config.hydra.loader import PRIMARY, composed
+from linkwright.pipeline.config.hydra.node import searching
 from tests.support.users import MY_ARM, write
 
 GLOBAL = "# @package _global_\n"

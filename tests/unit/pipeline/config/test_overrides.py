@@ -7,7 +7,7 @@ import pytest
 from linkwright.pipeline.config.compose import session
 from linkwright.pipeline.config.overrides import read
 from linkwright.pipeline.config.presets import GROUPS
-from linkwright.pipeline.pasted import override
+from linkwright.pipeline.terminal.pasted import override
 
 
 @pytest.fixture(scope="module")

@@ -7,8 +7,10 @@ import os
 import pytest
 import yaml
 
-from linkwright.pipeline.config import hydra_files, plain, yaml_file
+from linkwright.pipeline.config import plain
 from linkwright.pipeline.config.compose import compose_plan
+from linkwright.pipeline.config.files import yaml_file
+from linkwright.pipeline.config.hydra import files as hydra_files
 from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.verbs.bundle import _configured
 from tests.support.users import write

@@ -8,12 +8,13 @@ import mujoco
 import numpy as np
 import pytest
 
-from linkwright.pipeline.live import engine_assets, pack
+from linkwright.pipeline.live import pack
 from linkwright.pipeline.live.compiled import compiled
-from linkwright.pipeline.live.engine import EngineCopy, NoCopy, engine_copy
-from linkwright.pipeline.live.engine_version import VERSION, schema, without_newer
+from linkwright.pipeline.live.engine import assets as engine_assets
+from linkwright.pipeline.live.engine.copy import EngineCopy, NoCopy, engine_copy
+from linkwright.pipeline.live.engine.version import VERSION, schema, without_newer
 from linkwright.pipeline.live.scene import pack_of
-from linkwright.stages.export.mujoco_section import CompilerSection, FlagsSection, OptionSection
+from linkwright.stages.export.configuration.mujoco_section import CompilerSection, FlagsSection, OptionSection
 from linkwright.stages.formats.xml import parse, to_text
 from tests.support.live_robots import INCLUDED, LINKAGE, LOOPS, SCENE, write
 from tests.support.places import PROJECT

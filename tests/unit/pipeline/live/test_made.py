@@ -4,10 +4,10 @@ import json
 
 import pytest
 
-from linkwright.pipeline.build import build
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.live import made
 from linkwright.pipeline.live.pack import unpacked
+from linkwright.pipeline.run.build import build
 
 ARM = """<robot name="arm">
   <link name="base"><visual><geometry><box size="0.2 0.2 0.1"/></geometry></visual>
@@ -51,7 +51,7 @@ def shown(monkeypatch):
         found.append(arguments[6])
         return {}
 
-    monkeypatch.setattr("linkwright.pipeline.run.documents", pages)
+    monkeypatch.setattr("linkwright.pipeline.run.state.documents", pages)
     return found
 
 

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from linkwright.pipeline.closing import closing_lines
 from linkwright.pipeline.page.document import page
 from linkwright.pipeline.report import Report
 from linkwright.pipeline.secrets import Secrets
+from linkwright.pipeline.terminal.closing import closing_lines
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.check import Check, Table
 from tests.support.page_reader import Reader

@@ -11,7 +11,7 @@ from linkwright.pipeline.mesh_details import details, kept
 from linkwright.pipeline.page.document import page
 from linkwright.pipeline.secrets import Secrets
 from linkwright.stages.mesh.view.views import PICTURES
-from linkwright.stages.robot.geometry import ColliderFigures, Exclude, Geometry, Measures, Shape, Touch
+from linkwright.stages.robot.model.geometry import ColliderFigures, Exclude, Geometry, Measures, Shape, Touch
 from tests.support.page_reader import Reader
 from tests.unit.pipeline.page.test_document import REPORT, SECRET, SHOWN
 

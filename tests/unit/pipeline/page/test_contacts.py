@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from linkwright.pipeline.build import build
 from linkwright.pipeline.config.compose import compose_plan
+from linkwright.pipeline.run.build import build
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ import pytest
 
 from linkwright.pipeline.changes.since import Since
 from linkwright.pipeline.page.document import page
-from linkwright.pipeline.page.sweep import page as sweep_page
+from linkwright.pipeline.page.sweep.document import page as sweep_page
 from linkwright.pipeline.report import StageReport
 from linkwright.pipeline.secrets import Secrets
 from linkwright.stages.mesh.view.views import PICTURES

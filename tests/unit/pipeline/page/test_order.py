@@ -3,9 +3,9 @@
 import json
 from dataclasses import replace
 
-from linkwright.pipeline.build import build_files
 from linkwright.pipeline.page.document import page
 from linkwright.pipeline.page.order import order
+from linkwright.pipeline.run.build import build_files
 from linkwright.pipeline.secrets import Secrets
 from tests.support.building import plan_of
 from tests.support.page_reader import Reader

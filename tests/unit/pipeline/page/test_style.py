@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from linkwright.pipeline.page.shell import STYLE
+from linkwright.pipeline.page.html.shell import STYLE
 
 LEAST = 4.5
 """WCAG 2.2, 1.4.3: the contrast of text."""

@@ -5,10 +5,10 @@ import re
 
 import pytest
 
-from linkwright.pipeline.page.axis import categories, numbers
-from linkwright.pipeline.page.plot import HEIGHT, WIDTH, Dot, plot
-from linkwright.pipeline.page.sweep import MOST_PLOTS, page
-from linkwright.pipeline.page.swept import depends, keys, places, varying
+from linkwright.pipeline.page.sweep.axis import categories, numbers
+from linkwright.pipeline.page.sweep.document import MOST_PLOTS, page
+from linkwright.pipeline.page.sweep.plot import HEIGHT, WIDTH, Dot, plot
+from linkwright.pipeline.page.sweep.swept import depends, keys, places, varying
 from tests.support.page_reader import Reader
 
 HOSTILE = "</script><img src=x onerror=alert(1)>"

@@ -6,12 +6,12 @@ import threading
 
 import pytest
 
-from linkwright.pipeline.build import build
-from linkwright.pipeline.closing import closing_lines
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.errors import LinkwrightError
 from linkwright.pipeline.output import manifest
 from linkwright.pipeline.preview import ENDED, PICTURE, ask
+from linkwright.pipeline.run.build import build
+from linkwright.pipeline.terminal.closing import closing_lines
 from tests.support.pictures import pixels_of, robot_in
 
 URDF = """<robot name="arm"><link name="base"><visual><geometry><box size="0.2 0.2 0.05"/></geometry></visual>

@@ -7,8 +7,8 @@ import trimesh
 
 from linkwright.pipeline.preview.camera import framing
 from linkwright.pipeline.preview.compiled import look_of
-from linkwright.pipeline.preview.painting import picture, rendered
-from linkwright.pipeline.preview.studio import LitRobot, studio, swept, turned_by
+from linkwright.pipeline.preview.drawing.painting import picture, rendered
+from linkwright.pipeline.preview.drawing.studio import LitRobot, studio, swept, turned_by
 from linkwright.pipeline.preview.surface import surface_of
 from linkwright.stages.formats import png
 from linkwright.stages.mesh.view.raster import seen

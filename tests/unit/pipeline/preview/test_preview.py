@@ -33,9 +33,9 @@ from linkwright.pipeline.preview.look import Geom, Look, packed
 from linkwright.pipeline.preview.model_text import mjcf_text
 from linkwright.pipeline.preview.surface import surface_of
 from linkwright.stages.formats import png
-from linkwright.stages.mesh import stl
-from linkwright.stages.mesh.surface import Surface
-from linkwright.stages.robot.guest import Bounds
+from linkwright.stages.mesh.files import stl
+from linkwright.stages.mesh.surfaces.surface import Surface
+from linkwright.stages.robot.system.guest import Bounds
 from tests.support.pictures import pixels_of, robot_in
 from tests.support.places import PROJECT
 

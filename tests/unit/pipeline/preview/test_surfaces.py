@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from linkwright.pipeline.preview import solids
-from linkwright.pipeline.preview.creases import normals_of
-from linkwright.pipeline.preview.light import key_lamps, sky_lamps, throwing
+from linkwright.pipeline.preview.drawing.creases import normals_of
+from linkwright.pipeline.preview.drawing.light import key_lamps, sky_lamps, throwing
 from linkwright.pipeline.preview.thinning import thinned
 
 SHAPES = {
@@ -67,7 +67,7 @@ def test_faces_of_two_geoms_do_not_meet():
 
 
 def test_with_too_many_faces_at_a_corner_each_is_flat(monkeypatch):
-    monkeypatch.setattr("linkwright.pipeline.preview.creases._MOST_PAIRS", 10)
+    monkeypatch.setattr("linkwright.pipeline.preview.drawing.creases._MOST_PAIRS", 10)
     found = normals(solids.ellipsoid(np.ones(3)))
     assert (found[:, 0] == found[:, 1]).all()
 

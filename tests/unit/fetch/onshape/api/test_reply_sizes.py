@@ -18,8 +18,8 @@ from linkwright.stages.fetch.onshape.api.retries import Patience
 from linkwright.stages.fetch.onshape.triangles import faces, json_stream, matching
 from linkwright.stages.fetch.onshape.triangles.json_stream import Document, MalformedError
 from linkwright.stages.fetch.onshape.url import AssemblyUrl
-from linkwright.stages.formats import gltf
 from linkwright.stages.formats import triangles as codec
+from linkwright.stages.formats.meshes import gltf
 from linkwright.stages.robot.bundle import StudioKey
 from linkwright.stages.robot.errors import ProtocolError
 from tests.fake_onshape.document import Document as Drawn

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from linkwright.stages.fetch.onshape.triangles import faces, gltf_parts
-from linkwright.stages.formats import gltf as reader
 from linkwright.stages.formats import triangles as codec
+from linkwright.stages.formats.meshes import gltf as reader
 from linkwright.stages.robot.errors import ProtocolError
 from tests.fake_onshape import solids
 from tests.fake_onshape.document import Document

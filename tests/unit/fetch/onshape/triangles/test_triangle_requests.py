@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from linkwright.stages.fetch.bundle.archive import pack
-from linkwright.stages.fetch.onshape.triangles.requests import selected
+from linkwright.stages.fetch.onshape.asking.triangle_requests import selected
 from linkwright.stages.formats import triangles
 from linkwright.stages.robot.errors import Offline, ProtocolError, QuotaExhausted
 from tests.fake_onshape import solids

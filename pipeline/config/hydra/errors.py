@@ -1,0 +1,91 @@
+"""Translates errors of Hydra and OmegaConf to diagnostics about the user's files."""
+
+from collections.abc import Callable
+from typing import Any
+
+import yaml
+from hydra.errors import HydraException, MissingConfigException
+from omegaconf.errors import OmegaConfBaseException
+
+from linkwright.pipeline.config.files import yaml_file
+from linkwright.pipeline.config.files.reach import OutsideError, outside
+from linkwright.pipeline.config.files.trust import not_allowed
+from linkwright.pipeline.config.files.yaml_file import RefusedError
+from linkwright.pipeline.config.hydra.words import COMPOSING, in_words
+from linkwright.pipeline.config.messages import GLOBAL
+from linkwright.pipeline.config.presets import GROUPS, Presets
+from linkwright.pipeline.errors import Diagnostic
+from linkwright.stages.robot.system.install import install
+
+HEADER = f"the first line of a robot's file must be: {GLOBAL}"
+
+
+def explained(error: Exception, presets: Presets) -> Diagnostic:
+    """The diagnostic of an error of Hydra's composition; raises other errors, which are bugs."""
+    for kinds, handler in _HANDLERS:
+        if isinstance(error, kinds):
+            return handler(error, presets)
+    raise error
+
+
+def _not_yaml(error: Any, presets: Presets) -> Diagnostic:
+    hint = error.hint if isinstance(error, RefusedError) else "check quotes, colons and indentation there"
+    return Diagnostic("E-YAML", yaml_file.problem(error), yaml_file.where(error), hint)
+
+
+def _no_such_file(error: Any, presets: Presets) -> Diagnostic:
+    if not error.missing_cfg_file:
+        return _not_composed(error, presets)
+    group, _, option = error.missing_cfg_file.rpartition("/")
+    if group == "hydra/launcher":
+        options = ", ".join(error.options or ("basic", *presets.options(group)))
+        more = install("hydra-joblib-launcher", "joblib")
+        hint = f"installed launchers: {options}; others: {more}"
+        return Diagnostic("E-OPTION", f"there is no launcher {option}", f"{group}={option}", hint)
+    found = presets.unknown(group, option)
+    if group.startswith("hydra/") and error.options:
+        return Diagnostic(found.code, found.message, found.where, f"options: {', '.join(error.options)}")
+    return found
+
+
+def _outside(error: Any, presets: Presets) -> Diagnostic:
+    return outside(error.path, "the defaults lists, or the command line")
+
+
+def _not_utf8(error: Any, presets: Presets) -> Diagnostic:
+    return Diagnostic("E-YAML", "not UTF-8 text", str(presets.not_utf8() or ""), "save it as UTF-8")
+
+
+def _too_deep(error: Any, presets: Presets) -> Diagnostic:
+    return Diagnostic("E-OVERRIDE", "nested too deeply", "", "check the brackets on the command line")
+
+
+def _not_composed(error: Any, presets: Presets) -> Diagnostic:
+    if "hydra.searchpath" in str(error):
+        return not_allowed("searchpath")
+    if "@robot." in str(error):
+        return Diagnostic("E-KEY", "its defaults list chooses options below `robot`", "robot", HEADER)
+    causes = [str(one) for one in (error, error.__cause__) if one is not None]
+    words = in_words("\n".join(causes), COMPOSING, [*GROUPS, *presets.own_groups()])
+    if words is not None:
+        return Diagnostic("E-OVERRIDE", *words)
+    lines = [line for line in "\n".join(causes).splitlines() if line.strip() and "append to your" not in line]
+    hint = "check the defaults lists of your files; linkwright --info defaults-tree shows those in use"
+    return Diagnostic("E-OVERRIDE", f"cannot be composed: {' '.join(lines[:2])}", "", hint)
+
+
+def _not_readable(error: Any, presets: Presets) -> Diagnostic:
+    text = f"cannot be read: {error.strerror or error}"
+    return Diagnostic("E-YAML", text, str(error.filename or ""), "check the file and its folder")
+
+
+_HANDLERS: tuple[tuple[tuple[type[Exception], ...], Callable[[Any, Presets], Diagnostic]], ...] = (
+    ((OutsideError,), _outside),
+    ((yaml.YAMLError,), _not_yaml),
+    ((MissingConfigException,), _no_such_file),
+    ((UnicodeDecodeError,), _not_utf8),
+    ((RecursionError,), _too_deep),
+    ((HydraException, OmegaConfBaseException, ValueError), _not_composed),
+    ((OSError,), _not_readable),
+)
+"""Types of errors → the handler that makes the diagnostic; the first match is used."""

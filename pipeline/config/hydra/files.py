@@ -1,0 +1,205 @@
+"""The files that Hydra reads: each text is parsed once, and those of users have limits, as have their
+interpolations.
+
+Hydra reads any file, parses it again for each composition, and OmegaConf resolves an interpolation again
+wherever it is used: ten lines of `${a}${a}...` expand as far as ten lines of aliases.
+"""
+
+import copy
+import io
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import lru_cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from hydra._internal.core_plugins import file_config_source, importlib_resources_config_source
+from hydra._internal.sources_registry import SourcesRegistry
+from hydra.errors import ConfigCompositionException
+from hydra.plugins.config_source import ConfigLoadError, ConfigResult, ConfigSource
+from omegaconf import OmegaConf
+from omegaconf.base import Container
+from omegaconf.errors import InterpolationResolutionError
+
+from linkwright.pipeline import observed
+from linkwright.pipeline.config.files import reach, yaml_file
+
+MOST_RESOLVED = 2000
+"""Most interpolations that one value may resolve."""
+
+LONGEST = 1 << 20
+"""Most characters that they may have together."""
+
+_RESOLVE = "_maybe_resolve_interpolation"
+_EVALUATE = "_evaluate_custom_resolver"
+
+_ENVIRONMENT = "oc.env"
+_PURE = (
+    "hydra", "oc.coerce", "oc.create", "oc.decode", "oc.deprecated", "oc.dict.keys", "oc.dict.values",
+    "oc.select",
+)  # fmt: skip
+"""Resolvers whose value follows from the configuration and from the program alone."""
+
+
+class Guarded(ConfigSource):
+    """A source of files in a folder, which reaches none outside `folders`, those of the search path.
+
+    Hydra's own joins any path to its folder.
+    """
+
+    folders: Sequence[Path] = ()
+
+    @property
+    def folder(self) -> Path:
+        raise NotImplementedError
+
+    def at(self, config_path: str) -> Path | None:
+        """The place of a file or folder; None where it is outside."""
+        return reach.place(self.folder, config_path, self.folders)
+
+    def is_group(self, config_path: str) -> bool:
+        place = self.at(config_path)
+        return place is not None and (place.is_dir() if self.installed(place) else observed.is_folder(place))
+
+    def file(self, config_path: str) -> Path | None:
+        """The place of a file; None where it is outside."""
+        return self.at(self._normalize_file_name(config_path))
+
+    def is_config(self, config_path: str) -> bool:
+        place = self.file(config_path)
+        return place is not None and (place.is_file() if self.installed(place) else observed.is_file(place))
+
+    def load_config(self, config_path: str) -> ConfigResult:
+        place = self.file(config_path)
+        if place is None or not place.exists():
+            msg = f"no such file: {config_path}"
+            raise ConfigLoadError(msg)
+        if self.installed(place):
+            return _result(self, str(place), place.read_text(encoding="utf-8"))
+        found = _result(self, str(observed.real(place)), yaml_file.text(place))
+        _check_order(found.config, config_path.removesuffix(".yaml"))
+        return found
+
+    def installed(self, place: Path) -> bool:
+        """Whether a file is no user's, and needs no check."""
+        return False
+
+
+# The classes have the names of Hydra's classes: Hydra registers its own repeatedly, and skips an equal name.
+
+
+class FileConfigSource(Guarded, file_config_source.FileConfigSource):
+    """Hydra's source of files in folders, which checks each file first."""
+
+    @property
+    def folder(self) -> Path:
+        return Path(self.path)
+
+
+class ImportlibResourcesConfigSource(
+    Guarded, importlib_resources_config_source.ImportlibResourcesConfigSource
+):
+    """Hydra's source of files in packages; a robot by its path is found from there too."""
+
+    @property
+    def folder(self) -> Path:
+        return _of_package(self.path)
+
+    def installed(self, place: Path) -> bool:
+        return place.is_relative_to(self.folder)
+
+
+@lru_cache(maxsize=8)
+def _of_package(name: str) -> Path:
+    return Path(str(resources.files(name))).resolve()
+
+
+def _result(source: ConfigSource, name: str, text: str) -> ConfigResult:
+    config, header = _parsed(name, text)
+    # Hydra takes the defaults list out of what it gets.
+    mine = copy.deepcopy(config)
+    return ConfigResult(source.provider, f"{source.scheme()}://{source.path}", mine, dict(header))
+
+
+def _check_order(config: Container, name: str) -> None:
+    """Raises ConfigCompositionException where an override precedes another entry of a file's defaults list.
+
+    Hydra 1.3 and 1.4 find that too, but fail to say so where the override chooses several options.
+    """
+    plain = OmegaConf.to_container(config, resolve=False)
+    defaults = plain.get("defaults") if isinstance(plain, dict) else None
+    overridden = ""
+    for entry in defaults if isinstance(defaults, list) else ():
+        text = " ".join(map(str, entry)) if isinstance(entry, dict) else str(entry)
+        if text.startswith("override "):
+            overridden = text.removeprefix("override ")
+        elif overridden and text != "_self_":
+            raise ConfigCompositionException(
+                f"In {name}: Override '{overridden}' is defined before '{text}'."
+            )
+
+
+@lru_cache(maxsize=64)
+def _parsed(name: str, text: str) -> tuple[Container, dict[str, str | None]]:
+    """The content and the header of a file; errors name it."""
+    stream = io.StringIO(text, newline=None)
+    header = ConfigSource._get_header_dict(stream.read(512))
+    stream.seek(0)
+    stream.name = name
+    yaml_file.require_mapping(text, name)
+    return OmegaConf.load(stream), header
+
+
+def _is_of_hydra(node: Any) -> bool:
+    """Whether a node is one of Hydra's own, of which no build uses a value: its folders have the time."""
+    return node is not None and f"{node._get_full_key(None)}.".startswith("hydra.")
+
+
+@contextmanager
+def guarded() -> Iterator[None]:
+    """Inside, Hydra reads files as said, interpolations are counted, and what they read outside of the
+    configuration is noted."""
+    sources = SourcesRegistry.instance().types
+    own = dict(sources)
+    sources |= {kind.scheme(): kind for kind in (FileConfigSource, ImportlibResourcesConfigSource)}
+    resolve: Callable[..., Any] = getattr(Container, _RESOLVE)
+    depth = count = letters = 0
+    outermost: Any = None
+
+    def counted(self: Container, *args: Any, **more: Any) -> Any:
+        nonlocal depth, count, letters, outermost
+        if not depth:
+            count = letters = 0
+            outermost = more.get("value")
+        depth += 1
+        try:
+            count += 1
+            if count > MOST_RESOLVED or letters > LONGEST:
+                msg = "its interpolations expand to more than is allowed"
+                raise InterpolationResolutionError(msg)
+            found = resolve(self, *args, **more)
+            value = None if found is None else found._value()
+            letters += len(value) if isinstance(value, str) else 0
+            return found
+        finally:
+            depth -= 1
+
+    evaluate: Callable[..., Any] = getattr(Container, _EVALUATE)
+
+    def noted(self: Container, *, inter_type: str, inter_args: Sequence[Any], **more: Any) -> Any:
+        if inter_type == _ENVIRONMENT and inter_args:
+            observed.variable(str(inter_args[0]))
+        elif inter_type not in _PURE and depth and not _is_of_hydra(outermost):
+            # Without depth files are merged: what a value is is asked again where it is used.
+            observed.momentary()
+        return evaluate(self, inter_type=inter_type, inter_args=inter_args, **more)
+
+    setattr(Container, _RESOLVE, counted)
+    setattr(Container, _EVALUATE, noted)
+    try:
+        yield
+    finally:
+        setattr(Container, _RESOLVE, resolve)
+        setattr(Container, _EVALUATE, evaluate)
+        sources |= own

@@ -1,0 +1,168 @@
+"""One build: five stages in order; a stage whose inputs did not change comes from the cache."""
+
+import functools
+import os
+import traceback
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from linkwright.pipeline import interrupt, report
+from linkwright.pipeline.caching import actions
+from linkwright.pipeline.caching.actions import Action
+from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.errors import (
+    ConfigError,
+    InTheWay,
+    LinkwrightError,
+    as_problems,
+    refusal,
+)
+from linkwright.pipeline.output.folder import FAILED, Output
+from linkwright.pipeline.output.room import require_room
+from linkwright.pipeline.report import Report
+from linkwright.pipeline.run.early_imports import Ahead
+from linkwright.pipeline.run.preflight import destination, expected_files, plan_problems, suffix_of
+from linkwright.pipeline.run.products import products
+from linkwright.pipeline.run.state import Run
+from linkwright.pipeline.stages.context import ROBOT, BuildContext
+from linkwright.pipeline.stages.stage import STAGES, Stage, stages_until
+from linkwright.pipeline.terminal.progress import Log, Progress, Quiet, Tee
+from linkwright.stages.fetch import remarks
+from linkwright.stages.fetch.onshape.api.ledger import FOLDER as LEDGER
+
+
+@dataclass(frozen=True, slots=True)
+class Built:
+    """A build in memory: its report, the robot's files by relative path, and the robot as the graph stage
+    encoded it (None where the build stopped before); `documents` about it, none of a build that writes no
+    folder; its `run`, and the `actions` of its stages, without those whose result is not kept."""
+
+    report: Report
+    files: Mapping[str, bytes]
+    robot: bytes | None
+    documents: Mapping[str, bytes]
+    run: Run
+    actions: Mapping[str, Action]
+
+
+def build(
+    plan: Plan,
+    progress: Progress | None = None,
+    environ: Mapping[str, str] | None = None,
+    stages: tuple[Stage, ...] = STAGES,
+    began: float | None = None,
+    sweep: Path | None = None,
+) -> Report:
+    """Builds the robot that `plan` describes and writes its output folder.
+
+    Returns the report, whose `exit_status` is 3 where a check failed or an older state was used.
+    Raises ConfigError for errors found before the first stage, and another LinkwrightError for later
+    errors; then the last good output is unchanged, and `<output>.failed` holds the report and the log.
+
+    `began` [s since the epoch]: the start of the sweep that this job belongs to; its jobs share the
+    replies of a workspace since then, so that all build the same state of it. `sweep`: the sweep's folder,
+    with the engine that their pages share.
+    """
+    return build_files(plan, progress, environ, stages, began, sweep=sweep).report
+
+
+def build_files(
+    plan: Plan,
+    progress: Progress | None = None,
+    environ: Mapping[str, str] | None = None,
+    stages: tuple[Stage, ...] = STAGES,
+    began: float | None = None,
+    in_memory: bool = False,
+    sweep: Path | None = None,
+) -> Built:
+    """As `build`, and returns the files; `in_memory`: writes no output folder, even after a failure."""
+    environ = os.environ if environ is None else environ
+    stages = stages_until(plan.until, stages)
+    suffix = suffix_of(plan)
+    log = Log(environ)
+    run = Run(plan, "" if in_memory else f"{plan.folder}{suffix}", log, Tee(log, progress or Quiet()))
+    output = prepared(run, environ, stages, in_memory)
+    run.note(remarks(plan))
+    files: dict[str, bytes] = {}
+    about: dict[str, bytes] = {}
+    try:
+        with actions.opened(plan.cache.mode, plan.cache.dir, environ) as store:
+            # Beside the permanent cache, even if this build does not use that cache.
+            ledger = actions.folder(plan.cache.dir, environ) / LEDGER
+            context = BuildContext(plan, store, environ, ledger=ledger, began=began)
+            ahead = Ahead({stage.name: stage.modules for stage in stages})
+            context.import_ahead = ahead.start
+            context.require_room = functools.partial(require_room, store.store, output, suffix)
+            with ahead:
+                for stage in stages:
+                    ahead.wait(stage.name)
+                    run.stage(stage, context)
+                    if output and stage.name == "export":
+                        run.begin_drawing(context)
+            files = products(context)
+            log.secrets.check(files)
+            if output:
+                run.look(context, sweep)
+                run.draw()
+            done = run.finished(context, files)
+            robot = context.files["graph"][ROBOT] if "graph" in context.files else None
+            if output:
+                about = run.documents(done, files, output.folder(suffix))
+                interrupt.check()
+                whole = {**files, **run.seen.files, **run.pictures.files, **about}
+                output.publish(whole, suffix, done.outputs)
+    except Exception as error:
+        if interrupt.behind(error):
+            raise KeyboardInterrupt from error
+        # A result that cannot be moved into the output folder is kept there.
+        leave_failure(output, run, error, files if isinstance(error, InTheWay) else {})
+        raise
+    finally:
+        run.drawing.end()
+        run.progress.close()
+    if output:
+        output.remove(FAILED)
+    return Built(done, files, robot, about, run, context.actions)
+
+
+def prepared(
+    run: Run, environ: Mapping[str, str], stages: tuple[Stage, ...], in_memory: bool
+) -> Output | None:
+    """Prepares the output folder; None for a build in memory. ConfigError with all problems that are known
+    before the first stage."""
+    wrong = plan_problems(run.plan, environ, stages)
+    output = None
+    try:
+        if not in_memory:
+            output = destination(run.plan, environ, lambda line: run.progress.detail("output", line))
+    except ConfigError as error:
+        if not wrong:
+            raise
+        wrong += as_problems(error)
+    if wrong:
+        raise refusal(wrong)
+    if output:
+        output.prepare(suffix_of(run.plan), expected_files(run.plan))
+    return output
+
+
+def leave_failure(output: Output | None, run: Run, error: Exception, files: Mapping[str, bytes]) -> None:
+    """Writes the report and the log of a failed build, and its `files`, beside the last good output; for a
+    build in memory only the error's notes list its API calls."""
+    for line in str(error).splitlines():
+        run.log.line(line)
+    if not isinstance(error, LinkwrightError):
+        for line in "".join(traceback.format_exception(error)).splitlines():
+            run.log.line(line)
+    failed = run.failed(error)
+    place = None
+    try:
+        if output:
+            place = output.publish({**files, **run.documents(failed, files)}, FAILED)
+    except LinkwrightError as second:
+        # The first error is the one to raise.
+        run.progress.detail("output", f"no report of this failure could be written: {second}")
+    else:
+        for line in report.failure_lines(failed, place):
+            error.add_note(line)

@@ -1,0 +1,64 @@
+"""The robot's files in the output folder."""
+
+from collections.abc import Mapping
+
+from linkwright.pipeline.digest import sha256
+from linkwright.pipeline.stages.context import FILES, ROBOT, BuildContext
+from linkwright.pipeline.stages.stage import STAGES, libraries
+from linkwright.stages.graph.view.views import PICTURE
+
+
+def products(context: BuildContext) -> dict[str, bytes]:
+    """The exported files and the robot's picture; only `robot.json` and the picture for a build that stops
+    before the export."""
+    files: dict[str, bytes] = {}
+    if "export" in context.files:
+        files = dict(context.files["export"].below(FILES))
+    elif "graph" in context.files:
+        files = {"robot.json": described(context)}
+    if "graph" in context.files and PICTURE in context.files["graph"]:
+        files[PICTURE] = context.files["graph"][PICTURE]
+    return files
+
+
+def digests(context: BuildContext, files: Mapping[str, bytes]) -> dict[str, str]:
+    """The SHA-256 of each product; the cache knows most of them."""
+    known: dict[str, str] = {}
+    if "export" in context.files:
+        known = context.files["export"].below(FILES).digests
+    if PICTURE in files:
+        known[PICTURE] = context.files["graph"].digests[PICTURE]
+    return {path: known.get(path) or sha256(data) for path, data in sorted(files.items())}
+
+
+def described(context: BuildContext) -> bytes:
+    """`robot.json` as the export stage writes it of a robot that nothing drives and only its source measures,
+    since the trial run needs its meshes; cached, since writing it needs slow imports."""
+    from linkwright.stages.export import VERSION
+
+    def make() -> bytes:
+        from linkwright.stages.export.mjcf.form import form_of as mjcf_form_of
+        from linkwright.stages.export.robot_json import describe
+        from linkwright.stages.export.urdf.form import form_of
+        from linkwright.stages.formats.written import NO_SHAPES, Written
+        from linkwright.stages.robot.dynamics.measuring import measuring
+        from linkwright.stages.robot.model.actuation import NONE
+        from linkwright.stages.robot.model.sensing import Sensing
+
+        robot, plan = context.robot, context.plan
+        written = Written(
+            robot,
+            urdf_form=form_of(robot, plan, NONE),
+            mjcf_form=mjcf_form_of(robot, NO_SHAPES, plan),
+            sensing=Sensing(measuring(robot, NONE)),
+        )
+        return describe(written)
+
+    export = next(stage for stage in STAGES if stage.name == "export")
+    memo = context.cache.memo("export", VERSION, libraries(export))
+    key = {
+        "robot": context.files["graph"].digests[ROBOT],
+        "formats": context.plan.export.identity(),
+        "sensors": {name: keys.identity() for name, keys in context.plan.sensors.items()},
+    }
+    return memo("description", key, make)

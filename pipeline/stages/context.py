@@ -1,0 +1,118 @@
+"""The context of a stage: files, and values that are decoded only where they are needed."""
+
+import functools
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from linkwright.pipeline.caching.actions import Action, Cache, Files
+from linkwright.pipeline.element_files import element_texts
+from linkwright.stages.robot import codec
+from linkwright.stages.robot.errors import Diagnostic
+
+if TYPE_CHECKING:
+    from linkwright.pipeline.config.plan import Plan
+    from linkwright.stages.fetch.source import Calls
+    from linkwright.stages.formats.written import Written
+    from linkwright.stages.robot.bundle import Bundle
+    from linkwright.stages.robot.model.geometry import Geometry
+    from linkwright.stages.robot.model.robot import Robot
+
+NOTES = "notes.json"
+ROBOT = "robot.json"
+WRITTEN = "written.json"
+"""What the export stage adds to the robot and its geometry."""
+
+FILES = "files/"
+"""The folder of the files that the export stage writes for the user."""
+
+
+class BuildContext:
+    """The context of a stage: the plan, the files of earlier stages, and the cache.
+
+    `calls` counts the API calls of this build (as `Report.calls`). `detail` shows and logs a line about
+    the work of the stage; `transient` shows a line that the next line replaces. `ledger`: the folder with
+    the recorded calls of all builds, or None; `began`: the start [s since the epoch] of the sweep that
+    this build is a job of.
+    """
+
+    def __init__(
+        self,
+        plan: "Plan",
+        cache: Cache,
+        environ: Mapping[str, str],
+        detail: Callable[[str], None] = lambda _: None,
+        ledger: Path | None = None,
+        began: float | None = None,
+    ) -> None:
+        self.plan = plan
+        self.cache = cache
+        self.environ = environ
+        self.detail = detail
+        self.transient: Callable[[str], None] = lambda _: None
+        self.files: dict[str, Files] = {}
+        self.actions: dict[str, Action] = {}
+        """The action of each stage whose result can be kept."""
+        self.ledger = ledger
+        self.began = began
+        self.import_ahead: Callable[[], None] = lambda: None
+        """Called by a stage that waits for the network when it knows that the later stages will run."""
+        self.require_room: Callable[[], None] = lambda: None
+        """Called by a stage before it spends API calls: raises where a disk has no room for the replies."""
+        self.calls: dict[str, Any] = {"made": 0, "saved": 0}
+
+    def digests(self, stage: str) -> dict[str, str]:
+        """The digests of an earlier stage's result, without its notes."""
+        found = self.files[stage].digests
+        return {f"{stage}/{path}": digest for path, digest in found.items() if path != NOTES}
+
+    @functools.cached_property
+    def bundle(self) -> "Bundle":
+        return codec.decode_bundle(self.files["fetch"])
+
+    @functools.cached_property
+    def robot(self) -> "Robot":
+        robot: Robot = codec.decode_robot(self.files["graph"][ROBOT])
+        return robot
+
+    @property
+    def written(self) -> "Written":
+        """The robot as it is in the exported files, with its shapes but without the files of the meshes."""
+        from linkwright.stages.formats.written import decode
+
+        shapes = codec.decode_geometry(self.files["mesh"], meshes=False)
+        return decode(self.files["export"][WRITTEN], self.robot, shapes)
+
+    @functools.cached_property
+    def element_texts(self) -> Mapping[str, str]:
+        """The texts of the files that `elements` name, read once in a build."""
+        return element_texts(self.plan)
+
+    @property
+    def geometry(self) -> "Geometry":
+        """The meshes, decoded at each access: they are large, and only one stage reads them."""
+        return codec.decode_geometry(self.files["mesh"])
+
+
+def notes(
+    summary: str,
+    diagnostics: tuple[Diagnostic, ...] = (),
+    figures: Mapping[str, float] | None = None,
+    **more: Any,
+) -> bytes:
+    found = {"summary": summary, "diagnostics": codec.plain(diagnostics), "figures": figures or {}, **more}
+    return json.dumps(found, indent=1).encode()
+
+
+def spent(calls: "Calls") -> dict[str, Any]:
+    """The calls of a fetch, as the report has them."""
+    spent: dict[str, Any] = {"made": calls.made, "saved": calls.saved}
+    if calls.made:
+        spent |= {
+            "counted_this_year": calls.year,
+            "remaining": dict(calls.remaining),
+            "served": dict(calls.served),
+            "waited": round(calls.waited, 1),
+        }
+    return spent

@@ -1,0 +1,21 @@
+"""Names of the configuration that the robot does not have, told before its meshes are made."""
+
+from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.errors import as_problems
+from linkwright.stages.robot.errors import AssemblyError, ConfigError
+from linkwright.stages.robot.model.robot import Robot
+
+
+def require_names(robot: Robot, plan: Plan) -> None:
+    """AssemblyError with all that the stages after the meshes would refuse by the robot's names alone."""
+    from linkwright.stages.export.unknown_names import unknown_names
+    from linkwright.stages.validate.asked import known_payload
+
+    problems = unknown_names(robot, plan) if plan.until in ("export", "validate") else []
+    try:
+        known_payload(robot, plan.validate.payload if plan.until == "validate" else {})
+    except ConfigError as error:
+        problems += as_problems(error)
+    if problems:
+        msg = "the configuration asks for what the robot does not have"
+        raise AssemblyError(msg, problems=sorted(problems, key=lambda one: (one.where, one.message)))

@@ -1,0 +1,277 @@
+"""The five stages: the inputs of each, and how it makes files from files.
+
+A stage's result is a set of files in the cache; its value is decoded only where a later stage runs.
+Besides its value each stage writes `notes.json`: the diagnostics, figures and one-line summary for the
+report, which a cached stage has too.
+"""
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from linkwright.pipeline import interrupt
+from linkwright.pipeline.caching import bundles
+from linkwright.pipeline.caching.actions import Action, Files, Remembered
+from linkwright.pipeline.config.plan import Plan, section
+from linkwright.pipeline.digest import sha256
+from linkwright.pipeline.element_files import require_entries
+from linkwright.pipeline.mesh_details import noted, shown
+from linkwright.pipeline.plugins.plugins import named, own, with_sources
+from linkwright.pipeline.stages.context import FILES, NOTES, ROBOT, WRITTEN, BuildContext, notes, spent
+from linkwright.pipeline.stages.stage_base import Stage as Stage
+from linkwright.pipeline.stages.stage_base import StageBase
+from linkwright.pipeline.stages.stage_base import installed as installed
+from linkwright.stages.robot import codec
+from linkwright.stages.robot.errors import ConfigError
+from linkwright.stages.robot.text.plural import count
+from linkwright.stages.validate import external
+
+
+class FetchStage(StageBase):
+    name = "fetch"
+    modules = ("linkwright.stages.fetch.onshape.triangles.faces",)
+
+    def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
+        from linkwright.stages.fetch import preflight, writes
+
+        preflight(plan, environ)
+        if writes(plan) and plan.cache.mode == "bypass":
+            msg = "variables cannot be set without the cache, which stores their original values"
+            raise ConfigError(msg, "source.variables", "leave out cache.mode=bypass")
+
+    def config(self, context: BuildContext) -> Any:
+        from linkwright.stages.fetch import pinned
+
+        identity = pinned(context.plan, context.environ)
+        return None if identity is None else {"pinned": identity}
+
+    def force(self, context: BuildContext) -> bool:
+        from linkwright.stages.fetch import force
+
+        return force(context.plan)
+
+    def inputs(self, context: BuildContext) -> Mapping[str, str]:
+        return {}
+
+    def run(self, context: BuildContext) -> dict[str, bytes]:
+        from linkwright.stages.fetch import fetch, spends, summary
+        from linkwright.stages.fetch.source import Calls, FetchContext
+
+        if spends(context.plan):
+            context.require_room()
+        calls = Calls()
+        try:
+            fetched = fetch(
+                context.plan,
+                FetchContext(
+                    context.cache.replies(),
+                    context.environ,
+                    progress=context.detail,
+                    transient=context.transient,
+                    ledger=context.ledger,
+                    calls=calls,
+                    began=context.began,
+                    while_waiting=context.import_ahead,
+                ),
+            )
+        finally:
+            # Also the calls of a fetch that failed.
+            context.calls |= spent(calls)
+        bundle = fetched.bundle
+        context.cache.check(bundles.named(bundle))
+        size = sum(len(body) for body in bundle.blobs.values())
+        passing: dict[str, Any] = {} if fetched.lasts else {"lasts": False}
+        return {
+            **codec.encode_bundle(bundle),
+            NOTES: notes(
+                f"{summary(bundle)}, {size / 1e6:.2f} MB",
+                fetched.diagnostics,
+                source={**bundle.root, **({"title": fetched.title} if fetched.title else {})},
+                calls=fetched.calls + fetched.saved,
+                stale=fetched.stale,
+                **passing,
+            ),
+        }
+
+
+class GraphStage(StageBase):
+    name = "graph"
+    libraries = ("numpy", "scipy", "networkx", "lxml")
+    modules = ("linkwright.stages.graph.build", "linkwright.stages.graph.view.views")
+
+    def config(self, context: BuildContext) -> Any:
+        from linkwright.stages.graph.section import GraphSections
+
+        return section(context.plan, GraphSections)
+
+    def inputs(self, context: BuildContext) -> Mapping[str, str]:
+        # The manifest names every reply by its digest.
+        return {"manifest": context.files["fetch"].digests["manifest.json"]}
+
+    def run(self, context: BuildContext) -> dict[str, bytes]:
+        from linkwright.stages.graph import build_robot
+        from linkwright.stages.graph.view.views import views
+
+        robot = build_robot(context.bundle, context.plan)
+        figures = {
+            "links": len(robot.links),
+            "joints": len(robot.joints),
+            "dofs": len(robot.dofs),
+            "coordinates": robot.mobility.coordinates,
+            "gruebler": robot.mobility.gruebler,
+            "dof": robot.mobility.dof,
+            "loops": len(robot.loops),
+            "mass": sum(link.inertial.mass for link in robot.links),
+            "parts": sum(len(link.parts) for link in robot.links),
+        }
+        kinds = {"link": robot.links, "joint": robot.joints, "loop": robot.loops}
+        summary = ", ".join(count(len(items), kind) for kind, items in kinds.items())
+        return {
+            ROBOT: codec.encode_robot(robot),
+            **views(robot),
+            NOTES: notes(summary, robot.diagnostics, figures),
+        }
+
+
+class MeshStage(StageBase):
+    name = "mesh"
+    libraries = ("numpy", "scipy", "manifold3d", "mujoco")
+    modules = ("linkwright.stages.mesh.geometry", "scipy.spatial", "scipy.sparse.csgraph")
+
+    def config(self, context: BuildContext) -> Any:
+        from linkwright.stages.mesh.section import MeshSections
+
+        return section(context.plan, MeshSections)
+
+    def inputs(self, context: BuildContext) -> Mapping[str, str]:
+        # The robot names each tessellation by its digest. The whole robot is the input: a change that
+        # touches no part runs this stage again, but the results of each part are in the memo.
+        return context.digests("graph")
+
+    def run(self, context: BuildContext) -> dict[str, bytes]:
+        from linkwright.pipeline.stages.robot_names import require_names
+        from linkwright.stages.mesh import make_geometry
+        from linkwright.stages.mesh.view.views import views
+
+        require_names(context.robot, context.plan)
+        # MuJoCo makes no mesh: what it decides has its version in the key.
+        versions = {name: found for name, found in libraries(self).items() if name != "mujoco"}
+        made: list[Remembered] = []
+        memo = context.cache.memo(self.name, self.version, versions, made.append)
+        geometry = make_geometry(context.robot, context.bundle, context.plan, memo, shown(context))
+        return {
+            **codec.encode_geometry(geometry),
+            **views(geometry, memo),
+            NOTES: noted(geometry, made),
+        }
+
+
+class ExportStage(StageBase):
+    name = "export"
+    libraries = ("numpy", "scipy", "lxml", "mujoco")
+
+    @property
+    def modules(self) -> tuple[str, ...]:
+        from linkwright.stages.export import WRITERS, writer_of
+
+        return tuple(module for name in WRITERS for module in writer_of(name).modules)
+
+    def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
+        from linkwright.stages.export.requirements import require
+
+        require(plan)
+        require_entries(plan)
+
+    def config(self, context: BuildContext) -> Any:
+        from linkwright.stages.export.section import ExportSections
+
+        return section(context.plan, ExportSections)
+
+    def inputs(self, context: BuildContext) -> Mapping[str, str]:
+        from linkwright.stages.export.requirements import packages
+
+        texts = {f"elements/{name}": sha256(text.encode()) for name, text in context.element_texts.items()}
+        of = {f"libraries/{name}": sha256(installed(name).encode()) for name in packages(context.plan)}
+        return {**context.digests("graph"), **context.digests("mesh"), **texts, **of}
+
+    def run(self, context: BuildContext) -> dict[str, bytes]:
+        from linkwright.stages.export import export
+        from linkwright.stages.formats.written import encode
+
+        exported = export(context.robot, context.geometry, context.plan, context.element_texts)
+        size = sum(len(data) for data in exported.files.values())
+        summary = f"{count(len(exported.files), 'file')}, {size / 1e6:.2f} MB"
+        return {
+            **{FILES + path: data for path, data in exported.files.items()},
+            WRITTEN: encode(exported.written),
+            NOTES: notes(summary, exported.diagnostics, advice=exported.advice, details=exported.details),
+        }
+
+
+class ValidateStage(StageBase):
+    name = "validate"
+    libraries = ("numpy", "mujoco", "lxml", "pin")
+
+    @property
+    def modules(self) -> tuple[str, ...]:
+        from linkwright.stages.validate import CHECKS, ENGINES
+
+        checks = (f"linkwright.stages.validate.checks.{name}" for name in CHECKS)
+        return (*(f"linkwright.stages.validate.engines.{name}" for name in ENGINES), *checks)
+
+    def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
+        named(plan)
+        external.require(plan.validate.external, environ)
+
+    def config(self, context: BuildContext) -> Any:
+        from linkwright.stages.validate.section import ValidateSections
+
+        return with_sources(section(context.plan, ValidateSections), context.plan)
+
+    def inputs(self, context: BuildContext) -> Mapping[str, str]:
+        shapes = context.digests("mesh")["mesh/geometry.json"]
+        tools = external.versions(context.plan.validate.external, context.environ)
+        said = {f"external/{name}": sha256(version.encode()) for name, version in tools.items()}
+        return {**context.digests("graph"), **context.digests("export"), "mesh/geometry.json": shapes, **said}
+
+    def run(self, context: BuildContext) -> dict[str, bytes]:
+        from linkwright.stages.validate import measured, validate
+
+        tools = context.plan.validate.external
+        with context.cache.store.scratch(context.files["export"].below(FILES)) as folder:
+            checks = validate(folder, context.written, context.plan, own(context.plan))
+            checks += external.check_externally(folder, context.robot.name, tools, context.environ)
+            figures = measured(folder, context.robot.name, context.plan.validate.level)
+        told = f"{sum(check.passed for check in checks)} of {count(len(checks), 'check')} passed"
+        passing: dict[str, Any] = {"lasts": False} if any(map(external.gave_no_verdict, checks)) else {}
+        return {"checks.json": codec.encode_checks(checks), NOTES: notes(told, figures=figures, **passing)}
+
+
+STAGES: tuple[Stage, ...] = (FetchStage(), GraphStage(), MeshStage(), ExportStage(), ValidateStage())
+
+
+def stages_until(name: str, stages: tuple[Stage, ...] = STAGES) -> tuple[Stage, ...]:
+    """The stages up to and including the stage `name`."""
+    last = [stage.name for stage in stages].index(name)
+    return stages[: last + 1]
+
+
+def libraries(stage: Stage) -> dict[str, str]:
+    """The installed versions of the libraries that affect the stage's result, and of linkwright."""
+    return {library: installed(library) for library in ("linkwright", *stage.libraries)}
+
+
+def perform(stage: Stage, context: BuildContext) -> tuple[Files, bool]:
+    """The stage's files, and whether they came from the cache."""
+    interrupt.check()
+    config = stage.config(context)
+    if config is None:
+        return context.cache.keep(stage.run(context)), False
+    action = Action(stage.name, stage.version, config, stage.inputs(context), libraries(stage))
+    context.actions[stage.name] = action
+    return context.cache.run(
+        action,
+        lambda: stage.run(context),
+        force=stage.force(context),
+        lasts=lambda files: bool(json.loads(files[NOTES]).get("lasts", True)),
+    )

@@ -1,0 +1,76 @@
+"""What a stage of a build is, and what most of them share."""
+
+import functools
+import importlib.metadata
+from collections.abc import Mapping
+from importlib import import_module
+from typing import Any, Protocol
+
+from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.stages.context import BuildContext
+
+
+@functools.cache
+def installed(library: str) -> str:
+    """The version of an installed distribution, found without importing it."""
+    try:
+        return importlib.metadata.version(library)
+    except importlib.metadata.PackageNotFoundError:
+        return "absent"
+
+
+class Stage(Protocol):
+    """A stage of a build.
+
+    `version`, which the stage's package declares, is raised when the same inputs give another result;
+    `libraries` are the distributions whose version may change the result; `modules` are its slow imports.
+    """
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def version(self) -> int: ...
+
+    @property
+    def libraries(self) -> tuple[str, ...]: ...
+
+    @property
+    def modules(self) -> tuple[str, ...]: ...
+
+    def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
+        """ConfigError for problems that can be found before the first stage runs."""
+
+    def config(self, context: BuildContext) -> Any:
+        """The stage's part of the plan, as plain data; None for a result that must not be cached."""
+
+    def force(self, context: BuildContext) -> bool:
+        """Whether the stage runs even if its result is in the cache, and replaces that result."""
+
+    def inputs(self, context: BuildContext) -> Mapping[str, str]:
+        """The digests of the files that the stage reads."""
+
+    def run(self, context: BuildContext) -> dict[str, bytes]:
+        """The stage's files, by relative path."""
+
+
+class StageBase:
+    """Defaults that most stages share."""
+
+    name: str
+    libraries: tuple[str, ...] = ()
+
+    @property
+    def modules(self) -> tuple[str, ...]:
+        return ()
+
+    @property
+    def version(self) -> int:
+        version: int = import_module(f"linkwright.stages.{self.name}").VERSION
+        return version
+
+    def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
+        pass
+
+    def force(self, context: BuildContext) -> bool:
+        return False

@@ -1,0 +1,80 @@
+"""Output to a terminal or a pipe, without control characters and API keys, and no wider than the terminal.
+
+Text comes from servers, files and people. An escape sequence in a part's name could move the cursor,
+change the terminal's colours or title, or hide the line above. All printed text passes through here.
+"""
+
+import contextlib
+import os
+import sys
+from collections.abc import Iterator
+from typing import Any, TextIO, cast
+
+from linkwright.pipeline.secrets import Secrets
+from linkwright.pipeline.terminal.wrapping import wrapped
+from linkwright.stages.robot.text.printable import printable_lines
+
+NARROW = 80
+"""The columns of a terminal that does not say how many it has."""
+
+
+class Clean:
+    """A stream on which control characters are shown as their escapes, and keys are blanked.
+
+    `raw` is the wrapped stream, for callers that write control characters themselves and pass each text
+    through `clean`.
+    """
+
+    def __init__(self, raw: TextIO) -> None:
+        self.raw = raw
+        self._secrets: Secrets | None = None
+
+    def clean(self, text: str) -> str:
+        """`text` as it may be shown."""
+        if self._secrets is None:
+            self._secrets = Secrets(os.environ)
+        return printable_lines(self._secrets.blanked(text))
+
+    def write(self, text: str) -> int:
+        """Writes `text` as it may be shown."""
+        self.raw.write(self.clean(text))
+        return len(text)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.raw, name)
+
+
+def clean(stream: Any) -> Clean:
+    """The stream wrapped in `Clean`, once."""
+    return stream if isinstance(stream, Clean) else Clean(stream)
+
+
+def width_of(stream: Any) -> int | None:
+    """The columns of a terminal; None for a pipe or a file."""
+    if not stream.isatty():
+        return None
+    with contextlib.suppress(ValueError):
+        return max(20, int(os.environ["COLUMNS"])) if os.environ.get("COLUMNS") else _columns(stream)
+    return _columns(stream)
+
+
+def _columns(stream: Any) -> int:
+    try:
+        return max(20, os.get_terminal_size(stream.fileno()).columns or NARROW)
+    except (OSError, ValueError, AttributeError):
+        return NARROW
+
+
+def say(text: str, stream: Any = None) -> None:
+    """Prints a message; on a terminal its lines are wrapped."""
+    stream = sys.stdout if stream is None else stream
+    width = width_of(stream)
+    print(text if width is None else wrapped(clean(stream).clean(text), width), file=stream)
+
+
+@contextlib.contextmanager
+def clean_streams() -> Iterator[None]:
+    """Inside, everything printed to the standard streams is cleaned."""
+    out, err = cast(TextIO, clean(sys.stdout)), cast(TextIO, clean(sys.stderr))
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        yield

@@ -1,0 +1,268 @@
+"""Configuration of `sensors`: what measures the robot, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+
+from linkwright.stages.robot.quantity_keys import (
+    Coordinate,
+    Degrees,
+    Position,
+    PositiveLength,
+    Turns,
+    TypedNumber,
+)
+from linkwright.stages.robot.section import Count, Section, Text, example, invalid
+from linkwright.stages.robot.text.globs import fits
+from linkwright.stages.robot.text.units import Measure
+
+SensorName = Literal[
+    "joint",
+    "actuator",
+    "imu",
+    "force",
+    "torque",
+    "force_torque",
+    "touch",
+    "rangefinder",
+    "frame",
+    "camera",
+]
+
+MEASURES: Mapping[str, Mapping[str, str]] = {
+    "joint": {
+        "pos": "jointpos",
+        "vel": "jointvel",
+        "actuator_force": "jointactuatorfrc",
+        "limit_pos": "jointlimitpos",
+        "limit_vel": "jointlimitvel",
+        "limit_force": "jointlimitfrc",
+    },
+    "actuator": {"pos": "actuatorpos", "vel": "actuatorvel", "force": "actuatorfrc"},
+    "imu": {
+        "gyro": "gyro",
+        "accelerometer": "accelerometer",
+        "quat": "framequat",
+        "velocimeter": "velocimeter",
+        "magnetometer": "magnetometer",
+    },
+    "force": {"force": "force"},
+    "torque": {"torque": "torque"},
+    "force_torque": {"force": "force", "torque": "torque"},
+    "touch": {"force": "touch"},
+    "rangefinder": {"distance": "rangefinder"},
+    "frame": {
+        "pos": "framepos",
+        "quat": "framequat",
+        "xaxis": "framexaxis",
+        "yaxis": "frameyaxis",
+        "zaxis": "framezaxis",
+        "linvel": "framelinvel",
+        "angvel": "frameangvel",
+        "linacc": "framelinacc",
+        "angacc": "frameangacc",
+    },
+    "camera": {"projection": "camprojection"},
+}
+"""Type → what it can measure → MuJoCo's element."""
+
+UNLESS_SAID: Mapping[str, tuple[str, ...]] = {
+    "joint": ("pos", "vel"),
+    "imu": ("gyro", "accelerometer", "quat"),
+    "frame": ("pos", "quat"),
+}
+"""What these types measure where `measure` is null; the others measure all they can."""
+
+ACCELERATIONS = ("linacc", "angacc")
+"""What MuJoCo measures in the world's axes only."""
+
+UNBOUNDED = ("quat", "xaxis", "yaxis", "zaxis")
+"""Directions, which no largest value bounds."""
+
+_ON_A_FRAME = ("frame", "xyz", "rpy")
+
+PARAMETERS: Mapping[str, tuple[str, ...]] = {
+    "joint": ("joints", "measure"),
+    "actuator": ("actuators", "measure"),
+    "imu": (*_ON_A_FRAME, "measure"),
+    "force": _ON_A_FRAME,
+    "torque": _ON_A_FRAME,
+    "force_torque": _ON_A_FRAME,
+    "touch": (*_ON_A_FRAME, "size"),
+    "rangefinder": _ON_A_FRAME,
+    "frame": (*_ON_A_FRAME, "measure", "relative_to"),
+    "camera": (*_ON_A_FRAME, "fovy", "resolution", "sees"),
+}
+"""Type → the fields that only some types have; every type has `noise` and `cutoff` too."""
+
+
+MEASURED: Mapping[str, tuple[Measure, ...]] = {
+    "joint.pos": ("angle", "length"),
+    "joint.limit_pos": ("angle", "length"),
+    "actuator.pos": ("angle", "length"),
+    "rangefinder.distance": ("length",),
+    "frame.pos": ("length",),
+}
+"""What is measured that may be typed with a unit."""
+
+
+def _for_all(value: Any) -> Any:
+    return {"*": value} if isinstance(value, int | float | str) and not isinstance(value, bool) else value
+
+
+def _radius(value: Any) -> Any:
+    return (value,) if isinstance(value, int | float | str) and not isinstance(value, bool) else value
+
+
+def _one_or_three(size: tuple[float, ...]) -> tuple[float, ...]:
+    if len(size) not in (1, 3):
+        raise invalid("must be the radius of a ball, or [x, y, z], the lengths of a box")
+    return size
+
+
+def _not_negative(value: float) -> float:
+    if value < 0:
+        raise invalid("must be 0 or above")
+    return value
+
+
+_Amount = Annotated[Coordinate, AfterValidator(_not_negative)]
+
+ByMeasure = Annotated[
+    dict[Text, _Amount],
+    BeforeValidator(_for_all, json_schema_input_type=dict[Text, _Amount] | _Amount),
+]
+"""What is measured, or a glob on it → a number; a number alone is for all."""
+
+Size = Annotated[
+    tuple[PositiveLength, ...],
+    AfterValidator(_one_or_three),
+    BeforeValidator(_radius, json_schema_input_type=tuple[PositiveLength, ...] | PositiveLength),
+]
+
+
+class SensorSection(Section):
+    """A sensor, or several of one kind. May be given as the name of a type alone. The MJCF's sensor has the
+    name of the entry, of types that measure several things with what it measures: `imu_gyro`, `wrist_force`;
+    of a glob on joints or actuators also with the name of each: `legs_knee_pos`."""
+
+    type: Annotated[SensorName, example("imu")]
+    """joint: its value and more; actuator: its length, speed and force; imu: angular velocity, acceleration
+    and orientation; force, torque and force_torque: what the link above exerts on this one, at the frame;
+    touch: the force that presses on a link; rangefinder: the distance along z, -1 where there is nothing;
+    frame: its place and motion; camera: an image."""
+
+    joints: Annotated[Text | None, example("*knee*")] = None
+    """Of joint: a name or glob on dofs. null: all."""
+
+    actuators: Annotated[Text | None, example("*knee*")] = None
+    """Of actuator: a name or glob on actuators. null: all."""
+
+    frame: Annotated[Text | None, example("imu_mount")] = None
+    """Of what is mounted: the frame or link of the robot that carries it. null: the one that has the name of
+    the sensor."""
+
+    xyz: Annotated[Position, example([0, 0, 0.02])] = (0, 0, 0)
+    """Of what is mounted: position in the frame [m]."""
+
+    rpy: Annotated[Turns, example([0, 1.57, 0])] = (0, 0, 0)
+    """Of what is mounted: roll, pitch and yaw in the frame [rad]. A rangefinder and a camera look along z."""
+
+    relative_to: Annotated[Text | None, example("torso")] = None
+    """Of frame: the frame or link against which and in whose axes it is measured. null: the world."""
+
+    measure: Annotated[tuple[Text, ...] | None, example(["gyro", "accelerometer"])] = None
+    """What is measured, in this order. joint: pos, vel, actuator_force, limit_pos, limit_vel, limit_force;
+    actuator: pos, vel, force; imu: gyro, accelerometer, quat, velocimeter, magnetometer; frame: pos, quat,
+    xaxis, yaxis, zaxis, linvel, angvel, linacc, angacc. null: pos and vel; all; gyro, accelerometer and quat;
+    pos and quat. linacc includes gravity, as an accelerometer does: at rest it is 9.81 m/s² upwards."""
+
+    size: Annotated[Size | None, example([0.1, 0.06, 0.02])] = None
+    """Of touch: radius of a ball, or lengths of a box [m], around the frame, inside which contact counts.
+    null: a box around the colliders of the link."""
+
+    fovy: Annotated[Annotated[Degrees, Field(gt=0, lt=180)], example(60)] = 45
+    """Of camera: vertical field of view [deg], as MuJoCo has it."""
+
+    resolution: tuple[Count, Count] = (640, 480)
+    """Of camera: width and height of the image [pixels]."""
+
+    sees: Annotated[tuple[Text, ...], example(["tool"])] = ()
+    """Of camera: frames or links whose places in its image are measured [pixels]."""
+
+    noise: Annotated[ByMeasure | None, example({"gyro": 0.01, "accelerometer": 0.05})] = None
+    """Standard deviation, in the unit of what is measured: one for all, or by what is measured. MuJoCo only
+    holds it for those who read the model, and adds no noise (it did before 3.1.4). null: 0."""
+
+    cutoff: Annotated[ByMeasure | None, example({"accelerometer": 160})] = None
+    """Largest absolute value, in the unit of what is measured: one for all, or by what is measured; an
+    orientation has none. null: none."""
+
+    @model_validator(mode="after")
+    def _of_the_type(self) -> Self:
+        allowed = (*PARAMETERS[self.type], "noise", "cutoff")
+        wrong = [name for name in sorted(self.model_fields_set) if name not in ("type", *allowed)]
+        wrong = [name for name in wrong if getattr(self, name) != type(self).model_fields[name].default]
+        if wrong:
+            raise invalid(f"type {self.type} takes {', '.join(allowed)}; not {', '.join(wrong)}")
+        known = MEASURES[self.type]
+        for name in self.measured:
+            if name not in known:
+                raise invalid(f"type {self.type} measures {', '.join(known)}; not {name}")
+        if not self.measured:
+            raise invalid("measure must name something")
+        if len(set(self.measured)) < len(self.measured):
+            raise invalid("measure must name each thing once")
+        if self.relative_to is not None and any(name in ACCELERATIONS for name in self.measured):
+            raise invalid("linacc and angacc are in the axes of the world: they exclude relative_to")
+        self._check_numbers()
+        return self
+
+    def _check_numbers(self) -> None:
+        for key in ("noise", "cutoff"):
+            for glob, value in (getattr(self, key) or {}).items():
+                names = [name for name in self.measured if fits(name, glob)]
+                if not names:
+                    raise invalid(f"{key} names {glob}, but measured are {', '.join(self.measured)}")
+                for name in names if isinstance(value, TypedNumber) else ():
+                    if value.measure not in MEASURED.get(f"{self.type}.{name}", ()):
+                        raise invalid(f"{key}: {name} is no {value.measure}, as {value.typed!r} is")
+        for name in self.cutoff or {}:
+            if name in UNBOUNDED:
+                raise invalid(f"cutoff does not go with {name}, a direction")
+
+    @property
+    def measured(self) -> tuple[str, ...]:
+        """What is measured, in its order."""
+        if self.measure is not None:
+            return self.measure
+        return UNLESS_SAID.get(self.type, tuple(MEASURES[self.type]))
+
+    def noise_of(self, measured: str) -> float:
+        """The standard deviation of one thing that is measured."""
+        return float(self.typed("noise", measured))
+
+    def cutoff_of(self, measured: str) -> float:
+        """The largest value of one thing that is measured; 0 for none."""
+        return 0.0 if measured in UNBOUNDED else float(self.typed("cutoff", measured))
+
+    def typed(self, key: Literal["noise", "cutoff"], measured: str) -> float:
+        """A number of one thing that is measured, with the unit that it was typed with."""
+        return _last(getattr(self, key) or {}, measured)
+
+
+def _last(values: Mapping[str, float], measured: str) -> float:
+    """Of the entries that match, the last one's."""
+    return next((value for glob, value in reversed(list(values.items())) if fits(measured, glob)), 0.0)
+
+
+def _name_alone(value: Any) -> Any:
+    return {"type": value} if isinstance(value, str) else value
+
+
+SensorChoice = Annotated[
+    SensorSection, BeforeValidator(_name_alone, json_schema_input_type=SensorSection | SensorName)
+]

@@ -1,0 +1,181 @@
+"""Converts actuators and sensors of a model that MuJoCo compiled."""
+
+from collections.abc import Collection, Mapping
+from typing import Any
+
+import mujoco
+
+from linkwright.stages.formats.mjcf.model import MjcfActuator, MjcfSensor, MjcfSensorEnd
+from linkwright.stages.formats.numbers import exact
+from linkwright.stages.mujoco.elements import actuator_attributes
+from linkwright.stages.mujoco.sensors import sensor_attributes
+
+_SCALAR = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
+
+_TYPES: Mapping[str, tuple[str, Mapping[str, str]]] = {
+    "gaintype": ("mjtGain", {"mjGAIN_FIXED": "fixed", "mjGAIN_AFFINE": "affine"}),
+    "biastype": ("mjtBias", {"mjBIAS_NONE": "none", "mjBIAS_AFFINE": "affine"}),
+    "dyntype": (
+        "mjtDyn",
+        {
+            "mjDYN_NONE": "none",
+            "mjDYN_INTEGRATOR": "integrator",
+            "mjDYN_FILTER": "filter",
+            "mjDYN_FILTEREXACT": "filterexact",
+        },
+    ),
+}
+"""The attributes that have words, with those that every MuJoCo knows; muscles, plug-ins and motors of
+later versions are left out."""
+
+_DEFAULTS: Mapping[str, tuple[float, ...]] = {"gainprm": (1.0,), "biasprm": (), "dynprm": (1.0,)}
+
+
+def driven(model: Any, kept: Collection[int]) -> tuple[int, ...]:
+    """The actuators that can be carried over: of a hinge or slide of the bodies `kept`."""
+    return tuple(one for one in range(len(model.actuator_trntype)) if _carried(model, one, kept))
+
+
+def _carried(model: Any, one: int, kept: Collection[int]) -> bool:
+    if int(model.actuator_trntype[one]) not in (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT):
+        return False
+    joint = int(model.actuator_trnid[one][0])
+    known = all(_word(model, one, name) is not None for name in _TYPES)
+    return known and int(model.jnt_type[joint]) in _SCALAR and int(model.jnt_bodyid[joint]) in kept
+
+
+def _word(model: Any, one: int, attribute: str) -> str | None:
+    kind, words = _TYPES[attribute]
+    return words.get(getattr(mujoco, kind)(int(getattr(model, f"actuator_{attribute}")[one])).name)
+
+
+def actuator(model: Any, one: int, order: Mapping[int, int]) -> MjcfActuator:
+    """An actuator, of the joint that `order` numbers."""
+    words = {name: _word(model, one, name) or "" for name in _TYPES}
+    numbers = {name: _trimmed(getattr(model, f"actuator_{name}")[one]) for name in _DEFAULTS}
+    kind, kp, kv = _shortcut(words, numbers)
+    terms = () if kind != "general" else _terms(model, one, words, numbers)
+    return MjcfActuator(
+        name=mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_ACTUATOR, one) or "",
+        joint=order[int(model.actuator_trnid[one][0])],
+        type=kind,
+        gear=float(model.actuator_gear[one][0]),
+        kp=kp,
+        kv=kv,
+        control=_range(model, one, "ctrl"),
+        force=_range(model, one, "force"),
+        terms=terms,
+        attributes=actuator_attributes(model, one),
+    )
+
+
+def _shortcut(
+    words: Mapping[str, str], numbers: Mapping[str, tuple[float, ...]]
+) -> tuple[str, float | None, float | None]:
+    """The shortcut that has these parameters, with its kp and kv."""
+    gain, bias = numbers["gainprm"], (*numbers["biasprm"], 0.0, 0.0, 0.0)
+    plain = words["dyntype"] == "none" and words["gaintype"] == "fixed" and len(gain) == 1
+    if plain and words["biastype"] == "none" and gain == (1.0,):
+        return "motor", None, None
+    if plain and words["biastype"] == "affine" and bias[0] == 0 and not any(bias[3:]) and gain[0] > 0:
+        if bias[1] == -gain[0] and bias[2] <= 0:
+            return "position", gain[0], -bias[2] + 0.0
+        if bias[1] == 0 and bias[2] == -gain[0]:
+            return "velocity", None, gain[0]
+    return "general", None, None
+
+
+def _terms(
+    model: Any, one: int, words: Mapping[str, str], numbers: Mapping[str, tuple[float, ...]]
+) -> tuple[tuple[str, str], ...]:
+    found = [(name, words[name]) for name in ("dyntype", "gaintype", "biastype")]
+    found += [(name, exact(numbers[name])) for name in ("dynprm", "gainprm", "biasprm") if numbers[name]]
+    if model.actuator_actlimited[one]:
+        found.append(("actrange", exact(tuple(float(end) for end in model.actuator_actrange[one]))))
+    if model.actuator_actearly[one]:
+        found.append(("actearly", "true"))
+    return tuple(found)
+
+
+def _trimmed(values: Any) -> tuple[float, ...]:
+    """The numbers without the zeros at the end."""
+    found = [float(value) for value in values]
+    while found and found[-1] == 0:
+        found.pop()
+    return tuple(found)
+
+
+def _range(model: Any, one: int, name: str) -> tuple[float, float] | None:
+    if not getattr(model, f"actuator_{name}limited")[one]:
+        return None
+    low, high = (float(end) for end in getattr(model, f"actuator_{name}range")[one])
+    return low, high
+
+
+_PLAIN_SENSORS = (
+    *("touch", "accelerometer", "velocimeter", "gyro", "force", "torque", "magnetometer", "rangefinder"),
+    *("jointpos", "jointvel", "jointactuatorfrc", "jointlimitpos", "jointlimitvel", "jointlimitfrc"),
+    *("ballquat", "ballangvel", "actuatorpos", "actuatorvel", "actuatorfrc"),
+    *("framepos", "framequat", "framexaxis", "frameyaxis", "framezaxis", "framelinvel", "frameangvel"),
+    *("framelinacc", "frameangacc", "subtreecom", "subtreelinvel", "subtreeangmom"),
+    *("e_potential", "e_kinetic", "clock"),
+)
+"""Sensors that are carried over: those on joints, actuators, sites and bodies."""
+
+_WORDS = {"jointactfrc": "jointactuatorfrc"}
+"""Name in MuJoCo's code → element, where they differ."""
+
+_OBJECTS: Mapping[int, str] = {
+    mujoco.mjtObj.mjOBJ_UNKNOWN: "",
+    mujoco.mjtObj.mjOBJ_JOINT: "joint",
+    mujoco.mjtObj.mjOBJ_ACTUATOR: "actuator",
+    mujoco.mjtObj.mjOBJ_SITE: "site",
+    mujoco.mjtObj.mjOBJ_BODY: "body",
+    mujoco.mjtObj.mjOBJ_XBODY: "xbody",
+}
+
+Numbers = Mapping[str, Mapping[int, int]]
+"""By kind of object: MuJoCo's numbers of those that are carried over → ours."""
+
+
+def sensor(model: Any, one: int, numbers: Numbers) -> MjcfSensor | None:
+    """A sensor; None where it, or what it is on, is not carried over."""
+    raw = mujoco.mjtSensor(int(model.sensor_type[one])).name.removeprefix("mjSENS_").lower()
+    kind = _WORDS.get(raw, raw)
+    on = _end(int(model.sensor_objtype[one]), int(model.sensor_objid[one]), numbers)
+    of = _end(int(model.sensor_reftype[one]), int(model.sensor_refid[one]), numbers)
+    # A rangefinder may give more than a distance.
+    more = kind == "rangefinder" and int(model.sensor_intprm[one][0]) not in (0, 1)
+    if kind not in _PLAIN_SENSORS or on is None or of is None or more:
+        return None
+    return MjcfSensor(
+        name=mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_SENSOR, one) or "",
+        type=kind,
+        on=on,
+        relative_to=of,
+        noise=float(model.sensor_noise[one]),
+        cutoff=float(model.sensor_cutoff[one]),
+        attributes=sensor_attributes(model, one),
+        **(_zone(model, int(model.sensor_objid[one])) if kind == "touch" else {}),
+    )
+
+
+def _zone(model: Any, site: int) -> dict[str, Any]:
+    """The shape of a site, and its sizes, which MuJoCo has as halves."""
+    shape = mujoco.mjtGeom(int(model.site_type[site])).name.removeprefix("mjGEOM_").lower()
+    half = [float(length) for length in model.site_size[site]]
+    if shape == "sphere":
+        return {"shape": shape, "size": (half[0],)}
+    if shape in ("capsule", "cylinder"):
+        return {"shape": shape, "size": (half[0], 2 * half[1])}
+    return {"shape": shape, "size": tuple(2 * length for length in half)}
+
+
+def _end(kind: int, number: int, numbers: Numbers) -> MjcfSensorEnd | None:
+    word = _OBJECTS.get(kind)
+    if word is None:
+        return None
+    if not word or number < 0:
+        return MjcfSensorEnd("", -1)
+    own = numbers.get(word, {}).get(number)
+    return None if own is None else MjcfSensorEnd(word, own)

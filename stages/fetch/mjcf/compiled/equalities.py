@@ -1,0 +1,85 @@
+"""The equalities of a compiled model that our robot model has: loops, and joints that follow others."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from linkwright.stages.formats.mjcf.model import MjcfClosure, MjcfRelation
+from linkwright.stages.formats.numbers import exact
+from linkwright.stages.mujoco.bodies import pose_of
+from linkwright.stages.mujoco.elements import OBJ
+from linkwright.stages.mujoco.fields import EQUALITY, attributes
+from linkwright.stages.robot.model.mjcf_extras import Attributes
+from linkwright.stages.robot.model.robot import frozen
+
+_STILL = np.array([1.0, 0.0, 0.0, 0.0])
+
+
+def carried(model: Any, eq: int, kept: Collection[int]) -> bool:
+    """Whether our robot model can represent an equality: a connect, a weld, or a joint that follows another
+    in proportion, between bodies that are kept."""
+    kind, first, second = (int(model.eq_type[eq]), int(model.eq_obj1id[eq]), int(model.eq_obj2id[eq]))
+    if not model.eq_active0[eq]:
+        return False
+    if kind == mujoco.mjtEq.mjEQ_JOINT:
+        straight = second >= 0 and model.eq_data[eq][1] != 0 and not model.eq_data[eq][2:5].any()
+        return straight and all(int(model.jnt_bodyid[joint]) in kept for joint in (first, second))
+    if kind not in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD):
+        return False
+    if model.eq_objtype[eq] == OBJ.mjOBJ_SITE:
+        first, second = int(model.site_bodyid[first]), int(model.site_bodyid[second])
+    return first in kept and second in kept
+
+
+def _attributes(model: Any, eq: int) -> Attributes:
+    """How stiff an equality is, always said: ours are stiffer than MuJoCo's default."""
+    found = attributes(model, EQUALITY, eq, always=("solref", "solimp"))
+    scale = float(model.eq_data[eq][10])
+    weld = int(model.eq_type[eq]) == mujoco.mjtEq.mjEQ_WELD
+    return (*found, ("torquescale", exact([scale]))) if weld and scale != 1 else found
+
+
+def closures(model: Any, numbers: Mapping[int, int]) -> Iterator[MjcfClosure]:
+    """Connects and welds. Between bodies, `eq_data` of a connect is the point in both; of a weld the point
+    in the second, the same in the first, and first_from_second as a quaternion."""
+    for eq in range(model.neq):
+        kind = int(model.eq_type[eq])
+        if kind == mujoco.mjtEq.mjEQ_JOINT or not carried(model, eq, numbers):
+            continue
+        ends = int(model.eq_obj1id[eq]), int(model.eq_obj2id[eq])
+        by_sites = model.eq_objtype[eq] == OBJ.mjOBJ_SITE
+        bodies = tuple(int(model.site_bodyid[end]) for end in ends) if by_sites else ends
+        data = model.eq_data[eq]
+        sites = ("", "")
+        if by_sites:
+            sites = (model.site(ends[0]).name, model.site(ends[1]).name)
+            frames = [pose_of(model.site_pos[end], model.site_quat[end]) for end in ends]
+        elif kind == mujoco.mjtEq.mjEQ_CONNECT:
+            frames = [pose_of(data[0:3], _STILL), pose_of(data[3:6], _STILL)]
+        else:
+            frames = [pose_of(data[3:6], data[6:10]), pose_of(data[0:3], _STILL)]
+        yield MjcfClosure(
+            name=model.equality(eq).name,
+            type="connect" if kind == mujoco.mjtEq.mjEQ_CONNECT else "weld",
+            bodies=(numbers[bodies[0]], numbers[bodies[1]]),
+            sites=sites,
+            a_from_frame=frozen(frames[0]),
+            b_from_frame=frozen(frames[1]),
+            attributes=_attributes(model, eq),
+        )
+
+
+def relations(model: Any, numbers: Mapping[int, int], order: Mapping[int, int]) -> Iterator[MjcfRelation]:
+    """Linear joint equalities: y − y₀ = a₀ + a₁ (x − x₀)."""
+    for eq in range(model.neq):
+        if model.eq_type[eq] != mujoco.mjtEq.mjEQ_JOINT or not carried(model, eq, numbers):
+            continue
+        follower, driver = int(model.eq_obj1id[eq]), int(model.eq_obj2id[eq])
+        y, x = (float(model.qpos0[model.jnt_qposadr[joint]]) for joint in (follower, driver))
+        constant, slope = (float(value) for value in model.eq_data[eq][:2])
+        offset, more = y + constant - slope * x, _attributes(model, eq)
+        yield MjcfRelation(model.equality(eq).name, order[follower], order[driver], slope, offset, more)

@@ -1,0 +1,94 @@
+"""The joints of a body of a compiled model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from linkwright.stages.formats.mjcf.model import MjcfJoint, MjcfJointType
+from linkwright.stages.formats.numbers import exact
+from linkwright.stages.mujoco.fields import joint_attributes
+from linkwright.stages.robot.model.mjcf_extras import Attributes
+from linkwright.stages.robot.model.robot import Dynamics, Limits, Spring, frozen
+
+JOINTS: Mapping[int, MjcfJointType] = {
+    int(mujoco.mjtJoint.mjJNT_HINGE): "hinge",
+    int(mujoco.mjtJoint.mjJNT_SLIDE): "slide",
+    int(mujoco.mjtJoint.mjJNT_BALL): "ball",
+    int(mujoco.mjtJoint.mjJNT_FREE): "free",
+}
+
+_OPEN = 1e6
+"""A bound [rad or m] beyond which a side counts as open: MuJoCo has no one-sided range."""
+
+_IN_DYNAMICS = ("damping", "frictionloss", "armature", "stiffness")
+"""Attributes that `Dynamics` has, where they are one number."""
+
+
+def joints_of(model: Any, body: int, efforts: Mapping[int, float]) -> tuple[MjcfJoint, ...]:
+    """The joints of a body, in their order. `efforts`: by joint, of those that have limits."""
+    first = int(model.body_jntadr[body])
+    return tuple(
+        _joint(model, joint, efforts.get(joint))
+        for joint in range(first, first + int(model.body_jntnum[body]))
+    )
+
+
+def _joint(model: Any, joint: int, effort: float | None) -> MjcfJoint:
+    kind = JOINTS[int(model.jnt_type[joint])]
+    scalar = kind in ("hinge", "slide")
+    dof, place = int(model.jnt_dofadr[joint]), int(model.jnt_qposadr[joint])
+    low, high = (float(bound) for bound in model.jnt_range[joint])
+    ranged = scalar and model.jnt_limited[joint]
+
+    def unless_zero(value: Any) -> float | None:
+        return float(value) if kind != "free" and value else None
+
+    return MjcfJoint(
+        name=model.joint(joint).name,
+        type=kind,
+        anchor=frozen(np.zeros(3) if kind == "free" else model.jnt_pos[joint]),
+        axis=frozen(model.jnt_axis[joint] if scalar else np.zeros(3)),
+        ref=float(model.qpos0[place]) if scalar else 0.0,
+        limits=Limits(
+            low if ranged and low > -_OPEN else None,
+            high if ranged and high < _OPEN else None,
+        ),
+        dynamics=Dynamics(
+            damping=unless_zero(model.dof_damping[dof]),
+            friction=unless_zero(model.dof_frictionloss[dof]),
+            armature=unless_zero(model.dof_armature[dof]),
+            effort=effort,
+        ),
+        spring=_spring(model, joint, place) if scalar or kind == "ball" else None,
+        attributes=_attributes(model, joint, kind, effort),
+    )
+
+
+def _spring(model: Any, joint: int, place: int) -> Spring | None:
+    """The spring of a hinge, slide or ball whose first number in `qpos` is at `place`."""
+    stiffness = float(model.jnt_stiffness[joint])
+    rest = 0.0 if JOINTS[int(model.jnt_type[joint])] == "ball" else float(model.qpos_spring[place])
+    return (
+        Spring(stiffness, rest) if stiffness or "stiffness" in dict(joint_attributes(model, joint)) else None
+    )
+
+
+def _attributes(model: Any, joint: int, kind: MjcfJointType, effort: float | None) -> Attributes:
+    """What the file says of a joint beside its type, place, limits and dynamics; of a free joint all that
+    it says. An effort that is the actuators' alone is no limit of the joint."""
+    found = dict(joint_attributes(model, joint))
+    for name in _IN_DYNAMICS:
+        if kind != "free" and " " not in found.get(name, ""):
+            found.pop(name, None)
+    own = [float(bound) for bound in model.jnt_actfrcrange[joint]]
+    if effort is not None and model.jnt_actfrclimited[joint] and -own[0] == own[1] == effort:
+        found.pop("actuatorfrcrange", None)
+    elif effort is not None and not model.jnt_actfrclimited[joint]:
+        found["actuatorfrclimited"] = "false"
+    if kind == "ball" and model.jnt_limited[joint]:
+        found["range"] = exact(float(bound) for bound in model.jnt_range[joint])
+    return tuple(found.items())

@@ -1,0 +1,123 @@
+"""Converts a model that MuJoCo compiled to values of our own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import mujoco
+import numpy as np
+
+from linkwright.stages.fetch.mjcf.compiled.actuation import Numbers, actuator, driven, sensor
+from linkwright.stages.fetch.mjcf.compiled.effort import efforts
+from linkwright.stages.fetch.mjcf.compiled.equalities import closures, relations
+from linkwright.stages.fetch.mjcf.compiled.extras import ExtrasReader
+from linkwright.stages.fetch.mjcf.compiled.geoms import Geoms
+from linkwright.stages.fetch.mjcf.compiled.joints import joints_of
+from linkwright.stages.fetch.mjcf.compiled.keyframes import keyframes
+from linkwright.stages.fetch.mjcf.compiled.meshes import Meshes
+from linkwright.stages.fetch.mjcf.compiled.textures import Textures
+from linkwright.stages.fetch.mjcf.compiled.trees import robot_bodies
+from linkwright.stages.fetch.mjcf.compiled.unsupported import in_the_scene, left_out
+from linkwright.stages.formats.mjcf.model import Mjcf, MjcfBody, MjcfSite
+from linkwright.stages.mujoco.bodies import pose_of
+from linkwright.stages.mujoco.elements import site_attributes
+from linkwright.stages.mujoco.fields import BODY, attributes
+from linkwright.stages.robot.dynamics.inertia import moved
+from linkwright.stages.robot.errors import SourceError
+from linkwright.stages.robot.model.robot import Inertial, frozen
+
+_FINITE = (
+    *("qpos0", "body_pos", "body_quat", "body_mass", "body_ipos", "body_iquat", "body_inertia"),
+    *("jnt_pos", "jnt_axis", "jnt_range", "geom_pos", "geom_quat", "geom_size", "site_pos", "site_quat"),
+    *("eq_data", "dof_damping", "dof_frictionloss", "dof_armature", "key_qpos"),
+)
+"""Arrays that must be finite: MuJoCo compiles a NaN with only a warning."""
+
+
+def convert(
+    model: mujoco.MjModel, spec: mujoco.MjSpec, meshes: Meshes, textures: Textures, where: str
+) -> Mjcf:
+    """The model as a value; `spec` is what it was compiled from, and `where` names its file. SourceError
+    where a number is not finite."""
+    if model.nbody < 2:
+        msg = "not readable as an MJCF: it has no body"
+        raise SourceError(msg, where, "a robot's links are the <body>s of its <worldbody>")
+    _require_finite(model, where)
+    kept = robot_bodies(model)
+    numbers = {body: number for number, body in enumerate(kept)}
+    extras = ExtrasReader(model, kept)
+    joints = [joint for joint in range(model.njnt) if int(model.jnt_bodyid[joint]) in numbers]
+    geoms = Geoms(model, meshes, textures)
+    sites = {body: extras.frames(body) for body in kept}
+    order = {joint: number for number, joint in enumerate(joints)}
+    acting = driven(model, numbers)
+    places = _numbers(numbers, order, acting, sites)
+    sensors = {index: sensor(model, index, places) for index in range(model.nsensor)}
+    measured = {index: one for index, one in sensors.items() if one is not None}
+    limits = efforts(model)
+    found = extras.read(acting, list(measured))
+    return Mjcf(
+        name=model.names.split(b"\0", 1)[0].decode(errors="replace"),
+        bodies=tuple(
+            MjcfBody(
+                name=model.body(body).name,
+                parent=numbers[int(model.body_parentid[body])],
+                parent_from_body=pose_of(model.body_pos[body], model.body_quat[body]),
+                inertial=_inertial(model, body),
+                joints=joints_of(model, body, limits),
+                geoms=tuple(geoms.of(body)) if body else (),
+                sites=tuple(_site(model, site) for site in sites[body]),
+                axes=pose_of(np.zeros(3), model.body_iquat[body])[:3, :3] if body else None,
+                attributes=attributes(model, BODY, body),
+                mounted=extras.mounted(body, geoms.unseen(body)) if body else (),
+            )
+            for body in kept
+        ),
+        closures=tuple(closures(model, numbers)),
+        relations=tuple(relations(model, numbers, order)),
+        diagnostics=(
+            *in_the_scene(model, kept, where),
+            *left_out(model, spec, kept, textures, where, found.lost, acting),
+        ),
+        actuators=tuple(actuator(model, index, order) for index in acting),
+        sensors=tuple(measured.values()),
+        keyframes=keyframes(model, order),
+        extras=found.extras(),
+    )
+
+
+def _numbers(
+    bodies: Mapping[int, int],
+    joints: Mapping[int, int],
+    acting: Iterable[int],
+    sites: Mapping[int, Iterable[int]],
+) -> Numbers:
+    """By kind of object: MuJoCo's numbers → those of the model."""
+    named = [site for every in sites.values() for site in every]
+    return {
+        "joint": joints,
+        "actuator": {index: number for number, index in enumerate(acting)},
+        "site": {site: number for number, site in enumerate(named)},
+        "body": bodies,
+        "xbody": bodies,
+    }
+
+
+def _require_finite(model: mujoco.MjModel, where: str) -> None:
+    wrong = [name for name in _FINITE if not np.isfinite(getattr(model, name)).all()]
+    if wrong:
+        msg = f"invalid MJCF: NaN or infinite values in {', '.join(wrong)}"
+        raise SourceError(msg, where, "look for nan and inf in the file")
+
+
+def _inertial(model: mujoco.MjModel, body: int) -> Inertial | None:
+    mass = float(model.body_mass[body])
+    if body == 0 or mass == 0.0:
+        return None
+    own = Inertial(mass, np.zeros(3), np.diag(model.body_inertia[body]))
+    return moved(own, pose_of(model.body_ipos[body], model.body_iquat[body]))
+
+
+def _site(model: mujoco.MjModel, site: int) -> MjcfSite:
+    pose = frozen(pose_of(model.site_pos[site], model.site_quat[site]))
+    return MjcfSite(model.site(site).name, pose, site_attributes(model, site))

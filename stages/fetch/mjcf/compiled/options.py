@@ -1,0 +1,62 @@
+"""The options and flags of a compiled model that are not MuJoCo's defaults, as an MJCF has them."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from linkwright.stages.mujoco.fields import bare
+from linkwright.stages.robot.model.scene import Setting
+
+_CHOICES = {
+    "cone": mujoco.mjtCone,
+    "integrator": mujoco.mjtIntegrator,
+    "jacobian": mujoco.mjtJacobian,
+    "solver": mujoco.mjtSolver,
+}
+
+_NAMES = {"disableactuator": "actuatorgroupdisable"}
+
+ALWAYS = ("timestep", "integrator")
+"""What is always said: ours are not MuJoCo's defaults."""
+
+_MOST_GROUPS = 31
+
+
+def options(model: Any) -> Iterator[tuple[str, Setting]]:
+    """(attribute of <option>, value)."""
+    for field in dir(model.opt):
+        if field.startswith("_") or field.endswith("flags") or callable(getattr(model.opt, field)):
+            continue
+        value, usual = getattr(model.opt, field), getattr(bare().opt, field)
+        if np.array_equal(value, usual) and field not in ALWAYS:
+            continue
+        yield _NAMES.get(field, field), _setting(field, value)
+
+
+def _setting(field: str, value: Any) -> Setting:
+    if field in _CHOICES:
+        word = str(_CHOICES[field](int(value)).name.split("_", 1)[1])
+        return {"euler": "Euler", "newton": "Newton"}.get(word.lower(), _case(field, word))
+    if field == "disableactuator":
+        return tuple(float(group) for group in range(_MOST_GROUPS) if int(value) & 1 << group)
+    if np.ndim(value):
+        return tuple(map(float, value))
+    return float(value)
+
+
+def _case(field: str, word: str) -> str:
+    """MuJoCo writes the names of algorithms in capitals, and other words in small letters."""
+    return word if field == "solver" or word == "RK4" else word.lower()
+
+
+def flags(model: Any) -> Iterator[tuple[str, str]]:
+    """(attribute of <flag>, enable or disable)."""
+    for field, kinds in (("disableflags", mujoco.mjtDisableBit), ("enableflags", mujoco.mjtEnableBit)):
+        value, usual = int(getattr(model.opt, field)), int(getattr(bare().opt, field))
+        for name, member in kinds.__members__.items():
+            bit = int(member)
+            if bit.bit_count() == 1 and not name.startswith("mjN") and (value ^ usual) & bit:
+                on = bool(value & bit) == (field == "enableflags")
+                yield name.split("_", 1)[1].lower(), "enable" if on else "disable"

@@ -1,0 +1,150 @@
+"""Reports by name every element or attribute of an MJCF that our robot model cannot represent."""
+
+from collections.abc import Collection, Iterable, Iterator
+from typing import Any
+
+import mujoco
+
+from linkwright.stages.fetch.mjcf.compiled.geoms import GEOMS, is_extra, shows, touches
+from linkwright.stages.fetch.mjcf.compiled.keyframes import left_of_keyframes
+from linkwright.stages.fetch.mjcf.compiled.textures import Textures
+from linkwright.stages.fetch.mjcf.compiled.unsupported_fields import (
+    Omission,
+    of_elements,
+    of_the_file,
+    of_the_viewer,
+)
+from linkwright.stages.mujoco.bodies import WRITTEN
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.plural import count
+
+_SHOWN = 5
+"""The most names of each kind that are reported."""
+
+
+def left_out(
+    model: Any,
+    spec: Any,
+    kept: Collection[int],
+    textures: Textures,
+    where: str,
+    lost: Collection[tuple[str, int]],
+    driven: Collection[int] = (),
+) -> Iterator[Diagnostic]:
+    """W-MJCF-LEFT for omissions that affect motion or contact, I-MJCF-LEFT for the rest.
+
+    `spec`: the spec from which `model` was compiled. `kept`: the bodies that become links. `textures`: those
+    that are carried over; `lost`: (tag, number) of the elements that are not; `driven`: the actuators that
+    the robot has itself.
+    """
+    found = [
+        *_geoms(model, kept),
+        *of_elements(model, textures.materials),
+        *_elements(model, lost, textures.carried),
+        *left_of_keyframes(model, driven),
+        *of_the_viewer(model),
+        *of_the_file(spec),
+    ]
+    affects_motion = [_text(one) for one in found if one.affects_motion]
+    if affects_motion:
+        text = f"not carried over, so the robot may move differently: {'; '.join(affects_motion)}"
+        yield Diagnostic("W-MJCF-LEFT", text, where, "check whether the robot needs it")
+    beside = [_text(one) for one in found if not one.affects_motion]
+    if beside:
+        text = f"not carried over (not part of the mechanism): {'; '.join(beside)}"
+        yield Diagnostic("I-MJCF-LEFT", text, where)
+
+
+def in_the_scene(model: Any, kept: Collection[int], where: str) -> Iterator[Diagnostic]:
+    """I-MJCF-SCENE: the bodies that are not part of the robot, and what is fixed to the world."""
+    tops = [body for body in range(1, model.nbody) if not model.body_parentid[body] and body not in kept]
+    fixed = int((model.geom_bodyid == 0).sum())
+    words = (
+        [f"{count(len(tops), 'body', 'bodies')} ({listed(model.body(body).name for body in tops)})"]
+        if tops
+        else []
+    )
+    words += [count(fixed, "geom of the world", "geoms of the world")] if fixed else []
+    if words:
+        text = f"not part of the robot, so in the scene: {', '.join(words)}"
+        hint = "scene.surroundings=drop leaves it out; the robot is what has actuators"
+        yield Diagnostic("I-MJCF-SCENE", text, where, hint)
+
+
+def _text(left: Omission) -> str:
+    """The omitted attribute, its number, and the names of the first elements."""
+    if not left.names:
+        return left.words
+    shown = [name for name in left.names if name][:_SHOWN]
+    more = ", ..." if shown and len(shown) < len(left.names) else ""
+    return f"{len(left.names)} × {left.words}" + (f" ({', '.join(shown)}{more})" if shown else "")
+
+
+def _some(words: str, affects_motion: bool, names: Iterable[str]) -> Iterator[Omission]:
+    """The omissions that occur."""
+    every = tuple(names)
+    if every:
+        yield Omission(words, affects_motion, every)
+
+
+def _geoms(model: Any, kept: Collection[int]) -> Iterator[Omission]:
+    """Geoms that are left out, and the names of meshes that are only seen, which are joined."""
+    every = range(model.ngeom)
+    own = [geom for geom in every if model.geom_bodyid[geom] and int(model.geom_bodyid[geom]) in kept]
+    beside = [geom for geom in every if geom not in own]
+
+    def named(geoms: Iterable[int]) -> Iterator[str]:
+        return (model.geom(geom).name for geom in geoms)
+
+    def kind(geom: int) -> int:
+        return int(model.geom_type[geom])
+
+    strange = [geom for geom in own if kind(geom) not in GEOMS and not is_extra(model, geom)]
+    strange += [geom for geom in beside if kind(geom) not in WRITTEN]
+    yield from _some("geom type (field, sdf, ...)", True, named(strange))
+    meshes = [geom for geom in own if kind(geom) == mujoco.mjtGeom.mjGEOM_MESH and not touches(model, geom)]
+    unseen = [geom for geom in meshes if not shows(model, geom)]
+    yield from _some("mesh that is neither visible nor collides", False, named(unseen))
+    yield from _some("name of a mesh that is only visible", False, (name for name in named(meshes) if name))
+
+
+_KINDS = {
+    "pair": ("mjOBJ_PAIR", True),
+    "exclude": ("mjOBJ_EXCLUDE", True),
+    "tendon": ("mjOBJ_TENDON", True),
+    "equality": ("mjOBJ_EQUALITY", True),
+    "actuator": ("mjOBJ_ACTUATOR", True),
+    "sensor": ("mjOBJ_SENSOR", False),
+}
+"""Elements that may be lost: MuJoCo's name of each, and whether a robot moves otherwise without."""
+
+_WHOLE = {
+    "flex": ("mjOBJ_FLEX", "nflex", True),
+    "skin": ("mjOBJ_SKIN", "nskin", False),
+    "custom numeric": ("mjOBJ_NUMERIC", "nnumeric", False),
+    "custom text": ("mjOBJ_TEXT", "ntext", False),
+    "custom tuple": ("mjOBJ_TUPLE", "ntuple", False),
+    "plugin": ("mjOBJ_PLUGIN", "nplugin", True),
+}
+"""Elements that are left out as a whole: MuJoCo's name of each, the field with its number, and whether a
+robot moves otherwise without."""
+
+
+def _elements(model: Any, lost: Collection[tuple[str, int]], textures: Collection[int]) -> Iterator[Omission]:
+    """Elements of each kind that are not carried over."""
+    for tag, (kind, moves) in _KINDS.items():
+        numbers = sorted(number for word, number in lost if word == tag)
+        names = (mujoco.mj_id2name(model, getattr(mujoco.mjtObj, kind), number) or "" for number in numbers)
+        yield from _some(tag, moves, names)
+    for words, (kind, field, moves) in _WHOLE.items():
+        yield from _some(words, moves, _names(model, getattr(mujoco.mjtObj, kind), getattr(model, field)))
+    images = enumerate(_names(model, mujoco.mjtObj.mjOBJ_TEXTURE, model.ntex))
+    yield from _some("texture", False, (name for number, name in images if number not in textures))
+    policies = getattr(model, "tree_sleep_policy", ())  # of MuJoCo 3.4 and later
+    trees = (tree for tree, policy in enumerate(policies) if "AUTO" not in mujoco.mjtSleepPolicy(policy).name)
+    yield from _some("body sleep", False, (model.body(int(model.tree_bodyadr[tree])).name for tree in trees))
+
+
+def _names(model: Any, kind: Any, count: int) -> list[str]:
+    return [mujoco.mj_id2name(model, kind, number) or "" for number in range(count)]

@@ -1,0 +1,116 @@
+"""Finds whether a workspace changed since its last build, and which of its tabs did.
+
+A workspace is asked only for its microversion; everything else is fetched, and cached, at that
+microversion. An edit anywhere gives the whole document a new one, but each tab has a microversion of
+its own: replies about a tab with the same microversion stay valid.
+"""
+
+import time
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from linkwright.stages.fetch.onshape import definition, requests
+from linkwright.stages.fetch.onshape.asking.cached_client import CachedClient
+from linkwright.stages.fetch.onshape.replies import documents
+from linkwright.stages.fetch.onshape.url import AssemblyUrl
+from linkwright.stages.robot.errors import Offline
+
+
+class Workspace:
+    """The workspace of an address, and its microversions in earlier builds."""
+
+    def __init__(self, url: AssemblyUrl, client: CachedClient) -> None:
+        self._url = url
+        self._client = client
+        self._place = f"/documents/d/{url.document}/{url.pin}"
+        self._definition = requests.definition(url.document, url.pin, url.element, url.configuration)
+
+    def last(self) -> str | None:
+        """The microversion of the last complete build, else the first that was seen; None without either."""
+        return self._recalled(f"{self._definition}#complete") or self._recalled(f"{self._definition}#first")
+
+    def completed(self, microversion: str) -> None:
+        """Records that all replies about this assembly are cached at `microversion`."""
+        if self._recalled(f"{self._definition}#complete") != microversion:
+            self._client.remember(f"{self._definition}#complete", {"microversion": microversion})
+
+    def current(self, *, force: bool = False, began: float | None = None) -> str:
+        """The current microversion of the workspace (one call); the last known one when offline.
+
+        The first time, and with `force`, the definition itself is fetched: it names the microversion. Of
+        several builds that ask at the same time only the first calls the server; the others use its answer if
+        it is newer than `began` (default: now). All jobs of a sweep use the answer that the first of them
+        got.
+        """
+        client = self._client
+        began = client.began or began or time.time()
+        if client.offline:
+            return self._without_network()
+        # Not while another build has the variables changed: that state is not the user's.
+        with client.undisturbed(), client.alone(self._place):
+            known = client.recall(self._place)
+            # A time in the future comes from a clock that was set back since.
+            if not force and began <= _number(known.get("at")) <= time.time():
+                client.spare(1)
+                microversion = str(known["microversion"])
+            else:
+                microversion = self._asked(force)
+                client.remember(self._place, {"microversion": microversion, "at": time.time()})
+        if self.last() is None:
+            client.remember(f"{self._definition}#first", {"microversion": microversion})
+        return microversion
+
+    def discrepancy(self) -> Mapping[str, Any]:
+        """The recorded difference of masses that remained after fetching everything again; empty for none."""
+        return self._client.recall(f"{self._definition}#discrepancy")
+
+    def differs(self, fact: Mapping[str, Any]) -> None:
+        """Records a difference of masses; an empty mapping deletes the record."""
+        if self.discrepancy() != fact:
+            self._client.remember(f"{self._definition}#discrepancy", fact)
+
+    def definition(self, microversion: str) -> str:
+        """The request for the assembly definition at a microversion."""
+        url = self._url
+        return requests.definition(url.document, f"m/{microversion}", url.element, url.configuration)
+
+    def _asked(self, force: bool) -> str:
+        if self.last() is None or force:
+            self._client.while_waiting()
+            body = self._client.now(self._definition)
+            microversion = definition.read(body).microversion
+            self._client.keep(self.definition(microversion), body)
+            return microversion
+        body = self._client.now(requests.current_microversion(self._url.document, self._url.pin[2:]))
+        return documents.microversion(body)
+
+    def _without_network(self) -> str:
+        last = self.last()
+        if last is None:
+            msg = f"no cached state of the workspace of assembly {self._url.element}"
+            hint = "build it once with source.offline=false, or build from a bundle (source=bundle)"
+            raise Offline(msg, "source.offline", hint)
+        return last
+
+    def _recalled(self, subject: str) -> str | None:
+        found = self._client.recall(subject).get("microversion")
+        return found if isinstance(found, str) else None
+
+
+def tabs_to_ask(url: AssemblyUrl, then: str, now: str, client: CachedClient) -> tuple[str, str]:
+    """The requests that show which tabs changed between two microversions, both of the assembly."""
+    asked = requests.elements(url.document, then), requests.elements(url.document, now)
+    for request in asked:
+        client.require(request, lambda body: documents.require_tab(body, url.element))
+    return asked
+
+
+def unchanged(asked: Sequence[str], client: CachedClient) -> frozenset[str]:
+    """The ids of the elements that are the same in the replies to both of `tabs_to_ask`."""
+    bodies = client.all(asked)
+    before, after = (documents.tabs(bodies[request]) for request in asked)
+    return frozenset(element for element, version in after.items() if before.get(element) == version)
+
+
+def _number(value: Any) -> float:
+    return float(value) if isinstance(value, int | float) else -1.0

@@ -1,0 +1,54 @@
+"""How often tessellated faces were refused whose glTF is kept: once may be a fault that passes, twice lasts.
+
+After the first refusal the next build that may call asks for the faces once more. The second one settles it:
+then the glTF is used until `source.refresh`. All jobs of a sweep count as one build.
+"""
+
+import time
+from collections.abc import Iterable
+
+from linkwright.stages.fetch.onshape.asking.cached_client import CachedClient
+from linkwright.stages.fetch.onshape.requests import is_gltf
+
+
+class Refusals:
+    """The refusals of the faces that a glTF, named by its request, stands in for."""
+
+    def __init__(self, client: CachedClient) -> None:
+        self._client = client
+        self._carried: set[str] = set()
+
+    def first(self, gltf: str) -> None:
+        """Records a refusal that begins the count: the glTF was just fetched."""
+        self._client.remember(_subject(gltf), {"refusals": 1, "at": time.time()})
+
+    def second(self, gltf: str) -> None:
+        """Records that the faces were refused again."""
+        self._client.remember(_subject(gltf), {"refusals": 2, "at": time.time()})
+
+    def settled(self, gltf: str) -> bool:
+        """Whether the faces were refused twice. A glTF of an earlier version of the program has no record."""
+        return gltf in self._carried or self._client.recall(_subject(gltf)).get("refusals", 1) > 1
+
+    def due(self, gltf: str) -> bool:
+        """Whether this build must ask for the faces again, if it may call."""
+        at = self._client.recall(_subject(gltf)).get("at", 0.0)
+        before = self._client.began is None or at < self._client.began
+        return before and not self.settled(gltf)
+
+    def carry(self, old: str, new: str) -> None:
+        """Makes the count of `old` that of `new`, the same reply at a later microversion, from `keep` on."""
+        if is_gltf(new) and self.settled(old):
+            self._carried.add(new)
+
+    def keep(self, reused: Iterable[str], fresh: Iterable[str]) -> None:
+        """Stores what was carried for replies that are `reused`; for `fresh` replies the count begins."""
+        for gltf in self._carried.intersection(reused).difference(fresh):
+            self.second(gltf)
+        for gltf in filter(is_gltf, fresh):
+            self.first(gltf)
+        self._carried.clear()
+
+
+def _subject(gltf: str) -> str:
+    return f"{gltf}#faces"

@@ -1,0 +1,286 @@
+"""Sets variables of a document for one build. This writes to the user's CAD and is undone at once.
+
+The variables are changed in their variable studios, the microversion of that state is noted, and the
+previous values are restored; the build then reads that microversion, which never changes. A studio's
+table is written whole, with only the wanted values changed: whether the server would replace or
+merge a partial one is not documented.
+
+The previous values are stored before anything is written: if the process is killed in between, the
+next build restores them.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from hashlib import sha256
+from typing import Any
+
+import orjson
+
+from linkwright.stages.fetch.onshape import definition, requests
+from linkwright.stages.fetch.onshape.asking.cached_client import CachedClient
+from linkwright.stages.fetch.onshape.asking.freshness import Workspace
+from linkwright.stages.fetch.onshape.asking.session import Session
+from linkwright.stages.fetch.onshape.replies import documents
+from linkwright.stages.fetch.onshape.url import AssemblyUrl
+from linkwright.stages.robot.errors import (
+    AuthError,
+    Diagnostic,
+    NotFound,
+    ProtocolError,
+    QuotaExhausted,
+    RateLimited,
+    SourceError,
+)
+from linkwright.stages.robot.text.plural import count
+from linkwright.stages.robot.text.units import SI, Measure
+
+_KEY = "source.variables"
+_SENT = ("name", "type", "expression", "description")
+
+Table = list[dict[str, Any]]
+"""The variables of one studio, in the format of the API."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Change:
+    """One variable studio's variables, before and after."""
+
+    studio: str
+    before: Table
+    after: Table
+
+
+class Variables:
+    """Reads and writes the variables of the workspace at `url`."""
+
+    def __init__(
+        self, url: AssemblyUrl, client: CachedClient, session: Session, progress: Callable[[str], None]
+    ) -> None:
+        self._url = url
+        self._client = client
+        self._session = session
+        self._progress = progress
+        self._subject = f"/documents/d/{url.document}/{url.pin}#variables"
+
+    def restore_left(self) -> None:
+        """Restores the variables that a killed build had changed."""
+        if not self._url.pinned and not self._client.offline and self._left():
+            with self.undisturbed():
+                pass
+
+    @contextmanager
+    def undisturbed(self) -> Iterator[None]:
+        """Within this context the variables have their users' values, and no other build changes them.
+
+        Waits until another build has restored them; variables that a killed build had changed are
+        restored first.
+        """
+        with self._client.alone(self._subject):
+            left = self._left()
+            if left:
+                self._progress("restoring the variables that a killed build had changed")
+                self._put_back([_Change(**change) for change in left], look=True)
+            yield
+
+    def applied(self, wanted: Mapping[str, Any]) -> AssemblyUrl:
+        """The address, pinned to the microversion at which the variables have the values wanted.
+
+        SourceError lists the variables that the document lacks; in that case no value is changed.
+        """
+        with self.undisturbed():
+            now = self._microversion()
+            known = self._client.recall(self._state(now, wanted)).get("microversion")
+            if known:
+                return self._pinned(str(known))
+            changes = self._changes(wanted)
+            if not changes:
+                return self._pinned(now)
+            self._plan(len(wanted), 2 * len(changes) + 2)
+            self._client.remember(self._subject, {"changes": [_plain(change) for change in changes]})
+            written: list[_Change] = []
+            try:
+                for change in changes:
+                    self._set(change, written)
+                made = self._microversion()
+            except BaseException as first:
+                self._put_back(written, look=False, first=first)
+                raise
+            self._put_back(written, look=False)
+            # The same values in the same state of the document need no second write.
+            self._client.remember(self._state(self._microversion(), wanted), {"microversion": made})
+            return self._pinned(made)
+
+    def _plan(self, variables: int, writing: int) -> None:
+        """Reports the calls to come; SourceError before the first write where they are too many.
+
+        `writing`: calls to write, to restore and to ask for the microversion. The calls of the build itself
+        are known from the last complete build: the definition, and two for each part studio of
+        this document, whose replies are not yet cached for the new state.
+        """
+        workspace = Workspace(self._url, self._client)
+        last = workspace.last()
+        body = self._client.kept(workspace.definition(last)) if last else None
+        studios = definition.read(body).parts if body else ()
+        mine = [key for key in studios if (key.document, key.pin) == (self._url.document, f"m/{last}")]
+        building = 1 + 2 * len(mine)
+        self._client.allow(writing + building)
+        least = self._client.made + writing + building
+        self._progress(
+            f"setting {count(variables, 'variable')} of the document, and restoring their previous values: "
+            f"{writing} calls; with the build at least {building} more, {least} in all"
+        )
+
+    def _set(self, change: _Change, written: list[_Change]) -> None:
+        """Writes the wanted values of one studio; `written` gets the change unless it certainly failed."""
+        written.append(change)
+        try:
+            self._write(change.studio, change.after)
+        except AuthError as refusal:
+            written.pop()
+            msg = "the API key may not write the variables of the document"
+            hint = "give the key write permission, or set the variables in Onshape"
+            raise AuthError(f"{msg}: {refusal.message}", refusal.where, hint) from refusal
+        except (NotFound, QuotaExhausted, RateLimited):
+            written.pop()
+            raise
+
+    def _put_back(
+        self, changes: Sequence[_Change], *, look: bool, first: BaseException | None = None
+    ) -> None:
+        """Restores the previous values; with `look` only where the values are still those that we wrote.
+
+        Tries every studio, even after a failure. SourceError where one fails; it names
+        the error that ended the build (`first`) as well, and what is left to restore stays stored.
+        """
+        failed = [(change, error) for change in changes if (error := self._restored(change, look=look))]
+        self._client.remember(self._subject, {"changes": [_plain(change) for change, _ in failed]})
+        if not failed:
+            return
+        errors = [error for _, error in failed]
+        if isinstance(first, SourceError):
+            errors.insert(0, first)
+        names = [name for change, _ in failed for name in _by_hand(change)]
+        # A dict keeps the order and reports what several studios have in common once.
+        why = "; ".join(dict.fromkeys(error.message for error in errors))
+        hints = dict.fromkeys(error.hint for error in errors if error.hint)
+        msg = f"variables of the document could not be restored to {', '.join(names)}: {why}"
+        own = "run the same command again, which restores them first, or set them in Onshape"
+        raise SourceError(msg, _KEY, "; ".join([own, *hints])) from (first or errors[0])
+
+    def _restored(self, change: _Change, *, look: bool) -> SourceError | None:
+        """Restores one studio's variables; returns the error where that fails."""
+        sent = False
+        try:
+            there = _values(self._table(change.studio)) if look else _values(change.after)
+            if there == _values(change.after):
+                sent = True
+                self._write(change.studio, change.before, restoring=True)
+            elif there != _values(change.before):
+                self._progress(
+                    f"variable studio {change.studio} was edited in the meantime and is left as it is"
+                )
+        except SourceError as error:
+            what = "was not restored" if sent else "could not be read, so it was not changed"
+            msg = f"variable studio {change.studio} {what}: {error.message}"
+            return SourceError(msg, error.where, error.hint)
+        return None
+
+    def _changes(self, wanted: Mapping[str, Any]) -> list[_Change]:
+        tables = {studio: self._table(studio) for studio in self._studios()}
+        known = {row["name"]: studio for studio, table in tables.items() for row in table}
+        problems = [
+            Diagnostic(
+                "E-VARIABLE",
+                "no variable studio of the document has this variable",
+                f"{_KEY}.{name}",
+                f"it has: {', '.join(sorted(known)) or 'none'}",
+            )
+            for name in wanted
+            if name not in known
+        ]
+        changes = []
+        for studio in sorted({known[name] for name in wanted if name in known}):
+            before = tables[studio]
+            after = [
+                {**row, "expression": expression(wanted[row["name"]], str(row.get("type")))}
+                if known[row["name"]] == studio and row["name"] in wanted
+                else row
+                for row in before
+            ]
+            blank = [str(row["name"]) for row in before if not row.get("expression")]
+            if after != before and blank:
+                what = f"its variable studio has variables without a known value, such as #{blank[0]}"
+                hint = "a configured variable cannot be written back: use source.configuration"
+                problems.append(Diagnostic("E-VARIABLE", what, f"{_KEY} ({studio})", hint))
+            elif after != before:
+                changes.append(_Change(studio, before, after))
+        if problems:
+            msg = f"the variables cannot be set: {count(len(problems), 'problem')}"
+            raise SourceError(msg, _KEY, problems=problems)
+        return changes
+
+    def _studios(self) -> list[str]:
+        """The ids of the document's variable studios."""
+        body = self._client.now(requests.tabs(self._url.document, self._url.pin[2:]))
+        tabs = orjson.loads(body)
+        return sorted(str(tab["id"]) for tab in tabs if tab.get("elementType") == "VARIABLESTUDIO")
+
+    def _table(self, studio: str) -> Table:
+        """The present variables of a studio; those of a studio that it refers to are not written."""
+        request = requests.variable_studio(self._url.document, self._url.pin[2:], studio)
+        rows = [
+            row
+            for table in orjson.loads(self._client.now(request))
+            if not table.get("variableStudioReference")
+            for row in table.get("variables") or ()
+        ]
+        if any(not isinstance(row.get("name"), str) for row in rows):
+            msg = "the reply with the variables has a variable without a name"
+            raise ProtocolError(msg, _KEY, "run the same command again; the API may have changed")
+        return [{key: row[key] for key in _SENT if row.get(key) is not None} for row in rows]
+
+    def _write(self, studio: str, table: Table, *, restoring: bool = False) -> None:
+        request = requests.variable_studio(self._url.document, self._url.pin[2:], studio)
+        self._session.ready().post(request, orjson.dumps(table), restoring=restoring)
+
+    def _microversion(self) -> str:
+        request = requests.current_microversion(self._url.document, self._url.pin[2:])
+        return documents.microversion(self._client.now(request))
+
+    def _pinned(self, microversion: str) -> AssemblyUrl:
+        return replace(self._url, pin=f"m/{microversion}")
+
+    def _state(self, microversion: str, wanted: Mapping[str, Any]) -> str:
+        """The key under which these values at one state of the document are stored."""
+        values = orjson.dumps(dict(wanted), option=orjson.OPT_SORT_KEYS)
+        return f"/documents/d/{self._url.document}/m/{microversion}#variables={sha256(values).hexdigest()}"
+
+    def _left(self) -> list[dict[str, Any]]:
+        changes = self._client.recall(self._subject).get("changes")
+        return changes if isinstance(changes, list) else []
+
+
+def expression(value: Any, kind: str) -> str:
+    """A value as the expression of a variable of the type `kind`; bare numbers are SI."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return value
+    measures: Mapping[str, Measure] = {"LENGTH": "length", "ANGLE": "angle"}
+    unit = SI[measures[kind]] if kind in measures else ""
+    return f"{value!r} {unit}".rstrip()
+
+
+def _plain(change: _Change) -> dict[str, Any]:
+    return {"studio": change.studio, "before": change.before, "after": change.after}
+
+
+def _by_hand(change: _Change) -> list[str]:
+    """The assignments that a user has to make to restore a studio by hand."""
+    rows = zip(change.before, change.after, strict=True)
+    return [f"{old['name']} = {old.get('expression')}" for old, new in rows if old != new]
+
+
+def _values(table: Table) -> dict[str, Any]:
+    return {row["name"]: row.get("expression") for row in table}

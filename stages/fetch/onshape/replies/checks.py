@@ -1,0 +1,99 @@
+"""Checks the content of a reply before it is cached or used."""
+
+from threading import Lock
+
+import orjson
+
+from linkwright.stages.fetch.onshape import configuration, definition
+from linkwright.stages.fetch.onshape.replies import documents, features, mass_check
+from linkwright.stages.fetch.onshape.requests import (
+    describe,
+    is_assembly_mass,
+    is_definition,
+    is_features,
+    is_gltf,
+    is_triangles,
+)
+from linkwright.stages.formats import triangles as compact
+from linkwright.stages.robot.errors import ProtocolError
+
+NOT_JSON, NO_BODIES = "not JSON", "no bodies"
+_ALONE = Lock()
+"""Replies arrive in several threads; one at a time is in memory as Python objects."""
+
+
+def accepted(request: str, body: bytes) -> bytes:
+    """The form in which a reply is cached: unchanged, but tessellated faces in compact form. Errors as
+    `check`."""
+    if compact.is_compact(body):
+        compact.check(body)
+        return body
+    if is_triangles(request):
+        from linkwright.stages.fetch.onshape.triangles import faces
+
+        return faces.compact(body)
+    if is_gltf(request):
+        from linkwright.stages.formats.meshes import gltf
+
+        gltf.read(body)
+        return body
+    check(request, body)
+    return body
+
+
+def compacted(request: str, body: bytes, mass: bytes) -> bytes:
+    """The compact form of an accepted reply with triangles; ProtocolError where its bodies are unclear.
+
+    `mass`: the reply with the mass properties of the part studio, which identifies the bodies of a glTF.
+    """
+    if is_gltf(request) and not compact.is_compact(body):
+        from linkwright.stages.fetch.onshape.triangles import gltf_parts
+
+        return gltf_parts.compact(body, mass)
+    return accepted(request, body)
+
+
+def check(request: str, body: bytes) -> None:
+    """ProtocolError where `body` does not parse or lacks the keys that every such reply has."""
+    if is_definition(request):
+        definition.read(body)
+        return
+    path = request.partition("?")[0]
+    if path.startswith("/documents/"):
+        read = documents.tabs if path.endswith("/elements") else documents.microversion
+        read(body)
+        return
+    if is_assembly_mass(request):
+        mass_check.read_total(body)
+        return
+    if is_triangles(request) or is_gltf(request):
+        accepted(request, body)
+        return
+    if path.startswith("/elements/") and path.endswith("/configuration"):
+        configuration.read(body)
+        return
+    if is_features(request) or path.startswith("/variables/"):
+        features.check(body, describe(request), tables=not is_features(request))
+        return
+    with _ALONE:
+        wrong = _not_of_bodies(body)
+    if wrong == NOT_JSON:
+        msg = f"the reply with {describe(request)} is not JSON, or was cut short"
+        raise ProtocolError(msg, hint="run the same command again; what was fetched is kept")
+    if wrong:
+        msg = f"the reply with {describe(request)} has no bodies"
+        raise ProtocolError(
+            msg, hint="run the same command again; if it fails each time, the API has changed"
+        )
+
+
+def _not_of_bodies(body: bytes) -> str:
+    """What is wrong with a reply that should have bodies, or "".
+
+    The parsed reply, many times as large as `body`, ends here: an error raised from here would keep it.
+    """
+    try:
+        data = orjson.loads(body)
+    except orjson.JSONDecodeError:
+        return NOT_JSON
+    return "" if isinstance(data, dict) and isinstance(data.get("bodies"), dict) else NO_BODIES

@@ -1,0 +1,91 @@
+"""Replies from a recording: a bundle or the sample."""
+
+from collections.abc import Sequence
+
+from linkwright.stages.fetch.onshape import definition, requests
+from linkwright.stages.fetch.onshape.gather import LimitReplies, Needs, Reply, StudioReplies
+from linkwright.stages.fetch.onshape.replies.checks import accepted, compacted
+from linkwright.stages.fetch.onshape.replies.features import Owner
+from linkwright.stages.fetch.recording import Recording
+from linkwright.stages.robot.errors import ProtocolError, SourceError
+
+
+class Recorded:
+    """Gives the replies of a recording. `where` names it in messages."""
+
+    def __init__(self, recording: Recording, where: str) -> None:
+        self._recording = recording
+        self._where = where
+        self._by_subject: dict[object, str] = {}
+        for request in sorted(recording.requests):
+            self._by_subject.setdefault(requests.subject(request), request)
+
+    def configuration(self) -> str:
+        return self._recording.root["configuration"]
+
+    def versions(self) -> tuple[str, str]:
+        return self._recording.definition_api, self._recording.api
+
+    def definition(self) -> Reply:
+        recording, root = self._recording, self._recording.root
+        body = recording.blobs[recording.definition]
+        try:
+            found = definition.read(body)
+        except ProtocolError as error:
+            raise ProtocolError(error.message, self._where, "make the bundle again") from error
+        named = (root["document"], root["microversion"], root["element"])
+        if (found.document, found.microversion, found.element) != named:
+            msg = f"the manifest names assembly {root['element']}, but the definition is of another assembly"
+            raise SourceError(msg, self._where, "make the bundle again")
+        pinned = requests.definition(
+            root["document"], f"m/{root['microversion']}", root["element"], root["configuration"]
+        )
+        filed = [request for request, name in recording.requests.items() if name == recording.definition]
+        return Reply(min(filed, default=pinned), body)
+
+    def studios(self, needs: Sequence[Needs]) -> Sequence[StudioReplies]:
+        masses = [self._mass(need) for need in needs]
+        return [
+            StudioReplies(mass, self._triangles(need, mass)) for need, mass in zip(needs, masses, strict=True)
+        ]
+
+    def features(self, owners: Sequence[Owner], root: str) -> Sequence[LimitReplies]:
+        asked = [(requests.features(o.key, root), requests.variables(o.key, root)) for o in owners]
+        return [LimitReplies(self._find(features), self._find(variables)) for features, variables in asked]
+
+    def _mass(self, need: Needs) -> tuple[Reply, ...]:
+        """One reply for the whole studio, else one for each part used; SourceError where one lacks."""
+        whole = self._find(requests.mass_properties(need.studio, need.root))
+        if whole is not None:
+            return (whole,)
+        each = {part: self._find(requests.part_mass_properties(need.studio, part)) for part in need.parts}
+        lacking = [part for part, reply in each.items() if reply is None]
+        if lacking:
+            parts = "any of its parts" if len(lacking) == len(each) else f"its parts {', '.join(lacking)}"
+            msg = f"the bundle lacks the mass properties of part studio {need.studio.element} or of {parts}"
+            raise SourceError(msg, self._where, "make the bundle again from a complete build")
+        return tuple(reply for reply in each.values() if reply is not None)
+
+    def _triangles(self, need: Needs, mass: tuple[Reply, ...]) -> Reply | None:
+        """The tessellated faces, else the glTF, in the compact form; None where neither is there."""
+        found = self._find(requests.recorded_faces(need.studio))
+        found = found or self._find(requests.recorded_gltf(need.studio))
+        if found is None:
+            return None
+        try:
+            return Reply(found.request, compacted(found.request, found.body, mass[0].body))
+        except ProtocolError as error:
+            raise ProtocolError(error.message, self._where, "make the bundle again") from error
+
+    def _find(self, request: str) -> Reply | None:
+        recording = self._recording
+        if request not in recording.requests:
+            request = self._by_subject.get(requests.subject(request), "")
+        if not request:
+            return None
+        body = recording.blobs[recording.requests[request]]
+        try:
+            body = accepted(request, body)
+        except ProtocolError as error:
+            raise ProtocolError(error.message, self._where, "make the bundle again") from error
+        return Reply(request, body)

@@ -1,0 +1,78 @@
+"""The files that a mesh file names: an OBJ's materials, a glTF's buffers, the images of their colours."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import islice
+from pathlib import Path
+from urllib.parse import unquote
+
+from linkwright.stages.fetch.urdf.meshes import gltf_materials, obj_materials
+from linkwright.stages.formats import png
+from linkwright.stages.robot.system import regular_files
+
+NAMING_FILES = (".obj", ".gltf", ".glb")
+"""The endings of mesh files that name others."""
+
+_LARGEST = 1 << 28
+_LARGEST_IMAGES = 1 << 28
+"""The images of one mesh have no more than this together [bytes]."""
+
+_MOST_IMAGES = 1000
+TOO_MANY = f"the mesh names more than {_MOST_IMAGES} images"
+
+
+@dataclass(frozen=True, slots=True)
+class Companions:
+    """The files that a mesh file names, by its names for them. `images`: the content of each image that gives
+    a material its colour, or the reason why it is not read."""
+
+    files: Mapping[str, bytes] = field(default_factory=dict)
+    images: Mapping[str, bytes | str] = field(default_factory=dict)
+
+
+def companions(path: Path, data: bytes, roots: Sequence[Path]) -> Companions:
+    """The files that the mesh file `path` with the content `data` names: existing ones below its folder, and
+    images also below one of the `roots`, the robot's own folders."""
+    kind = path.suffix.lower()
+    names, images, folders = list[str](), list[str](), [path.parent]
+    if kind == ".obj":
+        names = obj_materials.libraries(data)
+    elif kind in NAMING_FILES:
+        names, images = gltf_materials.buffers(data), gltf_materials.images(data)
+    read = {name: _content([path.parent], path.parent, name, _LARGEST) for name in dict.fromkeys(names)}
+    files = {name: content for name, content in read.items() if isinstance(content, bytes)}
+    if kind == ".obj" and names and names[0] in files:
+        images = [one.image for one in obj_materials.materials(files[names[0]]).values() if one.image]
+        folders = [(path.parent / names[0]).parent, path.parent]
+    return Companions(files, _images(dict.fromkeys(images), dict.fromkeys(folders), [path.parent, *roots]))
+
+
+def _images(names: Iterable[str], folders: Iterable[Path], allowed: Sequence[Path]) -> dict[str, bytes | str]:
+    """The images of a mesh, named from one of the folders."""
+    found: dict[str, bytes | str] = {}
+    size = 0
+    for name in islice(names, _MOST_IMAGES):
+        most = min(png.LARGEST, _LARGEST_IMAGES - size)
+        reads = [_content(allowed, folder, name, most) for folder in folders]
+        found[name] = next((one for one in reads if isinstance(one, bytes)), reads[0])
+        size += len(found[name])
+    return found
+
+
+def _content(allowed: Sequence[Path], folder: Path, name: str, most: int) -> bytes | str:
+    """The content of a file that is named from `folder`, or the reason why it is not read."""
+    why = "there is no such file"
+    for spelt in dict.fromkeys((name, unquote(name), name.replace("\\", "/"))):
+        try:
+            place = (folder / spelt).resolve()
+            if not any(place.is_relative_to(root.resolve()) for root in allowed):
+                why = "it is outside of the robot's folders"
+                continue
+            return regular_files.content(place, most)
+        except regular_files.FileTooLarge as error:
+            why = f"it has {error.size} bytes, more than is read"
+        except (OSError, ValueError):
+            continue
+    return why

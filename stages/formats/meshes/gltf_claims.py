@@ -1,0 +1,102 @@
+"""Checks the sizes that a glTF file claims against its content, before a library reads it.
+
+An accessor without a buffer is any number of zeros, a stride of 1 makes 64 bytes of each byte, a node with
+two parents counts twice, and a node that is its own child never ends.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+from urllib.parse import unquote
+
+import orjson
+
+from linkwright.stages.formats.damaged import Damaged
+from linkwright.stages.formats.meshes.gltf import LARGEST_STRIDE, MOST_VALUES, chunks, natural, room, values
+
+_SIZES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
+_WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
+_PRIMITIVE = 256
+
+_Record = Mapping[str, Any]
+
+
+def judge(data: bytes, companions: Mapping[str, bytes]) -> None:
+    """Damaged, or another error for an unknown structure, where a file claims more than it contains.
+
+    `companions`: the files that it names, as it names them.
+    """
+    text, chunk = chunks(data)
+    if values(text) > MOST_VALUES:
+        msg = "its JSON is larger than the limit"
+        raise Damaged(msg)
+    root = orjson.loads(text)
+    lengths = [_length(record, len(chunk), companions) for record in root.get("buffers") or ()]
+    views = root.get("bufferViews") or ()
+    for index, view in enumerate(views):
+        if natural(view, "byteOffset", 0) + natural(view, "byteLength") > lengths[natural(view, "buffer", 0)]:
+            msg = f"view {index} reaches beyond its buffer"
+            raise Damaged(msg)
+    accessors = root.get("accessors") or ()
+    for index, accessor in enumerate(accessors):
+        _require_within(index, accessor, views, len(data))
+    _require_tree(root.get("nodes") or (), root.get("scenes") or ())
+    _require_few(root.get("nodes") or (), root.get("meshes") or (), accessors, room(len(data)))
+
+
+def _length(record: _Record, chunk: int, companions: Mapping[str, bytes]) -> int:
+    """The bytes that a buffer has at most; 0 where it is not there."""
+    uri = record.get("uri")
+    if uri is None:
+        return chunk
+    if uri.startswith("data:"):
+        return len(uri) * 3 // 4
+    return len(companions.get(uri) or companions.get(unquote(uri)) or b"")
+
+
+def _require_within(index: int, accessor: _Record, views: Sequence[_Record], size: int) -> None:
+    count = natural(accessor, "count")
+    each = _SIZES[accessor["componentType"]] * _WIDTHS[accessor["type"]]
+    if "bufferView" not in accessor:
+        # All zeros, but for what an extension or a list of exceptions says.
+        start, end, length = 0, count * each, size
+    else:
+        view = views[natural(accessor, "bufferView")]
+        stride = natural(view, "byteStride", 0) or each
+        if not each <= stride <= LARGEST_STRIDE:
+            msg = f"accessor {index} has a stride of {stride} bytes"
+            raise Damaged(msg)
+        start, length = natural(accessor, "byteOffset", 0), natural(view, "byteLength")
+        end = start + ((count - 1) * stride + each if count else 0)
+    if end > length:
+        msg = f"accessor {index} has {count} of {each} bytes, which are not there"
+        raise Damaged(msg)
+
+
+def _require_tree(nodes: Sequence[_Record], scenes: Sequence[_Record]) -> None:
+    """ValueError where a node has two parents or, as the root of a scene, any."""
+    children = [child for node in nodes for child in node.get("children") or ()]
+    roots = {root for scene in scenes for root in scene.get("nodes") or ()}
+    if len(set(children)) < len(children) or roots.intersection(children):
+        msg = "its nodes are no tree"
+        raise Damaged(msg)
+
+
+def _require_few(
+    nodes: Sequence[_Record], meshes: Sequence[_Record], accessors: Sequence[_Record], most: int
+) -> None:
+    """ValueError where the meshes of all nodes come to more numbers than `most`."""
+    sizes = [sum(_numbers(one, accessors) for one in mesh.get("primitives") or ()) for mesh in meshes]
+    total = sum(sizes) + sum(sizes[natural(node, "mesh")] for node in nodes if "mesh" in node)
+    if total > 2 * most:
+        msg = "its meshes are used too often"
+        raise Damaged(msg)
+
+
+def _numbers(primitive: _Record, accessors: Sequence[_Record]) -> int:
+    """What a primitive takes: the numbers in its accessors, and what it costs however few these are."""
+    used = [
+        *primitive.get("attributes", {}).values(),
+        *([primitive["indices"]] if "indices" in primitive else []),
+    ]
+    records = [accessors[one] for one in used]
+    return _PRIMITIVE + sum(int(record["count"]) * _WIDTHS[record["type"]] for record in records)

@@ -1,0 +1,303 @@
+"""The mass properties of each part: CAD's, overridden by the user's, or estimated from its shape.
+
+Onshape gives each value as [nominal, min, max]; `inertia` is 27 numbers of which the first nine are the
+nominal tensor, row by row, about the centroid, in the part studio's axes, with true signs. A composite part
+has its own entry; the entries of its constituents are used only where these are in the assembly themselves. A
+sheet has no mass, unless one is given to it.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import orjson
+
+from linkwright.stages.graph.globs import entries_of
+from linkwright.stages.graph.mass_section import MassSection, PartMassSection, tensor
+from linkwright.stages.graph.onshape.assembly import Assembly, Occurrence, Path
+from linkwright.stages.graph.onshape.mass.mass_estimate import PartShape, shapes_of
+from linkwright.stages.graph.onshape.reply_fields import number, numbers, shape_of
+from linkwright.stages.robot.bundle import OnshapeBundle, StudioKey
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.dynamics.inertia import ZERO, scaled
+from linkwright.stages.robot.model.robot import Inertial, frozen
+from linkwright.stages.robot.text.globs import escaped, listed, unnumbered
+from linkwright.stages.robot.text.plural import count
+
+PartKey = tuple[StudioKey, str]
+
+
+class Weight(NamedTuple):
+    """An inertial in the part's frame, the volume [m³], and whether the mass is an estimate."""
+
+    inertial: Inertial
+    volume: float
+    estimated: bool = False
+
+
+SHEET = "sheet"
+"""The type of a body that is a surface."""
+
+KNOWN = ("solid", "composite", SHEET)
+"""Types of bodies that can be part of a robot."""
+
+SMALL, SMALL_TOGETHER = 0.01, 0.1
+"""Shares of the robot's volume: of one part that is small, and of all of those together."""
+
+DENSITIES = (5.0, 23000.0)
+"""Foam is no lighter and osmium no heavier [kg/m³]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Kind:
+    """Occurrences of one part with the same entries. `weight`: CAD's, None if no reply has it."""
+
+    key: PartKey
+    type: str
+    asked: PartMassSection
+    occurrences: tuple[Occurrence, ...]
+    weight: Weight | None
+    shape: PartShape | None = None
+
+    @property
+    def title(self) -> str:
+        return min(occurrence.title for occurrence in self.occurrences)
+
+    @property
+    def called(self) -> str:
+        """Its title and the number of its occurrences."""
+        count = len(self.occurrences)
+        return self.title if count == 1 else f"{self.title} (and {count - 1} more like it)"
+
+    @property
+    def volume(self) -> float:
+        """CAD's, else that of its triangles; 0 if neither is known [m³]."""
+        known = self.weight[1] if self.weight else 0.0
+        return known or (self.shape.volume if self.shape else 0.0)
+
+    @property
+    def mass(self) -> float | None:
+        """Its known mass [kg]: the user's value, else CAD's."""
+        if self.asked.mass is not None:
+            return self.asked.mass
+        if self.asked.density is not None:
+            return self.asked.density * self.volume or None
+        return (self.weight[0].mass or None) if self.weight else None
+
+
+def weighed(
+    assembly: Assembly, bundle: OnshapeBundle, keys: MassSection, log: Diagnostics
+) -> dict[Path, Weight]:
+    """The mass properties of every part occurrence; problems are reported once for each kind of part.
+
+    E-BODY-TYPE, E-GLOB, E-MASS; W-BODY-TYPE for a sheet that weighs nothing, W-MASS-ESTIMATED,
+    W-MASS-IGNORED, W-DENSITY. A part with a problem has no mass here.
+    """
+    kinds = _kinds(assembly, read_masses(bundle), keys.parts, log)
+    # Triangles are read only for what CAD knows too little of.
+    unknown = [kind for kind in kinds if not (kind.weight and kind.weight[0].mass > 0)]
+    volumes = {kind.key: None if kind.type == SHEET else kind.volume for kind in unknown}
+    shapes = shapes_of(bundle, volumes.items())
+    kinds = [replace(kind, shape=shapes.get(kind.key)) for kind in kinds]
+    supposed = _supposed(kinds, keys, log)
+    weights: dict[Path, Weight] = {}
+    for kind in kinds:
+        mass = supposed.get(kind.key, 0.0) if kind.mass is None else kind.mass
+        weight = Weight(_inertial(kind, mass, log), kind.volume, kind.key in supposed and kind.mass is None)
+        if kind.mass is not None:
+            _check_density(kind, log)
+        weights.update((occurrence.path, weight) for occurrence in kind.occurrences)
+    return weights
+
+
+def _kinds(
+    assembly: Assembly,
+    masses: Mapping[PartKey, Weight],
+    wanted: Mapping[str, PartMassSection],
+    log: Diagnostics,
+) -> list[Kind]:
+    """The kinds of parts, sorted by title; E-BODY-TYPE for those that no robot can have."""
+    parts = assembly.parts
+    names = [{part.title, part.names[-1], unnumbered(part.names[-1])} for part in parts]
+    groups: dict[tuple[PartKey, tuple[int, ...]], list[Occurrence]] = {}
+    for part, entries in zip(parts, entries_of(names, wanted, "mass.parts", "part", log), strict=True):
+        groups.setdefault((part_key(part.record), entries), []).append(part)
+    asked = list(wanted.values())
+    kinds = [
+        Kind(
+            key=key,
+            type=assembly.body_types.get(key, "solid"),
+            asked=_together([asked[index] for index in entries]),
+            occurrences=tuple(occurrences),
+            weight=masses.get(key),
+        )
+        for (key, entries), occurrences in groups.items()
+    ]
+    for kind in kinds:
+        if kind.type not in KNOWN:
+            log.report("E-BODY-TYPE", f"a {kind.type} body is not supported", kind.title, "suppress it")
+    return sorted(kinds, key=lambda kind: kind.title)
+
+
+def _together(entries: Sequence[PartMassSection]) -> PartMassSection:
+    """Entries merged, the later ones value by value; mass and density are one value."""
+    values: dict[str, object] = {}
+    for entry in entries:
+        given = {name: value for name, value in entry if value is not None}
+        if "mass" in given or "density" in given:
+            values = {name: value for name, value in values.items() if name not in ("mass", "density")}
+        values.update(given)
+    return PartMassSection.model_validate(values)
+
+
+def _supposed(kinds: Sequence[Kind], keys: MassSection, log: Diagnostics) -> dict[PartKey, float]:
+    """Masses [kg] of the kinds that have none, by `mass.missing`; reports the treatment of each."""
+    missing = [kind for kind in kinds if kind.mass is None and kind.type in KNOWN]
+    sheets = [kind for kind in missing if kind.type == SHEET and not kind.asked.density]
+    missing = [kind for kind in missing if kind not in sheets]
+    for kind in sheets:
+        text = "a sheet without mass is only visual: it has no mass and no collider"
+        hint = "thicken it, or give it a mass override, in Onshape, or a mass in mass.parts"
+        log.report("W-BODY-TYPE", text, kind.title, hint)
+    if keys.missing == "ignore":
+        _report_ignored(missing, log)
+        return {}
+    small = _small(kinds, missing) if keys.missing == "auto" else missing
+    estimated = [kind for kind in small if kind.volume > 0 and keys.missing != "error"]
+    _report_missing([kind for kind in missing if kind not in estimated], kinds, keys, log)
+    masses = {kind.key: keys.density * kind.volume for kind in estimated}
+    if estimated:
+        total = sum(masses[kind.key] * len(kind.occurrences) for kind in estimated)
+        number = sum(len(kind.occurrences) for kind in estimated)
+        parts = count(number, "part")
+        text = f"{parts} without mass treated as solid with {keys.density:g} kg/m³: {total:.3g} kg"
+        hint = "give them a material in Onshape, or a mass in mass.parts"
+        log.report("W-MASS-ESTIMATED", text, listed(kind.called for kind in estimated), hint)
+    return masses
+
+
+def _small(kinds: Sequence[Kind], missing: Sequence[Kind]) -> list[Kind]:
+    """The negligible parts without mass: each is small, and so is their sum."""
+    total = sum(kind.volume * len(kind.occurrences) for kind in kinds)
+    small = [kind for kind in missing if kind.volume < SMALL * total]
+    together = sum(kind.volume * len(kind.occurrences) for kind in small)
+    return small if together < SMALL_TOGETHER * total else []
+
+
+def _report_ignored(missing: Sequence[Kind], log: Diagnostics) -> None:
+    if missing:
+        number = sum(len(kind.occurrences) for kind in missing)
+        hint = "give them a material in Onshape, or a mass in mass.parts"
+        where = listed(kind.called for kind in missing)
+        log.report(
+            "W-MASS-IGNORED", f"{count(number, 'part')} without mass: treated as massless", where, hint
+        )
+
+
+def _report_missing(
+    missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassSection, log: Diagnostics
+) -> None:
+    """E-MASS for each; the last one has the lines of YAML for all of them."""
+    for kind in missing:
+        text = "the part has no mass" if kind.weight else "the mass reply does not know this part"
+        text += "" if len(kind.occurrences) == 1 else f" ({len(kind.occurrences)} of them)"
+        hint = "give it a material, or a mass override, in Onshape"
+        if not kind.volume:
+            text += ", and its volume is unknown"
+            hint = "give mass, com and inertia in mass.parts"
+        if kind is missing[-1]:
+            hint += _yaml_for(missing, kinds, keys)
+        log.report("E-MASS", text, kind.title, hint)
+
+
+def _yaml_for(missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassSection) -> str:
+    """The YAML that gives the missing ones a mass: a density for all, or a line for each."""
+    owners: dict[str, set[int]] = {}
+    for kind in kinds:
+        for occurrence in kind.occurrences:
+            owners.setdefault(unnumbered(occurrence.names[-1]), set()).add(id(kind))
+    lines = {}
+    for kind in missing:
+        for occurrence in kind.occurrences if kind.volume else ():
+            plain = unnumbered(occurrence.names[-1])
+            name = plain if owners[plain] == {id(kind)} else occurrence.title
+            lines[escaped(name)] = float(f"{keys.density * kind.volume:.3g}")
+    if not lines:
+        return ""
+    parts = ", ".join(f"{json.dumps(name, ensure_ascii=False)}: {{mass: {m}}}" for name, m in lines.items())
+    all_at_once = f"mass: {{missing: density, density: {keys.density:g}}}"
+    return f"; or give all of them in YAML: {all_at_once}  or each [kg]: mass: {{parts: {{{parts}}}}}"
+
+
+def _inertial(kind: Kind, mass: float, log: Diagnostics) -> Inertial:
+    """The kind's inertial with this mass [kg]: the user's values, else CAD's, else its shape's."""
+    if mass < 0:
+        text = f"its mass is {mass:.4g} kg"
+        hint = "correct its material or its mass override in Onshape, or give its mass in mass.parts"
+        log.report("E-MASS", text, kind.title, hint)
+    if mass <= 0:
+        return ZERO
+    base = kind.weight[0] if kind.weight and kind.weight[0].mass > 0 else None
+    if base is None and kind.shape is not None:
+        base = kind.shape.inertial
+    com, inertia = kind.asked.com, kind.asked.inertia
+    if base is None and (com is None or inertia is None):
+        text = "it has a mass, but no inertia, and no triangles to compute it from"
+        log.report("E-MASS", text, kind.title, "give com and inertia too, in mass.parts")
+        return ZERO
+    spread = scaled(base, mass) if base is not None else ZERO
+    return Inertial(
+        mass,
+        spread.com if com is None else frozen(com),
+        spread.inertia if inertia is None else tensor(inertia),
+    )
+
+
+def _check_density(kind: Kind, log: Diagnostics) -> None:
+    low, high = DENSITIES
+    mass, volume = kind.mass, kind.volume
+    if not mass or not volume or low <= mass / volume <= high:
+        return
+    text = (
+        f"{mass:.4g} kg in {volume:.4g} m³ are {mass / volume:.4g} kg/m³: not a plausible density of a solid"
+    )
+    hint = "correct its material or its mass override in Onshape, or its mass in mass.parts"
+    log.report("W-DENSITY", text, kind.title, hint)
+
+
+def part_key(record: Mapping[str, str]) -> PartKey:
+    """The part of an instance."""
+    return StudioKey.of(record), record["partId"]
+
+
+def read_masses(bundle: OnshapeBundle) -> dict[PartKey, Weight]:
+    """The weight of every part in the bundle's replies.
+
+    A part without material has mass 0 there, and its volume all the same.
+    """
+    found: dict[PartKey, Weight] = {}
+    for studio in bundle.studios:
+        for digest in studio.mass:
+            with shape_of("reply with the mass properties", f"part studio {studio.key.element}"):
+                bodies = orjson.loads(bundle.body(digest))["bodies"]
+                for part in sorted(set(bodies) - {"-all-"}):
+                    volume = _first(bodies[part].get("volume"))
+                    found[studio.key, part] = Weight(_of_reply(bodies[part]), volume)
+    return found
+
+
+def _of_reply(body: Mapping[str, Any]) -> Inertial:
+    mass = _first(body.get("mass"))
+    if mass == 0:
+        return ZERO
+    centroid = numbers(body["centroid"][:3], 3)
+    tensor = numbers(body["inertia"][:9], 9).reshape(3, 3)
+    return Inertial(mass, frozen(centroid), frozen((tensor + tensor.T) / 2))
+
+
+def _first(values: object) -> float:
+    """The nominal value of [nominal, min, max]; 0 without one."""
+    if isinstance(values, list):
+        values = values[0] if values else 0.0
+    return number(values or 0.0)

@@ -1,0 +1,212 @@
+"""Limits that the assembly definition does not give: read from the lists of features.
+
+Before v17 of the API mates have no `mateLimits`. What the designer typed then stands in each assembly's
+own list of features, as expressions: the `value` beside them is a stale zero. Lists come in two envelopes,
+`{typeName, message: {...}}` and flat with `btType`.
+
+A limit that the designer never typed is no limit. It has `isNull`, or, in all that was ever recorded,
+the words of the empty field as its `nullValue` ("No maximum") beside a zero; one that was typed has "".
+"""
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import orjson
+
+from linkwright.stages.formats.onshape_configuration import decoded, split
+from linkwright.stages.graph.dofs import Freedom
+from linkwright.stages.graph.onshape.assembly import Assembly, Mate, Path, Record
+from linkwright.stages.graph.onshape.expressions.evaluate import ExpressionError, Scope, measured
+from linkwright.stages.graph.onshape.mates.joints import JOINT_TYPES, freedoms_of, limit_names
+from linkwright.stages.graph.onshape.reply_fields import shape_of
+from linkwright.stages.robot.bundle import Features, OnshapeBundle, StudioKey
+from linkwright.stages.robot.model.robot import DofKind
+
+MateKey = tuple[Path, str]
+
+_UNTOUCHED = re.compile(r"\s*(0+(\.0*)?\s*\*?\s*([^\W\d_]+|[°'\"])?)?\s*")
+"""The content of a field that was not filled in: nothing, or a zero in some unit ("0 deg", "0.0*mm")."""
+
+
+@dataclass(frozen=True, slots=True)
+class Remarks:
+    """Remarks on a mate's limits. `unknown`: why they are unknown, or not known exactly; "" if they are
+    known. `doubts`: contradictions, and how they were resolved. `open`: the open side where only the other
+    was typed."""
+
+    unknown: str = ""
+    doubts: tuple[str, ...] = ()
+    open: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class _Owner:
+    """One assembly's mates as typed: feature id → parameter id → parameter; and its names."""
+
+    mates: Mapping[str, Mapping[str, Record]]
+    configuration: Mapping[str, str]
+    scope: Scope
+
+
+def with_limits(assembly: Assembly, bundle: OnshapeBundle) -> tuple[Assembly, dict[MateKey, Remarks]]:
+    """The assembly with the limits of every mate that moves, in the shape of `mateLimits`; and remarks on
+    them by (owner path, feature id)."""
+    remarks: dict[MateKey, Remarks] = {}
+    replies = {features.key: features for features in bundle.features}
+    owners: dict[tuple[StudioKey, str], _Owner] = {}
+    mates = []
+    for mate in assembly.mates:
+        mates.append(mate)
+        if mate.limits is not None or mate.ref.type == "FASTENED":
+            continue
+        record = assembly.occurrences[mate.ref.owner].record if mate.ref.owner else assembly.root
+        key = StudioKey.of(record)
+        if key not in replies:
+            why = "the reply has no limits, and the list of features is missing"
+            remarks[_key(mate)] = Remarks(why)
+            continue
+        settings = record.get("fullConfiguration") or key.configuration
+        with shape_of("list of features or of variables", f"assembly {key.element}"):
+            owner = owners.get((key, settings))
+            if owner is None:
+                owner = owners[key, settings] = _read(bundle, replies[key], settings)
+            limits, found = _limits(mate, owner)
+        mates[-1] = replace(mate, limits=limits)
+        if found != Remarks():
+            remarks[_key(mate)] = found
+    return replace(assembly, mates=mates), remarks
+
+
+def _key(mate: Mate) -> MateKey:
+    return mate.ref.owner, mate.ref.feature
+
+
+def _read(bundle: OnshapeBundle, features: Features, settings: str) -> _Owner:
+    configuration = {name: decoded(value) for name, value in split(settings).items()}
+    expressions, values = dict(configuration), dict[str, str]()
+    if features.variables is not None:
+        for name, expression, value in _variables(bundle.body(features.variables)):
+            expressions.setdefault(name, expression)
+            values.setdefault(name, value)
+    return _Owner(dict(_mates(bundle.body(features.features))), configuration, Scope(expressions, values))
+
+
+def _variables(body: bytes) -> Iterator[tuple[str, str, str]]:
+    """(name, expression, value as text) of all tables; the element's own before what it refers to."""
+    tables = orjson.loads(body)
+    for table in sorted(tables, key=lambda table: table.get("variableStudioReference") is not None):
+        for variable in table.get("variables") or ():
+            value = str(variable.get("value") or "")
+            yield variable.get("name", ""), str(variable.get("expression") or value), value
+
+
+def _mates(body: bytes) -> Iterator[tuple[str, Mapping[str, Record]]]:
+    for feature in orjson.loads(body)["features"]:
+        record = _open(feature)
+        parameters = [_open(one) for one in record.get("parameters") or ()]
+        named = {one.get("parameterId", ""): one for one in parameters}
+        if "limitsEnabled" in named:
+            yield record.get("featureId", ""), named
+
+
+def _open(record: Any) -> Record:
+    """A feature or parameter out of its envelope, if it has one."""
+    inside = record.get("message")
+    return inside if isinstance(inside, dict) else record
+
+
+def _limits(mate: Mate, owner: _Owner) -> tuple[Record, Remarks]:
+    """The limits of a mate [m and rad, by Onshape's names], and remarks on them."""
+    parameters = owner.mates.get(mate.ref.feature)
+    if parameters is None:
+        return {}, Remarks("the list of features lacks this mate")
+    freedoms = freedoms_of(mate.ref.type) if mate.ref.type in JOINT_TYPES else ()
+    found = _Found({}, {}, [], [], [])
+    try:
+        if not _configured(parameters["limitsEnabled"], owner).get("value"):
+            return {}, Remarks()
+        for freedom in freedoms:
+            for name in limit_names(freedom):
+                if name and name in parameters:
+                    _read_limit(name, freedom.kind, _configured(parameters[name], owner), owner.scope, found)
+            _compare(freedom, found)
+    except ExpressionError as error:
+        return {}, Remarks(str(error))
+    return found.limits, Remarks("; ".join(found.reasons), tuple(found.doubts), tuple(found.half))
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """The limits of a mate by Onshape's names, why some are `empty`, and remarks on them."""
+
+    limits: dict[str, float]
+    empty: dict[str, str]
+    reasons: list[str]
+    doubts: list[str]
+    half: list[str]
+
+
+def _read_limit(name: str, kind: DofKind, parameter: Record, scope: Scope, found: _Found) -> None:
+    """Records one limit as a number, as open, or as unknown."""
+    text, empty = str(parameter.get("expression") or ""), str(parameter.get("nullValue") or "")
+    if parameter.get("isNull"):
+        return
+    if empty and _UNTOUCHED.fullmatch(text):
+        found.empty[name] = f"{text!r} beside {empty!r}"
+        return
+    scope.rounded.clear()
+    try:
+        found.limits[name] = measured(text, "length" if kind == "slide" else "angle", scope)
+    except ExpressionError as error:
+        found.reasons.append(f"{name} is {text!r}, which has no value: {error}")
+    else:
+        if empty:
+            doubt = f"{name} is {text!r} beside {empty!r}, which contradict each other: {text!r} is used"
+            found.doubts.append(doubt)
+    if scope.rounded:
+        names = ", ".join(f"#{variable}" for variable in sorted(scope.rounded))
+        found.reasons.append(f"{name} is {text!r}, with {names} as Onshape shows it, rounded")
+
+
+def _compare(freedom: Freedom, found: _Found) -> None:
+    """Drops limits that are the wrong way round; notes which side is open where only the other was typed."""
+    low, high = (found.limits.get(name) for name in limit_names(freedom))
+    if low is not None and high is not None and low > high:
+        found.reasons.append(f"its lower limit {low:.6g} lies above the upper one, {high:.6g}")
+        for name in limit_names(freedom):
+            del found.limits[name]
+    for name, other in (limit_names(freedom), limit_names(freedom)[::-1]):
+        if name in found.empty and other in found.limits:
+            found.half.append(
+                f"{name} is {found.empty[name]}, so it was not typed: the joint is open on that side"
+            )
+
+
+def _configured(parameter: Record, owner: _Owner) -> Record:
+    """The parameter that holds in this configuration; ExpressionError where that is not known."""
+    if "configurationParameterId" not in parameter:
+        return parameter
+    name = parameter["configurationParameterId"]
+    chosen = owner.configuration.get(name)
+    for value in map(_open, parameter.get("values") or ()):
+        if chosen is not None and chosen in _options(value):
+            return _open(value["value"])
+    setting = f"{name} = {chosen!r}" if chosen is not None else f"the unknown value of {name}"
+    msg = f"{parameter.get('parameterId')} depends on the configuration, and nothing fits {setting}"
+    raise ExpressionError(msg)
+
+
+def _options(value: Record) -> set[str]:
+    """The option of a configuration parameter that a value belongs to, in each form it may have."""
+    flag = value.get("booleanValue")
+    return {
+        str(option)
+        for option in (
+            value.get("configurationValueString"),
+            value.get("enumValue"),
+            None if flag is None else str(flag).lower(),
+        )
+        if option
+    }

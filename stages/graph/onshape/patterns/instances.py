@@ -1,0 +1,292 @@
+"""Patterned and mirrored instances: copies the mates and groups of their seeds to each copy.
+
+Onshape gives copies no mates of their own. With S the motion or reflection that takes a seed to its
+copy at the saved pose, a mate of the seed becomes a mate of the copy: on the side of the seed it joins
+the copy at the same place, moved by S; its other side stays on its occurrence, with its frame moved by S.
+A copy that is a sub-assembly of mirror-image parts has no mates inside: it gets those inside its seed.
+A mate by which the seed carries something is not repeated (`carried`).
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby
+
+import networkx as nx
+
+from linkwright.stages.graph.onshape.assembly import Assembly, Entity, Mate, MateGroup, Path, Pattern
+from linkwright.stages.graph.onshape.mass.part_solids import PartSolids
+from linkwright.stages.graph.onshape.patterns.copies import Series, series_of
+from linkwright.stages.graph.onshape.patterns.mirror_planes import Image, MirrorPlanes
+from linkwright.stages.graph.onshape.patterns.supports import Feature, node_of
+from linkwright.stages.graph.onshape.rigid_subassemblies import rigid_subassemblies
+from linkwright.stages.graph.section import GraphSections
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.model.poses import inverse
+from linkwright.stages.robot.model.robot import frozen
+from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.plural import count
+
+
+@dataclass(frozen=True, slots=True)
+class _Image:
+    """A feature on the `number`-th copies: its places there, and the copy that each is in, or (). `copy`: the
+    first copy that it acts for, `fresh`: all of these."""
+
+    series: Series
+    number: int
+    copy: Path
+    places: tuple[Path, ...]
+    copies: tuple[Path, ...]
+    fresh: frozenset[Path]
+
+    @property
+    def inside(self) -> bool:
+        """Whether each of its places is on a copy."""
+        return all(self.copies)
+
+
+def with_copies(assembly: Assembly, keys: GraphSections, solids: PartSolids, log: Diagnostics) -> Assembly:
+    """The assembly with the mates and groups of all copies; a copied feature has a `ref.copy`.
+
+    `keys.mirror`: "joints", or "weld" for copies that are fastened where the first of their seeds' mates
+    would hold them, and rigid inside. A copy that has mates of its own gets nothing; no relation is copied.
+    `keys.depth`: which sub-assemblies have no inner motion: their copies need no mates inside.
+
+    The patterns of outer assemblies come first: their copied features support what is inside the copies.
+    """
+    planes = MirrorPlanes(assembly, solids, keys.mirrors, log)
+    patterns = sorted(assembly.patterns, key=lambda pattern: len(pattern.owner))
+    for _, level in groupby(patterns, key=lambda pattern: len(pattern.owner)):
+        assembly = _with_copies_of(list(level), assembly, planes, keys, log)
+    return assembly
+
+
+def _with_copies_of(
+    patterns: Sequence[Pattern],
+    assembly: Assembly,
+    planes: MirrorPlanes,
+    keys: GraphSections,
+    log: Diagnostics,
+) -> Assembly:
+    # What is wrong with the globs of `depth` is reported where the bodies are found.
+    rigid = rigid_subassemblies(assembly, keys.depth, Diagnostics())
+    mirror = keys.mirror
+    copier = _Copier(assembly, series_of(assembly, patterns, rigid, planes, log), log)
+    drawn = [copy for mate in assembly.mates for copy in copier.mates(mate)]
+    grouped = [copy for group in assembly.groups for copy in copier.groups(group)]
+    mates, groups = [mate for mate, _ in drawn], [group for group, _ in grouped]
+    stiff = assembly.stiff
+    if mirror == "weld":
+        mates = [copier.welded(mate) for mate in _holding(drawn, [image for _, image in grouped])]
+        free = {path for one in copier.series for path in one.free}
+        stiff |= {path for path in free if not assembly.occurrences[path].is_part}
+    else:
+        copier.report_relations()
+    copier.report_joints(weld=mirror == "weld")
+    return replace(assembly, mates=[*assembly.mates, *mates], groups=[*assembly.groups, *groups], stiff=stiff)
+
+
+class _Copier:
+    def __init__(self, assembly: Assembly, by_seed: Mapping[Path, list[Series]], log: Diagnostics) -> None:
+        self.assembly, self.log, self.by_seed = assembly, log, by_seed
+        self.series = list({id(one): one for found in by_seed.values() for one in found}.values())
+        self.repeated: set[tuple[Path, str]] = set()
+
+    def mates(self, mate: Mate) -> Iterator[tuple[Mate, _Image]]:
+        """The copies of a mate, those of its copies included; one for each copied instance, however
+        often that is listed."""
+        waiting: list[tuple[Mate, frozenset[Path] | None]] = [(mate, None)]
+        made: set[Path] = set()
+        owner, rigid = mate.ref.owner, mate.ref.type == "FASTENED"
+        for drawn, fresh in waiting:
+            feature = Feature(mate.title, tuple(e.path for e in drawn.entities), rigid)
+            for image in self._images(owner, feature, fresh):
+                if image.copy in made:
+                    continue
+                made.add(image.copy)
+                if not rigid:
+                    image.series.joints += 1
+                    image.series.served |= image.fresh
+                    self.repeated.add((mate.ref.owner, mate.ref.feature))
+                copy = self._mate(mate.ref.name, drawn, image)
+                waiting.append((copy, image.fresh))
+                yield copy, image
+
+    def groups(self, group: MateGroup) -> Iterator[tuple[MateGroup, _Image]]:
+        """The copies of a mate group, those of its copies included."""
+        waiting: list[tuple[MateGroup, frozenset[Path] | None]] = [(group, None)]
+        made: set[Path] = set()
+        for drawn, fresh in waiting:
+            feature = Feature(group.title, tuple(drawn.members), True)
+            for image in self._images(group.owner, feature, fresh):
+                if image.copy not in made:
+                    made.add(image.copy)
+                    copy = MateGroup(group.owner, group.title, image.places)
+                    waiting.append((copy, image.fresh))
+                    yield copy, image
+
+    def _images(self, owner: Path, feature: Feature, fresh: frozenset[Path] | None) -> Iterator[_Image]:
+        """The images of a feature, one for each copy of each pattern whose seeds it touches.
+
+        `fresh`: of a feature that is a copy itself, the instances that it was moved to; only these
+        lead on to further copies.
+        """
+        touched: dict[int, tuple[Series, dict[int, Path]]] = {}
+        for index, place in enumerate(feature.places):
+            for depth in range(len(owner) + 1, len(place) + 1):
+                seed = place[:depth]
+                if fresh is None or seed in fresh:
+                    for series in self.by_seed.get(seed, ()):
+                        if series.repeats(owner):
+                            touched.setdefault(id(series), (series, {}))[1].setdefault(index, seed)
+        for series, seeds in touched.values():
+            for number in range(max(len(series.pattern.copies[seed]) for seed in seeds.values())):
+                image = self._image(series, number, feature, seeds)
+                if image is not None:
+                    yield image
+        if fresh is None:
+            yield from self._inner_images(owner, feature)
+
+    def _inner_images(self, owner: Path, feature: Feature) -> Iterator[_Image]:
+        """The images of a feature of a seed in its rebuilt copies."""
+        for seed in (owner[:depth] for depth in range(1, len(owner) + 1)):
+            for series in self.by_seed.get(seed, ()):
+                for number, copy in enumerate(series.pattern.copies[seed]):
+                    if copy in series.rebuilt:
+                        copies = dict.fromkeys(range(len(feature.places)), (seed, copy))
+                        places = self._moved_places(series, feature, copies)
+                        if places is not None:
+                            inside = (copy,) * len(places)
+                            yield _Image(series, number, copy, places, inside, frozenset([copy]))
+
+    def _image(
+        self, series: Series, number: int, feature: Feature, seeds: Mapping[int, Path]
+    ) -> _Image | None:
+        """None where a copy is not there, where all copies have mates of their own, where a place that is
+        no seed's is carried by one, or where a joint leads from a fastened seed to something else."""
+        support, places = series.support, feature.places
+        copies = {
+            index: (seed, series.pattern.copies[seed][number])
+            for index, seed in seeds.items()
+            if number < len(series.pattern.copies[seed])
+        }
+        beside = {node_of(place, series.pattern.owner) for at, place in enumerate(places) if at not in seeds}
+        if beside & support.dependents:
+            return None
+        movers = [pair for pair in copies.values() if pair[1] in series.free]
+        if not movers or any(copy not in series.images for _, copy in copies.values()):
+            return None
+        if beside and not feature.rigid and support.fastened.issuperset(places[index] for index in seeds):
+            series.carried.add(feature.title)
+            return None
+        moved = self._moved_places(series, feature, copies)
+        if moved is None:
+            return None
+        on_copies = tuple(copies[index][1] if index in copies else () for index in range(len(places)))
+        fresh = frozenset(copy for _, copy in movers)
+        return _Image(series, number, movers[0][1], moved, on_copies, fresh)
+
+    def _moved_places(
+        self, series: Series, feature: Feature, copies: Mapping[int, tuple[Path, Path]]
+    ) -> tuple[Path, ...] | None:
+        """The places of a feature on copies, by index → (seed, copy); None if one has no counterpart."""
+        moved = list(feature.places)
+        for index, (seed, copy) in copies.items():
+            moved[index] = series.counterpart(seed, copy, moved[index])
+            if moved[index] not in self.assembly.occurrences:
+                message = (
+                    f"{self.assembly.occurrences[copy].title} has no counterpart of what this mate holds"
+                )
+                self.log.report("W-PATTERN", message, feature.title, "mate the copy itself")
+                return None
+        return tuple(moved)
+
+    def _mate(self, name: str, drawn: Mate, image: _Image) -> Mate:
+        assembly = self.assembly
+        entities = tuple(
+            self._entity(entity, place, image.series.images[copy or image.copy], bool(copy))
+            for entity, place, copy in zip(drawn.entities, image.places, image.copies, strict=True)
+        )
+        owner, copied = drawn.ref.owner, assembly.occurrences[image.copy]
+        found = re.search(r"<(\d+)>\s*$", copied.names[-1])
+        name = f"{name} <{found[1] if found else image.number + 2}>"
+        names = assembly.occurrences[owner].names if owner else ()
+        inner = owner[: len(image.series.pattern.owner) + 1] in image.series.pattern.copies
+        ref = replace(drawn.ref, name=name, copy="/".join(image.copy[0 if inner else len(owner) :]))
+        return Mate(ref, "/".join((*names, name)), entities, drawn.limits)
+
+    def _entity(self, entity: Entity, place: Path, image: Image, copied: bool) -> Entity:
+        """The entity as its image moves it, on the occurrence `place`, which lies in the copy or not."""
+        if copied and image.by_transform:
+            return replace(entity, path=place)
+        place_from_world = inverse(self.assembly.world_from_path(place))
+        return Entity(place, frozen(place_from_world @ image.motion @ self.assembly.world_from(entity)))
+
+    def welded(self, mate: Mate) -> Mate:
+        """A FASTENED mate in its place, at the saved pose."""
+        first, second = mate.entities
+        second_from_world = inverse(self.assembly.world_from_path(second.path))
+        placed = Entity(second.path, frozen(second_from_world @ self.assembly.world_from(first)))
+        return replace(mate, ref=replace(mate.ref, type="FASTENED"), entities=(first, placed), limits={})
+
+    def report_relations(self) -> None:
+        """W-PATTERN-RELATION for relations of mates that are copied, or lie in a copied sub-assembly."""
+        for relation in self.assembly.relations:
+            below = [
+                path[:depth]
+                for path, _ in relation.mates
+                for depth in range(len(relation.owner) + 1, len(path) + 1)
+            ]
+            inside = any(
+                series.free and series.pattern.owner == relation.owner
+                for path in below
+                for series in self.by_seed.get(path, ())
+            )
+            if inside or any(mate in self.repeated for mate in relation.mates):
+                message = "a pattern or mirror repeats its joints, but the copies are not related"
+                self.log.report("W-PATTERN-RELATION", message, relation.title, "mate and relate the copies")
+
+    def report_joints(self, weld: bool) -> None:
+        """I-PATTERN for each pattern with copied joints, I-PATTERN-CARRIED for joints that are not copied."""
+        for series in self.series:
+            if series.carried:
+                message = (
+                    f"its seed is fastened, and so are the copies; the mates of the parts "
+                    f"that the seed carries are not copied: {listed(sorted(series.carried))}"
+                )
+                hint = "mate the copies themselves to what they carry"
+                self.log.report("I-PATTERN-CARRIED", message, series.pattern.title, hint)
+            joints, copies = series.joints, len(series.served)
+            if not joints:
+                continue
+            instances = count(copies, "instance")
+            message = (
+                f"{instances} welded in place of {count(joints, 'joint')} (mirror: weld)"
+                if weld
+                else f"{count(joints, 'joint')} copied for {instances}, independent of the seed's"
+            )
+            self.log.report("I-PATTERN", message, series.pattern.title)
+
+
+def _holding(mates: Iterable[tuple[Mate, _Image]], groups: Iterable[_Image]) -> list[Mate]:
+    """The copied mates that are used when copies are welded.
+
+    Connected copies are welded to the rest by only one mate: several would also freeze the joints
+    between these. FASTENED mates stay.
+    """
+    rest: Path = ()
+    fixed = nx.utils.UnionFind([rest])
+    for image in groups:
+        fixed.union(*image.fresh, *(() if image.inside else (rest,)))
+
+    def late(copy: tuple[Mate, _Image]) -> tuple[object, ...]:
+        mate, image = copy
+        return mate.ref.type != "FASTENED", not image.inside, mate.title, mate.key
+
+    found = []
+    for mate, image in sorted(mates, key=late):
+        if mate.ref.type == "FASTENED" or image.inside or fixed[image.copy] != fixed[rest]:
+            fixed.union(*image.fresh, *(() if image.inside else (rest,)))
+            found.append(mate)
+    return found

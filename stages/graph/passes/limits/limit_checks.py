@@ -1,0 +1,185 @@
+"""Checks limits: missing, unknown, contradictory, or without effect."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+
+from linkwright.stages.graph.added_section import AddedLinkSection
+from linkwright.stages.graph.mechanism import Connection, Mechanism
+from linkwright.stages.graph.passes.limits.joint_limits import BEYOND, with_each_dof
+from linkwright.stages.graph.section import GraphSections, JointSection
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.model.robot import Dof, DofKind, Joint, Limits, Robot, Value
+from linkwright.stages.robot.motion.loops import POINTWISE
+from linkwright.stages.robot.text.globs import as_key, fits
+
+LOCKED_PLAY = 1e-6
+"""Half the range [rad or m] of a dof whose limits are equal: MuJoCo takes none for unlimited."""
+
+UNITS: Mapping[DofKind, str] = {"turn": "rad", "slide": "m", "ball": "rad", "free": ""}
+
+
+def with_checked_limits(robot: Robot, mechanism: Mechanism, keys: GraphSections, log: Diagnostics) -> Robot:
+    """The robot with every limit checked; wrong, missing and doubtful limits are reported."""
+    unknown = _unknown(mechanism.connections, keys.joints)
+    _report_doubts(mechanism.connections, keys.joints, log)
+    robot = check_limits(robot, unknown, log, keys.joints, keys.links, mechanism.has_saved_pose)
+    report_loop_limits(robot, unknown, log)
+    return robot
+
+
+def _unknown(connections: Iterable[Connection], wanted: Mapping[str, JointSection]) -> dict[str, str]:
+    """Why limits in CAD are unknown, by dof, of the dofs that have none in `joints:` either."""
+    return {
+        name: connection.unknown
+        for connection in connections
+        if connection.unknown
+        for name in _without_limits(connection, wanted)
+    }
+
+
+def _report_doubts(
+    connections: Iterable[Connection], wanted: Mapping[str, JointSection], log: Diagnostics
+) -> None:
+    """Limits in CAD that may be meant in another way, of mates whose limits are not all in `joints:`."""
+    for connection in connections:
+        for name in _without_limits(connection, wanted)[:1]:
+            entry = f"joints: {{{as_key(name)}: {{limits: [low, high]}}}}"
+            for text in connection.doubts:
+                log.report("W-LIMIT-DOUBT", text, connection.name, f"type it again on the mate, or {entry}")
+            for text in connection.half_open:
+                log.report(
+                    "I-LIMIT-OPEN", text, connection.name, f"if 0 is meant, type it in Onshape, or {entry}"
+                )
+
+
+def _without_limits(connection: Connection, wanted: Mapping[str, JointSection]) -> list[str]:
+    """The dofs to which `joints:` gives no limits."""
+    given = [glob for glob, keys in wanted.items() if keys.limits is not None]
+    return [dof.name for dof in connection.dofs if not any(fits(dof.name, glob) for glob in given)]
+
+
+def check_limits(
+    robot: Robot,
+    unknown: Mapping[str, str],
+    log: Diagnostics,
+    wanted: Mapping[str, JointSection] | None = None,
+    added: Mapping[str, AddedLinkSection] | None = None,
+    has_saved_pose: bool = True,
+) -> Robot:
+    """Reports missing and contradictory limits; gives locked dofs the small range that engines need.
+
+    `unknown`: why limits that CAD has are unknown, by dof. `wanted` and `added`: the keys `joints` and
+    `links`; limits that they leave open are open on purpose. `has_saved_pose`: whether the source is an
+    assembly with a saved pose.
+    """
+    decided = [glob for glob, keys in (wanted or {}).items() if keys.limits is not None]
+    decided += [joint.name for joint in robot.joints if joint.mate is None and _decides(joint, added or {})]
+    _report_missing(robot, unknown, decided, log, has_saved_pose)
+    idle = {dof.name for loop in robot.loops if loop.type in POINTWISE for dof in loop.dofs}
+    return with_each_dof(robot, lambda dof: dof if dof.name in idle else _checked(dof, log, has_saved_pose))
+
+
+def _decides(joint: Joint, added: Mapping[str, AddedLinkSection]) -> bool:
+    """Whether an added link's own keys give its joint's limits."""
+    keys = added.get(joint.child)
+    return keys is not None and (keys.joint.type == "continuous" or keys.joint.limits is not None)
+
+
+def report_loop_limits(robot: Robot, unknown: Mapping[str, str], log: Diagnostics) -> None:
+    """Reports limits of mates that close loops: unknown ones, and those that no engine enforces."""
+    for loop in robot.loops:
+        for dof in loop.dofs:
+            if dof.name in unknown:
+                text = f"its limits in CAD are unknown: {unknown[dof.name]}"
+                log.report("W-LIMIT", text, dof.name, "leave the mate that closes a loop without limits")
+            if loop.type in POINTWISE and dof.limits != Limits():
+                text = "this mate closes a loop, where its limits are not enforced"
+                hint = "leave one mate of the loop without limits: that mate will close it"
+                log.report("W-LOOP-LIMIT", text, dof.name, hint)
+
+
+def _report_missing(
+    robot: Robot, unknown: Mapping[str, str], decided: Sequence[str], log: Diagnostics, has_saved_pose: bool
+) -> None:
+    """W-LIMIT for every dof of the tree without limits; the last has a block of YAML for all of them.
+
+    A follower is bounded by its driver.
+    """
+    followers = {relation.follower for relation in robot.relations}
+    lacking: list[tuple[Joint, Dof, str]] = []
+    for joint in robot.joints:
+        for dof in joint.dofs:
+            if dof.kind == "free" or _endless(joint) or any(fits(dof.name, glob) for glob in decided):
+                continue
+            if dof.name in unknown:
+                lacking.append((joint, dof, f"its limits in CAD are unknown: {unknown[dof.name]}"))
+            elif dof.kind != "ball" and dof.limits == Limits() and dof.name not in followers:
+                freely = ": it turns freely" if dof.kind == "turn" else ""
+                lacking.append((joint, dof, f"the joint has no limits{freely}"))
+    for joint, dof, text in lacking:
+        hint = f"set them {'on the mate' if has_saved_pose else 'in the file'}, or " if joint.mate else ""
+        hint += _limits_entry(dof)
+        if len(lacking) > 1 and dof is lacking[-1][1]:
+            hint += f"\nall at once, null being open:\n{_block([dof for _, dof, _ in lacking])}"
+        log.report("W-LIMIT", text, dof.name, hint)
+
+
+def _endless(joint: Joint) -> bool:
+    """Whether its source declares that it has no limits, as a URDF's continuous joint does."""
+    return joint.mate is not None and joint.mate.type in ("continuous", "planar")
+
+
+def _limits_entry(dof: Dof, values: str = "low, high") -> str:
+    """The line of YAML that gives a dof its limits."""
+    return f"joints: {{{as_key(dof.name)}: {{limits: [{values}]}}}}  # {UNITS[dof.kind]}"
+
+
+def _block(dofs: Sequence[Dof]) -> str:
+    """YAML that keeps the limits of these dofs as they are."""
+
+    def text(end: float | None) -> str:
+        return "null" if end is None else f"{end:.9g}"
+
+    lines = [
+        f"  {as_key(dof.name)}: {{limits: [{text(dof.limits.lower)}, {text(dof.limits.upper)}]}}"
+        f"  # {UNITS[dof.kind]}"
+        for dof in dofs
+    ]
+    return "\n".join(["joints:", *lines])
+
+
+def _checked(dof: Dof, log: Diagnostics, has_saved_pose: bool) -> Dof:
+    low, high = dof.limits.interval
+    if dof.kind == "ball" and dof.limits.upper is not None and not 0 < high <= math.pi:
+        text = f"invalid cone {high:.6g} rad: must be in (0, π]"
+        log.report("E-LIMIT", text, dof.name, _limits_entry(dof, "null, cone"))
+        return dof
+    if low > high:
+        text = f"the lower limit {low:.6g} is above the upper limit {high:.6g}"
+        hint = f"correct the {'mate' if has_saved_pose else 'file'}, or {_limits_entry(dof)}"
+        log.report("E-LIMIT", text, dof.name, hint)
+        return dof
+    value = measured(dof.saved)
+    if has_saved_pose and value is not None and not dof.limits.contains(value, BEYOND):
+        text = f"its value in the saved pose, {value:.6g}, is outside its limits [{low:.6g}, {high:.6g}]"
+        log.report(
+            "W-SAVED-POSE", text, dof.name, "move the joint into its limits in Onshape, or correct the limits"
+        )
+    if low == high:
+        text = f"the joint is locked at {low:.6g}: it gets a range of {LOCKED_PLAY:g} {UNITS[dof.kind]}"
+        hint = "FASTEN the mate to make one link of it" if has_saved_pose else "make it a fixed joint"
+        log.report("W-LIMIT-LOCKED", f"{text} either way", dof.name, hint)
+        return replace(dof, limits=Limits(low - LOCKED_PLAY, high + LOCKED_PLAY))
+    return dof
+
+
+def measured(value: Value) -> float | None:
+    """The quantity that limits bound: the value itself; of a ball the angle [rad] between the z axes
+    before and after, 2 asin √(x² + y²); None of free motion."""
+    if isinstance(value, float):
+        return value
+    if len(value) != 4:
+        return None
+    w, x, y, z = value
+    return 2.0 * math.atan2(math.hypot(x, y), math.hypot(w, z))

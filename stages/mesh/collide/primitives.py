@@ -1,0 +1,88 @@
+"""Primitives (boxes, spheres, cylinders, capsules) as shapes of a `Geometry`, and points around them."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
+from linkwright.stages.mesh.surfaces.surface import Points, Surface
+from linkwright.stages.robot.dynamics.inertia import primitive_volume
+from linkwright.stages.robot.model.geometry import NEUTRAL, Colour, Role, Shape
+from linkwright.stages.robot.model.robot import Link, Primitive
+
+_AROUND = 48
+_UPWARDS = 24
+
+
+def shapes(link: Link) -> Iterator[Shape]:
+    """The shapes of a link's primitives: for each the collider first, then the visual. What an MJCF source
+    says of a geom is the collider's, if it has one."""
+    for primitive in link.shapes:
+        if primitive.collision:
+            yield replace(collider(link.name, primitive), form=primitive.form)
+        if primitive.visual:
+            shape = _shape(link.name, "visual", primitive, primitive.colour or NEUTRAL)
+            yield shape if primitive.collision else replace(shape, form=primitive.form)
+
+
+def prism(cylinder: Primitive, sides: int) -> Surface | None:
+    """A prism with a cylinder's length and volume, in the link's frame; None where it is too flat.
+
+    The area of a regular polygon of n corners at a distance R is n/2 R² sin(2π/n).
+    """
+    radius, length = cylinder.size
+    step = 2 * math.pi / sides
+    radius *= math.sqrt(step / math.sin(step))
+    ends = (-length / 2, length / 2)
+    turns = [step * corner for corner in range(sides)]
+    corners = [[radius * math.cos(turn), radius * math.sin(turn), end] for end in ends for turn in turns]
+    pose = cylinder.link_from_shape
+    return convex_hull(np.array(corners) @ pose[:3, :3].T + pose[:3, 3])
+
+
+def collider(link: str, primitive: Primitive) -> Shape:
+    """A primitive as a collider of a link."""
+    return _shape(link, "collision", primitive, None)
+
+
+def _shape(link: str, role: Role, primitive: Primitive, colour: Colour | None) -> Shape:
+    volume = primitive_volume(primitive.kind, primitive.size)
+    return Shape(link, role, None, colour, 0, 0, _area(primitive), volume, primitive)
+
+
+def _area(primitive: Primitive) -> float:
+    """The surface [m²]."""
+    if primitive.kind == "box":
+        x, y, z = primitive.size
+        return 2 * (x * y + y * z + z * x)
+    radius = primitive.size[0]
+    ball = 4 * math.pi * radius**2
+    if primitive.kind == "sphere":
+        return ball
+    barrel = 2 * math.pi * radius * primitive.size[1]
+    return barrel + (2 * math.pi * radius**2 if primitive.kind == "cylinder" else ball)
+
+
+def around(primitive: Primitive) -> Points:
+    """(n, 3): points in the link's frame whose convex hull contains the shape and hardly more: around
+    a curved shape they are the corners of polygons."""
+    if primitive.kind == "box":
+        corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+        local = corners * primitive.size / 2
+    else:
+        half = 0.0 if primitive.kind == "sphere" else primitive.size[1] / 2
+        # A polygon of n corners around a circle has its corners at 1 / cos(π/n) of the radius.
+        radius = primitive.size[0] / math.cos(math.pi / _AROUND)
+        if primitive.kind == "cylinder":
+            rings = [(radius, -half), (radius, half)]
+        else:
+            radius /= math.cos(math.pi / (2 * _UPWARDS))
+            angles = np.linspace(0.0, math.pi / 2, _UPWARDS // 2 + 1)
+            upper = [(radius * math.cos(a), half + radius * math.sin(a)) for a in angles]
+            rings = [*upper, *((r, -z) for r, z in upper)]
+        turns = np.arange(_AROUND) * (2 * math.pi / _AROUND)
+        local = np.array([[r * math.cos(a), r * math.sin(a), z] for r, z in rings for a in turns])
+    pose = primitive.link_from_shape
+    return np.asarray(local @ pose[:3, :3].T + pose[:3, 3], dtype=np.float64)

@@ -1,0 +1,121 @@
+"""Options of a decomposition, CoACD's own parameters among them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields, replace
+from typing import Any
+
+from linkwright.stages.robot.errors import ConfigError
+from linkwright.stages.robot.text.globs import did_you_mean
+
+_OF_TOLERANCE = 2.0
+"""CoACD's threshold, where none is given, in tolerances: its measure is the largest distance anywhere, and
+what counts of a collider is that of 95 % of its surface."""
+
+_RANGES: Mapping[str, tuple[float, float]] = {
+    "max_convex_hull": (-1, 1000),
+    "preprocess_resolution": (5, 1000),
+    "resolution": (100, 100_000),
+    "mcts_nodes": (2, 100),
+    "mcts_iterations": (1, 10_000),
+    "mcts_max_depth": (1, 7),
+    "max_ch_vertex": (4, 10_000),
+    "extrude_margin": (0.0, 1.0),
+    "seed": (0, 2**31 - 1),
+}
+"""The least and the largest value: CoACD ends its process, or never comes back, beyond them."""
+
+_WORDS: Mapping[str, tuple[str, ...]] = {"preprocess_mode": ("auto", "on", "off"), "apx_mode": ("ch", "box")}
+
+
+@dataclass(frozen=True, slots=True)
+class Search:
+    """CoACD's parameters, by its names (https://github.com/SarahWeiii/CoACD).
+
+    `threshold` None: twice the tolerance, in metres (`real_metric`). `merge` is off, since the pieces are
+    merged here, by the volume that it adds: that gives a collider of 8 pieces with half the error of
+    CoACD's own. `preprocess_mode` auto: our own closed surface where the mesh is not manifold.
+    """
+
+    threshold: float | None = None
+    max_convex_hull: int = -1
+    preprocess_mode: str = "auto"
+    preprocess_resolution: int = 50
+    resolution: int = 1000
+    mcts_nodes: int = 10
+    mcts_iterations: int = 30
+    mcts_max_depth: int = 2
+    pca: bool = False
+    merge: bool = False
+    decimate: bool = False
+    max_ch_vertex: int = 256
+    extrude: bool = False
+    extrude_margin: float = 0.01
+    apx_mode: str = "ch"
+    seed: int = 0
+    real_metric: bool = False
+
+    def arguments(self, tolerance: float) -> dict[str, Any]:
+        """The arguments of `coacd.run_coacd` for a tolerance [m] and a closed mesh."""
+        given = asdict(self)
+        if self.threshold is None:
+            given.update(threshold=_OF_TOLERANCE * tolerance, real_metric=True)
+        return given | {"preprocess_mode": "on" if self.preprocess_mode == "on" else "off"}
+
+
+EFFORTS: Mapping[str, Search] = {
+    "low": Search(mcts_iterations=15),
+    "normal": Search(),
+    "high": Search(mcts_nodes=20, mcts_iterations=100, mcts_max_depth=3, resolution=2000),
+}
+"""How thoroughly each effort searches."""
+
+
+def search(effort: str, given: Mapping[str, Any]) -> Search:
+    """The parameters of an effort with those that the user gave; ConfigError where one is wrong."""
+    names = [one.name for one in fields(Search)]
+    for name, value in given.items():
+        where = f"mesh.coacd.{name}"
+        if name not in names:
+            hint = did_you_mean(name, names) or f"there are {', '.join(names)}"
+            raise ConfigError("CoACD has no such parameter", where, hint)
+        problem = _problem(name, value)
+        if problem:
+            raise ConfigError(f"{value!r} is {problem}", where)
+    result = replace(EFFORTS[effort], **given)
+    if result.threshold is not None and not result.real_metric and not 0.01 <= result.threshold <= 1.0:
+        msg = f"{result.threshold:g} is not between 0.01 and 1"
+        raise ConfigError(msg, "mesh.coacd.threshold", "with real_metric: true it is a length in metres")
+    if result.max_convex_hull > 0 and not result.merge:
+        raise ConfigError("it needs merge: true", "mesh.coacd.max_convex_hull", "or leave it out")
+    return result
+
+
+def _problem(name: str, value: Any) -> str:
+    """What is wrong with the value of a parameter, or nothing."""
+    if name == "threshold":
+        good = isinstance(value, int | float) and not isinstance(value, bool) and 0 < value < math.inf
+        return "" if good or value is None else "no positive number"
+    if name in _WORDS:
+        return "" if value in _WORDS[name] else f"none of {', '.join(_WORDS[name])}"
+    if name not in _RANGES:
+        return "" if isinstance(value, bool) else "neither true nor false"
+    if isinstance(value, bool) or not isinstance(value, int | float if name == "extrude_margin" else int):
+        return "no number" if name == "extrude_margin" else "no whole number"
+    least, most = _RANGES[name]
+    return "" if least <= value <= most else f"not between {least:g} and {most:g}"
+
+
+@dataclass(frozen=True, slots=True)
+class DecomposeOptions:
+    """How CoACD decomposes a part: the tolerance of its collider [m] and the parameters."""
+
+    tolerance: float
+    search: Search = field(default_factory=Search)
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """The arguments of `coacd.run_coacd`."""
+        return self.search.arguments(self.tolerance)

@@ -1,0 +1,29 @@
+"""Closed surfaces as bodies of the boolean library, and back."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from linkwright.stages.mesh.surfaces.surface import Surface
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+
+def body_of(surface: Surface) -> Manifold | None:
+    """A surface as a body, inside out as it is; None where the library takes it for no manifold, or as
+    empty."""
+    from manifold3d import Error, Manifold, Mesh64
+
+    points = np.ascontiguousarray(surface.vertices, dtype=np.float64)
+    body = Manifold(Mesh64(points, np.ascontiguousarray(surface.triangles, dtype=np.uint64)))
+    return None if body.status() != Error.NoError or body.is_empty() else body
+
+
+def surface_of_body(body: Manifold) -> Surface:
+    """The surface of a body."""
+    mesh = body.to_mesh64()
+    vertices = np.array(mesh.vert_properties, dtype=np.float64)[:, :3]
+    return Surface(vertices, np.array(mesh.tri_verts).astype(np.int64))

@@ -1,0 +1,129 @@
+"""Rigid transforms and rotations: (4, 4) and (3, 3) arrays, quaternions as (w, x, y, z)."""
+
+import math
+
+import numpy as np
+
+from linkwright.stages.robot.model.robot import Array, DofKind, Value, frozen
+
+UNMOVED = frozen(np.eye(4))
+"""The pose (4, 4) of what has not moved; not to be written to."""
+
+
+def inverse(a_from_b: Array) -> Array:
+    """b_from_a of a rigid (or reflecting) transform (4, 4)."""
+    rotation = a_from_b[:3, :3]
+    out = UNMOVED.copy()
+    out[:3, :3] = rotation.T
+    out[:3, 3] = -rotation.T @ a_from_b[:3, 3]
+    return out
+
+
+def from_parts(rotation: Array, position: Array) -> Array:
+    """The (4, 4) transform with this rotation (3, 3) and position (3,)."""
+    out = UNMOVED.copy()
+    out[:3, :3] = rotation
+    out[:3, 3] = position
+    return out
+
+
+def at_rest(kind: DofKind) -> Value:
+    """The value of a dof that moves nothing."""
+    if kind == "ball":
+        return (1.0, 0.0, 0.0, 0.0)
+    if kind == "free":
+        return (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+    return 0.0
+
+
+def motion(kind: DofKind, axis: Array, value: Value) -> Array:
+    """The transform of a dof at `value` (see `model.Value`); `axis` (3,) of a turn or a slide."""
+    out = UNMOVED.copy()
+    if isinstance(value, tuple):
+        out[:3, :3] = rotation_from_quat(np.array(value[-4:]))
+        out[:3, 3] = value[:-4] or 0.0
+    elif kind == "slide":
+        out[:3, 3] = np.asarray(axis) * value
+    elif value:
+        out[:3, :3] = turn(axis, value)
+    return out
+
+
+def turn(axis: Array, angle: float) -> Array:
+    """Rodrigues' rotation (3, 3) by `angle` [rad] about the unit vector `axis` (3,)."""
+    x, y, z = axis
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    # 1 − cos from the half angle keeps full precision near zero.
+    rotation: Array = np.eye(3) + math.sin(angle) * cross + 2.0 * math.sin(angle / 2.0) ** 2 * (cross @ cross)
+    return rotation
+
+
+def rotation_from_rpy(rpy: tuple[float, float, float]) -> Array:
+    """URDF's roll, pitch, yaw [rad], extrinsic xyz: Rz(yaw) Ry(pitch) Rx(roll)."""
+    roll, pitch, yaw = rpy
+    x, y, z = np.eye(3)
+    return turn(z, yaw) @ turn(y, pitch) @ turn(x, roll)
+
+
+def rpy_from_rotation(rotation: Array) -> tuple[float, float, float]:
+    """Roll, pitch, yaw [rad] of a rotation (3, 3): URDF's extrinsic xyz.
+
+    Exact near pitch = ±90° too: there roll is what the yaw chosen from the last two rows leaves,
+    so that the product is the rotation again whatever the split between roll and yaw.
+    """
+    r = rotation
+    cos_pitch = math.hypot(r[0, 0], r[1, 0])
+    pitch = math.atan2(-r[2, 0], cos_pitch)
+    # At ±90° both arguments are rounding noise and any yaw will do: 0 reads best.
+    yaw = math.atan2(r[1, 0], r[0, 0]) if cos_pitch > 1e-15 else 0.0
+    # With the yaw taken off, Ry(pitch) Rx(roll) has these in its middle row.
+    sin_yaw, cos_yaw = math.sin(yaw), math.cos(yaw)
+    roll = math.atan2(
+        sin_yaw * r[0, 2] - cos_yaw * r[1, 2],
+        cos_yaw * r[1, 1] - sin_yaw * r[0, 1],
+    )
+    return roll, pitch, yaw
+
+
+def quat_from_rotation(rotation: Array) -> Array:
+    """The unit quaternion (4,) as (w, x, y, z), w ≥ 0, of a rotation (3, 3).
+
+    Shepperd's method: the largest of the four squares is the divisor, so no branch loses digits.
+    """
+    r: list[list[float]] = np.asarray(rotation, dtype=float).tolist()
+    trace = r[0][0] + r[1][1] + r[2][2]
+    squares = [trace, r[0][0], r[1][1], r[2][2]]
+    largest = squares.index(max(squares))
+    if largest == 0:
+        q = [1 + trace, r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]]
+    else:
+        i = largest - 1
+        j, k = (i + 1) % 3, (i + 2) % 3
+        q = [r[k][j] - r[j][k], 0.0, 0.0, 0.0]
+        q[1 + i] = 1 + r[i][i] - r[j][j] - r[k][k]
+        q[1 + j] = r[j][i] + r[i][j]
+        q[1 + k] = r[k][i] + r[i][k]
+    length = math.copysign(math.hypot(*q), q[0])
+    return np.array([part / length for part in q])
+
+
+def rotation_from_quat(quat: Array) -> Array:
+    """The rotation (3, 3) of a quaternion (w, x, y, z), normalised here."""
+    w, x, y, z = np.asarray(quat, dtype=float) / np.linalg.norm(quat)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def turns_from_rotation(rotation: Array) -> tuple[float, float, float]:
+    """(x, y, z) [rad] with Rx(x) Ry(y) Rz(z) = `rotation` (3, 3); z is 0 where y is ±90°."""
+    r = rotation
+    y = math.atan2(r[0, 2], math.hypot(r[0, 0], r[0, 1]))
+    z = math.atan2(-r[0, 1], r[0, 0]) if math.hypot(r[0, 0], r[0, 1]) > 1e-12 else 0.0
+    # With z taken off, Rx Ry has (0, cos x, sin x) for its second column.
+    second = math.cos(z) * r[:, 1] + math.sin(z) * r[:, 0]
+    return math.atan2(second[2], second[1]), y, z

@@ -1,0 +1,34 @@
+"""The robot's own kinematics: poses of its links at any configuration."""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from linkwright.stages.robot.model.poses import UNMOVED, at_rest, motion
+from linkwright.stages.robot.model.robot import Array, Configuration, Dof, Robot
+
+
+def link_poses(robot: Robot, q: Configuration | None = None) -> dict[str, Array]:
+    """root_from_link (4, 4) of every link at the values `q`; a missing one is 0 (no motion)."""
+    poses: dict[str, Array] = {robot.root.name: np.eye(4)}
+    for joint in robot.joints:
+        poses[joint.child] = poses[joint.parent] @ joint.parent_from_joint @ chain(joint.dofs, q or {})
+    return poses
+
+
+def chain(dofs: Iterable[Dof], q: Configuration) -> Array:
+    """before_from_after (4, 4) of dofs in a row at the values `q`; a missing one is 0."""
+    pose: Array = UNMOVED
+    for dof in dofs:
+        pose = pose @ dof.origin @ motion(dof.kind, dof.axis, q.get(dof.name, at_rest(dof.kind)))
+    return pose
+
+
+def saved_configuration(robot: Robot) -> Configuration:
+    """Values of the saved pose."""
+    return {dof.name: dof.saved for dof in robot.dofs}
+
+
+def rest_configuration(robot: Robot) -> Configuration:
+    """Every value zero: no motion."""
+    return {dof.name: at_rest(dof.kind) for dof in robot.dofs}

@@ -1,0 +1,314 @@
+"""Guest processes: code that reads untrusted input runs in its own process, within limits.
+
+A guest is a module with a function `answer(request: bytes) -> bytes`. Its process is Python's isolated mode
+with the libraries of this one, an environment of what it is given and no more, no terminal, and no input but
+its requests; a crash does not affect this process. The guest and its children are ended where they exceed a
+limit of time or memory, and where this process is interrupted or ends.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from queue import SimpleQueue
+from typing import IO
+
+from linkwright.stages.robot.errors import ConfigError, LinkwrightError, SourceError
+from linkwright.stages.robot.system import process_usage
+
+_MAIN = Path(__file__).with_name("guestmain.py")
+_PACKAGE = str(Path(__file__).parents[2])
+"""The folder that holds `stages`."""
+
+_OF_THE_LOADER = ("LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "DYLD_FALLBACK_LIBRARY_PATH")
+"""Variables without which Python may not start; a guest does not see them."""
+
+_OF_WINDOWS = ("SYSTEMROOT", "SYSTEMDRIVE", "TEMP", "TMP")
+
+_ERRORS: Mapping[str, type[LinkwrightError]] = {"SourceError": SourceError, "ConfigError": ConfigError}
+_KINDS = (b"R", b"E")
+"""A reply, and an error."""
+
+_HEAD = 9
+"""Bytes before a reply: its kind and its length."""
+
+_LOOK = 0.05
+"""How often a guest's time and memory are looked at [s]."""
+
+_LOOK_BY_PS = 0.5
+_PATIENCE = 5.0
+"""How long a guest may take to end after its reply [s]."""
+
+_KEPT = 0.25
+"""A process that still has so much of its memory limit after a reply is not asked again."""
+
+_LONGEST_LINE = 200
+
+
+ONE_THREAD = dict.fromkeys(
+    (
+        "OMP_NUM_THREADS",
+        "OPENBLAS_NUM_THREADS",
+        "MKL_NUM_THREADS",
+        "BLIS_NUM_THREADS",
+        "VECLIB_MAXIMUM_THREADS",
+        "NUMEXPR_NUM_THREADS",
+    ),
+    "1",
+)
+"""Variables for a guest that computes: more threads gain nothing, and the order of their sums is not ours."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """Limits of a guest: time [s], resident memory and the length of its reply [bytes].
+
+    The time is that of the wall clock. One that only computes is given its processor time instead, and
+    `shared` times as much of the clock's, so that a machine with much else to do gives the same results.
+    Where a system does not show the memory of a process (Windows), time alone is bounded.
+    """
+
+    seconds: float
+    memory: int
+    reply: int
+    shared: float = 1.0
+
+
+class Ended(Exception):
+    """A guest ended without a reply; the text continues a sentence after its name: "took longer than 60
+    s"."""
+
+
+class _Broken(Ended):
+    """Ended, in a way that an earlier request may be to blame for."""
+
+
+class Guest:
+    """A process that answers request after request, of one thread at a time.
+
+    It starts with the first request, and anew after each that it does not survive; whoever has it closes it.
+    It also ends where another thread sets `halt`.
+    """
+
+    def __init__(
+        self,
+        module: str,
+        bounds: Bounds,
+        environ: Mapping[str, str],
+        halt: threading.Event | None = None,
+    ) -> None:
+        self._module, self._bounds, self._halt = module, bounds, halt
+        self._environ = {**_taken(_OF_WINDOWS), **environ}
+        self._process: _Process | None = None
+
+    def ask(self, request: bytes) -> bytes:
+        """The reply of `module` to `request`, in a process with the variables `environ` and, on Windows, the
+        few that the system needs.
+
+        Raises the guest's own SourceError or ConfigError, and Ended without a complete reply, which includes
+        that another thread sets `halt`.
+        """
+        used = self._process is not None
+        try:
+            return self._answer(request)
+        except _Broken:
+            if not used:
+                raise
+        # An earlier request may have broken the process: each has the same result whatever came before it.
+        return self._answer(request)
+
+    def _answer(self, request: bytes) -> bytes:
+        self._process = process = self._process or _Process(self._module, self._environ, self._bounds)
+        try:
+            reply = process.reply(request, self._halt)
+        except BaseException:
+            self.close()
+            raise
+        if process.resident() > _KEPT * self._bounds.memory:
+            self.close()
+        return reply
+
+    def close(self) -> None:
+        """Ends the process with all that it started; no process is left behind."""
+        if self._process is not None:
+            self._process.end()
+            self._process = None
+
+
+def ask(
+    module: str,
+    request: bytes,
+    bounds: Bounds,
+    environ: Mapping[str, str],
+    halt: threading.Event | None = None,
+) -> bytes:
+    """The reply of a guest that is asked nothing else."""
+    with contextlib.closing(Guest(module, bounds, environ, halt)) as guest:
+        return guest.ask(request)
+
+
+class _Process:
+    """A process, with a thread for each of its three streams."""
+
+    def __init__(self, module: str, environ: Mapping[str, str], bounds: Bounds) -> None:
+        self._bounds = bounds
+        self._output = bytearray()
+        self._error_output = bytearray()
+        self._replied = threading.Event()
+        self._requests: SimpleQueue[bytes] = SimpleQueue()
+        try:
+            self._process = subprocess.Popen(
+                [sys.executable, "-I", "-X", "utf8", str(_MAIN)],
+                env={**_taken(_OF_THE_LOADER), **environ},
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                bufsize=0,
+                start_new_session=True,
+            )
+        except OSError as error:
+            msg = f"could not be started ({error.strerror or type(error).__name__})"
+            raise Ended(msg) from None
+        head = {
+            "module": module,
+            "package": _PACKAGE,
+            "path": _libraries(),
+            "seconds": bounds.shared * bounds.seconds + _PATIENCE,
+            "parent": os.getpid(),
+            "environ": sorted(environ),
+        }
+        self._requests.put(json.dumps(head).encode() + b"\n")
+        self._thread(self._send)
+        self._thread(self._read_output)
+        self._errors = self._thread(self._read_errors)
+
+    def reply(self, request: bytes, halt: threading.Event | None) -> bytes:
+        if self._output:
+            raise _Broken("replied before it was asked")
+        started, before = time.monotonic(), process_usage.computed(self._process.pid, 0.0)
+        self._requests.put(len(request).to_bytes(8, "big") + request)
+        look = _LOOK if process_usage.is_quick() else _LOOK_BY_PS
+        while not self._replied.wait(look):
+            if halt is not None and halt.is_set():
+                raise Ended("was interrupted")
+            if self._spent(time.monotonic() - started, before) > self._bounds.seconds:
+                raise Ended(f"took longer than {self._bounds.seconds:g} s")
+            if self.resident() > self._bounds.memory:
+                raise _Broken(f"needed more than {self._bounds.memory / 1e9:.3g} GB of memory")
+        kind, length = bytes(self._output[:1]), int.from_bytes(self._output[1:_HEAD], "big")
+        body = bytes(self._output[_HEAD:])
+        if len(body) > self._bounds.reply:
+            raise Ended(f"made more than {self._bounds.reply / 1e6:.3g} MB")
+        if kind not in _KINDS or len(body) != length:
+            raise _Broken(self._how_it_ended())
+        if kind == b"E":
+            raise _error(body)
+        self._replied.clear()
+        self._output.clear()
+        self._error_output.clear()
+        return body
+
+    def resident(self) -> int:
+        """Its resident memory [bytes]."""
+        return process_usage.resident(self._process.pid)
+
+    def _spent(self, passed: float, before: float) -> float:
+        """The time [s] that counts, of what the clock says has passed; `before`: what the process had
+        computed by then."""
+        if self._bounds.shared == 1.0:
+            return passed
+        used = process_usage.computed(self._process.pid, before + passed) - before
+        return max(passed / self._bounds.shared, min(used, passed))
+
+    def end(self) -> None:
+        self._requests.put(b"")
+        with contextlib.suppress(OSError):
+            if hasattr(os, "killpg"):
+                os.killpg(self._process.pid, signal.SIGKILL)
+            else:
+                self._process.kill()
+        self._process.wait()
+
+    def _thread(self, work: Callable[..., None], *arguments: object) -> threading.Thread:
+        thread = threading.Thread(target=work, args=arguments, name="guest", daemon=True)
+        thread.start()
+        return thread
+
+    def _send(self) -> None:
+        """Sends what is in the queue, until that is nothing."""
+        with contextlib.suppress(OSError), _stream(self._process.stdin) as stream:
+            while rest := memoryview(self._requests.get()):
+                while rest:
+                    rest = rest[stream.write(rest) :]
+
+    def _read_output(self) -> None:
+        with contextlib.suppress(OSError), _stream(self._process.stdout) as stream:
+            while len(self._output) <= self._bounds.reply + _HEAD and (piece := stream.read(1 << 20)):
+                self._output += piece
+                if self._complete():
+                    self._replied.set()
+        self._replied.set()
+
+    def _complete(self) -> bool:
+        """Whether the output holds a whole reply, or what is not the beginning of a reply."""
+        if self._output[:1] not in _KINDS:
+            return True
+        return len(self._output) >= _HEAD + int.from_bytes(self._output[1:_HEAD], "big")
+
+    def _read_errors(self) -> None:
+        """Keeps the end of the guest's other output."""
+        with contextlib.suppress(OSError), _stream(self._process.stderr) as stream:
+            while piece := stream.read(1 << 16):
+                self._error_output[:] = (self._error_output + piece)[-4096:]
+
+    def _how_it_ended(self) -> str:
+        self._requests.put(b"")
+        self._errors.join(_PATIENCE)
+        try:
+            status = self._process.wait(_PATIENCE)
+        except subprocess.TimeoutExpired:
+            return "gave no reply"
+        if -status == getattr(signal, "SIGPROF", 0):
+            return "took more of the processor than the sizes of its files explain"
+        if status < 0:
+            name = signal.Signals(-status).name if -status in list(signal.Signals) else str(-status)
+            return f"crashed ({name})"
+        lines = self._error_output.decode("utf-8", "replace").strip().splitlines()
+        return f"failed ({lines[-1][:_LONGEST_LINE]})" if lines else f"ended with status {status}"
+
+
+def _stream(pipe: IO[bytes] | None) -> IO[bytes]:
+    assert pipe is not None
+    return pipe
+
+
+def _taken(names: Iterable[str]) -> dict[str, str]:
+    """Those of this process's variables."""
+    return {name: os.environ[name] for name in names if name in os.environ}
+
+
+def _libraries() -> list[str]:
+    """The library path of this process, without the working folder and the script's folder."""
+    beside = {os.path.abspath(""), os.path.dirname(os.path.abspath(sys.argv[0]))}  # noqa: PTH100, PTH120
+    found = [os.path.abspath(place) for place in sys.path if place]  # noqa: PTH100
+    return list(dict.fromkeys(place for place in found if place not in beside))
+
+
+def _error(body: bytes) -> LinkwrightError:
+    """The error that a guest reports; Ended where it is not a valid one."""
+    try:
+        fields = json.loads(body)
+        kind = _ERRORS[fields["kind"]]
+        message, where, hint = (str(fields[name])[:2000] for name in ("message", "where", "hint"))
+    except (ValueError, KeyError, TypeError, RecursionError):
+        raise Ended("reported an invalid error") from None
+    return kind(message, where, hint)

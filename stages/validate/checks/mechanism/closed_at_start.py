@@ -1,0 +1,24 @@
+"""A fresh simulation starts with its loops closed: at qpos0 every equality of an MJCF holds."""
+
+from collections.abc import Iterator
+
+import mujoco
+
+from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.text.plural import count
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.model.equalities import CLOSED, open_equalities, violation
+
+CODE = "C-CLOSED"
+
+
+def check(compiled: CompiledModel) -> Iterator[Check]:
+    if compiled.urdf or not compiled.model.neq:
+        return
+    data = mujoco.MjData(compiled.model)
+    mujoco.mj_forward(compiled.model, data)
+    robot = compiled.robot
+    parts = f"{count(len(robot.loops), 'loop')} and {count(len(robot.relations), 'relation')}"
+    detail = f"{parts} at qpos0, distance from closed [m, rad]"
+    found = open_equalities(compiled.model, data)
+    yield compiled.within("closed at qpos0", violation(compiled.model, data), CLOSED, detail, found)

@@ -1,0 +1,41 @@
+"""The inertial of each body can be that of its shapes."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from linkwright.stages.robot.check import Check
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.findings import link
+from linkwright.stages.validate.model import inertials
+from linkwright.stages.validate.model.body_shapes import extents
+from linkwright.stages.validate.model.inertials import ShapedInertial
+from linkwright.stages.validate.model.poses import rotation
+
+CODE = inertials.CODE
+
+
+def check(compiled: CompiledModel) -> Iterator[Check]:
+    """None where no body has both a mass and a shape."""
+    bodies = (_body(compiled.model, body) for body in range(1, compiled.model.nbody))
+    return inertials.checks(compiled.path.name, (body for body in bodies if body is not None))
+
+
+def _body(model: Any, body: int) -> ShapedInertial | None:
+    shapes = extents(model, body)
+    if shapes is None:
+        return None
+    element = link(model.body(body).name, urdf=False)
+    return ShapedInertial(
+        mass=float(model.body_mass[body]),
+        com=model.body_ipos[body],
+        moments=model.body_inertia[body],
+        axes=rotation(model.body_iquat[body]),
+        shapes=shapes,
+        moves=bool(model.body_weldid[body]),
+        places={
+            "inertia": (element, "inertial diaginertia"),
+            "center": (element, "inertial pos"),
+            "mass": (element, "inertial mass"),
+            "shape": (element, "geom"),
+        },
+    )

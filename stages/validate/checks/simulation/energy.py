@@ -1,0 +1,27 @@
+"""The robot keeps its energy where nothing takes any: its masses, inertias and joints make one mechanism.
+
+Without contacts, limits, friction, damping, springs, closed loops and actuators, from seeded speeds.
+"""
+
+from collections.abc import Iterator
+
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.simulate.energy import DRIFT, drift_of_energy
+
+CODE = "C-ENERGY"
+
+
+def check(compiled: CompiledModel) -> Iterator[Check]:
+    model = compiled.model
+    if not model.nv:
+        return
+    drift = drift_of_energy(model)
+    step, value = drift.by_step[-1]
+    detail = f"drift per second relative to the largest kinetic energy, with steps of {step:g} s"
+    if value >= DRIFT and drift.conserved:
+        detail += f"; with twice the step {drift.by_step[-2][1]:.2g}: the integrator's own"
+    words = f"the passive robot gains or loses {value:.2g} of its kinetic energy in a second"
+    findings = [Finding("option", "timestep", f"{words}, with steps of {step:g} s: see the lightest bodies")]
+    limit = None if drift.conserved and value >= DRIFT else DRIFT
+    yield compiled.result("energy", drift.conserved, detail, value, limit, findings)

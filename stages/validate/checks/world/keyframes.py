@@ -1,0 +1,114 @@
+"""The keyframes: the saved pose as `cad`, where loops and relations hold, `home`, and the user's own."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from linkwright.stages.mujoco.state import at_key, at_keyframe, keyframe_of
+from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.model.poses import inverse
+from linkwright.stages.robot.model.robot import Configuration, Robot
+from linkwright.stages.robot.motion.kinematics import link_poses
+from linkwright.stages.robot.motion.start_pose import HOME, SAVED, keyframes
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.findings import few, named, shown, worst_first
+from linkwright.stages.validate.model.coordinates import (
+    SAME,
+    distance,
+    joint_index,
+    joints_of,
+    link_pose,
+    root_pose,
+)
+from linkwright.stages.validate.model.equalities import CLOSED, open_equalities, violation
+from linkwright.stages.validate.read.compiled import read_compiled
+from linkwright.stages.validate.same.motion import found_differences
+
+CODE = "C-KEYFRAME"
+
+OWN = "the pose nearest to `home` with the values that the configuration gives"
+MEANINGS = {
+    HOME: "the pose nearest to the saved one within the limits, or with the values that are given",
+    SAVED: "the saved pose",
+}
+
+
+def check(compiled: CompiledModel) -> Iterator[Check]:
+    if compiled.urdf or not compiled.model.nq or not compiled.has_keyframes:
+        return
+    yield from (_keyframe(compiled, name, pose) for name, pose in keyframes(compiled.robot).items())
+    yield _at_rest(compiled)
+    if keyframe_of(compiled.model, SAVED) >= 0:
+        yield _closed(compiled)
+
+
+def _at_rest(compiled: CompiledModel) -> Check:
+    """In each of the robot's keyframes nothing moves."""
+    model, found = compiled.model, []
+    for name in keyframes(compiled.robot):
+        key = keyframe_of(model, name)
+        for at in np.flatnonzero(model.key_qvel[key]) if key >= 0 and not compiled.sets("qvel") else ():
+            joint = model.joint(int(model.dof_jntid[at])).name
+            message = f"moves {joint} at {shown(model.key_qvel[key][at])}, expected 0"
+            found.append(Finding(named("key", name), "qvel", message))
+    moving = list(dict.fromkeys(one.element for one in found))
+    detail = f"something moves in {', '.join(moving)}" if moving else "nothing moves in the keyframes"
+    return compiled.within("keyframes at rest", float(len(found)), 0.0, detail, few(found))
+
+
+def _keyframe(compiled: CompiledModel, name: str, pose: Configuration) -> Check:
+    """The values and links of one keyframe against those that the robot says."""
+    model = compiled.model
+    key = keyframe_of(model, name)
+    if key < 0:
+        missing = Finding(named("key", name), "name", "there is no keyframe of this name")
+        detail = f"there is no keyframe {name}"
+        return compiled.result(f"keyframe {name}", False, detail, findings=(missing,))
+    data = at_key(model, key)
+    mujoco.mj_kinematics(model, data)
+    off = _difference(model, data, compiled.robot, pose)
+    detail = f"values and links against {MEANINGS.get(name, OWN)}"
+    findings = () if off <= SAME else _findings(compiled, key, name, pose)
+    return compiled.within(f"keyframe {name}", off, SAME, detail, findings)
+
+
+def _findings(compiled: CompiledModel, key: int, name: str, pose: Configuration) -> tuple[Finding, ...]:
+    """The joints whose values the keyframe has otherwise; without any, what carries the links."""
+    model, off = compiled.model, []
+    for joint, _, dof in joints_of(compiled.robot, urdf=False):
+        value = pose[dof.name]
+        if isinstance(value, tuple):
+            continue
+        found = float(model.key_qpos[key][model.jnt_qposadr[joint_index(model, joint)]])
+        if not abs(found - value) <= SAME:
+            message = f"puts {joint} at {shown(found)}, expected {shown(value)}"
+            off.append((abs(found - value), Finding(named("key", name), "qpos", message)))
+    return worst_first(off) or found_differences(read_compiled(compiled)) or (_turned(name),)
+
+
+def _turned(name: str) -> Finding:
+    return Finding(named("key", name), "qpos", "puts a ball or a free body elsewhere than the robot's pose")
+
+
+def _closed(compiled: CompiledModel) -> Check:
+    model, data = compiled.model, at_keyframe(compiled.model, SAVED)
+    mujoco.mj_forward(model, data)
+    detail = "loops and relations in the saved pose, distance from closed [m, rad]"
+    found = open_equalities(model, data)
+    return compiled.within(f"closed in keyframe {SAVED}", violation(model, data), CLOSED, detail, found)
+
+
+def _difference(model: Any, data: Any, robot: Robot, pose: Configuration) -> float:
+    """The largest difference from the values `pose`: of values [rad, m] and of links [m, rad]."""
+    scalars = [(name, pose[dof.name]) for name, _, dof in joints_of(robot, urdf=False)]
+    off = [
+        abs(float(data.qpos[model.jnt_qposadr[joint_index(model, name)]]) - value)
+        for name, value in scalars
+        if not isinstance(value, tuple)
+    ]
+    root_from_world = inverse(root_pose(model, data, robot))
+    for name, expected in link_poses(robot, pose).items():
+        off.append(distance(root_from_world @ link_pose(model, data, robot, name), expected))
+    return max(off, default=0.0)

@@ -1,0 +1,125 @@
+"""What MuJoCo finds in a compiled model: poses, mass matrix and forces, without contact and armature."""
+
+from collections.abc import Callable
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from linkwright.stages.robot.dynamics.statics import GRAVITY
+from linkwright.stages.robot.model.robot import Array, Robot, Value
+from linkwright.stages.robot.motion.pose_batch import Values
+from linkwright.stages.validate.dynamics.tree_dynamics import Moving, scalar_dofs
+from linkwright.stages.validate.model.coordinates import (
+    body_from_link,
+    body_index,
+    joint_index,
+    link_pose,
+    root_pose,
+    set_values,
+)
+
+
+def in_mujoco(
+    model: Any, robot: Robot, values: Values, speeds: Array, vectors: Array | None, urdf: bool
+) -> tuple[Moving, Array]:
+    """As `PosedRobot.moving`, and what gravity is against there (n, 3), in the root's axes, which a scene may
+    turn."""
+    kept = model.opt.gravity.copy(), int(model.opt.disableflags)
+    model.opt.gravity[:], model.opt.disableflags = GRAVITY, 0
+    try:
+        return _read(model, robot, values, speeds, vectors, urdf)
+    finally:
+        model.opt.gravity[:], model.opt.disableflags = kept
+
+
+def _read(
+    model: Any, robot: Robot, values: Values, speeds: Array, vectors: Array | None, urdf: bool
+) -> tuple[Moving, Array]:
+    data = mujoco.MjData(model)
+    joints = [joint_index(model, dof.name) for dof in scalar_dofs(robot)]
+    rows, places = model.jnt_dofadr[joints], model.jnt_qposadr[joints]
+    plain = {dof.name for dof in scalar_dofs(robot)} == {dof.name for dof in robot.dofs}
+    count, size = speeds.shape
+    poses = np.empty((len(robot.links), count, 4, 4))
+    mass = np.empty((count, size, size if vectors is None else vectors.shape[1]))
+    gravity, bias, up = np.empty((count, size)), np.empty((count, size)), np.empty((count, 3))
+    force = np.empty(model.nv)
+    loops = {dof.name: dof.saved for loop in robot.loops for dof in loop.dofs}
+    places_of_links = _links(model, robot)
+    mujoco.mj_resetData(model, data)
+    for index in range(count):
+        if plain and not loops:
+            data.qpos[places] = [values[dof.name][index] for dof in robot.dofs]
+        else:
+            set_values(model, data, robot, loops | _one(values, index), urdf)
+        data.qvel[:] = 0
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        world_from_root = root_pose(model, data, robot)
+        poses[:, index] = np.linalg.inv(world_from_root) @ places_of_links(data)
+        up[index] = -world_from_root[:3, :3].T @ GRAVITY
+        mass[index] = _whole(model, data, rows) if vectors is None else _products(model, data, rows, vectors)
+        mujoco.mj_comVel(model, data)
+        mujoco.mj_rne(model, data, 0, force)
+        gravity[index] = force[rows]
+        data.qvel[rows] = speeds[index]
+        mujoco.mj_comVel(model, data)
+        mujoco.mj_rne(model, data, 0, force)
+        bias[index] = force[rows] - gravity[index]
+    every = {link.name: poses[at] for at, link in enumerate(robot.links)}
+    return Moving(every, mass, gravity, bias), up
+
+
+def _whole(model: Any, data: Any, rows: Array) -> Array:
+    """The mass matrix (k, k) of these rows."""
+    mujoco.mj_makeM(model, data)
+    mass, column = np.empty((len(rows), len(rows))), np.empty(model.nv)
+    for row, unit in enumerate(np.eye(model.nv)[rows]):
+        mujoco.mj_mulM(model, data, column, unit)
+        mass[row] = column[rows]
+    mass -= np.diag(model.dof_armature[rows])
+    return mass
+
+
+def _products(model: Any, data: Any, rows: Array, vectors: Array) -> Array:
+    """The mass matrix's products (k, v) with these vectors (k, v): the forces of such accelerations, at rest
+    and without gravity."""
+    found, force = np.empty(vectors.shape), np.empty(model.nv)
+    model.opt.gravity[:] = 0.0
+    data.qacc[:] = 0.0
+    mujoco.mj_comVel(model, data)
+    for at, vector in enumerate(vectors.T):
+        data.qacc[rows] = vector
+        mujoco.mj_rne(model, data, 1, force)
+        found[:, at] = force[rows]
+    model.opt.gravity[:] = GRAVITY
+    return found
+
+
+def _links(model: Any, robot: Robot) -> Callable[[Any], Array]:
+    """What gives world_from_link (links, 4, 4) of every link, in order: as `link_pose`, at once."""
+    bodies = np.array([body_index(model, link.name) for link in robot.links])
+    plain = bodies >= 0
+    others = [at for at, link in enumerate(robot.links) if not plain[at] or link.name == robot.root.name]
+    bodies = np.where(plain, bodies, 0)
+    places = np.array([body_from_link(robot, link.name) for link in robot.links])
+
+    def read(data: Any) -> Array:
+        found = np.zeros((len(bodies), 4, 4))
+        found[:, :3, :3] = data.xmat[bodies].reshape(-1, 3, 3)
+        found[:, :3, 3], found[:, 3, 3] = data.xpos[bodies], 1.0
+        found = np.asarray(found @ places)
+        for at in others:
+            found[at] = link_pose(model, data, robot, robot.links[at].name)
+        return found
+
+    return read
+
+
+def _one(values: Values, index: int) -> dict[str, Value]:
+    """One of the configurations."""
+    return {
+        name: float(every[index]) if every.ndim == 1 else tuple(map(float, every[index]))
+        for name, every in values.items()
+    }

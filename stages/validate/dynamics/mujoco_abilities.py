@@ -1,0 +1,67 @@
+"""Features of the installed MuJoCo, found by tests, since versions differ."""
+
+import functools
+import itertools
+import math
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from linkwright.stages.formats.xml import parse
+from linkwright.stages.robot.model.robot import Array
+from linkwright.stages.validate.model.poses import rotation
+
+_PROBES = [
+    (np.array(moments), np.array(quat))
+    for moments in ((1.0, 0.9, 0.6), (1.0, 0.99, 0.1), (1.0, 0.55, 0.5))
+    for quat in itertools.product((0.3, 1.0), (-0.7, 0.2), (0.4, 0.9), (-0.1, 0.5))
+]
+"""Tensors to measure with: principal moments, and the quaternion (not normalised) of their axes."""
+
+_SOLID = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+_MIMIC = f"""<robot name="r"><link name="a"/><link name="b">{_SOLID}</link><link name="c">{_SOLID}</link>
+<joint name="p" type="continuous"><parent link="a"/><child link="b"/></joint>
+<joint name="q" type="continuous"><parent link="a"/><child link="c"/><mimic joint="p"/></joint></robot>"""
+
+
+def axes_error(size: float) -> float:
+    """The error of a tensor whose largest entry is `size` [kg m²] once MuJoCo has found its principal axes,
+    relative to that entry; 0 where it is only rounding.
+
+    Up to 3.13 MuJoCo stops at 1e-6 rad and at 1e-12 kg m². URDFs have whole tensors; our MJCFs have the axes.
+    """
+    return _largest_error(math.floor(math.log10(size)))
+
+
+@functools.cache
+def _largest_error(exponent: int) -> float:
+    worst = max(_error(moments * 10.0**exponent, quat) for moments, quat in _PROBES)
+    # The probes are few; the worst of thousands of tensors had four times their error.
+    return 16 * worst if worst > 1e-12 else 0.0
+
+
+def _error(moments: Array, quat: Array) -> float:
+    turn = rotation(quat / np.linalg.norm(quat))
+    tensor = turn @ np.diag(moments) @ turn.T
+    found, vectors, axes = np.empty(3), np.empty(9), np.empty(4)
+    mujoco.mju_eig3(found, vectors, axes, tensor.ravel())
+    turn = rotation(axes)
+    return float(np.abs(turn @ np.diag(found) @ turn.T - tensor).max() / np.abs(tensor).max())
+
+
+@functools.cache
+def reads_mimic() -> bool:
+    """Whether MuJoCo turns a URDF's <mimic> into an equality, as it does from 3.13 on."""
+    return bool(mujoco.MjModel.from_xml_string(_MIMIC).neq)
+
+
+def mimics(model: Any, urdf: bytes) -> dict[tuple[int, int], Array]:
+    """By (follower, driver): the numbers of each <mimic> as MuJoCo's equalities have them."""
+    found: dict[tuple[int, int], Array] = {}
+    for mimic in parse(urdf).iterfind("joint/mimic"):
+        follower = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, mimic.getparent().get("name"))
+        driver = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, mimic.get("joint"))
+        numbers = float(mimic.get("offset", 0)), float(mimic.get("multiplier", 1))
+        found[follower, driver] = np.array([*numbers, 0.0, 0.0, 0.0])
+    return found
