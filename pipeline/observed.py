@@ -1,7 +1,7 @@
 """What a build asks of the file system and of the environment before its first stage, with each answer.
 
-An unchanged build is recognised by asking the same again (`pipeline.run.unchanged`). Whoever reads a file or a
-variable that decides what is composed asks here. A variable's value is kept as a digest, since it may be a
+An unchanged build is recognised by asking the same again (`pipeline.run.unchanged`). Whoever reads a file or
+a variable that decides what is composed asks here. A variable's value is kept as a digest, since it may be a
 secret. Imports nothing heavy.
 """
 

@@ -1,0 +1,1 @@
+"""Code of the user's own, and where it may come from."""

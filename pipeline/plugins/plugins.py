@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from linkwright.stages.validate.own import OwnCheck
 
 
+NOW_IN = "a check imports these from linkwright: from linkwright import Check, Finding, CompiledModel"
+
 LOOKED_FOR = "it is looked for where Python looks, and in the working folder"
 
 
@@ -38,13 +40,19 @@ def target(entry: Mapping[str, Any], plugins: Sequence[str], where: str) -> Any:
         raise ConfigError(msg, where, f"if you trust it: {error.line}") from error
     except Exception as error:
         msg = f"the module {module} cannot be imported: {type(error).__name__}: {error}"
-        raise ConfigError(msg, where, LOOKED_FOR) from error
+        raise ConfigError(msg, where, NOW_IN if _gone(error) else LOOKED_FOR) from error
     code = getattr(found, name, None)
     if not callable(code):
         public = sorted(one for one, value in vars(found).items() if callable(value) and one[0] != "_")
         msg = f"{module} has no function or class {name}"
         raise ConfigError(msg, where, f"it has {listed(public)}" if public else "")
     return code
+
+
+def _gone(error: Exception) -> bool:
+    """Whether a module of ours is imported by a name that it had before there was one package."""
+    name = error.name if isinstance(error, ModuleNotFoundError) else None
+    return (name or "").partition(".")[0] in ("pipeline", "stages")
 
 
 def named(plan: Plan) -> None:

@@ -4,6 +4,18 @@
 It is drawn by the processor alone, from the look that the robot has in MuJoCo's model of the exported files,
 in a process of its own beside the build: the same picture on every machine, without a graphics driver, and
 never a failed build. A change that the robot's look does not show draws nothing.
+
+- ask: Asks the guest that draws, within limits of time and memory.
+- camera: The camera: where it stands so that all of the robot is in the picture, and what it sees there.
+- compiled: What is seen of a robot that MuJoCo compiled, at its keyframe `home`.
+- guest: Guest process that draws the robot: many triangles take memory, and time.
+- look: What is seen of a robot, as plain data: shapes, where they are at `home`, their colours, and the
+  camera.
+- model_text: The text that MuJoCo compiles: one MJCF or URDF without links to other files but its meshes.
+- solids: Surfaces of MuJoCo's primitive shapes, as triangles (m, 3, 3) [m].
+- surface: The triangles of a look.
+- thinning: Fewer triangles for a robot that has more than there are pixels.
+- webp: An animated WebP of pictures: the one place that needs pillow.
 """
 
 import importlib.util

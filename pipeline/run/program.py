@@ -1,6 +1,7 @@
 """The identity of the program that runs: of its own code, and of all that Python may import beside it.
 
-Found without importing or reading anything: an unchanged build is recognised by it (`pipeline.run.unchanged`).
+Found without importing or reading anything: an unchanged build is recognised by it
+(`pipeline.run.unchanged`).
 """
 
 import hashlib
@@ -20,7 +21,7 @@ _PLUGINS = "hydra_plugins"
 def identity() -> str:
     """A digest of the interpreter, of the name, size and time of each of our own files, and of the names in
     each folder of Python's path: those of installed distributions hold their versions."""
-    home = os.fspath(Path(__file__).resolve().parents[1])
+    home = os.fspath(Path(__file__).resolve().parents[2])
     found = [
         sys.version,
         sys.platform,

@@ -1,0 +1,1 @@
+"""The five stages: inputs, context and results of each."""

@@ -1,4 +1,23 @@
-"""The export stage: a robot and its geometry become files, and the same input gives the same bytes."""
+"""The export stage: a robot and its geometry become files, and the same input gives the same bytes.
+
+- again: The packages of a finished build, written again from its robot.json and from the files beside them.
+- driven: What drives the robot that is written, and the armatures with which its simulation holds.
+- mjcf_only: What a robot has from its MJCF source and no other format can have.
+- order_tables: The order of things in the files of a robot, as robot.json and the report have it.
+- package_names: The names of packages that hold a robot.
+- paints: The materials of a robot: a colour, or an image times a colour.
+- provenance: Where the limits and dynamics of a dof come from.
+- readers: What other readers drop from our files: one table, for the documentation and for the report of a
+  build.
+- requirements: What the installed packages must have for an export.
+- robot_json: robot.json: writes what `stages.formats.robot_json` says that it has.
+- scene: The scene of the configuration.
+- section: Configuration of the export stage: formats, ground, scene.
+- sensor_mounts: The frames and links that carry sensors, by the names that users give.
+- settled: The configuration with what an MJCF source says where the configuration says nothing.
+- unknown_names: What `actuators`, `sensors` and `scene.cameras` ask of a robot that it does not have.
+- writer: The interface of the writers of all formats.
+"""
 
 from collections.abc import Collection, Mapping
 from dataclasses import replace

@@ -1,4 +1,19 @@
-"""The graph stage: turns a CAD assembly, or a robot's own file, into a robot."""
+"""The graph stage: turns a CAD assembly, or a robot's own file, into a robot.
+
+- added_section: Configuration of the graph stage: links and frames that CAD does not have.
+- build: The main flow of the graph stage: read, rename, root, place, and then one pass after the other.
+- cad_only_keys: Keys that apply only to CAD assemblies, where the source is a robot's own file.
+- dofs: The dofs of each type of joint, their values in a pose, and the inverse of a chain of dofs.
+- globs: Globs and names that users give: a glob must match something, a new name must be free.
+- mass_section: Configuration of the graph stage: masses.
+- mechanism: A mechanism at its saved pose: rigid bodies and the connections between them, without a root.
+- naming: Names from a robot's own file: kept where the target formats allow them, else mapped.
+- relation_steps: Relations between dofs as trees of steps, in each of which one dof drives all others.
+- robot_from_tree: Builds a robot from a mechanism and its tree: frames, joints, loops and links.
+- root: Chooses the root body and its frame, and whether it is fixed to the world.
+- section: Configuration of the graph stage: how an assembly becomes links and joints.
+- tree: The kinematic tree: which connections are in the tree, which close loops, and the order of the bodies.
+"""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING

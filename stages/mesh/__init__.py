@@ -2,6 +2,22 @@
 
 Every link gets one visual mesh a colour, or a part, and the colliders that `mesh.collider` chooses, in its
 own frame. The primitives that the user gave it stay as they are, but for cylinders where MJX is the target.
+
+- assets: The mesh files of a robot in the form that `mesh.format` and `mesh.assets` ask for.
+- com_check: Whether a link's centre of mass lies within its material.
+- contact_parts: Which parts take part in contact, of those that have a mesh.
+- diagnostics: Diagnostics of the mesh stage about missing, open and decimated meshes.
+- geometry: The robot's geometry: each link's meshes and colliders, made once, then named.
+- geoms: The properties of contact that `geoms` gives the shapes of links and of CAD parts.
+- idle_keys: Keys of the mesh stage that nothing of this robot depends on.
+- ignored: Links and parts that `ignore` leaves without visual geometry or colliders.
+- library: The part meshes of a bundle, each reply read once and only where something must be made of it.
+- link_mesh: What is known of the meshes of a link's parts, and its visual meshes made of them, both as bytes
+  too.
+- link_uses: The parts of each link that have a mesh, and the visual meshes that are made of them.
+- motion_digest: What decides where the links of a robot are, as a digest.
+- section: Configuration of the mesh stage: collision and visual geometry.
+- tessellation: Each part's triangles, welded to a surface, in the part studio's frame.
 """
 
 from __future__ import annotations

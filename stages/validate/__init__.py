@@ -1,4 +1,14 @@
-"""The validate stage: an engine reads the files that were written, and checks compare them with the robot."""
+"""The validate stage: an engine reads the files that were written, and checks compare them with the robot.
+
+- asked: What a configuration asks of the checks.
+- compiled: A model file as an engine compiled it: what an engine returns, and what a check works with.
+- contact_errors: Where the contact of a robot with itself is not that of what is seen of it, over poses
+  within its limits.
+- findings: What a check says of what it does not accept: element of the file, attribute, found and expected.
+- own: The user's own checks: functions that are called with a compiled model, and what they find.
+- run: The run of a validation: every engine reads its files, and every check looks at what it compiled.
+- section: Configuration of the validate stage: how much is checked.
+"""
 
 from pathlib import Path
 from typing import TYPE_CHECKING

@@ -197,7 +197,7 @@ def test_a_change_of_the_program_or_of_a_library_is_noticed(
     for room in program.ROOMS:
         (code / room).mkdir()
         (code / room / "__init__.py").write_text("")
-    monkeypatch.setattr(program, "__file__", str(code / "pipeline" / "program.py"))
+    monkeypatch.setattr(program, "__file__", str(code / "pipeline" / "run" / "program.py"))
     build(here)
     build(here)
     assert len(builds) == 4

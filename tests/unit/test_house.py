@@ -1,14 +1,15 @@
 """The plan of the house: no circle of imports, no room that imports its sibling, nothing too long."""
 
 import ast
+import re
 from collections import defaultdict
 from functools import cache
-from itertools import combinations
 from pathlib import Path
 
 import networkx as nx
 import pytest
 
+from tests.support import floors
 from tests.support.places import PROJECT
 from tests.unit.test_import_walls import imported, modules
 
@@ -16,6 +17,15 @@ LINES = 315
 """A module has about 300 lines at most."""
 
 FUNCTION_LINES = 60
+FLAT = 16
+"""Modules that lie side by side in a room."""
+
+LISTED = 6
+"""A face of more modules lists them."""
+
+VARIANT = {"source.py", "reader.py", "writer.py"}
+"""Modules of which a source, a reader of sources, and a format have one."""
+
 PARAMETERS = 8
 
 SPEAKS_REST = ("/assemblies/", "/partstudios/", "tessellatedfaces", "massproperties", "/api/v")
@@ -73,18 +83,54 @@ FLOORS = ("checks", "read", "usd", "sdf", "same")
 """Rooms of `stages/validate` of which each may import those after it."""
 
 
-def test_no_room_of_a_stage_imports_its_sibling():
-    """But for the floors of validate: checks use readers, and these what compares."""
-    below = {
-        (f"stages/validate/{upper}", f"stages/validate/{lower}") for upper, lower in combinations(FLOORS, 2)
-    }
+def test_no_variant_of_a_stage_imports_its_sibling():
+    """A source, a reader and a format stand alone."""
     found = []
     for importer, target in imports().edges:
         rooms = room_of(importer), room_of(target)
         stages = {room.rpartition("/")[0] for room in rooms}
-        if all(rooms) and len(stages) == 1 and rooms[0] != rooms[1] and rooms not in below:
+        variants = all(any((PROJECT / room / file).is_file() for file in VARIANT) for room in rooms)
+        if all(rooms) and len(stages) == 1 and variants and rooms[0] != rooms[1]:
             found.append(f"{importer} imports {target}")
     assert sorted(found) == []
+
+
+def rooms() -> dict[Path, list[Path]]:
+    """Every room of the product, and the modules in it beside its face."""
+    found: dict[Path, list[Path]] = defaultdict(list)
+    for path in modules():
+        if path.name != "__init__.py":
+            found[path.parent].append(path)
+    return found
+
+
+def test_no_room_has_more_modules_than_can_be_seen_at_once():
+    counts = {room.relative_to(PROJECT).as_posix(): len(inside) for room, inside in rooms().items()}
+    assert {room: count for room, count in counts.items() if count > FLAT} == {}
+
+
+def test_the_face_of_a_large_room_lists_its_modules():
+    missing = {}
+    for room, inside in rooms().items():
+        text = (room / "__init__.py").read_text(encoding="utf-8")
+        if len(inside) > LISTED:
+            missing[room.name] = [path.stem for path in inside if f"\n- {path.stem}: " not in text]
+    assert {room: names for room, names in missing.items() if names} == {}
+
+
+def test_rooms_side_by_side_import_each_other_one_way():
+    """A room may use its neighbour, but not be used by it too; what lies flat beside them is free."""
+    faces = {name_of(path) for path in modules() if path.name == "__init__.py"}
+    between: dict[str, nx.DiGraph] = defaultdict(nx.DiGraph)
+    for importer, target in imports().edges:
+        first, second = importer.split("."), target.split(".")
+        depth = next((n for n, pair in enumerate(zip(first, second)) if pair[0] != pair[1]), None)
+        if depth:
+            sides = ".".join(first[: depth + 1]), ".".join(second[: depth + 1])
+            if faces.issuperset(sides):
+                between[".".join(first[:depth])].add_edge(*sides)
+    circles = [sorted(part) for graph in between.values() for part in nx.strongly_connected_components(graph)]
+    assert [circle for circle in circles if len(circle) > 1] == []
 
 
 def test_no_module_is_longer_than_can_be_read_at_once():
@@ -138,9 +184,20 @@ def test_only_the_room_of_onshape_knows_its_rest_api(words):
         ("where HTTP is spoken", "stages/fetch/onshape/api/transport.py"),
         ("where a URDF is parsed", "stages/formats/urdf/parse.py"),
         ("where loops are closed in MJCF", "stages/export/mjcf/loops.py"),
-        ("where a collider is chosen", "stages/mesh/colliders/__init__.py"),
+        ("where a collider is chosen", "stages/mesh/collide/choices.py"),
         ("where a check is defined", "stages/validate/checks/__init__.py"),
     ],
 )
 def test_a_name_answers_what_a_stranger_asks(question, answer):
     assert (PROJECT / answer).is_file(), question
+
+
+def test_the_picture_of_the_floors_is_that_of_the_imports():
+    assert floors.PICTURE.read_text(encoding="utf-8") == floors.picture(), "python -m tests.support.floors"
+
+
+def test_every_place_that_the_documents_name_is_there():
+    for document in ("README.md", "docs/architecture.md", "docs/contributing.md"):
+        text = (PROJECT / document).read_text(encoding="utf-8")
+        places = re.findall(r"`((?:conf|pipeline|stages|tests)/[\w./]*)`", text)
+        assert [place for place in places if not (PROJECT / place).exists()] == [], document

@@ -1,6 +1,7 @@
 """Imports run one way: pipeline → a stage → mujoco → formats → robot; heavy libraries stay in their place."""
 
 import ast
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -152,7 +153,8 @@ def test_what_is_allowed_is_let_through(place, line):
 
 def test_the_faces_of_the_stages_and_the_build_import_nothing_heavy():
     code = (
-        "import sys; from linkwright.pipeline import build, progress, report\n"
+        "import sys; from linkwright.pipeline import report; from linkwright.pipeline.run import build\n"
+        "from linkwright.pipeline.terminal import progress\n"
         "from linkwright.stages import export, fetch, graph, mesh, validate\n"
         "heavy = 'numpy scipy trimesh mujoco networkx lxml httpx hydra omegaconf rich'.split()\n"
         "print([name for name in heavy if name in sys.modules])"
@@ -161,3 +163,10 @@ def test_the_faces_of_the_stages_and_the_build_import_nothing_heavy():
         [sys.executable, "-c", code], cwd=PROJECT, capture_output=True, text=True, check=True
     )
     assert run.stdout.strip() == "[]"
+
+
+def test_tests_import_the_product_by_the_names_that_are_installed():
+    """In a checkout the folders can be imported too, as other modules than those of `linkwright`."""
+    bare = re.compile(rf"^\s*(from|import) ({'|'.join(ROOMS)})\b", re.MULTILINE)
+    tests = (PROJECT / "tests").rglob("*.py")
+    assert [str(path) for path in tests if bare.search(path.read_text(encoding="utf-8"))] == []

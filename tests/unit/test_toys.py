@@ -234,7 +234,9 @@ def check(compiled):
 ''',
     )
     tree.add_line(
-        "stages/validate/__init__.py", '    "keyframes": ("mjcf", "scene"),', '    "toy": ("mjcf", "urdf"),'
+        "stages/validate/__init__.py",
+        '    "world.keyframes": ("mjcf", "scene"),',
+        '    "toy": ("mjcf", "urdf"),',
     )
     report = json.loads((tree.build("source=sample", "mesh=visual") / "report.json").read_text())
     light = [check for check in report["checks"] if check["name"].endswith(": light")]

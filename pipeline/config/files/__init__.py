@@ -1,0 +1,1 @@
+"""The files of a configuration: what they may hold, and which folders they may name."""

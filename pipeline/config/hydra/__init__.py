@@ -1,0 +1,1 @@
+"""Hydra: its files, its loader, its errors, its own node."""

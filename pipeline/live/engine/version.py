@@ -10,7 +10,7 @@ from linkwright.stages.formats.xml import Element, tag
 from linkwright.stages.validate.files.mjcf_schema import MjcfSchema
 
 VERSION = "3.14.0"
-_LISTED = Path(__file__).parent / "viewer" / "engine" / f"mjcf-{VERSION}.json.gz"
+_LISTED = Path(__file__).parents[1] / "viewer" / "engine" / f"mjcf-{VERSION}.json.gz"
 
 _BUILTIN = frozenset({"box", "cylinder", "disc", "ellipsoid", "grid", "square"})
 """Shapes of `<mesh builtin>` that came after 3.14."""

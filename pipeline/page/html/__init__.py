@@ -1,0 +1,1 @@
+"""HTML: the document around a page, its style, and its pieces."""

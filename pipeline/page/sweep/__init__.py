@@ -1,0 +1,1 @@
+"""summary.html: the jobs of a sweep, in a table and in plots."""

@@ -1,0 +1,1 @@
+"""Configuration of what is exported beside the robot's mechanism."""

@@ -1,1 +1,18 @@
-"""A ROS 2 package: description, ros2_control, controllers and launch files of a robot."""
+"""A ROS 2 package: description, ros2_control, controllers and launch files of a robot.
+
+- control: What ros2_control commands and measures: interfaces of joints, sensors, and the hardware.
+- controllers: The controllers of a robot, and `config/controllers.yaml`, which describes them.
+- description: The URDF of a ROS 2 package: the robot's own, with paths and names for ROS.
+- launch_files: The launch files of a ROS 2 package, and what RViz shows.
+- moveit: The package by which MoveIt plans for a robot: the SRDF in the names of the ROS package, and what
+  goes with its groups and joints.
+- moveit_launch: What starts MoveIt for a robot, and what RViz then shows.
+- names: Names that ROS takes: of packages, links, joints and sensors.
+- package: `package.xml` (format 3, REP 149) and `CMakeLists.txt` of a ROS 2 package.
+- section: Configuration of the ROS 2 package.
+- trajectories: Which joints follow trajectories together: those of an arm, of a gripper, and the others.
+- unsupported: Reports what a ROS 2 package has otherwise, or does not have.
+- writer: A ROS 2 package: the folder that `colcon build` takes.
+- xacro_files: The xacro files of a ROS 2 package: a macro of the robot, one of its ros2_control, and the file
+  that robots are made from.
+"""

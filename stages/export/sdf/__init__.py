@@ -1,1 +1,11 @@
-"""SDF: links, joints, frames and sensors of a model for Gazebo, with loops as joints."""
+"""SDF: links, joints, frames and sensors of a model for Gazebo, with loops as joints.
+
+- contacts: Which colliders of an SDF collide, by `collide_bitmask`: two do whose masks have a bit in common.
+- lowering: Lowering: joints and loops of several degrees of freedom as SDF joints of one each, with links of
+  next to no mass between them; and the pose in which the links of the SDF stand.
+- model: SDF 1.9: the model of a robot, in one file.
+- section: Configuration of the SDF writer.
+- sensors: Sensors of an SDF: on links those that are mounted, on joints those of their load.
+- unsupported: Reports what SDF cannot express: one diagnostic for each kind of loss.
+- writer: SDF: the model, and the file by which Gazebo finds it.
+"""

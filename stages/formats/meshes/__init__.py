@@ -1,0 +1,1 @@
+"""Mesh files as points and triangles: glTF, DAE, and the files that are written."""

@@ -1,0 +1,1 @@
+"""An MJCF as a value: the model, its joints, its form, its bounds."""

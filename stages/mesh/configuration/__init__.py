@@ -1,0 +1,1 @@
+"""Configuration of colliders and contact, and what the makers of colliders are told of it."""

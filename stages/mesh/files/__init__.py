@@ -1,0 +1,1 @@
+"""Mesh files: OBJ and STL, and their names."""

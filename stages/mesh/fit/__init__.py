@@ -3,6 +3,16 @@
 A fit is best where the larger of protrusion and bareness is least, weighted as the tolerance weighs them: it
 may stand out of the part, or leave a little of it bare. It depends neither on the order of the vertices and
 triangles nor on the axes, but for directions within 0.5° of a coordinate axis, which become that axis.
+
+- balls: A part as a union of spheres.
+- capped: Convex hulls of few vertices.
+- circles: The smallest ball around points, in two or three dimensions.
+- directions: Directions that a part may be made along, and the boxes around it.
+- kinds: The best fit of each kind of primitive.
+- levels: Where the bulk of a surface lies that faces a way: on a flat face, or around an axis or a point.
+- outline: What is fitted: a surface with its hull, prepared for questions of distance.
+- refine: Small steps towards a better fit: single sides of a primitive in or out.
+- score: The error of a primitive, as the tolerance of colliders sees it.
 """
 
 from __future__ import annotations

@@ -1,0 +1,1 @@
+"""Which shapes of a robot are near each other, and which pairs do not collide."""

@@ -1,0 +1,1 @@
+"""The system below us: guest processes, files of others, programs, memory."""

@@ -26,7 +26,7 @@ from linkwright.stages.robot.errors import ConfigError, LinkwrightError, SourceE
 from linkwright.stages.robot.system import process_usage
 
 _MAIN = Path(__file__).with_name("guestmain.py")
-_PACKAGE = str(Path(__file__).parents[2])
+_PACKAGE = str(Path(__file__).parents[3])
 """The folder that holds `stages`."""
 
 _OF_THE_LOADER = ("LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "DYLD_FALLBACK_LIBRARY_PATH")

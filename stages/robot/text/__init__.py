@@ -1,0 +1,1 @@
+"""Text for people and for files: names, globs, numbers with nouns, units."""

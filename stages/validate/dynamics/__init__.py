@@ -1,0 +1,1 @@
+"""The robot's dynamics, and what the engines find of it."""

@@ -3,6 +3,21 @@
 `CHECKS` names the modules, in the order of the report. Each has a `CODE`, the `NAME` of its check, what it
 says where that `PASSED`, and a function `findings` of a document (`stages.validate.reading.documents`); and a
 function `level`, where not all that it finds is an error.
+
+- assets: Every file that the model names is there, and whole.
+- known: Every element and attribute is one of the format's: readers skip a misspelled one, or refuse the
+  file.
+- mjcf_schema: The elements and attributes of MJCF that a MuJoCo knows, by its own account.
+- model_config: The file by which Gazebo finds the SDF of a folder.
+- names: Every name is legal, and unique where the format asks: a link and a joint may share one.
+- numbers: Every number is one, finite, and there are as many as the attribute has.
+- paths: Every file is named by a path that holds wherever the folder is: relative, and within it.
+- references: Every name that an element refers to is there: links, joints, classes, materials, meshes, sites,
+  bodies.
+- run: The run of the checks of files: of each model in a folder, and of what lies beside them.
+- unused: Every file in the folder of assets is one that a model names.
+- urdf_schema: The elements and attributes of URDF: those of ROS's reference, and what later readers add.
+- whole: Whether a mesh or an image is whole: an empty file, or a copy that was cut short.
 """
 
 CHECKS = ("known", "names", "numbers", "references", "assets", "paths")

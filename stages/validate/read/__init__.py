@@ -4,4 +4,12 @@ compiled    the reader of a compiled model
 mujoco      what MuJoCo compiled; mjcf and urdf: what is particular to each
 sdf         an SDF; usd: a USD, by usd-core: what only these have is in the rooms of these names
 run         the checks of a file that no engine reads
+
+- compiled: The reader of a compiled model, and comparers as its checks.
+- mjcf: The robot of a compiled MJCF.
+- mujoco: The robot of a file that MuJoCo compiled.
+- run: The checks of a file that no engine reads, by the reader of its format.
+- sdf: The robot of an SDF, whose kinematics is worked out from the file alone.
+- urdf: The robot of a URDF that MuJoCo compiled.
+- usd: The robot of a USD, read by usd-core: its joints say where their frames are.
 """

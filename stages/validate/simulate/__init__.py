@@ -1,0 +1,1 @@
+"""A compiled model in motion: how it is run, and what holds it."""

@@ -196,7 +196,8 @@ def test_it_ends_with_us_however_we_end(tmp_path):
     place = tmp_path / "pid"
     lines = f"import os\nopen({str(place)!r}, 'w').write(str(os.getpid()))\nwhile True: pass"
     (tmp_path / "visitor.py").write_text("def answer(request):\n    " + lines.replace("\n", "\n    "))
-    code = f"import sys\nsys.path[:0] = [{str(tmp_path)!r}]\nfrom linkwright.stages.robot.system.guest import *\n"
+    code = f"import sys\nsys.path[:0] = [{str(tmp_path)!r}]\n"
+    code += "from linkwright.stages.robot.system.guest import *\n"
     code += "ask('visitor', b'', Bounds(60, 1 << 30, 10), {})"
     with subprocess.Popen([sys.executable, "-c", code], cwd=PROJECT) as host:
         until = time.monotonic() + 30

@@ -15,6 +15,7 @@ from linkwright.pipeline.plugins.trusted_modules import NotTrusted, trust
 from linkwright.stages.robot.check import Check
 from linkwright.stages.validate.own import OwnCheck
 from tests.support.command import COMMAND
+from tests.support.places import PROJECT
 from tests.support.written import compiled_of
 
 MODEL = '<mujoco><worldbody><body name="base"><joint/><geom size=".1" mass="2"/></body></worldbody></mujoco>'
@@ -162,8 +163,20 @@ def test_modules_of_the_working_folder_are_found_where_they_are_trusted_and_only
     assert sys.path == path
 
 
+def test_a_check_that_imports_ours_by_a_former_name_is_told_the_new_one(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "meta_path", list(sys.meta_path))
+    monkeypatch.setattr(sys, "path", [place for place in sys.path if Path(place).resolve() != PROJECT])
+    (tmp_path / "early_of_mine.py").write_text(
+        "from stages.robot.check import Check\ndef light(compiled): return []\n"
+    )
+    with pytest.raises(ConfigError, match="No module named 'stages'") as caught:
+        target({"_target_": "early_of_mine.light"}, ["early_of_mine"], "validate.checks[0]")
+    assert "from linkwright import Check, Finding, CompiledModel" in caught.value.hint
+
+
 OWN = """
-from linkwright.stages.robot.check import Check
+from linkwright import Check
 
 def light(compiled, most):
     mass = float(compiled.model.body_mass.sum())

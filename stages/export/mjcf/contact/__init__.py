@@ -1,0 +1,1 @@
+"""Which geoms of an MJCF collide."""

@@ -1,0 +1,1 @@
+"""Default classes of an MJCF."""

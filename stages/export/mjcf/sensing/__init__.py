@@ -1,0 +1,1 @@
+"""The sites and cameras of an MJCF."""

@@ -1,0 +1,1 @@
+"""What the replies of a server hold, and where they are kept."""

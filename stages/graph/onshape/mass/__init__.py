@@ -1,0 +1,1 @@
+"""Masses of parts: CAD's, the user's, or estimated."""

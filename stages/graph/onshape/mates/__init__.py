@@ -1,0 +1,1 @@
+"""Mates: joints, coordinates, limits, and several mates between two bodies."""

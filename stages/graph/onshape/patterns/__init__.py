@@ -1,0 +1,1 @@
+"""Patterned and mirrored instances: the motion of each copy."""
