@@ -142,5 +142,6 @@ def _check_model(compiled: CompiledModel, checks: Sequence[str]) -> Iterator[Che
     for name in checks[:1] if missing_names(compiled) else checks:
         module = import_module(f"linkwright.stages.validate.checks.{name}")
         check: CheckFunction = module.check
-        found = guarded(f"{compiled.path.name}: {name.replace('_', ' ')}", partial(check, compiled))
+        called = name.rpartition(".")[2].replace("_", " ")
+        found = guarded(f"{compiled.path.name}: {called}", partial(check, compiled))
         yield from (replace(one, code=one.code or module.CODE) for one in found)

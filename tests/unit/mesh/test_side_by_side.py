@@ -47,7 +47,7 @@ def stand_in(tmp_path, monkeypatch):
 
 STAND_IN = """
 import os, time
-from linkwright.stages.mesh import collision
+from linkwright.stages.mesh.collide import collision
 def answer(request):
     open(f"{}/{{os.getpid()}}.pid", "w").close()
 """
@@ -105,7 +105,8 @@ def test_another_error_ends_the_guests_of_all(stand_in) -> None:
     guests = stand_in("time.sleep(1000)")
 
     def breaks(guest: Guest) -> bytes:
-        while not guests():
+        until = time.monotonic() + 30
+        while not guests() and time.monotonic() < until:
             time.sleep(0.01)
         raise ZeroDivisionError
 
@@ -117,7 +118,7 @@ def test_another_error_ends_the_guests_of_all(stand_in) -> None:
 ENDED = """
 import sys, time
 from functools import partial
-from linkwright.stages.mesh import side_by_side as pool
+from linkwright.stages.mesh.collide import side_by_side as pool
 from linkwright.stages.mesh.collide.improvement import helper, improved
 from tests.support.decomposing import task
 from tests.unit.mesh.test_decompose import CLAMP

@@ -376,8 +376,9 @@ def test_a_fault_planted_in_any_kind_of_joint_or_loop_fails_a_check(
 
 def test_every_check_and_engine_of_the_tables_is_a_module_of_its_own() -> None:
     for kind, names in (("checks", CHECKS), ("engines", ENGINES)):
-        modules = {file.stem for file in (PROJECT / "stages/validate" / kind).glob("*.py")} - {"__init__"}
-        assert sorted(names) == sorted(modules)
+        room = PROJECT / "stages/validate" / kind
+        files = (file.relative_to(room).with_suffix("") for file in room.rglob("*.py"))
+        assert sorted(names) == sorted(".".join(file.parts) for file in files if file.name != "__init__")
 
 
 def test_a_model_without_one_of_the_joints_is_checked_no_further(
