@@ -11,6 +11,7 @@ from linkwright.pipeline.output.manifest import REPORT
 from linkwright.pipeline.secrets import Secrets
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.system.install import installed
 from linkwright.stages.robot.text.printable import printable_lines
 
 Status = Literal["built", "stale", "invalid", "failed"]
@@ -138,7 +139,5 @@ def failure_lines(report: Report, folder: Path | None) -> list[str]:
 def versions(libraries: Mapping[str, str]) -> dict[str, str]:
     """Versions of linkwright, of Python and of the libraries that made the result."""
     import platform
-
-    from linkwright.pipeline.stages.stage import installed
 
     return {"linkwright": installed("linkwright"), "python": platform.python_version(), **libraries}

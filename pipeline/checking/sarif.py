@@ -8,8 +8,8 @@ from typing import Any
 from linkwright.pipeline.checking.lines import ElementLines
 from linkwright.pipeline.checking.verdict import Verdict, file_of, issues, told
 from linkwright.pipeline.reference.codes import explanations, remedy
-from linkwright.pipeline.stages.stage import installed
 from linkwright.stages.robot.check import Check, Finding
+from linkwright.stages.robot.system.install import installed
 
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 

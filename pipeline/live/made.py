@@ -14,6 +14,7 @@ from linkwright.pipeline.caching.actions import Action, canonical
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.stages.context import FILES, ROBOT
 from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.system.install import installed
 
 if TYPE_CHECKING:
     from linkwright.pipeline.stages.context import BuildContext
@@ -127,8 +128,6 @@ def _made(
     context: "BuildContext", source: str, colliders: list[dict[str, Any]], say: Callable[[str], None]
 ) -> Mapping[str, bytes]:
     """What is kept of the view."""
-    from linkwright.pipeline.stages.stage import installed
-
     exported = context.files["export"].below(FILES)
     needed = [path for path in sorted(exported) if not path.endswith(_NEVER_READ)]
     faces = context.plan.page.faces

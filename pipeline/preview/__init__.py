@@ -27,7 +27,7 @@ from typing import Literal
 from linkwright.pipeline.caching.actions import Action, Cache
 from linkwright.pipeline.digest import sha256
 from linkwright.stages.robot.errors import ConfigError, Diagnostic, LinkwrightError
-from linkwright.stages.robot.system.install import install
+from linkwright.stages.robot.system.install import install, installed
 
 Kind = Literal["png", "turn", "none"]
 Make = Callable[[], Mapping[str, bytes]]
@@ -183,8 +183,6 @@ def _is_asset(path: str) -> bool:
 
 
 def _versions(*libraries: str) -> dict[str, str]:
-    from linkwright.pipeline.stages.stage import installed
-
     return {name: installed(name) for name in libraries}
 
 

@@ -20,9 +20,9 @@ from linkwright.pipeline.plugins.plugins import named, own, with_sources
 from linkwright.pipeline.stages.context import FILES, NOTES, ROBOT, WRITTEN, BuildContext, notes, spent
 from linkwright.pipeline.stages.stage_base import Stage as Stage
 from linkwright.pipeline.stages.stage_base import StageBase
-from linkwright.pipeline.stages.stage_base import installed as installed
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.errors import ConfigError
+from linkwright.stages.robot.system.install import installed
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate import external
 

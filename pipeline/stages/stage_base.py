@@ -1,22 +1,11 @@
 """What a stage of a build is, and what most of them share."""
 
-import functools
-import importlib.metadata
 from collections.abc import Mapping
 from importlib import import_module
 from typing import Any, Protocol
 
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.stages.context import BuildContext
-
-
-@functools.cache
-def installed(library: str) -> str:
-    """The version of an installed distribution, found without importing it."""
-    try:
-        return importlib.metadata.version(library)
-    except importlib.metadata.PackageNotFoundError:
-        return "absent"
 
 
 class Stage(Protocol):

@@ -5,8 +5,6 @@ Needs no array or XML library, as it shows whether a robot was built before.
 
 from __future__ import annotations
 
-import functools
-import importlib.metadata
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -21,6 +19,7 @@ from linkwright.stages.fetch.urdf.ros_packages import Packages
 from linkwright.stages.fetch.urdf.srdf_file import SrdfFile
 from linkwright.stages.robot.errors import SourceError
 from linkwright.stages.robot.system import regular_files
+from linkwright.stages.robot.system.install import installed
 
 if TYPE_CHECKING:
     from linkwright.stages.fetch.urdf.section import UrdfSourceSection
@@ -105,7 +104,7 @@ def identity(source: UrdfSourceSection, environ: Mapping[str, str]) -> dict[str,
         "bad_inertia": source.bad_inertia,
         "missing_meshes": source.missing_meshes,
         "reader": READER,
-        "libraries": {name: _version(name) for name in ("trimesh", "pycollada", "numpy")},
+        "libraries": {name: installed(name) for name in ("trimesh", "pycollada", "numpy")},
     }
 
 
@@ -129,14 +128,6 @@ def _folders(folder: Path, packages: Packages) -> dict[str, str]:
     named = {str(place): f"package://{name}" for name, place in packages.found.items()}
     own = {str(folder): ".", str(packages.root): ".", str(Path.home()): "~"}
     return {place: name for place, name in {**own, **named}.items() if len(place) > 1}
-
-
-@functools.cache
-def _version(library: str) -> str:
-    try:
-        return importlib.metadata.version(library)
-    except importlib.metadata.PackageNotFoundError:
-        return "absent"
 
 
 def _size(file: Path) -> int:

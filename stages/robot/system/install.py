@@ -1,4 +1,6 @@
-"""The command that installs an optional package."""
+"""Installed packages: their versions, and the command that installs an optional one."""
+
+import functools
 
 OPTIONAL = {
     "hydra-joblib-launcher": ">=1.2,<2",
@@ -17,3 +19,15 @@ def install(*packages: str) -> str:
     """Returns the command that installs these packages. It names the packages themselves, since our extras
     are known to pip only where our own package is on an index."""
     return " ".join(["pip install", *(f"'{name}{OPTIONAL[name]}'" for name in packages)])
+
+
+@functools.cache
+def installed(library: str) -> str:
+    """The version of an installed distribution, found without importing it; "absent" where there is none."""
+    # Here, since most who import this module ask for no version, and it takes as long as all the rest of it.
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version(library)
+    except PackageNotFoundError:
+        return "absent"

@@ -9,9 +9,10 @@ from linkwright.pipeline.caching.actions import Cache
 from linkwright.pipeline.caching.store import Store
 from linkwright.pipeline.config.plan import RUN_KEYS, Plan
 from linkwright.pipeline.stages.context import FILES, NOTES, BuildContext, notes
-from linkwright.pipeline.stages.stage import STAGES, installed, libraries, stages_until
+from linkwright.pipeline.stages.stage import STAGES, libraries, stages_until
 from linkwright.stages.fetch.section import SOURCES
 from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.system.install import installed
 from linkwright.stages.robot.text.plural import count
 from tests.support.places import PROJECT
 
