@@ -3,10 +3,10 @@
 Drawn from the import graph: the rooms of each floor, and an arrow from each floor to each that it imports.
 """
 
-import ast
 from html import escape
 from pathlib import Path
 
+from tests.support.imports import imports
 from tests.support.places import PROJECT
 
 PICTURE = PROJECT / "docs" / "floors.svg"
@@ -40,24 +40,12 @@ def rooms(package: str) -> list[str]:
     return folders or sorted(path.stem for path in folder.glob("*.py") if path.stem != "__init__")
 
 
-def imported(floor: tuple[str, ...]) -> set[str]:
-    """The names of the floors that the packages of a floor import."""
-    found = set()
-    for package in floor:
-        for path in (PROJECT / package.replace(".", "/")).rglob("*.py"):
-            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-                if isinstance(node, ast.ImportFrom) and node.module:
-                    name = node.module.removeprefix("linkwright.") + "."
-                    found |= {
-                        other
-                        for other, packages, _ in FLOORS
-                        if name.startswith(tuple(f"{p}." for p in packages))
-                    }
-    return found
-
-
-def _within(module: str, packages: tuple[str, ...]) -> bool:
-    return any(f"{module}.".startswith(f"linkwright.{package}.") for package in packages)
+def floor_of(module: str) -> str:
+    """The name of the floor that a module lies on; "" for `conf`."""
+    for name, packages, _ in FLOORS:
+        if f"{module}.".startswith(tuple(f"{package}." for package in packages)):
+            return name
+    return ""
 
 
 def picture() -> str:
@@ -69,10 +57,11 @@ def picture() -> str:
         parts += drawn
         places[name] = (top, height)
         top += height + GAP
+    between = {(floor_of(importer), floor_of(target)) for importer, target in imports().edges}
     lane = right
-    for number, (name, packages, _) in enumerate(FLOORS):
+    for number, (name, _, _) in enumerate(FLOORS):
         for step, (other, _, _) in enumerate(FLOORS[number + 1 :]):
-            if other not in imported(packages):
+            if (name, other) not in between:
                 continue
             begin, end = sum(places[name]), places[other][0]
             if step == 0:

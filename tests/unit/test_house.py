@@ -10,8 +10,8 @@ import networkx as nx
 import pytest
 
 from tests.support import floors
+from tests.support.imports import imports, modules, name_of
 from tests.support.places import PROJECT
-from tests.unit.test_import_walls import imported, modules
 
 LINES = 315
 """A module has about 300 lines at most."""
@@ -37,11 +37,6 @@ def parsed(path: Path) -> ast.Module:
     return ast.parse(path.read_text())
 
 
-def name_of(path: Path) -> str:
-    parts = path.relative_to(PROJECT).with_suffix("").parts
-    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
-
-
 @cache
 def texts(path: Path) -> list[str]:
     """The strings of a module that are no documentation."""
@@ -49,20 +44,6 @@ def texts(path: Path) -> list[str]:
     documentation = {id(node.value) for node in nodes if isinstance(node, ast.Expr)}
     constants = [node for node in nodes if isinstance(node, ast.Constant) and id(node) not in documentation]
     return [node.value for node in constants if isinstance(node.value, str)]
-
-
-@cache
-def imports() -> nx.DiGraph:
-    """Every module of the product and the modules of ours that it imports, wherever in it."""
-    ours = {name_of(path): path for path in modules()}
-    graph = nx.DiGraph()
-    for name, path in ours.items():
-        for found in imported(path, path.read_text()):
-            found = found.removeprefix("linkwright.")
-            target = found if found in ours else found.rpartition(".")[0]
-            if target in ours and target != name:
-                graph.add_edge(name, target)
-    return graph
 
 
 def room_of(name: str) -> str:

@@ -1,14 +1,13 @@
 """Imports run one way: pipeline → a stage → mujoco → formats → robot; heavy libraries stay in their place."""
 
-import ast
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from tests.support.imports import imported, modules
 from tests.support.places import PROJECT, ROOMS
 
 HOMES = {
@@ -48,26 +47,6 @@ HOMES = {
 
 PYDANTIC = ("pipeline/", "stages/fetch/", "stages/robot/quantity_keys.py")
 """The borders, beside the `section.py` of every stage."""
-
-
-def modules() -> list[Path]:
-    return sorted(path for top in ROOMS for path in (PROJECT / top).rglob("*.py"))
-
-
-def imported(path: Path, source: str) -> Iterator[str]:
-    """The full names that a module imports, wherever in it, also by `import_module`."""
-    package = ("linkwright", *path.relative_to(PROJECT).parts[:-1])
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            above = package[: len(package) - node.level + 1] if node.level else ()
-            base = ".".join([*above, *([node.module] if node.module else [])])
-            yield from (f"{base}.{alias.name}" for alias in node.names)
-        elif isinstance(node, ast.Call) and node.args and isinstance(node.args[0], ast.Constant):
-            called = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
-            if called in ("import_module", "__import__"):
-                yield str(node.args[0].value)
 
 
 def breaches(path: Path, source: str) -> list[str]:

@@ -1,0 +1,49 @@
+"""The imports of the product: which module imports which, wherever in it."""
+
+import ast
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import networkx as nx
+
+from tests.support.places import PROJECT, ROOMS
+
+
+def modules() -> list[Path]:
+    return sorted(path for top in ROOMS for path in (PROJECT / top).rglob("*.py"))
+
+
+def imported(path: Path, source: str) -> Iterator[str]:
+    """The full names that a module imports, wherever in it, also by `import_module`."""
+    package = ("linkwright", *path.relative_to(PROJECT).parts[:-1])
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            above = package[: len(package) - node.level + 1] if node.level else ()
+            base = ".".join([*above, *([node.module] if node.module else [])])
+            yield from (f"{base}.{alias.name}" for alias in node.names)
+        elif isinstance(node, ast.Call) and node.args and isinstance(node.args[0], ast.Constant):
+            called = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+            if called in ("import_module", "__import__"):
+                yield str(node.args[0].value)
+
+
+def name_of(path: Path) -> str:
+    parts = path.relative_to(PROJECT).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+@cache
+def imports() -> nx.DiGraph:
+    """Every module of the product and the modules of ours that it imports, wherever in it."""
+    ours = {name_of(path): path for path in modules()}
+    graph = nx.DiGraph()
+    for name, path in ours.items():
+        for found in imported(path, path.read_text()):
+            found = found.removeprefix("linkwright.")
+            target = found if found in ours else found.rpartition(".")[0]
+            if target in ours and target != name:
+                graph.add_edge(name, target)
+    return graph
