@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from linkwright.pipeline.changes.since import since
-from linkwright.pipeline.live.made import NOTHING, Live
-from linkwright.pipeline.preview import NONE, Preview
 from linkwright.pipeline.report import Report
+from linkwright.pipeline.show.live import NOTHING, Live
+from linkwright.pipeline.show.preview import NONE, Preview
 from linkwright.pipeline.terminal.progress import Log
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from linkwright.pipeline.errors import LinkwrightError
 from linkwright.pipeline.report import Report
 from linkwright.pipeline.terminal.check_text import tally
-from linkwright.stages.graph.view.views import PICTURE
+from linkwright.stages.show.graph_view.views import PICTURE
 
 if TYPE_CHECKING:
     from linkwright.pipeline.api.robot import Robot

@@ -2,10 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
-from typing import Any, Protocol, TypeVar
-
-import numpy as np
-import numpy.typing as npt
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, TypeVar
 
 from linkwright.pipeline.config.messages import nearest
 from linkwright.pipeline.errors import LinkwrightError
@@ -15,7 +12,11 @@ from linkwright.stages.robot.model.robot import Array, Value
 from linkwright.stages.robot.motion import kinematics
 from linkwright.stages.robot.text.plural import count
 
-Q = Mapping[str, float | Sequence[float]] | Sequence[float] | npt.NDArray[np.floating[Any]]
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+Q: TypeAlias = "Mapping[str, float | Sequence[float]] | Sequence[float] | npt.NDArray[np.floating[Any]]"
 """Joint values by name, or all of them in the order of `Robot.dofs`, one after the other."""
 
 NUMBERS = {"turn": 1, "slide": 1, "ball": 4, "free": 7}
@@ -59,16 +60,16 @@ class Robot:
         """The joint values of the pose that CAD, or the robot's own file, was left in."""
         return dict(kinematics.saved_configuration(self.model))
 
-    def poses(self, q: Q | None = None) -> dict[str, Array]:
+    def poses(self, q: "Q | None" = None) -> dict[str, Array]:
         """root_from_link (4, 4) of every link at `q`, by name."""
         return kinematics.link_poses(self.model, self.values(q))
 
-    def frame_poses(self, q: Q | None = None) -> dict[str, Array]:
+    def frame_poses(self, q: "Q | None" = None) -> dict[str, Array]:
         """root_from_frame (4, 4) of every frame at `q`, by name."""
         poses = self.poses(q)
         return {name: poses[frame.link] @ frame.link_from_frame for name, frame in self.frames.items()}
 
-    def mass_matrix(self, q: Q | None = None) -> Array:
+    def mass_matrix(self, q: "Q | None" = None) -> Array:
         """M (n, n) of the kinetic energy ½ q̇ᵀ M q̇ at `q`, with the root link at rest.
 
         Its rows and columns are `speeds`. Every dof counts as if it moved on its own, also one that follows
@@ -86,7 +87,7 @@ class Robot:
         """
         return tuple(name for name, dof in self.dofs.items() for _ in range(dynamics.SPEEDS[dof.kind]))
 
-    def values(self, q: Q | None = None) -> dict[str, Value]:
+    def values(self, q: "Q | None" = None) -> dict[str, Value]:
         """The value of every dof at `q`: relations followed, the rest 0."""
         given = self._read({} if q is None else q)
         found = {**kinematics.rest_configuration(self.model), **given}
@@ -118,7 +119,10 @@ class Robot:
         if dof is None:
             hint = nearest(name, self.dofs) or f"dofs: {', '.join(self.dofs)}"
             raise LinkwrightError("the robot has no dof of this name", f"q.{name}", hint)
-        numbers = tuple(float(number) for number in np.atleast_1d(given))
+        try:
+            numbers = tuple(float(number) for number in given)
+        except TypeError:  # a number alone, of Python or numpy
+            numbers = (float(given),)
         if len(numbers) != NUMBERS[dof.kind]:
             message = f"expected {count(NUMBERS[dof.kind], 'number')}, got {len(numbers)}"
             raise LinkwrightError(message, f"q.{name}")

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from linkwright.pipeline.changes.since import Since
-from linkwright.pipeline.live.made import NOTHING, Live
 from linkwright.pipeline.page.changed import changed
 from linkwright.pipeline.page.checks import checks
 from linkwright.pipeline.page.codes import codes, problems_of
@@ -22,11 +21,12 @@ from linkwright.pipeline.page.html.shell import ReportSection, Top, document
 from linkwright.pipeline.page.order import order
 from linkwright.pipeline.page.provenance import cost, provenance
 from linkwright.pipeline.page.readers import readers
-from linkwright.pipeline.preview import NONE, Preview
 from linkwright.pipeline.report import Report
 from linkwright.pipeline.secrets import Secrets
-from linkwright.stages.graph.view.views import PICTURE, TABLES
+from linkwright.pipeline.show.live import NOTHING, Live
+from linkwright.pipeline.show.preview import NONE, Preview
 from linkwright.stages.mesh.view.views import PICTURES
+from linkwright.stages.show.graph_view.views import PICTURE, TABLES
 
 
 def page(

@@ -7,7 +7,7 @@ from typing import Any
 
 from linkwright.pipeline.page.html.markup import file_link, folded, part, plain_table, section, text
 from linkwright.pipeline.secrets import Secrets
-from linkwright.stages.graph.view.views import PICTURE
+from linkwright.stages.show.graph_view.views import PICTURE
 
 Table = Mapping[str, Any]
 """A table of the graph stage: title, header, rows."""

@@ -3,10 +3,10 @@
 from base64 import b64encode
 from urllib.parse import quote
 
-from linkwright.pipeline.live.made import Live
-from linkwright.pipeline.live.viewer import LiveView, view
 from linkwright.pipeline.page.html.markup import text
-from linkwright.pipeline.preview import Preview
+from linkwright.pipeline.show.live import Live
+from linkwright.pipeline.show.preview import Preview
+from linkwright.stages.show.live.viewer import LiveView, view
 
 _SLOT = "<!-- preview -->"
 

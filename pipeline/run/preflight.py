@@ -7,13 +7,14 @@ from pathlib import Path
 from linkwright.pipeline.caching import actions
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.errors import ConfigError, Diagnostic, as_problems
-from linkwright.pipeline.live.made import ENGINE_FILE
 from linkwright.pipeline.output.folder import Output
 from linkwright.pipeline.output.location import require_free
 from linkwright.pipeline.output.manifest import DOCUMENTS
-from linkwright.pipeline.preview import names, require
+from linkwright.pipeline.show.live import ENGINE_FILE
+from linkwright.pipeline.show.preview import require
 from linkwright.pipeline.stages.stage import STAGES, Stage, stages_until
-from linkwright.stages.graph.view.views import PICTURE
+from linkwright.stages.show.graph_view.views import PICTURE
+from linkwright.stages.show.preview import names
 
 
 def plan_problems(

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.stages.context import FILES, ROBOT, BuildContext
 from linkwright.pipeline.stages.stage import STAGES, libraries
-from linkwright.stages.graph.view.views import PICTURE
+from linkwright.stages.show.graph_view.views import PICTURE
 
 
 def products(context: BuildContext) -> dict[str, bytes]:

@@ -15,21 +15,21 @@ from linkwright.pipeline.config.files.file_text import as_yaml
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.documents import documents
 from linkwright.pipeline.errors import LinkwrightError, SecretFound, exit_status
-from linkwright.pipeline.live.made import NOTHING, Live, is_plain, live
 from linkwright.pipeline.mesh_details import kept
-from linkwright.pipeline.preview import NONE, Drawing, Preview, begun
 from linkwright.pipeline.report import Report, StageReport, Status
 from linkwright.pipeline.run.products import digests
 from linkwright.pipeline.run.strictness import strict_checks
+from linkwright.pipeline.show.live import NOTHING, Live, is_plain, live
+from linkwright.pipeline.show.preview import NONE, Drawing, Preview, begun
 from linkwright.pipeline.stages.context import FILES, NOTES, BuildContext
 from linkwright.pipeline.stages.stage import STAGES, Stage, libraries, perform
 from linkwright.pipeline.terminal.progress import Log, Progress
 from linkwright.stages.fetch import describe
-from linkwright.stages.graph.view.views import NARROW_OUTLINE, OUTLINE, VIEWS
 from linkwright.stages.mesh.view.views import PICTURES
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.show.graph_view.views import NARROW_OUTLINE, OUTLINE, VIEWS
 
 
 @dataclass(slots=True)

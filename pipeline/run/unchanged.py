@@ -26,15 +26,15 @@ from linkwright.pipeline.changes.since import since
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.documents import documents
 from linkwright.pipeline.errors import LinkwrightError
-from linkwright.pipeline.live.made import Engine, view_of
 from linkwright.pipeline.observed import Answer, Observed
 from linkwright.pipeline.options import Command
 from linkwright.pipeline.output.folder import FAILED, Output
 from linkwright.pipeline.output.location import require_free
 from linkwright.pipeline.output.manifest import DOCUMENTS
-from linkwright.pipeline.preview import Preview
 from linkwright.pipeline.report import Report
 from linkwright.pipeline.run import program
+from linkwright.pipeline.show.live import Engine, view_of
+from linkwright.pipeline.show.preview import Preview
 from linkwright.pipeline.terminal.progress import Log, Progress, Tee
 from linkwright.stages.fetch import force, keys_to_read_again, read_again
 from linkwright.stages.robot import codec

@@ -97,7 +97,7 @@ class FetchStage(StageBase):
 class GraphStage(StageBase):
     name = "graph"
     libraries = ("numpy", "scipy", "networkx", "lxml")
-    modules = ("linkwright.stages.graph.build", "linkwright.stages.graph.view.views")
+    modules = ("linkwright.stages.graph.build", "linkwright.stages.show.graph_view.views")
 
     def config(self, context: BuildContext) -> Any:
         from linkwright.stages.graph.section import GraphSections
@@ -110,7 +110,7 @@ class GraphStage(StageBase):
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
         from linkwright.stages.graph import build_robot
-        from linkwright.stages.graph.view.views import views
+        from linkwright.stages.show.graph_view.views import views
 
         robot = build_robot(context.bundle, context.plan)
         figures = {

@@ -12,11 +12,11 @@ from linkwright.pipeline.caching import actions
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.errors import ConfigError
-from linkwright.pipeline.live.made import ENGINE_FILE, engine_file, is_plain
 from linkwright.pipeline.output import conflicts, manifest
 from linkwright.pipeline.output.folder import move_aside, named
 from linkwright.pipeline.output.location import ELSEWHERE, absolute, require_free
 from linkwright.pipeline.secrets import Secrets
+from linkwright.pipeline.show.live import ENGINE_FILE, engine_file, is_plain
 from linkwright.stages.robot.text.printable import printable_lines
 
 if TYPE_CHECKING:

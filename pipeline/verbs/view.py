@@ -28,7 +28,7 @@ wrong usage
 
 SCENE = "scene.xml"
 _USAGE = "linkwright view NAME; linkwright view --help shows more"
-_ON_MAC = "import sys; from linkwright.pipeline.verbs.view import show; show(sys.argv[1])"
+_ON_MAC = "import sys; from linkwright.stages.mujoco.viewer import show; show(sys.argv[1])"
 
 
 def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ, system: str = sys.platform) -> int:
@@ -52,27 +52,16 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ, syste
         raise OutputError("there is no display (DISPLAY and WAYLAND_DISPLAY are not set)", "view", page)
     if system == "darwin":
         return _by_mjpython(scene, page)
-    show(str(scene), page)
-    return 0
-
-
-def show(scene: str, otherwise: str = "") -> None:
-    """Opens the viewer with a scene at its keyframe `home`, and returns when it is closed. OutputError, with
-    what to do `otherwise`, where it cannot be opened."""
-    import mujoco
-
-    from linkwright.stages.mujoco.state import at_keyframe
+    from linkwright.stages.mujoco.viewer import NoViewer, NoWindow, show
 
     try:
-        import mujoco.viewer
-    except ImportError as error:
+        show(str(scene))
+    except NoViewer as error:
         msg = f"MuJoCo's viewer is not installed ({error})"
-        raise OutputError(msg, "view", f"pip install mujoco; or {otherwise}") from None
-    model = mujoco.MjModel.from_xml_path(scene)
-    try:
-        mujoco.viewer.launch(model, at_keyframe(model))
-    except mujoco.FatalError as error:
-        raise OutputError(f"MuJoCo's viewer cannot open a window: {error}", "view", otherwise) from None
+        raise OutputError(msg, "view", f"pip install mujoco; or {page}") from None
+    except NoWindow as error:
+        raise OutputError(f"MuJoCo's viewer cannot open a window: {error}", "view", page) from None
+    return 0
 
 
 def _by_mjpython(scene: Path, otherwise: str) -> int:

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.formats.triangles import distinct
 from linkwright.stages.mesh.files import obj, stl
-from linkwright.stages.mesh.surfaces.surface import Surface
 from linkwright.stages.mesh.visuals import textures
 from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.model.geometry import Shape

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterable
 
+from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh import tessellation
-from linkwright.stages.mesh.surfaces.surface import Surface
 from linkwright.stages.mesh.tessellation import PartMesh
 from linkwright.stages.mesh.visuals.budget import Decimator
 from linkwright.stages.robot.bundle import Bundle

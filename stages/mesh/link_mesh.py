@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import orjson
 
+from linkwright.stages.formats.meshes.surface import Surface, moved
 from linkwright.stages.mesh.files.mesh_file import MeshFile
-from linkwright.stages.mesh.surfaces.surface import Surface, moved
 from linkwright.stages.mesh.tessellation import PartMesh
 from linkwright.stages.mesh.visuals.budget import Decimation, Decimator
 from linkwright.stages.mesh.visuals.make import Drawn, LinkVisuals, visuals

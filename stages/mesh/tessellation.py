@@ -7,8 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from linkwright.stages.formats import triangles
+from linkwright.stages.formats.meshes.surface import Surface, weld
 from linkwright.stages.formats.triangles import Body
-from linkwright.stages.mesh.surfaces.surface import Surface, weld
 from linkwright.stages.robot.model.geometry import Colour
 
 

@@ -14,8 +14,8 @@ from pathlib import Path
 
 from linkwright.stages.export import export
 from linkwright.stages.graph import build_robot
-from linkwright.stages.graph.view.views import views
 from linkwright.stages.robot.codec import decode_robot, encode_robot
+from linkwright.stages.show.graph_view.views import views
 from tests.benchmarks.large import PARTS, large
 from tests.benchmarks.shapes import SHAPES
 from tests.support.building import NO_MESHES, plan_of, write

@@ -5,7 +5,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from linkwright.pipeline.live.viewer import view
+from linkwright.stages.show.live.viewer import view
 from tests.browser.conftest import PAGE
 from tests.browser.models import chain, model_of, small_pack, sphere
 from tests.browser.packs import pack_of, packed

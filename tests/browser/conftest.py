@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from linkwright.pipeline.live.viewer import view
+from linkwright.stages.show.live.viewer import view
 from tests.browser.webdriver import Browser, missing
 
 PAGE = """<!doctype html>

@@ -2,7 +2,7 @@
 
 import pytest
 
-from linkwright.pipeline.live.viewer import engine_script
+from linkwright.stages.show.live.viewer import engine_script
 from tests.browser.models import ALL_JOINTS, FOUR_BAR, model_of, small_pack
 from tests.browser.packs import pack_of, packed
 from tests.browser.webdriver import Browser

@@ -5,17 +5,17 @@ from dataclasses import replace
 
 import pytest
 
-from linkwright.pipeline.live.made import NOTHING, Live
 from linkwright.pipeline.page.document import page
 from linkwright.pipeline.page.sweep.document import page as sweep_page
 from linkwright.pipeline.secrets import Secrets
-from linkwright.stages.graph.view.views import views
+from linkwright.pipeline.show.live import NOTHING, Live
+from linkwright.stages.show.graph_view.views import views
 from tests.browser.models import ALL_JOINTS, small_pack
 from tests.browser.words import complaints
-from tests.unit.graph.view.test_picture import nasty_robot, random_robot
 from tests.unit.pipeline.page.test_document import REPORT
 from tests.unit.pipeline.page.test_hostile import HOSTILE, build_page, report, sweep
 from tests.unit.pipeline.page.test_sweep_page import GRID
+from tests.unit.show.graph_view.test_picture import nasty_robot, random_robot
 
 LONG = "a_name_without_any_end_" * 12
 TAB = "\ue004"

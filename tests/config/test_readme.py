@@ -21,10 +21,10 @@ from linkwright.pipeline.run.build import build_files
 from linkwright.pipeline.verbs import VERBS
 from linkwright.stages.export import export
 from linkwright.stages.graph.section import GraphSections
-from linkwright.stages.graph.view.outline import outline
-from linkwright.stages.graph.view.picture import draw
 from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.robot.section import Section
+from linkwright.stages.show.graph_view.outline import outline
+from linkwright.stages.show.graph_view.picture import draw
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import NO_MESHES, plan_of, robot_of
 from tests.support.places import PROJECT

@@ -3,6 +3,7 @@
 from contextlib import closing
 from typing import Any
 
+from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.collide import improvement
 from linkwright.stages.mesh.collide.acceptance import Judge
 from linkwright.stages.mesh.collide.cut_pieces import PieceCutter
@@ -11,7 +12,6 @@ from linkwright.stages.mesh.colliders import coacd
 from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
 from linkwright.stages.mesh.decompose import DecomposeOptions, decomposed
 from linkwright.stages.mesh.surfaces.pieces import surface_of
-from linkwright.stages.mesh.surfaces.surface import Surface
 from linkwright.stages.robot.errors import DecompositionFailed
 
 

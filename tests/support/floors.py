@@ -12,12 +12,13 @@ from tests.support.places import PROJECT
 PICTURE = PROJECT / "docs" / "floors.svg"
 
 FLOORS = (
-    ("pipeline", ("pipeline",), "how a build runs: configuration, cache, documents; knows no file format"),
+    ("pipeline", ("pipeline",), "how a build runs: configuration, cache, documents; knows no robotics"),
     (
         "stages",
         ("stages.fetch", "stages.graph", "stages.mesh", "stages.export", "stages.validate"),
         "what a build does: five stages, none of which imports another",
     ),
+    ("stages.show", ("stages.show",), "what is shown of a robot: live view, picture, tree"),
     ("stages.mujoco", ("stages.mujoco",), "compiles a model, and asks it"),
     ("stages.formats", ("stages.formats",), "text ↔ value: URDF, MJCF, SDF, robot.json, meshes"),
     ("stages.robot", ("stages.robot",), "the value that the stages hand on, and its mechanics"),
@@ -67,7 +68,7 @@ def picture() -> str:
             if step == 0:
                 path = f"M{(MARGIN + right) / 2:.0f} {begin}V{end - 2}"
             else:
-                lane += 18
+                lane += 12
                 path = f"M{right} {begin - 12 - 8 * step}H{lane}V{end + 8 + 9 * number}H{right + 2}"
             parts.append(
                 f'<path d="{path}" fill="none" stroke="#446" stroke-width="1.5" marker-end="url(#tip)"/>'

@@ -14,10 +14,21 @@ def modules() -> list[Path]:
     return sorted(path for top in ROOMS for path in (PROJECT / top).rglob("*.py"))
 
 
-def imported(path: Path, source: str) -> Iterator[str]:
-    """The full names that a module imports, wherever in it, also by `import_module`."""
+class _WithoutTypes(ast.NodeTransformer):
+    """Leaves out what only type checkers read."""
+
+    def visit_If(self, node: ast.If) -> ast.AST:
+        if isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING":
+            return ast.Pass()
+        return self.generic_visit(node)
+
+
+def imported(path: Path, source: str, types: bool = True) -> Iterator[str]:
+    """The full names that a module imports, wherever in it, also by `import_module`; those under
+    `if TYPE_CHECKING` too where `types` is true."""
     package = ("linkwright", *path.relative_to(PROJECT).parts[:-1])
-    for node in ast.walk(ast.parse(source)):
+    tree = ast.parse(source)
+    for node in ast.walk(tree if types else _WithoutTypes().visit(tree)):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):

@@ -6,8 +6,8 @@ import numpy as np
 import trimesh
 
 from linkwright.stages.formats import triangles
-from linkwright.stages.mesh.surfaces import surface
-from linkwright.stages.mesh.surfaces.surface import Surface, weld
+from linkwright.stages.formats.meshes import surface
+from linkwright.stages.formats.meshes.surface import Surface, weld
 
 
 def of_mesh(mesh: trimesh.Trimesh) -> Surface:

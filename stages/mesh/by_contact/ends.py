@@ -8,13 +8,13 @@ from itertools import product
 
 import numpy as np
 
+from linkwright.stages.formats.meshes.surface import Surface, joined
 from linkwright.stages.mesh.collide.acceptance import Judge
 from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
 from linkwright.stages.mesh.cut import planes
 from linkwright.stages.mesh.cut.cutting import cut
 from linkwright.stages.mesh.cut.outside import Outside, Sampled, StandingOut
 from linkwright.stages.mesh.cut.piece import Chunk, hull_of, whole_hull
-from linkwright.stages.mesh.surfaces.surface import Surface, joined
 from linkwright.stages.robot.model.geometry import Measures
 
 MOST = 12

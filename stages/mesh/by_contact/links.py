@@ -8,12 +8,12 @@ from typing import cast
 
 import numpy as np
 
+from linkwright.stages.formats.meshes.surface import Surface, compacted, joined, moved
 from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
 from linkwright.stages.mesh.cut.piece import Chunk, hulled
 from linkwright.stages.mesh.fit import CHEAPEST, fits
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.pieces import Piece, placed, surface_of, volume
-from linkwright.stages.mesh.surfaces.surface import Surface, compacted, joined, moved
 from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import Array, Primitive
 

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import orjson
 
+from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.by_contact.request import ContactRequest, FalsePair
 from linkwright.stages.mesh.collide import collision
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.surfaces.pieces import Piece
-from linkwright.stages.mesh.surfaces.surface import Surface
 from linkwright.stages.robot.text.globs import listed
 from linkwright.stages.robot.text.plural import count
 

@@ -7,10 +7,10 @@ from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
+from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.by_contact.poses import relative
 from linkwright.stages.mesh.measure import BoxTree, Nearest
 from linkwright.stages.mesh.surfaces.pieces import beyond, half_spaces
-from linkwright.stages.mesh.surfaces.surface import Surface
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import Array, Joint, Link, Robot
 from linkwright.stages.robot.text.globs import fits, there_are

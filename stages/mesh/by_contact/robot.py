@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.by_contact import meeting
 from linkwright.stages.mesh.by_contact.ends import End
 from linkwright.stages.mesh.by_contact.fitting import EndFitter, EndToFit, FittedEnd, end_fitter
@@ -21,7 +22,6 @@ from linkwright.stages.mesh.cut.piece import Chunk, rough
 from linkwright.stages.mesh.library import MOVED
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.pieces import Piece, surface_of
-from linkwright.stages.mesh.surfaces.surface import Surface
 from linkwright.stages.robot.contact.clearance import engine
 from linkwright.stages.robot.model.robot import Array, Primitive, Robot
 

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from linkwright.stages.formats.meshes.surface import Points, joined
 from linkwright.stages.mesh.by_contact.pair import Numbers, Pair
 from linkwright.stages.mesh.cut import planes
 from linkwright.stages.mesh.cut.cutting import cut
 from linkwright.stages.mesh.cut.piece import Chunk, hull_of, hulled, rough
-from linkwright.stages.mesh.surfaces.surface import Points, joined
 
 _LOOK = 20
 """Poses by which planes are told apart."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from linkwright.stages.formats.meshes.surface import Surface, joined
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
 from linkwright.stages.mesh.fit.score import MOST_OF_TOLERANCE
 from linkwright.stages.mesh.measure import FEW, Measures, Target, hopeless, measure, near
 from linkwright.stages.mesh.surfaces.clean import clean
 from linkwright.stages.mesh.surfaces.pieces import Piece
-from linkwright.stages.mesh.surfaces.surface import Surface, joined
 
 
 @dataclass(frozen=True, slots=True, eq=False)

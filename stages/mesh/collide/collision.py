@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import orjson
 
+from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.files import mesh_file
 from linkwright.stages.mesh.files.mesh_file import MeshFile
 from linkwright.stages.mesh.measure import Measures
 from linkwright.stages.mesh.surfaces.pieces import Piece, placed
-from linkwright.stages.mesh.surfaces.surface import Surface
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.model.geometry import NEUTRAL
 from linkwright.stages.robot.model.robot import Array, Primitive

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.collide.acceptance import Judge, miss
 from linkwright.stages.mesh.cut import planes
 from linkwright.stages.mesh.cut.cutting import slicer
@@ -26,7 +27,6 @@ from linkwright.stages.mesh.measure.field import Field
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.pieces import Piece, beyond, half_spaces, surface_of, vertices
 from linkwright.stages.mesh.surfaces.snapping import on_grid, snapped
-from linkwright.stages.mesh.surfaces.surface import Points, Surface
 
 Numbers = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]

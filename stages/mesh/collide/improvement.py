@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import import_module
 
+from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.collide import collision
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
-from linkwright.stages.mesh.surfaces.surface import Surface
 from linkwright.stages.robot.errors import DecompositionFailed
 from linkwright.stages.robot.system.guest import ONE_THREAD, Bounds, Ended, Guest
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from linkwright.stages.formats.meshes.surface import Surface, moved
 from linkwright.stages.mesh.collide import collision
 from linkwright.stages.mesh.collide.acceptance import miss
 from linkwright.stages.mesh.collide.choices import Choice
@@ -23,7 +24,6 @@ from linkwright.stages.mesh.collide.side_by_side import Making, side_by_side
 from linkwright.stages.mesh.library import MeshLibrary
 from linkwright.stages.mesh.link_mesh import Use
 from linkwright.stages.mesh.surfaces.pieces import placed
-from linkwright.stages.mesh.surfaces.surface import Surface, moved
 from linkwright.stages.robot.errors import DecompositionFailed
 from linkwright.stages.robot.model.robot import Array, frozen
 from linkwright.stages.robot.system.guest import Guest

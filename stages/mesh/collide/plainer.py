@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.collide.acceptance import Judge
 from linkwright.stages.mesh.fit import fits
 from linkwright.stages.mesh.surfaces.pieces import Piece
-from linkwright.stages.mesh.surfaces.surface import Surface
 
 if TYPE_CHECKING:
     from linkwright.stages.mesh.fit.kinds import Fitted

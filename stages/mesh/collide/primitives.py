@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
-from linkwright.stages.mesh.surfaces.surface import Points, Surface
 from linkwright.stages.robot.dynamics.inertia import primitive_volume
 from linkwright.stages.robot.model.geometry import NEUTRAL, Colour, Role, Shape
 from linkwright.stages.robot.model.robot import Link, Primitive

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from linkwright.stages.formats.meshes.surface import Surface, joined
 from linkwright.stages.mesh.collide.acceptance import Judge
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.collide.cut_pieces import PieceCutter
 from linkwright.stages.mesh.colliders import hull
 from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
 from linkwright.stages.mesh.decompose import NOT_CLOSED, DecomposeOptions, decomposed, search
-from linkwright.stages.mesh.surfaces.surface import Surface, joined
 
 
 def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from linkwright.stages.formats.meshes.surface import Surface, joined
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
 from linkwright.stages.mesh.fit import capped_hull
-from linkwright.stages.mesh.surfaces.surface import Surface, joined
 
 
 def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:

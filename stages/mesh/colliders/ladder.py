@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from linkwright.stages.formats.meshes.surface import Surface, joined
 from linkwright.stages.mesh.collide.acceptance import Judge, miss
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.collide.cut_pieces import Cut, PieceCutter
@@ -15,7 +16,6 @@ from linkwright.stages.mesh.fit import CHEAPEST, capped_hull, fits
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.pieces import Piece, surface_of
 from linkwright.stages.mesh.surfaces.snapping import snapped
-from linkwright.stages.mesh.surfaces.surface import Surface, joined
 
 _WORTH = 2.0
 """Pieces that miss the tolerance are taken where they are so many times nearer than the hull: of the open

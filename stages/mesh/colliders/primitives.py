@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 
+from linkwright.stages.formats.meshes.surface import Surface, joined
 from linkwright.stages.mesh.collide.acceptance import measured
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
 from linkwright.stages.mesh.fit import fittest
-from linkwright.stages.mesh.surfaces.surface import Surface, joined
 
 
 def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:

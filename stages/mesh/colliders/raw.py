@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
+from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
-from linkwright.stages.mesh.surfaces.surface import Surface
 
 
 def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 if TYPE_CHECKING:
+    from linkwright.stages.formats.meshes.surface import Surface
     from linkwright.stages.mesh.section import MeshSection
-    from linkwright.stages.mesh.surfaces.surface import Surface
 
 LEAST_TOLERANCE = 0.001
 """The tolerance [m] of a small part where `mesh.tolerance` says nothing."""

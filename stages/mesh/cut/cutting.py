@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from linkwright.stages.formats.meshes.surface import Points, Surface, compacted
 from linkwright.stages.mesh.surfaces.booleans import body_of, surface_of_body
-from linkwright.stages.mesh.surfaces.surface import Points, Surface, compacted
 
 
 def slicer(surface: Surface) -> Callable[[Points, float], list[Surface]]:

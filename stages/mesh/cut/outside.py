@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.measure import BoxTree, Nearest, even
 from linkwright.stages.mesh.surfaces.pieces import Piece, beyond, half_spaces, signed_distance, surface_of
-from linkwright.stages.mesh.surfaces.surface import Points, Surface
 
 Numbers = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.fit import capped_hull
 from linkwright.stages.mesh.surfaces.convex_hull import outwards
 from linkwright.stages.mesh.surfaces.pieces import Piece, surface_of
 from linkwright.stages.mesh.surfaces.snapping import snapped
-from linkwright.stages.mesh.surfaces.surface import Points, Surface
 from linkwright.stages.robot.contact.clearance import engine
 
 _THIN = 1e-6

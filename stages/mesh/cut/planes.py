@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from linkwright.stages.mesh.surfaces.surface import Points, Surface
+from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.robot.model.robot import Array
 
 Plane = tuple[Points, float]

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.cut.cutting import slicer
-from linkwright.stages.mesh.surfaces.surface import Surface
 
 _PLANES = (4, 8)
 """Through the axis: 8 and 16 sectors."""

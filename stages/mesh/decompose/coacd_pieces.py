@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.configuration.decompose_options import DecomposeOptions
 from linkwright.stages.mesh.decompose.prepare import NOT_CLOSED, prepared
 from linkwright.stages.mesh.decompose.seams import grown
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.snapping import grid, on_grid, snapped
-from linkwright.stages.mesh.surfaces.surface import Points, Surface
 
 _CONVEX = 1.002
 """A body whose hull has at most so many times its volume is one piece; so is one smaller than the

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.surfaces.booleans import body_of, surface_of_body
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.inside import Inside
-from linkwright.stages.mesh.surfaces.surface import Surface
 
 _PASSES = (0.1, 0.1, 0.1, 0.1)
 """How far each pass of simplification may move the surface, in tolerances."""

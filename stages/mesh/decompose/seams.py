@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.fit import capped_hull
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.pieces import beyond, half_spaces
-from linkwright.stages.mesh.surfaces.surface import Points, Surface
 
 _FURTHEST = 8.0
 """A corner moves at most so many times as far as its faces; a sharper one would run away."""

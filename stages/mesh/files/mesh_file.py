@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from linkwright.stages.formats.meshes.surface import Surface, chosen, joined, rounded
 from linkwright.stages.mesh.files import obj, stl
-from linkwright.stages.mesh.surfaces.surface import Surface, chosen, joined, rounded
 from linkwright.stages.robot.model.geometry import Colour
 
 MOST_FACES = 200_000

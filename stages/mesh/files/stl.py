@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from linkwright.stages.formats.meshes.points import STL_FACE, STL_HEADER, mesh_points
-from linkwright.stages.mesh.surfaces.surface import Surface
+from linkwright.stages.formats.meshes.surface import Surface
 
 HEADER = b"linkwright".ljust(STL_HEADER, b"\0")
 

@@ -23,8 +23,8 @@ from typing import TYPE_CHECKING, Literal
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from linkwright.stages.formats.meshes.surface import Surface
     from linkwright.stages.mesh.fit.kinds import Fitted
-    from linkwright.stages.mesh.surfaces.surface import Surface
     from linkwright.stages.robot.model.robot import Primitive, PrimitiveKind
 
 Engine = Literal["mujoco", "mjx"]

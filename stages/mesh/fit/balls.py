@@ -3,8 +3,8 @@
 import numpy as np
 import numpy.typing as npt
 
+from linkwright.stages.formats.meshes.surface import Points
 from linkwright.stages.mesh.fit.outline import Floats, Outline
-from linkwright.stages.mesh.surfaces.surface import Points
 from linkwright.stages.robot.model.poses import from_parts
 from linkwright.stages.robot.model.robot import Primitive, frozen
 

@@ -3,9 +3,9 @@
 import numpy as np
 import numpy.typing as npt
 
+from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.pieces import along, beyond, half_spaces
-from linkwright.stages.mesh.surfaces.surface import Points, Surface
 
 _OUTWARDS = 0.5
 """How far the vertices are moved out, as a share of what they leave bare: so the hull stands out as far as it

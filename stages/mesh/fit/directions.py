@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from linkwright.stages.formats.meshes.surface import Points
 from linkwright.stages.mesh.fit.outline import Floats, Outline
-from linkwright.stages.mesh.surfaces.surface import Points
 
 _SNAP = np.cos(np.radians(0.5))
 _SAME = np.cos(np.radians(0.25))

@@ -6,13 +6,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.fit import levels
 from linkwright.stages.mesh.fit.circles import smallest_ball
 from linkwright.stages.mesh.fit.directions import Silhouette, across, frames, silhouettes
 from linkwright.stages.mesh.fit.outline import Floats, Outline, outline_of
 from linkwright.stages.mesh.fit.refine import refined, refined_below
 from linkwright.stages.mesh.fit.score import error, least_error
-from linkwright.stages.mesh.surfaces.surface import Surface
 from linkwright.stages.robot.model.poses import from_parts
 from linkwright.stages.robot.model.robot import Primitive, PrimitiveKind, frozen
 

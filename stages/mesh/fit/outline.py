@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.configuration.collider_settings import LEAST_TOLERANCE, TOLERANCE_OF_SIZE
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.pieces import signed_distance
-from linkwright.stages.mesh.surfaces.surface import Points, Surface
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from linkwright.stages.formats.meshes.surface import Points
 from linkwright.stages.mesh.fit.outline import Floats, Outline
-from linkwright.stages.mesh.surfaces.surface import Points
 from linkwright.stages.robot.dynamics.inertia import primitive_area, primitive_volume
 from linkwright.stages.robot.model.poses import from_parts
 from linkwright.stages.robot.model.robot import Array, Primitive

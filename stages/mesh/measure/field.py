@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from linkwright.stages.formats.meshes.surface import Points
 from linkwright.stages.mesh.measure import Target, even, outside_part
-from linkwright.stages.mesh.surfaces.surface import Points
 
 _PITCH = 0.5
 """Between the nodes of the grid, in tolerances."""

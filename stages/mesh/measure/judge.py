@@ -5,12 +5,12 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.measure.samples import even
 from linkwright.stages.mesh.measure.target import SAMPLES, Target
 from linkwright.stages.mesh.measure.tree import Indices, Numbers, Value, largest
 from linkwright.stages.mesh.measure.union import Union
 from linkwright.stages.mesh.surfaces.pieces import Piece
-from linkwright.stages.mesh.surfaces.surface import Points, Surface
 from linkwright.stages.robot.model.geometry import Measures
 
 WITHIN = 1.5e-3

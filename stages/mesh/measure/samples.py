@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.measure.tree import Corners, Indices
-from linkwright.stages.mesh.surfaces.surface import Points, Surface
 
 _FIRST, _SECOND = 0.7548776662466927, 0.5698402909980532
 """The steps of the R2 sequence: 1/p and 1/p² of the plastic number (Roberts, "The unreasonable effectiveness

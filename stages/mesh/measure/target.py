@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.measure.samples import Samples, even, thinned
 from linkwright.stages.mesh.measure.tree import BoxTree, Nearest
 from linkwright.stages.mesh.measure.union import Union
@@ -12,7 +13,6 @@ from linkwright.stages.mesh.measure.volumes import Cloud, Shares, Solid
 from linkwright.stages.mesh.surfaces.clean import clean
 from linkwright.stages.mesh.surfaces.inside import Inside
 from linkwright.stages.mesh.surfaces.shells import Shells
-from linkwright.stages.mesh.surfaces.surface import Points, Surface
 
 SAMPLES = 3000
 _GRID = 1 / 100  # of the diagonal

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from linkwright.stages.mesh.surfaces.surface import Points, Surface
+from linkwright.stages.formats.meshes.surface import Points, Surface
 
 Numbers = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]

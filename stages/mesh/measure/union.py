@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from linkwright.stages.formats.meshes.surface import Points, Surface, joined
 from linkwright.stages.mesh.measure.tree import BoxTree, Corners, Indices, Nearest, Numbers, split
 from linkwright.stages.mesh.surfaces.inside import Inside
 from linkwright.stages.mesh.surfaces.pieces import Piece, beyond, half_spaces, signed_distance, surface_of
-from linkwright.stages.mesh.surfaces.surface import Points, Surface, joined
 from linkwright.stages.robot.model.robot import Primitive
 
 _MANY = 500  # planes

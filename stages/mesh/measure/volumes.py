@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.measure.tree import Numbers, split
 from linkwright.stages.mesh.measure.union import Union
 from linkwright.stages.mesh.surfaces.booleans import body_of
 from linkwright.stages.mesh.surfaces.inside import Inside
-from linkwright.stages.mesh.surfaces.surface import Points, Surface
 from linkwright.stages.robot.model.geometry import By
 
 _POINTS = 1 << 13

@@ -9,5 +9,4 @@
 - rays: Where straight lines cross a surface.
 - shells: The shells of a surface: faces connected by edges; which are closed, and which lies within which.
 - snapping: Coordinates on a grid: what is hashed or written does not show how a processor rounds.
-- surface: Triangle surfaces as arrays: welding, figures, canonical order.
 """

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from linkwright.stages.mesh.surfaces.surface import Surface
+from linkwright.stages.formats.meshes.surface import Surface
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

@@ -5,8 +5,8 @@ from typing import Literal
 
 import numpy as np
 
+from linkwright.stages.formats.meshes.surface import Surface, compacted, weld
 from linkwright.stages.mesh.surfaces.shells import Edges, Flags, Indices, Shells, components, turned_alike
-from linkwright.stages.mesh.surfaces.surface import Surface, compacted, weld
 
 _CRUMB = 1e-6  # of the volume
 _THIN = 1e-6  # m, or of the size

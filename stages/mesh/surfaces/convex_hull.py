@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from linkwright.stages.formats.meshes.surface import Points, Surface, compacted, weld
 from linkwright.stages.formats.triangles import distinct
-from linkwright.stages.mesh.surfaces.surface import Points, Surface, compacted, weld
 
 _THIN = 1e-6
 """A hull of less mean thickness [m], or a millionth of its size, has no inside to collide with."""

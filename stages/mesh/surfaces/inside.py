@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.surfaces.rays import DIRECTIONS, LineGrid
 from linkwright.stages.mesh.surfaces.shells import Edges, components
-from linkwright.stages.mesh.surfaces.surface import Points, Surface
 
 Indices = npt.NDArray[np.int64]
 

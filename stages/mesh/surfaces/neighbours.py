@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from linkwright.stages.mesh.surfaces.surface import Surface
+from linkwright.stages.formats.meshes.surface import Surface
 
 
 def neighbours(surface: Surface) -> npt.NDArray[np.int64]:

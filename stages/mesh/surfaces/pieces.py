@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from linkwright.stages.mesh.surfaces.surface import Points, Surface, moved
+from linkwright.stages.formats.meshes.surface import Points, Surface, moved
 from linkwright.stages.robot.dynamics.inertia import primitive_volume
 from linkwright.stages.robot.model.robot import Array, Primitive, frozen
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from linkwright.stages.formats.meshes.surface import Points, Surface, Triangles
 from linkwright.stages.mesh.surfaces.pieces import along
-from linkwright.stages.mesh.surfaces.surface import Points, Surface, Triangles
 
 Indices = npt.NDArray[np.int64]
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.surfaces.rays import LineGrid
-from linkwright.stages.mesh.surfaces.surface import Surface
 
 Indices = npt.NDArray[np.int64]
 Flags = npt.NDArray[np.bool_]

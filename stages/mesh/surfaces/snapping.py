@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from linkwright.stages.mesh.surfaces.surface import Points, Surface, weld
+from linkwright.stages.formats.meshes.surface import Points, Surface, weld
 
 _OF_SIZE = 1e-6
 

@@ -14,9 +14,9 @@ import orjson
 from linkwright.stages.formats import png
 from linkwright.stages.mesh.files import obj, stl
 from linkwright.stages.mesh.surfaces.pieces import surface_of
-from linkwright.stages.mesh.view.raster import Corners, Pixels, drawn, work
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.model.geometry import NEUTRAL, Colour, Geometry, Role, Shape
+from linkwright.stages.show.raster import Corners, Pixels, drawn, work
 
 if TYPE_CHECKING:
     from linkwright.stages.mesh import Memo

@@ -3,16 +3,16 @@
 import math
 import threading
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from linkwright.stages.mesh.surfaces.surface import Surface
+from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.tessellation import PartMesh
 from linkwright.stages.mesh.visuals.error import apart
-from linkwright.stages.mesh.visuals.simplify import SimplifiablePart, simplified
 from linkwright.stages.robot.model.robot import MeshRef
+from linkwright.stages.show.decimate import Simplifiable, lowest
 
 LEAST_BOUND = 2e-4
 """The error that every part may have [m]."""
@@ -26,9 +26,6 @@ _FINEST = 1e-6
 _MANY = 200_000
 _COARSE = 3
 """Of a part with more triangles the higher levels are made of this one, which takes a quarter of the time."""
-
-_LEFT = 0.7
-"""The share of triangles that a level leaves of those of the level below, as a rule."""
 
 _ENOUGH = 1 / 4
 """Below this share of the bound an error is not measured more closely."""
@@ -54,7 +51,7 @@ class Decimator:
         self._made: dict[tuple[MeshRef, int], PartMesh | None] = {}
         self._errors: dict[tuple[MeshRef, int], float] = {}
         self._top: dict[MeshRef, int] = {}
-        self._solids: dict[tuple[MeshRef, bool], SimplifiablePart] = {}
+        self._solids: dict[tuple[MeshRef, bool], Simplifiable] = {}
 
     def fitted(
         self, uses: Iterable[MeshRef], meshes: Mapping[MeshRef, PartMesh], most: int
@@ -112,15 +109,15 @@ class Decimator:
         with self._lock:
             if (ref, level) not in self._made:
                 large = level > _COARSE and len(mesh.surface.triangles) > _MANY
-                made = simplified(self._solid(ref, mesh, large), _FINEST * 2.0**level)
+                made = simplified(mesh, self._solid(ref, mesh, large), _FINEST * 2.0**level)
                 fewer = made is None or len(made.surface.triangles) < len(mesh.surface.triangles)
                 self._made[ref, level] = made if fewer else mesh
             return self._made[ref, level]
 
-    def _solid(self, ref: MeshRef, mesh: PartMesh, coarse: bool) -> SimplifiablePart:
+    def _solid(self, ref: MeshRef, mesh: PartMesh, coarse: bool) -> Simplifiable:
         if (ref, coarse) not in self._solids:
-            start = self._made_at(ref, mesh, _COARSE) if coarse else None
-            self._solids[ref, coarse] = SimplifiablePart.of(start or mesh)
+            start = (self._made_at(ref, mesh, _COARSE) if coarse else None) or mesh
+            self._solids[ref, coarse] = Simplifiable.of(start.surface, start.colours, len(start.palette))
         return self._solids[ref, coarse]
 
     def _holds(self, ref: MeshRef, mesh: PartMesh, level: int) -> bool:
@@ -142,19 +139,10 @@ class Decimator:
         return self._errors[ref, level]
 
 
-def lowest(levels: int, faces: Callable[[int], int], most: int) -> int:
-    """The lowest level with at most so many faces, `levels` where none has; higher levels have no more."""
-    low, high, level = 0, levels, levels // 2
-    while low < high:
-        count = faces(level)
-        if count <= most:
-            high = level
-        else:
-            low = level + 1
-        # Each level takes a while: the next one is where the number is likely to be reached.
-        further = math.log(max(count, 1) / max(most, 1)) / math.log(1 / _LEFT)
-        level = min(max(level + math.ceil(further), low), high - 1)
-    return low
+def simplified(mesh: PartMesh, solid: Simplifiable, tolerance: float) -> PartMesh | None:
+    """The part, its surface moved by about `tolerance` [m] at most; None where it cannot be simplified."""
+    made = solid.simplified(tolerance)
+    return made and replace(mesh, surface=made[0], colours=made[1])
 
 
 def bound(surface: Surface) -> float:

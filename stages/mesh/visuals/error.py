@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from linkwright.stages.formats.meshes.surface import Points, Surface, chosen
 from linkwright.stages.mesh.measure import BoxTree
-from linkwright.stages.mesh.surfaces.surface import Points, Surface, chosen
 from linkwright.stages.mesh.tessellation import PartMesh
 from linkwright.stages.mesh.visuals.walk import WalkedSurface
 

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from linkwright.stages.formats.meshes.surface import Surface, chosen, joined, moved
 from linkwright.stages.mesh.files import mesh_file
 from linkwright.stages.mesh.files.mesh_file import MeshFile
-from linkwright.stages.mesh.surfaces.surface import Surface, chosen, joined, moved
 from linkwright.stages.mesh.tessellation import PartMesh
 from linkwright.stages.mesh.visuals.budget import Decimation, Decimator
 from linkwright.stages.robot.model.geometry import Colour

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.measure import even
 from linkwright.stages.mesh.surfaces.neighbours import neighbours
-from linkwright.stages.mesh.surfaces.surface import Points, Surface
 
 Numbers = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]

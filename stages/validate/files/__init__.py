@@ -7,7 +7,6 @@ function `level`, where not all that it finds is an error.
 - assets: Every file that the model names is there, and whole.
 - known: Every element and attribute is one of the format's: readers skip a misspelled one, or refuse the
   file.
-- mjcf_schema: The elements and attributes of MJCF that a MuJoCo knows, by its own account.
 - model_config: The file by which Gazebo finds the SDF of a folder.
 - names: Every name is legal, and unique where the format asks: a link and a joint may share one.
 - numbers: Every number is one, finite, and there are as many as the attribute has.

@@ -4,8 +4,9 @@ from collections.abc import Iterator
 from difflib import get_close_matches
 
 from linkwright.stages.formats.xml import Element, tag
+from linkwright.stages.mujoco import mjcf_schema
 from linkwright.stages.robot.check import CheckLevel, Finding
-from linkwright.stages.validate.files import mjcf_schema, urdf_schema
+from linkwright.stages.validate.files import urdf_schema
 from linkwright.stages.validate.reading.documents import ModelDocument
 
 CODE = "C-XML-KNOWN"

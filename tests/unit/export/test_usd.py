@@ -12,9 +12,9 @@ import pytest
 
 from linkwright.pipeline.run.preflight import plan_problems
 from linkwright.stages.export import export
+from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.collide.primitives import shapes as primitive_shapes
 from linkwright.stages.mesh.files.stl import write as write_stl
-from linkwright.stages.mesh.surfaces.surface import Surface
 from linkwright.stages.robot.dynamics.mass_matrix import mass_matrix
 from linkwright.stages.robot.model.geom_form import ContactProperties
 from linkwright.stages.robot.model.geometry import Exclude, Geometry, Shape

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.collide.merge_across_parts import across
 from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
 from linkwright.stages.mesh.surfaces.pieces import signed_distance, volume
-from linkwright.stages.mesh.surfaces.surface import Surface
 from linkwright.stages.robot.model.robot import Primitive, frozen
 from tests.support.fidelity import Hull, fidelity
 from tests.support.solids import box, joined

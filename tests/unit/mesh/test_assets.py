@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 import trimesh
 
+from linkwright.stages.formats.meshes.surface import Surface, rounded
 from linkwright.stages.formats.xml import parse
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.mesh.assets import surface, written
 from linkwright.stages.mesh.files import obj, stl
 from linkwright.stages.mesh.files.names import file_names, part_words
-from linkwright.stages.mesh.surfaces.surface import Surface, rounded
 from linkwright.stages.robot.model.geometry import Geometry, Shape
 from linkwright.stages.robot.model.robot import Robot
 from tests.support.building import bundle_of, plan_of, robot_of, write

@@ -6,10 +6,10 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.fit import capped_hull
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.pieces import along, half_spaces
-from linkwright.stages.mesh.surfaces.surface import Surface
 
 
 def cloud(seed: int, count: int) -> Surface:

@@ -6,8 +6,8 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from linkwright.stages.formats.meshes.surface import Surface, weld
 from linkwright.stages.mesh.surfaces.clean import clean
-from linkwright.stages.mesh.surfaces.surface import Surface, weld
 from tests.support.solids import box, joined, of_mesh
 
 

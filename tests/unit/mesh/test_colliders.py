@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from linkwright.stages.formats.meshes.surface import Surface, moved
 from linkwright.stages.formats.xml import parse
 from linkwright.stages.mesh import COLLIDERS, fit, make_geometry
 from linkwright.stages.mesh.collide import collision
@@ -24,7 +25,6 @@ from linkwright.stages.mesh.files import stl
 from linkwright.stages.mesh.files.mesh_file import MeshFile
 from linkwright.stages.mesh.section import MeshSection
 from linkwright.stages.mesh.surfaces import pieces
-from linkwright.stages.mesh.surfaces.surface import Surface, moved
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.model.geometry import Measures
 from linkwright.stages.robot.model.poses import from_parts, rotation_from_rpy

@@ -4,11 +4,11 @@ import manifold3d
 import numpy as np
 import pytest
 
+from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.collide.cut_pieces import PieceCutter
 from linkwright.stages.mesh.measure import Target
 from linkwright.stages.mesh.measure.field import Field
 from linkwright.stages.mesh.surfaces.pieces import surface_of
-from linkwright.stages.mesh.surfaces.surface import Surface
 from tests.fake_onshape import solids
 from tests.support.decomposing import cut, judge
 from tests.support.solids import box, joined

@@ -9,23 +9,28 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from linkwright.stages.formats.meshes.surface import Surface, weld
 from linkwright.stages.mesh.files import stl
 from linkwright.stages.mesh.measure import even
 from linkwright.stages.mesh.section import VisualSection
 from linkwright.stages.mesh.surfaces.neighbours import neighbours
-from linkwright.stages.mesh.surfaces.surface import Surface, weld
 from linkwright.stages.mesh.tessellation import PartMesh
-from linkwright.stages.mesh.visuals import simplify
-from linkwright.stages.mesh.visuals.budget import LEAST_BOUND, Decimator, bound, lowest
+from linkwright.stages.mesh.visuals import budget
+from linkwright.stages.mesh.visuals.budget import LEAST_BOUND, Decimator, bound
 from linkwright.stages.mesh.visuals.error import apart, farthest
 from linkwright.stages.mesh.visuals.make import Drawn, visuals
-from linkwright.stages.mesh.visuals.simplify import SimplifiablePart, simplified
 from linkwright.stages.mesh.visuals.walk import WalkedSurface
 from linkwright.stages.robot.model.robot import MeshRef
+from linkwright.stages.show.decimate import SNAP, Simplifiable, lowest
 from tests.support.places import PROJECT
 
 RED, BLUE = (1.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0)
 ONE, TWO = MeshRef("reply", "one"), MeshRef("reply", "two")
+
+
+def simplified(mesh: PartMesh, tolerance: float) -> PartMesh | None:
+    solid = Simplifiable.of(mesh.surface, mesh.colours, len(mesh.palette))
+    return budget.simplified(mesh, solid, tolerance)
 
 
 def part(mesh: trimesh.Trimesh, split: float | None = None) -> PartMesh:
@@ -187,8 +192,8 @@ def test_the_lowest_level_is_that_of_a_plain_search(falls, most):
 
 def test_a_manifold_of_a_part_is_made_once_for_all_levels(monkeypatch):
     made = []
-    of = SimplifiablePart.of
-    monkeypatch.setattr(SimplifiablePart, "of", staticmethod(lambda mesh: made.append(mesh) or of(mesh)))
+    of = Simplifiable.of
+    monkeypatch.setattr(Simplifiable, "of", staticmethod(lambda *mesh: made.append(mesh) or of(*mesh)))
     mesh = part(ball())
     Decimator().fitted([ONE], {ONE: mesh}, 6000)
     assert len(made) == 1
@@ -247,7 +252,7 @@ def test_a_part_within_the_budget_imports_no_library_that_decimates_or_collides(
     code = (
         "import sys, numpy\n"
         "import linkwright.stages.mesh.geometry\n"
-        "from linkwright.stages.mesh.surfaces.surface import Surface\n"
+        "from linkwright.stages.formats.meshes.surface import Surface\n"
         "from linkwright.stages.mesh.tessellation import PartMesh\n"
         "from linkwright.stages.mesh.visuals.budget import Decimator\n"
         "from linkwright.stages.robot.model.robot import MeshRef\n"
@@ -265,7 +270,7 @@ def test_a_part_within_the_budget_imports_no_library_that_decimates_or_collides(
 
 
 def test_a_mesh_that_does_not_simplify_stays(monkeypatch):
-    monkeypatch.setattr("linkwright.stages.mesh.visuals.budget.simplified", lambda mesh, tolerance: None)
+    monkeypatch.setattr("linkwright.stages.mesh.visuals.budget.simplified", lambda *_: None)
     mesh = part(ball())
     fitted, decimation = Decimator().fitted([ONE], {ONE: mesh}, 10)
     assert fitted[ONE] is mesh
@@ -303,7 +308,7 @@ def test_any_lump_fits_its_number_or_its_bound_whatever_the_order(seed, most):
     most_apart = bound(mesh.surface)
     assert apart(mesh, fitted[ONE], most_apart / 2, 1.0) <= most_apart + 1e-12
     assert loaded(fitted[ONE]).is_watertight == loaded(mesh).is_watertight
-    step = simplify.SNAP * np.linalg.norm(np.ptp(mesh.surface.vertices, axis=0))
+    step = SNAP * np.linalg.norm(np.ptp(mesh.surface.vertices, axis=0))
     if fitted[ONE] is not mesh:
         multiples = fitted[ONE].surface.vertices / step
         assert np.abs(multiples - np.round(multiples)).max() < 1e-3

@@ -7,6 +7,7 @@ import manifold3d
 import numpy as np
 import pytest
 
+from linkwright.stages.formats.meshes.surface import Surface, weld
 from linkwright.stages.mesh.collide import collision, improvement
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.collide.improvement import BOUNDS, Improvement, helper
@@ -14,7 +15,6 @@ from linkwright.stages.mesh.configuration.collider_settings import ColliderSetti
 from linkwright.stages.mesh.decompose import DecomposeOptions, decomposed, search
 from linkwright.stages.mesh.decompose.prepare import NOT_CLOSED, prepared
 from linkwright.stages.mesh.decompose.seams import containing_hull, grown
-from linkwright.stages.mesh.surfaces.surface import Surface, weld
 from linkwright.stages.robot.errors import ConfigError, DecompositionFailed, MeshError
 from linkwright.stages.robot.system.guest import Bounds
 from tests.fake_onshape import solids

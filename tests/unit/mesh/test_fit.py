@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from linkwright.stages.formats.meshes.surface import Surface, moved, weld
 from linkwright.stages.mesh.fit import CHEAPEST, fit_one, fits, fittest
 from linkwright.stages.mesh.measure import Target, measure
 from linkwright.stages.mesh.surfaces.pieces import placed, signed_distance
-from linkwright.stages.mesh.surfaces.surface import Surface, moved, weld
 from linkwright.stages.robot.model.robot import Primitive, frozen
 
 LENGTHS = st.floats(0.002, 0.5)

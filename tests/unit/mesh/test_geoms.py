@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from linkwright.pipeline.config.compose import compose_plan
+from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.colliders import hull
 from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
 from linkwright.stages.mesh.geoms import GeomRules
-from linkwright.stages.mesh.surfaces.surface import Surface
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import ConfigError, MeshError

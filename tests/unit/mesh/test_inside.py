@@ -6,9 +6,9 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from linkwright.stages.formats.meshes.surface import Surface, weld
 from linkwright.stages.mesh.surfaces.inside import Inside
 from linkwright.stages.mesh.surfaces.rays import LineGrid
-from linkwright.stages.mesh.surfaces.surface import Surface, weld
 from tests.support.solids import joined, of_mesh
 
 

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 import trimesh
 
+from linkwright.stages.formats.meshes.surface import Surface, moved
 from linkwright.stages.mesh.collide import cut_pieces
 from linkwright.stages.mesh.collide.acceptance import miss
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.colliders import ladder
 from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
 from linkwright.stages.mesh.surfaces.pieces import half_spaces, signed_distance
-from linkwright.stages.mesh.surfaces.surface import Surface, moved
 from linkwright.stages.robot.model.poses import from_parts, rotation_from_rpy
 from linkwright.stages.robot.model.robot import Primitive
 

@@ -9,10 +9,10 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from linkwright.stages.formats.meshes.surface import Surface, moved, weld
 from linkwright.stages.mesh.measure import Target, hopeless, measure, near
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.pieces import placed, surface_of
-from linkwright.stages.mesh.surfaces.surface import Surface, moved, weld
 from linkwright.stages.robot.model.robot import Primitive, frozen
 from tests.support.solids import box, joined, of_mesh
 from tests.unit.mesh.test_inside import winding

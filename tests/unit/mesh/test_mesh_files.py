@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 import trimesh
 
+from linkwright.stages.formats.meshes.surface import Surface, moved
 from linkwright.stages.mesh.files import mesh_file as module
 from linkwright.stages.mesh.files import stl
 from linkwright.stages.mesh.files.mesh_file import collider, visuals
 from linkwright.stages.mesh.files.names import file_names
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
-from linkwright.stages.mesh.surfaces.surface import Surface, moved
 
 CUBE = convex_hull(np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float))
 RED = (1.0, 0.0, 0.0, 1.0)

@@ -13,14 +13,14 @@ import pytest
 import trimesh
 
 from linkwright.stages.formats import png
+from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.files import obj, stl
-from linkwright.stages.mesh.surfaces.surface import Surface
 from linkwright.stages.mesh.view import pictures as room
 from linkwright.stages.mesh.view.pictures import SIDE, picture
-from linkwright.stages.mesh.view.raster import drawn, work
 from linkwright.stages.mesh.view.views import PICTURES, views
 from linkwright.stages.robot.model.geometry import ColliderFigures, Geometry, Shape
 from linkwright.stages.robot.model.robot import Primitive, frozen
+from linkwright.stages.show.raster import drawn, work
 from tests.support.solids import box
 
 WHITE = np.array([255, 255, 255], dtype=np.uint8)
@@ -73,7 +73,7 @@ def test_the_order_of_the_triangles_does_not_matter_nor_how_many_are_drawn_at_on
     colours = random.integers(0, 255, (60, 3)).astype(np.uint8)
     whole = drawn(corners, colours, WHITE, 40)
     order = random.permutation(60)
-    monkeypatch.setattr("linkwright.stages.mesh.view.raster._AT_ONCE", 500)
+    monkeypatch.setattr("linkwright.stages.show.raster._AT_ONCE", 500)
     assert np.array_equal(drawn(corners[order], colours[order], WHITE, 40), whole)
     assert np.array_equal(drawn(np.zeros((0, 3, 3)), colours[:0], WHITE, 2), np.full((2, 2, 3), 255))
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from linkwright.stages.mesh.surfaces.surface import _SKEW, Surface, weld
+from linkwright.stages.formats.meshes.surface import _SKEW, Surface, weld
 
 COORDINATES = st.floats(-10, 10, width=32)
 SURFACES = st.builds(

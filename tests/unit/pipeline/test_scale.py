@@ -13,12 +13,12 @@ import pytest
 
 from linkwright.stages.export import export
 from linkwright.stages.graph import build_robot
-from linkwright.stages.graph.view.views import views
 from linkwright.stages.mesh.collide.primitives import shapes as primitive_shapes
 from linkwright.stages.robot.bundle import Bundle
 from linkwright.stages.robot.codec import decode_robot, encode_robot
 from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.robot.model.robot import Primitive, frozen
+from linkwright.stages.show.graph_view.views import views
 from tests.benchmarks.large import large
 from tests.benchmarks.shapes import chain, gears, ladder, screws, star
 from tests.support.building import NO_MESHES, plan_of

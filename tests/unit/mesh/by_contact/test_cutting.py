@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
+from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.by_contact.ends import fitted_end
 from linkwright.stages.mesh.by_contact.poses import near_pairs, relative
 from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
@@ -14,7 +15,6 @@ from linkwright.stages.mesh.cut.cutting import cut
 from linkwright.stages.mesh.cut.outside import Outside
 from linkwright.stages.mesh.cut.piece import hulled, rough
 from linkwright.stages.mesh.cut.planes import crossing, flat_faces, through
-from linkwright.stages.mesh.surfaces.surface import Surface
 from linkwright.stages.robot.contact.clearance import engine
 from tests.support.robots import pose
 from tests.support.solids import of_mesh

@@ -10,12 +10,12 @@ from linkwright.pipeline.page.head import BESIDE
 from linkwright.pipeline.reference.codes import explanations
 from linkwright.pipeline.report import Report, StageReport
 from linkwright.pipeline.secrets import Secrets
-from linkwright.stages.graph.view.views import OUTLINE, views
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.show.graph_view.views import OUTLINE, views
 from tests.support.page_reader import Reader
 from tests.support.places import PROJECT
-from tests.unit.graph.view.test_picture import nasty_robot, random_robot
+from tests.unit.show.graph_view.test_picture import nasty_robot, random_robot
 
 SECRET = "s3cr3t-&-value"
 SHOWN = {name: data.decode() for name, data in views(random_robot(12)).items()}

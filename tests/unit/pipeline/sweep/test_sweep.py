@@ -15,10 +15,10 @@ import pytest
 from linkwright.pipeline.cli import run
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.digest import sha256
-from linkwright.pipeline.live.made import ENGINE_FILE
 from linkwright.pipeline.output.folder import Output
 from linkwright.pipeline.output.manifest import ours
 from linkwright.pipeline.report import Report
+from linkwright.pipeline.show.live import ENGINE_FILE
 from linkwright.pipeline.sweep.folder import keep, prepare
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.errors import AssemblyError, ConfigError, Diagnostic, MeshError

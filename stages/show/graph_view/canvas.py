@@ -1,0 +1,145 @@
+"""A picture in SVG: text, boxes and lines on a sheet with a ground of its own."""
+
+import math
+import unicodedata
+from dataclasses import dataclass
+
+from linkwright.stages.formats import xml
+from linkwright.stages.robot.text.printable import printable, printable_lines
+from linkwright.stages.show.graph_view.labels import shortened
+
+FONT = "system-ui, 'Segoe UI', 'Helvetica Neue', Arial, 'DejaVu Sans', sans-serif"
+_NARROW, _BROAD = frozenset(" ijlft.,:;'|()[]!I-"), frozenset("mwMW@%—…+=×±≤≥<>~")
+
+
+def text_width(text: str, size: float, *, bold: bool = False) -> float:
+    """An upper bound of the width of `text` [px] in the usual fonts; no font is read."""
+    em = 0.0
+    for letter in text:
+        if unicodedata.east_asian_width(letter) in "WF":
+            em += 1.1
+        elif letter in _NARROW:
+            em += 0.45
+        elif letter in _BROAD:
+            em += 1.0
+        else:
+            em += 0.76 if letter.isupper() else 0.64
+    return em * size * (1.1 if bold else 1.0)
+
+
+def px(value: float) -> str:
+    """A length [px] with one decimal."""
+    return f"{round(value, 1) + 0.0:g}" if abs(value) < 1e5 else f"{value:.0f}"
+
+
+@dataclass(frozen=True, slots=True)
+class TextStyle:
+    """`middle`: centred, not from the left on; `halo`: keeps what lies below from showing through."""
+
+    size: float
+    colour: str
+    bold: bool = False
+    middle: bool = False
+    halo: bool = False
+
+
+class Canvas:
+    """A sheet of `width` x `height` [px]; a later shape covers an earlier one."""
+
+    def __init__(self, width: float, height: float, paper: str, title: str) -> None:
+        width, height = math.ceil(width), math.ceil(height)
+        self._root = xml.element(
+            None,
+            "svg",
+            xmlns="http://www.w3.org/2000/svg",
+            width=str(width),
+            height=str(height),
+            viewBox=f"0 0 {width} {height}",
+            role="img",
+            **{"font-family": FONT},
+        )
+        self._paper = paper
+        self._add(self._root, "title").text = printable(title)
+        self._add(self._root, "rect", width=str(width), height=str(height), fill=paper)
+        self._into = self._root
+
+    def group(self, title: str = "") -> None:
+        """Groups the shapes that are drawn next; the lines of `title` are their tooltip."""
+        self._into = self._add(self._root, "g")
+        if title:
+            self._add(self._into, "title").text = printable_lines(title)
+
+    def text(self, x: float, y: float, text: str, style: TextStyle, room: float = math.inf) -> float:
+        """A line of text whose letters are centred on `y`; its width at most. What does not fit `room` is
+        shortened, and shown in full where the mouse rests on it."""
+        size, bold = style.size, style.bold
+        shown = fitted(text, size, room, bold=bold)
+        width = text_width(shown, size, bold=bold)
+        into = self._into
+        if shown != printable(text):
+            into = self._add(into, "g")
+            self._add(into, "title").text = printable(text)
+        if style.halo:
+            left = x - width / 2 if style.middle else x
+            place = {
+                "x": px(left - 1),
+                "y": px(y - size * 0.6),
+                "width": px(width + 2),
+                "height": px(size * 1.2),
+            }
+            self._add(into, "rect", **place, fill=self._paper, fill_opacity="0.85")
+        self._add(
+            into,
+            "text",
+            x=px(x),
+            y=px(y + 0.35 * size),
+            font_size=px(size),
+            font_weight="600" if bold else None,
+            text_anchor="middle" if style.middle else None,
+            fill=style.colour,
+        ).text = shown
+        return width
+
+    def box(
+        self, corner: tuple[float, float], size: tuple[float, float], fill: str, stroke: str, thick: float
+    ) -> None:
+        """A rectangle with round corners. `corner`: the upper left; `size`: width and height."""
+        names = zip(("x", "y", "width", "height"), (*corner, *size), strict=True)
+        place = {name: px(value) for name, value in names}
+        self._add(self._into, "rect", **place, rx="6", fill=fill, stroke=stroke, stroke_width=px(thick))
+
+    def path(
+        self,
+        steps: str,
+        stroke: str,
+        *,
+        thick: float = 1.2,
+        dash: str | None = None,
+        fill: str = "none",
+        at: tuple[float, float] | None = None,
+    ) -> None:
+        """A path in SVG's syntax, moved to `at`."""
+        self._add(
+            self._into,
+            "path",
+            d=steps,
+            fill=fill,
+            stroke=stroke,
+            stroke_width=px(thick),
+            stroke_dasharray=dash,
+            stroke_linecap="round",
+            stroke_linejoin="round",
+            transform=None if at is None else f"translate({px(at[0])} {px(at[1])})",
+        )
+
+    def to_bytes(self) -> bytes:
+        return xml.to_bytes(self._root)
+
+    def _add(self, parent: xml.Element, tag: str, **attributes: str | None) -> xml.Element:
+        plain = {name.replace("_", "-"): value for name, value in attributes.items()}
+        return xml.element(parent, tag, **plain)
+
+
+def fitted(text: str, size: float, room: float, *, bold: bool = False) -> str:
+    """`text`, without its middle where it is wider than `room` [px]."""
+    return shortened(text, room, lambda part: text_width(part, size, bold=bold))

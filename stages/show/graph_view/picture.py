@@ -1,0 +1,207 @@
+"""The kinematic graph as a picture: links as boxes, joints as edges from left to right.
+
+A link's loops and frames are rows of its box and a joint's relation is a row of its label, so that only
+lines may cross; those lie below all boxes and words.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.robot.text.plural import count
+from linkwright.stages.show.graph_view.boxes import (
+    LABEL,
+    MARK,
+    PAD,
+    ROOM,
+    SIZES,
+    Box,
+    Kind,
+    boxes_of,
+    caption,
+)
+from linkwright.stages.show.graph_view.canvas import Canvas, TextStyle, fitted, text_width
+from linkwright.stages.show.graph_view.labels import kilograms, mobility, rules, standing, totals
+from linkwright.stages.show.graph_view.layout import levels, tidy
+from linkwright.stages.show.graph_view.symbols import (
+    CROSS,
+    EDGE,
+    FRAME,
+    GROUND,
+    INK,
+    LOOSE,
+    RELATION,
+    SOFT,
+    arrow,
+    draw_legend,
+    legend,
+    sign,
+)
+
+PAPER, FILL, ROOT = "#ffffff", "#f6f8fa", "#e6effb"
+LOOPS = ("#b5179e", "#c2410c", "#15803d", "#6d28d9", "#b91c1c", "#0e7490", "#a16207", "#475569")
+
+MARGIN, TOP, LEFT = 24.0, 98.0, 84.0
+GAP = 14.0  # between neighbours in a column
+BUS = 18.0  # from a parent to where its edges part
+
+
+def draw(robot: Robot) -> bytes:
+    """The picture as SVG with its own background; the same bytes for the same robot."""
+    boxes = _placed(robot, boxes_of(robot))
+    curves = [_curve(robot, boxes, index) for index in range(len(robot.loops))]
+    heads = (totals(robot), mobility(robot), standing(robot))
+    right = max(*(box.right for box in boxes.values()), *(reach for _, reach in curves), 0.0)
+    right = max(right, MARGIN + max(text_width(fitted(text, 11, 700), 11) for text in heads))
+    bottom = max(box.y + box.band / 2 for box in boxes.values())
+    entries, height = legend(robot, right - MARGIN)
+    canvas = Canvas(right + MARGIN, bottom + 2 * MARGIN + height, PAPER, f"{robot.name}: {totals(robot)}")
+    canvas.text(MARGIN, 26, robot.name, TextStyle(16, INK, bold=True), room=right - MARGIN)
+    for number, text in enumerate(heads):
+        canvas.text(MARGIN, 45 + 15 * number, text, TextStyle(11, SOFT), room=700)
+    for box in boxes.values():
+        if box.joint is not None:
+            _draw_edge(canvas, boxes[box.joint.parent], box)
+    for index, (steps, _) in enumerate(curves):
+        canvas.group(caption(robot.loops[index]))
+        canvas.path(steps, _colour(index), thick=1.6, dash="6 4")
+    _draw_relations(canvas, robot, boxes)
+    for box in boxes.values():
+        _draw_label(canvas, box)
+        _draw_box(canvas, robot, box)
+    _draw_base(canvas, robot, boxes[robot.root.name])
+    draw_legend(canvas, entries, MARGIN, bottom + MARGIN)
+    return canvas.to_bytes()
+
+
+def _placed(robot: Robot, boxes: Mapping[str, Box]) -> dict[str, Box]:
+    """The boxes where they go: a column for each level, as wide as its widest box and label."""
+    parents = {joint.child: joint.parent for joint in robot.joints}
+    order = list(boxes)
+    level = levels(order, parents)
+    centres = tidy(order, parents, {name: box.band for name, box in boxes.items()}, GAP)
+    columns: list[list[Box]] = [[] for _ in range(max(level.values()) + 1)]
+    for name, box in boxes.items():
+        columns[level[name]].append(box)
+    lefts, widths, x = [], [], LEFT
+    for depth, column in enumerate(columns):
+        label = max(box.label_width for box in column)
+        x += BUS + 10 + label + 14 if depth else 0.0
+        lefts.append((x, x - label - 14))
+        widths.append(max(row.width for box in column for row in box.rows) + 2 * PAD + 6)
+        x += widths[-1]
+    return {
+        name: replace(
+            box,
+            x=lefts[level[name]][0],
+            y=TOP + centres[name],
+            width=widths[level[name]],
+            label_x=lefts[level[name]][1],
+        )
+        for name, box in boxes.items()
+    }
+
+
+def _colour(index: int) -> str:
+    return LOOPS[index % len(LOOPS)]
+
+
+def _curve(robot: Robot, boxes: Mapping[str, Box], index: int) -> tuple[str, float]:
+    """The line of a loop, from box to box on their right, and how far right it reaches."""
+    loop = robot.loops[index]
+    ends = []
+    for name in (loop.link_a, loop.link_b):
+        box = boxes[name]
+        row = next(row for row in box.rows if row.kind == "loop" and row.loop == index)
+        ends.append((box.right, box.row_y(row)))
+    (ax, ay), (bx, by) = ends
+    bend = 30 + min(120, 0.15 * abs(ay - by)) + 7 * (index % 5)
+    steps = f"M{ax:.1f} {ay:.1f}C{ax + bend:.1f} {ay:.1f} {bx + bend:.1f} {by:.1f} {bx:.1f} {by:.1f}"
+    return steps, max(ax, bx) + 0.75 * bend
+
+
+def _draw_edge(canvas: Canvas, parent: Box, box: Box) -> None:
+    canvas.group()
+    bus = box.label_x - 10
+    dash = "3 3" if box.joint is not None and box.joint.type == "free" else None
+    steps = f"M{parent.right:.1f} {parent.y:.1f}H{bus:.1f}V{box.y:.1f}H{box.x:.1f}"
+    canvas.path(steps, EDGE, dash=dash)
+
+
+def _draw_label(canvas: Canvas, box: Box) -> None:
+    if box.joint is None:
+        return
+    joint = box.joint
+    turned = ", runs backwards (the second entity's link is the child)" if joint.backwards else ""
+    mate = f"mate {joint.mate.name} ({joint.mate.type})" if joint.mate else "not in CAD"
+    canvas.group(f"{joint.name}: {joint.type}{turned}\n{joint.parent} to {joint.child}\n{mate}")
+    sign(canvas, joint.type, box.label_x + 7, box.y - LABEL / 2 - 1)
+    above = box.y - LABEL / 2 - 1
+    canvas.text(box.label_x + 18, above, joint.name, TextStyle(11, INK, bold=True, halo=True), room=ROOM)
+    for line in box.lines:
+        colour = RELATION if line.follows else SOFT
+        canvas.text(box.label_x, box.line_y(line), line.text, TextStyle(10, colour, halo=True))
+
+
+def _draw_relations(canvas: Canvas, robot: Robot, boxes: Mapping[str, Box]) -> None:
+    """Dotted lines from each driver's range to the rule of its follower."""
+    places = {
+        (line.dof, line.follows): (box.label_x - 2, box.line_y(line))
+        for box in boxes.values()
+        for line in box.lines
+    }
+    follows = rules(robot)
+    for relation in robot.relations:
+        (ax, ay), (bx, by) = places[relation.driver, False], places[relation.follower, True]
+        bend = 16 + min(60, abs(ay - by) / 5)
+        canvas.group(f"{relation.follower} = {follows[relation.follower]}")
+        steps = f"M{ax:.1f} {ay:.1f}C{ax - bend:.1f} {ay:.1f} {bx - bend:.1f} {by:.1f} {bx - 3:.1f} {by:.1f}"
+        canvas.path(steps, RELATION, thick=1.4, dash="1 4")
+        arrow(canvas, bx, by, RELATION)
+
+
+def _draw_box(canvas: Canvas, robot: Robot, box: Box) -> None:
+    is_root = box.link is robot.root
+    parts = [part.name for part in box.link.parts]
+    canvas.group(
+        "\n".join(
+            [box.link.name, f"{kilograms(box.link.inertial.mass)}, {count(len(parts), 'part')}", *parts]
+        )
+    )
+    canvas.box(
+        (box.x, box.y - box.height / 2),
+        (box.width, box.height),
+        ROOT if is_root else FILL,
+        INK if is_root else EDGE,
+        1.6 if is_root else 1.0,
+    )
+    for row in box.rows:
+        colours: Mapping[Kind, str] = {"name": INK, "frame": FRAME, "loop": _colour(row.loop)}
+        y, left = box.row_y(row), box.x + PAD + 3
+        if row.full and row.kind != "name":
+            canvas.group(row.full)
+        if row.kind == "frame":
+            canvas.path(CROSS, FRAME, thick=1.0, at=(left + 4, y))
+        if row.kind == "loop":
+            canvas.path("M0 0H9", _colour(row.loop), thick=1.8, dash="4 3", at=(left, y))
+        left += MARK if row.kind in ("frame", "loop") else 0.0
+        style = TextStyle(SIZES[row.kind], colours.get(row.kind, SOFT), bold=row.kind == "name")
+        canvas.text(left, y, row.text, style)
+
+
+def _draw_base(canvas: Canvas, robot: Robot, box: Box) -> None:
+    """The base: on the ground, or free."""
+    canvas.group(standing(robot))
+    fixed = robot.base.fixed
+    canvas.path(
+        f"M{box.x - 24:.1f} {box.y:.1f}H{box.x:.1f}", INK if fixed else SOFT, dash=None if fixed else "3 3"
+    )
+    canvas.path(
+        GROUND if fixed else LOOSE,
+        INK if fixed else SOFT,
+        thick=1.6,
+        dash=None if fixed else "2 3",
+        at=(box.x - (24 if fixed else 31), box.y),
+    )
+    words = "fixed base" if fixed else "free base"
+    canvas.text(box.x - 36, box.y + 26, words, TextStyle(10, SOFT, middle=True))

@@ -1,0 +1,110 @@
+"""The geoms of the header: what is seen, what collides, and the ground."""
+
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from linkwright.stages.show.live.compiled import LiveModel
+from linkwright.stages.show.live.rounding import vector
+
+_GEOM = mujoco.mjtObj.mjOBJ_GEOM
+_TYPES = {
+    mujoco.mjtGeom.mjGEOM_PLANE: "plane",
+    mujoco.mjtGeom.mjGEOM_HFIELD: "mesh",
+    mujoco.mjtGeom.mjGEOM_SPHERE: "sphere",
+    mujoco.mjtGeom.mjGEOM_CAPSULE: "capsule",
+    mujoco.mjtGeom.mjGEOM_ELLIPSOID: "ellipsoid",
+    mujoco.mjtGeom.mjGEOM_CYLINDER: "cylinder",
+    mujoco.mjtGeom.mjGEOM_BOX: "box",
+    mujoco.mjtGeom.mjGEOM_MESH: "mesh",
+    mujoco.mjtGeom.mjGEOM_SDF: "mesh",
+}
+_UNSET = (0.5, 0.5, 0.5, 1.0)
+"""The colour of a geom whose file gives it none: then that of its material counts."""
+
+_SEEN_GROUPS = 3
+"""MuJoCo's viewers show the groups below this one; by convention colliders are in those above."""
+
+Source = tuple[str, int]
+"""Where the triangles of a geom are in the model: ("mesh" or "hfield", index)."""
+
+
+def geoms(live: LiveModel) -> list[tuple[dict[str, Any], Source | None]]:
+    """The geoms, `mesh` not yet set, and where the triangles of each are.
+
+    What collides and is in a group that viewers show, as of a file of another tool, is there twice: as what
+    is seen and as what collides. Of a robot without any visual geom the colliders are seen.
+    """
+    # The groups of a URDF are MuJoCo's own, not the author's.
+    groups = _SEEN_GROUPS if live.document is not None else 0
+    pairs = {*live.model.pair_geom1.tolist(), *live.model.pair_geom2.tolist()}
+    shown = [(index, _roles(live.model, index, groups, pairs)) for index in range(live.model.ngeom)]
+    if not any("visual" in roles for _, roles in shown):
+        shown = [(index, [*roles, *_seen_too(roles)]) for index, roles in shown]
+    return [
+        (_entry(live, index, role), _source(live.model, index)) for index, roles in shown for role in roles
+    ]
+
+
+def _seen_too(roles: list[str]) -> list[str]:
+    return ["visual"] if "collision" in roles else []
+
+
+def _roles(model: Any, index: int, seen_groups: int, pairs: set[int]) -> list[str]:
+    kind = mujoco.mjtGeom(int(model.geom_type[index]))
+    if kind not in _TYPES:
+        return []
+    if model.geom_bodyid[index] == 0 and kind in (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD):
+        return ["ground"]
+    collides = bool(model.geom_contype[index] or model.geom_conaffinity[index] or index in pairs)
+    seen = not collides or model.geom_group[index] < seen_groups
+    return [*(["visual"] if seen else []), *(["collision"] if collides else [])]
+
+
+def _entry(live: LiveModel, index: int, role: str) -> dict[str, Any]:
+    model = live.model
+    return {
+        "body": int(model.geom_bodyid[index]),
+        "role": role,
+        "type": _TYPES[mujoco.mjtGeom(int(model.geom_type[index]))],
+        "size": vector(model.geom_size[index]),
+        "pos": vector(model.geom_pos[index]),
+        "quat": vector(model.geom_quat[index]),
+        "rgba": _colour(model, index),
+        "mesh": None,
+        "name": live.name(_GEOM, index),
+    }
+
+
+def _source(model: Any, index: int) -> Source | None:
+    kind = mujoco.mjtGeom(int(model.geom_type[index]))
+    if _TYPES[kind] != "mesh":
+        return None
+    return ("hfield" if kind == mujoco.mjtGeom.mjGEOM_HFIELD else "mesh", int(model.geom_dataid[index]))
+
+
+def _colour(model: Any, index: int) -> list[float]:
+    """The geom's colour; of a texture its mean, since the page shows no textures."""
+    own = model.geom_rgba[index].astype(np.float64)
+    material = int(model.geom_matid[index])
+    if material < 0 or not np.allclose(own, _UNSET):
+        return _short(own)
+    colour = model.mat_rgba[material].astype(np.float64)
+    textures = np.atleast_1d(model.mat_texid[material])
+    for texture in (int(one) for one in textures if one >= 0):
+        colour[:3] *= _mean(model, texture)
+    return _short(colour)
+
+
+def _mean(model: Any, texture: int) -> Any:
+    """The mean colour (3,) of a texture, each from 0 to 1."""
+    channels = int(model.tex_nchannel[texture])
+    size = int(model.tex_width[texture]) * int(model.tex_height[texture]) * channels
+    start = int(model.tex_adr[texture])
+    pixels = model.tex_data[start : start + size].reshape(-1, channels)
+    return np.resize(pixels.mean(axis=0)[:3] / 255.0, 3)
+
+
+def _short(colour: Any) -> list[float]:
+    return [round(float(one), 4) + 0.0 for one in np.clip(colour, 0.0, 1.0)]

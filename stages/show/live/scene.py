@@ -1,0 +1,98 @@
+"""The whole pack of a robot, from the folder with its files."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.show.live.actuators import actuators
+from linkwright.stages.show.live.beside_urdf import with_poses
+from linkwright.stages.show.live.compiled import LiveModel, compiled
+from linkwright.stages.show.live.engine.copy import EngineCopy, NoCopy, engine_copy
+from linkwright.stages.show.live.geoms import geoms
+from linkwright.stages.show.live.links import links
+from linkwright.stages.show.live.mechanism import bodies, frames, joints, keyframes, loops, relations
+from linkwright.stages.show.live.meshes import stored_meshes
+from linkwright.stages.show.live.pack import VERSION, Buffers, packed
+from linkwright.stages.show.live.rounding import rounded, vector
+
+_VIEW = 140.0, -20.0
+"""Azimuth and elevation [degrees] from which a robot without a scene is seen."""
+
+
+LARGEST = 8_000_000
+"""The most bytes of a pack: with the engine and the tables a page has less than 20 MB."""
+
+_ATTEMPTS = 4
+
+
+def pack_of(
+    folder: Path, source: str, robot: Robot, colliders: Iterable[Mapping[str, Any]], faces: int
+) -> bytes:
+    """The pack of the robot whose file `source` is in a folder. `colliders`: the rows of the report's table;
+    `faces`: the most triangles. ValueError where MuJoCo does not compile it, or where it is too large."""
+    live = compiled(folder, source)
+    head = _head(live, robot, links(robot, colliders))
+    if live.document is None:
+        head = with_poses(head, robot)
+    engine = _engine(live, folder)
+    if len(_packed(live, head, engine, 0)) > LARGEST // 2:  # without triangles
+        engine = NoCopy("the colliders are too large for a page")
+    for attempt in range(_ATTEMPTS):
+        pack = _packed(live, head, engine, faces >> 2 * attempt)
+        if len(pack) <= LARGEST:
+            return pack
+    raise ValueError(f"the robot is too large for a page: {len(pack) / 1e6:.0f} MB")
+
+
+def _head(live: LiveModel, robot: Robot, known: list[dict[str, Any]]) -> dict[str, Any]:
+    """The header without triangles and without the engine's copy."""
+    numbers = {one["name"]: index for index, one in enumerate(known)}
+    moving = joints(live)
+    return {
+        "version": VERSION,
+        "name": robot.name,
+        "source": live.source,
+        "bodies": bodies(live, numbers),
+        "joints": moving,
+        "relations": relations(live),
+        "loops": loops(live),
+        "keyframes": keyframes(live),
+        "qpos0": vector(live.model.qpos0),
+        "activations": int(live.model.na),
+        "actuators": actuators(live, moving),
+        "frames": frames(live),
+        "gravity": vector(live.model.opt.gravity),
+        "timestep": rounded(live.model.opt.timestep),
+        "camera": _camera(live),
+        "links": known,
+    }
+
+
+def _packed(live: LiveModel, head: dict[str, Any], engine: EngineCopy | NoCopy, faces: int) -> bytes:
+    buffers = Buffers()
+    shown = stored_meshes(live.model, geoms(live), faces, buffers) if faces else {}
+    if isinstance(engine, NoCopy):
+        return packed({**head, **shown, "engine": None, "no_engine": str(engine)}, buffers)
+    places = {name: {"at": buffers.add(data), "bytes": len(data)} for name, data in engine.files.items()}
+    copy = {"xml": engine.text, "files": places, "lacks": engine.lacks}
+    return packed({**head, **shown, "engine": copy, "no_engine": None}, buffers)
+
+
+def _engine(live: LiveModel, folder: Path) -> EngineCopy | NoCopy:
+    """The engine's copy of the model, or why it has none."""
+    try:
+        return engine_copy(live, folder)
+    except NoCopy as reason:
+        return reason
+
+
+def _camera(live: LiveModel) -> dict[str, Any]:
+    view = live.model.vis.global_
+    azimuth, elevation = _VIEW if live.document is None else (view.azimuth, view.elevation)
+    return {
+        "center": vector(live.model.stat.center),
+        "extent": rounded(live.model.stat.extent),
+        "azimuth": rounded(azimuth),
+        "elevation": rounded(elevation),
+    }

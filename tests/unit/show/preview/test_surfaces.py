@@ -1,0 +1,124 @@
+"""What the picture is made of: primitive shapes, edges and smooth surfaces, and lamps."""
+
+import numpy as np
+import pytest
+
+from linkwright.stages.show.preview import solids
+from linkwright.stages.show.preview.drawing.creases import normals_of
+from linkwright.stages.show.preview.drawing.light import key_lamps, sky_lamps, throwing
+from linkwright.stages.show.preview.thinning import thinned
+
+SHAPES = {
+    "ball": (solids.ellipsoid(np.full(3, 2.0)), 4 / 3 * np.pi * 8, 4 * np.pi * 4),
+    "ellipsoid": (solids.ellipsoid(np.array([1.0, 2.0, 3.0])), 4 / 3 * np.pi * 6, 48.882),
+    "capsule": (solids.capsule(0.5, 1.0), np.pi * (0.25 * 2 + 4 / 3 * 0.125), np.pi * (2 + 4 * 0.25)),
+    "cylinder": (solids.cylinder(0.5, 1.0), np.pi * 0.25 * 2, np.pi * (2 + 2 * 0.25)),
+    "box": (solids.box(np.array([1.0, 2.0, 3.0])), 48.0, 88.0),
+}
+"""Each with its volume and area, by formulas."""
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_a_shape_has_its_volume_its_area_and_normals_that_point_outwards(name):
+    shape, volume, area = SHAPES[name]
+    a, b, c = np.moveaxis(shape, 1, 0)
+    areas = np.cross(b - a, c - a) / 2
+    assert (np.cross(a, b) * c).sum() / 6 == pytest.approx(volume, rel=0.02)
+    assert np.linalg.norm(areas, axis=1).sum() == pytest.approx(area, rel=0.02)
+    outwards = (areas * shape.mean(axis=1)).sum(axis=1)
+    assert outwards.min() > 0
+
+
+def normals(corners, which=None, geom=None):
+    every = np.arange(len(corners))
+    single = np.round(corners, 9).astype(np.float32)
+    return normals_of(
+        single, np.zeros_like(every) if geom is None else geom, every if which is None else which
+    )
+
+
+def test_a_box_keeps_its_edges_and_a_ball_has_none():
+    box = solids.box(np.array([1.0, 2.0, 3.0]))
+    found = normals(box)
+    assert np.abs(found).max(axis=2) == pytest.approx(np.ones((12, 3)))
+    assert (found * box).sum(axis=2).min() > 0
+    ball = solids.ellipsoid(np.ones(3))
+    assert (normals(ball) * ball).sum(axis=2).min() > 0.995
+
+
+def test_the_normals_of_an_ellipsoid_are_near_its_gradient():
+    shape = solids.ellipsoid(np.array([1.0, 1.5, 2.0]))
+    gradient = shape / np.array([1.0, 2.25, 4.0])
+    gradient /= np.linalg.norm(gradient, axis=2, keepdims=True)
+    assert (normals(shape) * gradient).sum(axis=2).min() > 0.99
+
+
+def test_some_triangles_have_the_normals_that_they_have_among_all():
+    ball = solids.ellipsoid(np.ones(3))
+    some = np.arange(5, len(ball), 7)
+    assert np.array_equal(normals(ball, some), normals(ball)[some])
+
+
+def test_faces_of_two_geoms_do_not_meet():
+    ball = solids.ellipsoid(np.ones(3))
+    geom = (ball.mean(axis=1)[:, 2] > 0).astype(np.int64)
+    upper = np.flatnonzero(geom)
+    assert normals(ball, upper, geom) == pytest.approx(normals(ball[upper]), abs=1e-6)
+
+
+def test_with_too_many_faces_at_a_corner_each_is_flat(monkeypatch):
+    monkeypatch.setattr("linkwright.stages.show.preview.drawing.creases._MOST_PAIRS", 10)
+    found = normals(solids.ellipsoid(np.ones(3)))
+    assert (found[:, 0] == found[:, 1]).all()
+
+
+def test_thinned_triangles_are_fewer_and_where_they_were():
+    ball = solids.ellipsoid(np.ones(3))
+    fewer = thinned(ball, 0.4)
+    assert 20 < len(fewer) < len(ball) / 3
+    assert np.linalg.norm(fewer, axis=2) == pytest.approx(np.ones(fewer.shape[:2]), abs=0.1)
+    assert len(thinned(np.concatenate([ball, ball]), 1e-6)) == len(thinned(ball, 1e-6))
+
+
+def test_the_cloud_of_a_surface_lies_on_it_and_leaves_no_cell_of_it_out():
+    """Of a square that is cut into slivers, whatever their shape."""
+    ends = np.linspace(-0.5, 0.5, 40)
+    low, high = np.full(40, -0.5), np.full(40, 0.5)
+    rows = [np.stack([ends, side, 0.1 * ends], axis=1) for side in (low, high)]
+    first = np.stack([rows[0][:-1], rows[0][1:], rows[1][:-1]], axis=1)
+    second = np.stack([rows[0][1:], rows[1][1:], rows[1][:-1]], axis=1)
+    shadows = throwing(np.concatenate([first, second]).astype(np.float32))
+    points = shadows.fine
+    assert np.abs(points[:, 2] - 0.1 * points[:, 0]).max() < 1.1 * shadows.fine_pixel
+    assert np.abs(points[:, :2]).max() < 0.5 + shadows.fine_pixel
+    inside = np.abs(points[:, :2]).max(axis=1) < 0.49
+    cells = {tuple(cell) for cell in np.floor(points[inside, :2] / shadows.fine_pixel).astype(int)}
+    across = int(2 * 0.48 / shadows.fine_pixel)
+    assert len(cells) > 0.98 * across**2
+
+
+def test_a_point_is_lit_where_nothing_is_on_its_way_to_the_lamp():
+    """By a ball: a point is in its shadow where the line to the lamp passes its middle within the radius."""
+    radius = 0.5
+    ball = throwing(solids.ellipsoid(np.full(3, radius)).astype(np.float32))
+    random = np.random.default_rng(4)
+    points = random.uniform(-0.9, 0.9, (4000, 3)) / np.sqrt(3)
+    outside = points[np.linalg.norm(points, axis=1) > radius + 0.03]
+    for lamp in (*key_lamps(np.array([0.6, 0.0, 0.8]), ball), *sky_lamps(ball)):
+        along = outside @ lamp.direction
+        passing = np.linalg.norm(outside - along[:, None] * lamp.direction, axis=1)
+        clear = np.abs(passing - radius) > 0.04
+        dark = (along < 0) & (passing < radius)
+        single = np.ascontiguousarray(outside.T, dtype=np.float32)
+        lit = lamp.reaches(single, np.zeros((2, len(outside)), np.float32), 1.5)
+        assert (lit == ~dark)[clear].all()
+        assert 50 < dark.sum() < len(dark) / 2
+
+
+def test_the_lamps_have_their_power_and_are_above_the_ground():
+    ball = throwing(solids.ellipsoid(np.full(3, 0.5)).astype(np.float32))
+    sky, key = sky_lamps(ball), key_lamps(np.array([0.6, 0.0, 0.8]), ball)
+    assert all(lamp.direction[2] > 0.19 for lamp in sky)
+    mean = sum(lamp.direction for lamp in key)
+    assert mean / np.linalg.norm(mean) == pytest.approx([0.6, 0.0, 0.8], abs=0.02)
+    assert [lamp.is_key for lamp in (*sky, *key)] == [False] * len(sky) + [True] * len(key)
