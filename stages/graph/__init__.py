@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from linkwright.stages.robot.bundle import Bundle
     from linkwright.stages.robot.model.robot import Robot
 
-VERSION = 25
+VERSION = 26
 
 READERS: Mapping[str, str] = {
     "onshape": "linkwright.stages.graph.onshape.reader",

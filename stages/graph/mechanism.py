@@ -60,10 +60,8 @@ class Connection:
 
     `bodies` and `world_from_frames` (4, 4 each, right-handed) are of its first and second entity; the
     chain `dofs` leads from the second to the first, and `residual` [m or rad] is its error at
-    the saved pose. `title` is its place in CAD. `unknown`: why the limits in CAD are
-    unknown; `doubts`: limits that contradict themselves; `half_open`: limits open on one side only.
-    `closes`: it closes a loop in the source itself, so it is cut first. `solref`: MuJoCo's, of an MJCF
-    source.
+    the saved pose. `title` is its place in CAD. `closes`: it closes a loop in the source itself, so it is cut
+    first. `solref`: MuJoCo's, of an MJCF source.
     """
 
     name: str
@@ -74,9 +72,6 @@ class Connection:
     residual: float
     ref: MateRef
     title: str
-    unknown: str = ""
-    doubts: tuple[str, ...] = ()
-    half_open: tuple[str, ...] = ()
     closes: bool = False
     solref: tuple[float, float] | None = None
 

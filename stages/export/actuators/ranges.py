@@ -16,7 +16,7 @@ def control_range(dof: Dof, made: Actuator, given: Mapping[str, Any]) -> tuple[f
     if made.type == "damper":
         return 0.0, 1.0
     if made.type in ("position", "pid"):
-        low, high = sorted(gear * end for end in dof.limits.interval)
+        low, high = dof.limits.mapped(gear).interval
         return None if math.isinf(low) or math.isinf(high) or low == high else (low, high)
     most = _most(dof, made.type, given)
     if most is None:

@@ -134,7 +134,7 @@ class _Chains:
                 above,
                 before @ dof.origin @ motion(dof.kind, dof.axis, value),
                 None if dof.kind == "ball" else dof.axis,
-                dof.limits if isinstance(value, tuple) else _shifted(dof.limits, value),
+                dof.limits if isinstance(value, tuple) else dof.limits.mapped(1, -value),
                 dof.dynamics,
                 self._follows(dof),
                 carries=True,
@@ -207,11 +207,6 @@ def _is_off(value: Value) -> bool:
 
 ROUNDING = 1e-12
 """A loop that is closed at zero is closed there up to this [m, rad]."""
-
-
-def _shifted(limits: Limits, by: float) -> Limits:
-    low, high = (None if end is None else end - by for end in (limits.lower, limits.upper))
-    return Limits(low, high)
 
 
 def _type(dof: Dof) -> SdfJointType:

@@ -157,9 +157,7 @@ def _general(loop: Loop, links: tuple[str, ...], names: UsdNames) -> UsdJoint | 
         moved = index > 0 and np.abs(dof.origin - np.eye(4)).max() > _SAME
         if dof.kind == "ball" or not own or after_turn or moved:
             return None
-        limits = dof.limits
-        if dof.axis[own[0]] < 0:
-            limits = Limits(*(None if end is None else -end for end in (limits.upper, limits.lower)))
+        limits = dof.limits.mapped(-1 if dof.axis[own[0]] < 0 else 1)
         free.append(Free("rot" if dof.kind == "turn" else "trans", AXES[own[0]], limits))
     if len({(one.kind, one.axis) for one in free}) < len(free):
         return None

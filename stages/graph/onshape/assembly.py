@@ -12,6 +12,7 @@ import numpy as np
 
 from linkwright.stages.robot.bundle import StudioKey
 from linkwright.stages.robot.errors import AssemblyError, Diagnostic
+from linkwright.stages.robot.model.dofs import AS_TYPED, LimitOrigin
 from linkwright.stages.robot.model.robot import Array, MateRef, frozen
 
 Path = tuple[str, ...]
@@ -51,12 +52,14 @@ class Entity:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mate:
-    """`limits` are Onshape's own names and values [rad or m], None where the server did not send any."""
+    """`limits` are Onshape's own names and values [rad or m], None where the server did not send any;
+    `limit_origin`: how they were read."""
 
     ref: MateRef
     title: str
     entities: tuple[Entity, ...]
     limits: Mapping[str, float] | None
+    limit_origin: LimitOrigin = AS_TYPED
 
     @property
     def key(self) -> tuple[Path, str, str]:

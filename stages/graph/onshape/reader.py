@@ -21,7 +21,7 @@ from linkwright.stages.graph.onshape.hidden import without_hidden
 from linkwright.stages.graph.onshape.mass.part_mass import SHEET, Weight, part_key, weighed
 from linkwright.stages.graph.onshape.mass.part_solids import PartSolids
 from linkwright.stages.graph.onshape.mates.joints import JOINT_TYPES, dofs_of, right_handed
-from linkwright.stages.graph.onshape.mates.limits import Remarks, with_limits
+from linkwright.stages.graph.onshape.mates.limits import with_limits
 from linkwright.stages.graph.onshape.mates.parallel import Absorbed, MateKey, combined
 from linkwright.stages.graph.onshape.naming import AssemblyNames, is_link_name, name_everything
 from linkwright.stages.graph.onshape.onshape_to_robot import translated
@@ -49,7 +49,7 @@ def read_mechanism(
     log.add(assembly.diagnostics)
     if keys.hidden == "drop":
         assembly = without_hidden(assembly, log)
-    assembly, remarks = with_limits(assembly, bundle)
+    assembly = with_limits(assembly, bundle)
     if keys.conventions == "onshape_to_robot":
         assembly, keys = translated(assembly, keys, log)
     assembly = with_copies(assembly, keys, PartSolids(assembly, bundle), log)
@@ -58,8 +58,7 @@ def read_mechanism(
     bodies, absorbed = _combined_bodies(assembly, keys, log)
     names = name_everything(assembly, bodies, {path: one.volume for path, one in weights.items()})
     _report_names(assembly, bodies, names, log)
-    limit_remarks = _limit_remarks(assembly, remarks, absorbed)
-    connections = tuple(_connection(mate, assembly, bodies, names, limit_remarks) for mate in bodies.moving)
+    connections = tuple(_connection(mate, assembly, bodies, names) for mate in bodies.moving)
     mechanism = Mechanism(
         bodies=tuple(_bodies(assembly, bodies, names, weights, bundle)),
         connections=connections,
@@ -138,19 +137,12 @@ def _bodies(
         )
 
 
-def _connection(
-    mate: Mate,
-    assembly: Assembly,
-    bodies: Bodies,
-    names: AssemblyNames,
-    limit_remarks: Mapping[MateKey, Remarks],
-) -> Connection:
+def _connection(mate: Mate, assembly: Assembly, bodies: Bodies, names: AssemblyNames) -> Connection:
     name = names.joints[mate.ref.key]
     first, second, mirrored = right_handed(*(assembly.world_from(entity) for entity in mate.entities))
     relative = inverse(second) @ first
-    dofs = dofs_of(name, mate.ref.type, mate.limits or {}, relative, mirrored)
+    dofs = dofs_of(name, mate.ref.type, mate.limits or {}, relative, mirrored, mate.limit_origin)
     explained = chain(dofs, {dof.name: dof.saved for dof in dofs})
-    remarks = limit_remarks.get(mate.key, Remarks())
     return Connection(
         name=name,
         type=JOINT_TYPES[mate.ref.type],
@@ -160,27 +152,7 @@ def _connection(
         residual=residual(relative, explained),
         ref=mate.ref,
         title=mate.title,
-        unknown=remarks.unknown,
-        doubts=remarks.doubts,
-        half_open=remarks.open,
     )
-
-
-def _limit_remarks(
-    assembly: Assembly, remarks: Mapping[tuple[Path, str], Remarks], absorbed: Mapping[MateKey, Absorbed]
-) -> dict[MateKey, Remarks]:
-    """Remarks on the limits of each mate and of those that it replaces, by the mate's key."""
-    found: dict[MateKey, Remarks] = {}
-    for mate in sorted(assembly.mates, key=lambda mate: (mate.title, mate.key)):
-        one = remarks.get((mate.ref.owner, mate.ref.feature))
-        if one is None:
-            continue
-        by, of = (absorbed[mate.key].by, f" (of {mate.title})") if mate.key in absorbed else (mate.key, "")
-        before = found.get(by, Remarks())
-        unknown = [before.unknown, one.unknown and one.unknown + of]
-        doubts, half = (tuple(text + of for text in texts) for texts in (one.doubts, one.open))
-        found[by] = Remarks("; ".join(filter(None, unknown)), before.doubts + doubts, before.open + half)
-    return found
 
 
 def _relations(

@@ -166,7 +166,7 @@ def _flattened(steps: Sequence[Step], driver: str, exact: bool) -> list[Relation
 def _report_limits(relations: Iterable[Relation], dofs: Mapping[str, Dof], log: Diagnostics) -> None:
     """W-RELATION-LIMIT for a follower whose limits exclude all values that its driver gives it."""
     for one in relations:
-        image = sorted(one.multiplier * end + one.offset for end in dofs[one.driver].limits.interval)
+        image = dofs[one.driver].limits.mapped(one.multiplier, one.offset).interval
         low, high = dofs[one.follower].limits.interval
         if image[0] > high or image[1] < low:
             text = (

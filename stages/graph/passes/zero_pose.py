@@ -114,8 +114,7 @@ def _counted(dof: Dof, own: MateValue) -> Dof:
     moved = replace(dof, origin=frozen(dof.origin @ at_zero + 0.0), in_mate=own)
     if not isinstance(dof.saved, float):
         return replace(moved, saved=at_rest(dof.kind))
-    ends = [None if end is None else own.inverse(end) for end in (dof.limits.lower, dof.limits.upper)]
-    limits = Limits(*(ends if own.sign > 0 else reversed(ends)))
+    limits = dof.limits.mapped(own.sign, own.inverse(0.0))
     axis = frozen(own.sign * dof.axis + 0.0)
     spring = dof.spring and replace(dof.spring, reference=own.inverse(dof.spring.reference))
     return replace(moved, axis=axis, limits=limits, saved=own.inverse(dof.saved), spring=spring)

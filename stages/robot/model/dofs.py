@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 from linkwright.stages.robot.model.arrays import Array
@@ -18,12 +18,42 @@ Configuration = Mapping[str, Value]
 
 
 @dataclass(frozen=True, slots=True)
+class LimitOrigin:
+    """How the limits of a mate were read from CAD. `unknown`: why they are unknown, or not known exactly; ""
+    if they are known. `doubts`: contradictions, and how they were resolved. `open`: the open side where only
+    the other was typed."""
+
+    unknown: str = ""
+    doubts: tuple[str, ...] = ()
+    open: tuple[str, ...] = ()
+
+    def with_those_of(self, title: str, other: "LimitOrigin") -> "LimitOrigin":
+        """The same with that of another mate, called `title` in CAD, whose limits these take in."""
+        mark = f" (of {title})"
+        unknown = [self.unknown, other.unknown and other.unknown + mark]
+        doubts, sides = (tuple(text + mark for text in texts) for texts in (other.doubts, other.open))
+        return LimitOrigin("; ".join(filter(None, unknown)), self.doubts + doubts, self.open + sides)
+
+
+AS_TYPED = LimitOrigin()
+"""Limits that are known, or that there are none."""
+
+
+@dataclass(frozen=True, slots=True)
 class Limits:
     """The dof's range [rad or m]; None is open. A ball's `upper` is the half
-    angle [rad] of the cone that its z axis stays in."""
+    angle [rad] of the cone that its z axis stays in. Equal ranges are equal, whatever their `origin`."""
 
     lower: float | None = None
     upper: float | None = None
+    origin: LimitOrigin = field(default=AS_TYPED, compare=False, kw_only=True)
+
+    def mapped(self, factor: float, shift: float = 0.0) -> "Limits":
+        """The range of factor · value + shift."""
+        if factor == 0:
+            return Limits(shift, shift, origin=self.origin)
+        ends = [None if end is None else factor * end + shift + 0.0 for end in (self.lower, self.upper)]
+        return Limits(*(ends if factor > 0 else reversed(ends)), origin=self.origin)
 
     @property
     def interval(self) -> tuple[float, float]:

@@ -236,8 +236,7 @@ check_file = partial(checks_by, ReadUsd)
 
 def _ends(dof: Dof) -> tuple[float, float]:
     """The range [m or rad] along the axis of the frame, to which the dof's own may be opposite."""
-    low, high = dof.limits.interval
-    return (low, high) if dof.axis.sum() > 0 else (-high, -low)
+    return dof.limits.mapped(1 if dof.axis.sum() > 0 else -1).interval
 
 
 def _freed(dof: Dof) -> tuple[str, str]:

@@ -9,6 +9,7 @@ from linkwright.stages.graph.onshape.assembly import Mate
 from linkwright.stages.graph.onshape.mates.coordinates import Tie, carried, coordinates
 from linkwright.stages.graph.onshape.mates.joints import freedoms_of, limit_names
 from linkwright.stages.graph.onshape.mates.twists import View
+from linkwright.stages.robot.model.dofs import LimitOrigin
 from linkwright.stages.robot.model.robot import Dof, Limits
 
 MET = 1e-6
@@ -47,11 +48,12 @@ def _intersection(one: Limits, other: Limits) -> Limits:
     return Limits(max(lower, default=None), min(upper, default=None))
 
 
-def limited(into: View, limits: Sequence[Limits]) -> Mate:
-    """The mate with these limits of its dofs."""
+def limited(into: View, limits: Sequence[Limits], origin: LimitOrigin) -> Mate:
+    """The mate with these limits of its dofs, and where they come from."""
     drawn = dict(into.mate.limits or {})
     for freedom, own in zip(freedoms_of(into.mate.ref.type), limits, strict=True):
         for name, end in zip(limit_names(freedom), (own.lower, own.upper), strict=True):
             if name and end is not None:
                 drawn[name] = end
-    return replace(into.mate, limits=drawn) if drawn else into.mate
+    mate = replace(into.mate, limits=drawn) if drawn else into.mate
+    return mate if mate.limit_origin == origin else replace(mate, limit_origin=origin)

@@ -96,5 +96,4 @@ def carried(limits: Limits, here: float, tie: Tie, there: float) -> Limits:
     `there`."""
     offset = here - tie.factor * there
     offset = 0.0 if abs(offset) < NOISE else offset
-    ends = [None if end is None else (end - offset) / tie.factor for end in (limits.lower, limits.upper)]
-    return Limits(*(ends if tie.factor > 0 else reversed(ends)))
+    return limits.mapped(1 / tie.factor, -offset / tie.factor)

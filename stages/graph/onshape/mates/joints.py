@@ -9,6 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from linkwright.stages.graph.dofs import FREEDOMS, Freedom, value_in
+from linkwright.stages.robot.model.dofs import AS_TYPED, LimitOrigin
 from linkwright.stages.robot.model.robot import Array, Dof, Dynamics, JointType, Limits, frozen
 
 JOINT_TYPES: Mapping[str, JointType] = {
@@ -67,6 +68,7 @@ def dofs_of(
     limits: Mapping[str, float],
     relative: Array,
     mirrored: bool = False,
+    origin: LimitOrigin = AS_TYPED,
 ) -> tuple[Dof, ...]:
     """The dofs of a mate whose first entity is at `relative` (4, 4) in its second, both right-handed."""
     made = []
@@ -81,7 +83,7 @@ def dofs_of(
                 kind=freedom.kind,
                 axis=frozen(axis + 0.0),
                 origin=frozen(np.eye(4)),
-                limits=Limits(limits.get(low), limits.get(high)),
+                limits=Limits(limits.get(low), limits.get(high), origin=origin),
                 dynamics=Dynamics(),
                 saved=value_in(relative, freedom.kind, axis),
             )

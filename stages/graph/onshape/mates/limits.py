@@ -17,28 +17,16 @@ import orjson
 
 from linkwright.stages.formats.onshape_configuration import decoded, split
 from linkwright.stages.graph.dofs import Freedom
-from linkwright.stages.graph.onshape.assembly import Assembly, Mate, Path, Record
+from linkwright.stages.graph.onshape.assembly import Assembly, Mate, Record
 from linkwright.stages.graph.onshape.expressions.evaluate import ExpressionError, Scope, measured
 from linkwright.stages.graph.onshape.mates.joints import JOINT_TYPES, freedoms_of, limit_names
 from linkwright.stages.graph.onshape.reply_fields import shape_of
 from linkwright.stages.robot.bundle import Features, OnshapeBundle, StudioKey
+from linkwright.stages.robot.model.dofs import AS_TYPED, LimitOrigin
 from linkwright.stages.robot.model.robot import DofKind
-
-MateKey = tuple[Path, str]
 
 _UNTOUCHED = re.compile(r"\s*(0+(\.0*)?\s*\*?\s*([^\W\d_]+|[°'\"])?)?\s*")
 """The content of a field that was not filled in: nothing, or a zero in some unit ("0 deg", "0.0*mm")."""
-
-
-@dataclass(frozen=True, slots=True)
-class Remarks:
-    """Remarks on a mate's limits. `unknown`: why they are unknown, or not known exactly; "" if they are
-    known. `doubts`: contradictions, and how they were resolved. `open`: the open side where only the other
-    was typed."""
-
-    unknown: str = ""
-    doubts: tuple[str, ...] = ()
-    open: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,10 +38,8 @@ class _Owner:
     scope: Scope
 
 
-def with_limits(assembly: Assembly, bundle: OnshapeBundle) -> tuple[Assembly, dict[MateKey, Remarks]]:
-    """The assembly with the limits of every mate that moves, in the shape of `mateLimits`; and remarks on
-    them by (owner path, feature id)."""
-    remarks: dict[MateKey, Remarks] = {}
+def with_limits(assembly: Assembly, bundle: OnshapeBundle) -> Assembly:
+    """The assembly with the limits of every mate that moves, in the shape of `mateLimits`."""
     replies = {features.key: features for features in bundle.features}
     owners: dict[tuple[StudioKey, str], _Owner] = {}
     mates = []
@@ -65,22 +51,16 @@ def with_limits(assembly: Assembly, bundle: OnshapeBundle) -> tuple[Assembly, di
         key = StudioKey.of(record)
         if key not in replies:
             why = "the reply has no limits, and the list of features is missing"
-            remarks[_key(mate)] = Remarks(why)
+            mates[-1] = replace(mate, limit_origin=LimitOrigin(why))
             continue
         settings = record.get("fullConfiguration") or key.configuration
         with shape_of("list of features or of variables", f"assembly {key.element}"):
             owner = owners.get((key, settings))
             if owner is None:
                 owner = owners[key, settings] = _read(bundle, replies[key], settings)
-            limits, found = _limits(mate, owner)
-        mates[-1] = replace(mate, limits=limits)
-        if found != Remarks():
-            remarks[_key(mate)] = found
-    return replace(assembly, mates=mates), remarks
-
-
-def _key(mate: Mate) -> MateKey:
-    return mate.ref.owner, mate.ref.feature
+            limits, origin = _limits(mate, owner)
+        mates[-1] = replace(mate, limits=limits, limit_origin=origin)
+    return replace(assembly, mates=mates)
 
 
 def _read(bundle: OnshapeBundle, features: Features, settings: str) -> _Owner:
@@ -117,24 +97,24 @@ def _open(record: Any) -> Record:
     return inside if isinstance(inside, dict) else record
 
 
-def _limits(mate: Mate, owner: _Owner) -> tuple[Record, Remarks]:
-    """The limits of a mate [m and rad, by Onshape's names], and remarks on them."""
+def _limits(mate: Mate, owner: _Owner) -> tuple[Record, LimitOrigin]:
+    """The limits of a mate [m and rad, by Onshape's names], and how they were read."""
     parameters = owner.mates.get(mate.ref.feature)
     if parameters is None:
-        return {}, Remarks("the list of features lacks this mate")
+        return {}, LimitOrigin("the list of features lacks this mate")
     freedoms = freedoms_of(mate.ref.type) if mate.ref.type in JOINT_TYPES else ()
     found = _Found({}, {}, [], [], [])
     try:
         if not _configured(parameters["limitsEnabled"], owner).get("value"):
-            return {}, Remarks()
+            return {}, AS_TYPED
         for freedom in freedoms:
             for name in limit_names(freedom):
                 if name and name in parameters:
                     _read_limit(name, freedom.kind, _configured(parameters[name], owner), owner.scope, found)
             _compare(freedom, found)
     except ExpressionError as error:
-        return {}, Remarks(str(error))
-    return found.limits, Remarks("; ".join(found.reasons), tuple(found.doubts), tuple(found.half))
+        return {}, LimitOrigin(str(error))
+    return found.limits, LimitOrigin("; ".join(found.reasons), tuple(found.doubts), tuple(found.half))
 
 
 @dataclass(frozen=True, slots=True)

@@ -234,7 +234,10 @@ def _absorb(into: View, others: Sequence[View], views: Sequence[View], size: flo
             except LimitLost as lost:
                 _report_lost(one, into, dof.name, str(lost), work.log)
         work.absorbed[one.mate.ref.key] = Absorbed(into.mate.ref.key, moved)
-    work.mates.append(limited(into, limits))
+    origin = into.mate.limit_origin
+    for one in others:
+        origin = origin.with_those_of(one.mate.title, one.mate.limit_origin)
+    work.mates.append(limited(into, limits, origin))
     word = JOINT_TYPES[into.mate.ref.type]
     work.log.report(
         "I-COMPOSED",

@@ -1,15 +1,16 @@
 """Checks limits: missing, unknown, contradictory, or without effect."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from linkwright.stages.graph.added_section import AddedLinkSection
-from linkwright.stages.graph.mechanism import Connection, Mechanism
+from linkwright.stages.graph.mechanism import Mechanism
 from linkwright.stages.graph.passes.limits.joint_limits import BEYOND, with_each_dof
 from linkwright.stages.graph.section import GraphSections, JointSection
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.model.robot import Dof, DofKind, Joint, Limits, Robot, Value
+from linkwright.stages.robot.model.dofs import AS_TYPED
+from linkwright.stages.robot.model.robot import Dof, DofKind, Joint, Limits, Loop, Robot, Value
 from linkwright.stages.robot.motion.loops import POINTWISE
 from linkwright.stages.robot.text.globs import as_key, fits
 
@@ -21,47 +22,28 @@ UNITS: Mapping[DofKind, str] = {"turn": "rad", "slide": "m", "ball": "rad", "fre
 
 def with_checked_limits(robot: Robot, mechanism: Mechanism, keys: GraphSections, log: Diagnostics) -> Robot:
     """The robot with every limit checked; wrong, missing and doubtful limits are reported."""
-    unknown = _unknown(mechanism.connections, keys.joints)
-    _report_doubts(mechanism.connections, keys.joints, log)
-    robot = check_limits(robot, unknown, log, keys.joints, keys.links, mechanism.has_saved_pose)
-    report_loop_limits(robot, unknown, log)
+    _report_doubts(robot, log)
+    robot = check_limits(robot, log, keys.joints, keys.links, mechanism.has_saved_pose)
+    report_loop_limits(robot, log)
     return robot
 
 
-def _unknown(connections: Iterable[Connection], wanted: Mapping[str, JointSection]) -> dict[str, str]:
-    """Why limits in CAD are unknown, by dof, of the dofs that have none in `joints:` either."""
-    return {
-        name: connection.unknown
-        for connection in connections
-        if connection.unknown
-        for name in _without_limits(connection, wanted)
-    }
-
-
-def _report_doubts(
-    connections: Iterable[Connection], wanted: Mapping[str, JointSection], log: Diagnostics
-) -> None:
+def _report_doubts(robot: Robot, log: Diagnostics) -> None:
     """Limits in CAD that may be meant in another way, of mates whose limits are not all in `joints:`."""
-    for connection in connections:
-        for name in _without_limits(connection, wanted)[:1]:
-            entry = f"joints: {{{as_key(name)}: {{limits: [low, high]}}}}"
-            for text in connection.doubts:
-                log.report("W-LIMIT-DOUBT", text, connection.name, f"type it again on the mate, or {entry}")
-            for text in connection.half_open:
-                log.report(
-                    "I-LIMIT-OPEN", text, connection.name, f"if 0 is meant, type it in Onshape, or {entry}"
-                )
-
-
-def _without_limits(connection: Connection, wanted: Mapping[str, JointSection]) -> list[str]:
-    """The dofs to which `joints:` gives no limits."""
-    given = [glob for glob, keys in wanted.items() if keys.limits is not None]
-    return [dof.name for dof in connection.dofs if not any(fits(dof.name, glob) for glob in given)]
+    every: list[Joint | Loop] = [*robot.joints, *robot.loops]
+    for one in every:
+        dof = next((dof for dof in one.dofs if dof.limits.origin != AS_TYPED), None)
+        if dof is None:
+            continue
+        entry = f"joints: {{{as_key(dof.name)}: {{limits: [low, high]}}}}"
+        for text in dof.limits.origin.doubts:
+            log.report("W-LIMIT-DOUBT", text, one.name, f"type it again on the mate, or {entry}")
+        for text in dof.limits.origin.open:
+            log.report("I-LIMIT-OPEN", text, one.name, f"if 0 is meant, type it in Onshape, or {entry}")
 
 
 def check_limits(
     robot: Robot,
-    unknown: Mapping[str, str],
     log: Diagnostics,
     wanted: Mapping[str, JointSection] | None = None,
     added: Mapping[str, AddedLinkSection] | None = None,
@@ -69,13 +51,13 @@ def check_limits(
 ) -> Robot:
     """Reports missing and contradictory limits; gives locked dofs the small range that engines need.
 
-    `unknown`: why limits that CAD has are unknown, by dof. `wanted` and `added`: the keys `joints` and
+    `wanted` and `added`: the keys `joints` and
     `links`; limits that they leave open are open on purpose. `has_saved_pose`: whether the source is an
     assembly with a saved pose.
     """
     decided = [glob for glob, keys in (wanted or {}).items() if keys.limits is not None]
     decided += [joint.name for joint in robot.joints if joint.mate is None and _decides(joint, added or {})]
-    _report_missing(robot, unknown, decided, log, has_saved_pose)
+    _report_missing(robot, decided, log, has_saved_pose)
     idle = {dof.name for loop in robot.loops if loop.type in POINTWISE for dof in loop.dofs}
     return with_each_dof(robot, lambda dof: dof if dof.name in idle else _checked(dof, log, has_saved_pose))
 
@@ -86,12 +68,12 @@ def _decides(joint: Joint, added: Mapping[str, AddedLinkSection]) -> bool:
     return keys is not None and (keys.joint.type == "continuous" or keys.joint.limits is not None)
 
 
-def report_loop_limits(robot: Robot, unknown: Mapping[str, str], log: Diagnostics) -> None:
+def report_loop_limits(robot: Robot, log: Diagnostics) -> None:
     """Reports limits of mates that close loops: unknown ones, and those that no engine enforces."""
     for loop in robot.loops:
         for dof in loop.dofs:
-            if dof.name in unknown:
-                text = f"its limits in CAD are unknown: {unknown[dof.name]}"
+            if dof.limits.origin.unknown:
+                text = f"its limits in CAD are unknown: {dof.limits.origin.unknown}"
                 log.report("W-LIMIT", text, dof.name, "leave the mate that closes a loop without limits")
             if loop.type in POINTWISE and dof.limits != Limits():
                 text = "this mate closes a loop, where its limits are not enforced"
@@ -99,9 +81,7 @@ def report_loop_limits(robot: Robot, unknown: Mapping[str, str], log: Diagnostic
                 log.report("W-LOOP-LIMIT", text, dof.name, hint)
 
 
-def _report_missing(
-    robot: Robot, unknown: Mapping[str, str], decided: Sequence[str], log: Diagnostics, has_saved_pose: bool
-) -> None:
+def _report_missing(robot: Robot, decided: Sequence[str], log: Diagnostics, has_saved_pose: bool) -> None:
     """W-LIMIT for every dof of the tree without limits; the last has a block of YAML for all of them.
 
     A follower is bounded by its driver.
@@ -112,8 +92,8 @@ def _report_missing(
         for dof in joint.dofs:
             if dof.kind == "free" or _endless(joint) or any(fits(dof.name, glob) for glob in decided):
                 continue
-            if dof.name in unknown:
-                lacking.append((joint, dof, f"its limits in CAD are unknown: {unknown[dof.name]}"))
+            if dof.limits.origin.unknown:
+                lacking.append((joint, dof, f"its limits in CAD are unknown: {dof.limits.origin.unknown}"))
             elif dof.kind != "ball" and dof.limits == Limits() and dof.name not in followers:
                 freely = ": it turns freely" if dof.kind == "turn" else ""
                 lacking.append((joint, dof, f"the joint has no limits{freely}"))
@@ -170,7 +150,7 @@ def _checked(dof: Dof, log: Diagnostics, has_saved_pose: bool) -> Dof:
         text = f"the joint is locked at {low:.6g}: it gets a range of {LOCKED_PLAY:g} {UNITS[dof.kind]}"
         hint = "FASTEN the mate to make one link of it" if has_saved_pose else "make it a fixed joint"
         log.report("W-LIMIT-LOCKED", f"{text} either way", dof.name, hint)
-        return replace(dof, limits=Limits(low - LOCKED_PLAY, high + LOCKED_PLAY))
+        return replace(dof, limits=replace(dof.limits, lower=low - LOCKED_PLAY, upper=high + LOCKED_PLAY))
     return dof
 
 

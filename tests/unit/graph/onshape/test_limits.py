@@ -13,6 +13,7 @@ from linkwright.stages.graph import build_robot
 from linkwright.stages.graph.onshape.assembly import Assembly, Mate
 from linkwright.stages.graph.onshape.mates.limits import with_limits
 from linkwright.stages.robot.bundle import Features, OnshapeBundle, StudioKey
+from linkwright.stages.robot.model.dofs import AS_TYPED
 from linkwright.stages.robot.model.robot import MateRef, Robot
 from tests.fake_onshape.replies import Replies
 from tests.fake_onshape.settable import typed_arm
@@ -228,7 +229,7 @@ EVERY = {
 """What a list of features says of any mate: all limits, whatever its type."""
 
 
-def resolved(kind: str, typed: dict[str, str], copies=("",), more=None) -> tuple[list[Mate], dict]:
+def resolved(kind: str, typed: dict[str, str], copies=("",), more=None) -> list[Mate]:
     """Mates of this type in the root, whose list of features gives these limits; `more`: by name, what
     else their parameters say."""
     root = {"documentId": "d", "documentMicroversion": "m", "elementId": "e"}
@@ -249,14 +250,13 @@ def resolved(kind: str, typed: dict[str, str], copies=("",), more=None) -> tuple
         features=(Features(StudioKey.of(root), "list"),),
     )
     mates = [Mate(MateRef((), "f", "Mate", kind, copy), "Mate", (), None) for copy in copies]
-    assembly, unknown = with_limits(Assembly(root=root, mates=mates), bundle)
-    return assembly.mates, unknown
+    return list(with_limits(Assembly(root=root, mates=mates), bundle).mates)
 
 
 @pytest.mark.parametrize("kind", OF_TYPE)
 def test_each_type_takes_the_limits_of_its_own_freedoms(kind: str) -> None:
-    (mate,), unknown = resolved(kind, EVERY)
-    assert not unknown
+    (mate,) = resolved(kind, EVERY)
+    assert mate.limit_origin == AS_TYPED
     want = {"X": (0.010, 0.015), "Y": (0.020, 0.025), "Z": (0.030, 0.035)}
     quarter, cone = math.radians(90), math.radians(45)
     every = {f"{side}{end}": pair[end == "Max"] for side, pair in want.items() for end in ("Min", "Max")}
@@ -265,15 +265,15 @@ def test_each_type_takes_the_limits_of_its_own_freedoms(kind: str) -> None:
 
 
 def test_a_length_is_no_cone() -> None:
-    (mate,), unknown = resolved("BALL", {"EulerConeAngleMax": "45 mm"})
+    (mate,) = resolved("BALL", {"EulerConeAngleMax": "45 mm"})
     assert mate.limits == {}
-    assert "limitEulerConeAngleMax is '45 mm'" in unknown[(), "f"].unknown
+    assert "limitEulerConeAngleMax is '45 mm'" in mate.limit_origin.unknown
 
 
 def test_copies_of_a_mate_take_its_limits() -> None:
-    mates, unknown = resolved("SLIDER", {"ZMin": "1 mm", "ZMax": "#lost"}, copies=("", "I1", "I2"))
+    mates = resolved("SLIDER", {"ZMin": "1 mm", "ZMax": "#lost"}, copies=("", "I1", "I2"))
     assert [mate.limits for mate in mates] == [{"limitZMin": pytest.approx(0.001)}] * 3
-    assert list(unknown) == [((), "f")]
+    assert all("#lost" in mate.limit_origin.unknown for mate in mates)
 
 
 def sided(kind: str, side: str) -> tuple[dict[str, str], dict[str, dict]]:
@@ -293,7 +293,7 @@ def sided(kind: str, side: str) -> tuple[dict[str, str], dict[str, dict]]:
 @pytest.mark.parametrize("kind", OF_TYPE)
 def test_what_nobody_typed_is_open_on_every_type_of_mate(kind: str, side: str) -> None:
     typed, said = sided(kind, side)
-    (mate,), remarks = resolved(kind, typed, more=said)
+    (mate,) = resolved(kind, typed, more=said)
     scale = {"deg": math.radians(1), "mm": 0.001}
     want = {
         f"limit{name}": pytest.approx(float(text.split()[0]) * scale[text.split()[1]])
@@ -301,40 +301,39 @@ def test_what_nobody_typed_is_open_on_every_type_of_mate(kind: str, side: str) -
         if name.endswith(side)
     }
     assert (mate.limits or {}) == want
-    found = remarks.get(((), "f"))
-    assert found is None or not found.unknown
-    assert len(found.open if found else ()) == (0 if kind == "BALL" else len(want))
-    assert not found or not found.doubts
+    assert not mate.limit_origin.unknown
+    assert len(mate.limit_origin.open) == (0 if kind == "BALL" else len(want))
+    assert not mate.limit_origin.doubts
 
 
 @pytest.mark.parametrize("zero", ["0 deg", "0 mm", "0 in", "0.0*mm", "0", "0.000 rad", "", '0"', "0°"])
 def test_a_zero_in_any_unit_is_untouched_where_the_field_calls_itself_empty(zero: str) -> None:
     typed, more = {"ZMin": "-3 mm", "ZMax": zero}, {"ZMax": {"isNull": False, "nullValue": "No maximum"}}
-    (mate,), remarks = resolved("SLIDER", typed, more=more)
+    (mate,) = resolved("SLIDER", typed, more=more)
     assert mate.limits == {"limitZMin": pytest.approx(-0.003)}
-    (text,) = remarks[(), "f"].open
+    (text,) = mate.limit_origin.open
     assert f"limitZMax is {zero!r} beside 'No maximum'" in text
 
 
 @pytest.mark.parametrize("empty", ["", None])
 def test_a_zero_that_was_typed_is_a_limit(empty: str | None) -> None:
     more = {} if empty is None else {"ZMax": {"isNull": False, "nullValue": empty}}
-    (mate,), remarks = resolved("SLIDER", {"ZMin": "-3 mm", "ZMax": "0 mm"}, more=more)
+    (mate,) = resolved("SLIDER", {"ZMin": "-3 mm", "ZMax": "0 mm"}, more=more)
     assert mate.limits == {"limitZMin": pytest.approx(-0.003), "limitZMax": 0.0}
-    assert remarks == {}
+    assert mate.limit_origin == AS_TYPED
 
 
 def test_what_is_null_is_open_whatever_it_holds() -> None:
-    (mate,), remarks = resolved("SLIDER", {"ZMin": "1 mm", "ZMax": "5 mm"}, more={"ZMax": {"isNull": True}})
+    (mate,) = resolved("SLIDER", {"ZMin": "1 mm", "ZMax": "5 mm"}, more={"ZMax": {"isNull": True}})
     assert mate.limits == {"limitZMin": pytest.approx(0.001)}
-    assert remarks == {}
+    assert mate.limit_origin == AS_TYPED
 
 
 @pytest.mark.parametrize("text", ["5 mm", "0 mm + 0 mm", "2 * 3 mm"])
 def test_an_expression_counts_beside_a_field_that_calls_itself_empty_with_a_word_about_it(text: str) -> None:
-    (mate,), remarks = resolved("SLIDER", {"ZMax": text}, more={"ZMax": {"nullValue": "No maximum"}})
+    (mate,) = resolved("SLIDER", {"ZMax": text}, more={"ZMax": {"nullValue": "No maximum"}})
     assert set(mate.limits or {}) == {"limitZMax"}
-    (said,) = remarks[(), "f"].doubts
+    (said,) = mate.limit_origin.doubts
     assert f"limitZMax is {text!r} beside 'No maximum'" in said
 
 

@@ -11,6 +11,7 @@ from linkwright.stages.graph.passes.limits.joint_limits import with_properties
 from linkwright.stages.graph.passes.limits.limit_checks import LOCKED_PLAY, check_limits, report_loop_limits
 from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.model.dofs import LimitOrigin
 from linkwright.stages.robot.model.robot import Limits, Relation, Robot
 from tests.support.robots import CARRIED, LOOPS, at, joint, loop, robot_with
 
@@ -24,9 +25,9 @@ def given(robot: Robot, keys) -> tuple[Robot, Diagnostics]:
     return with_properties(robot, keys, log), log
 
 
-def checked(robot: Robot, unknown=None, keys=None) -> tuple[Robot, Diagnostics]:
+def checked(robot: Robot, keys=None) -> tuple[Robot, Diagnostics]:
     log = Diagnostics()
-    return check_limits(robot, unknown or {}, log, keys), log
+    return check_limits(robot, log, keys), log
 
 
 def told(log: Diagnostics) -> list[tuple[str, str]]:
@@ -121,7 +122,10 @@ def test_dynamics_that_act_on_nothing_are_reported_unless_meant_for_all() -> Non
 
 
 def test_missing_limits_are_reported_with_one_block_that_resolves_them(arm: Robot) -> None:
-    _, log = checked(arm, {"left_hip": "the list of features is not there"})
+    lost = Limits(origin=LimitOrigin("the list of features is not there"))
+    unknown = replace(arm.joints[0].dofs[0], limits=lost)
+    arm = replace(arm, joints=(replace(arm.joints[0], dofs=(unknown,)), *arm.joints[1:]))
+    _, log = checked(arm)
     assert told(log) == [("W-LIMIT", "left_hip"), ("W-LIMIT", "lift_turn"), ("W-LIMIT", "lift_slide")]
     assert [one.message for one in log.found] == [
         "its limits in CAD are unknown: the list of features is not there",
@@ -134,7 +138,7 @@ def test_missing_limits_are_reported_with_one_block_that_resolves_them(arm: Robo
     assert list(said["joints"]) == ["left_hip", "lift_turn", "lift_slide"]
     settled = wanted(**said["joints"])
     robot, log = given(arm, settled)
-    robot, more = checked(robot, {"left_hip": "the list of features is not there"}, settled)
+    robot, more = checked(robot, settled)
     assert not told(log)
     assert not told(more)
     assert {dof.limits for dof in robot.dofs} == {Limits()}
@@ -160,7 +164,7 @@ def test_an_added_joint_that_is_to_be_open_is_not_reported() -> None:
     links = GraphSections(links={name: {"parent": "base", "joint": one} for name, one in asked.items()}).links
     log = Diagnostics()
     robot = with_added_links(robot_with(), links, log)
-    check_limits(robot, {}, log, {}, links)
+    check_limits(robot, log, {}, links)
     assert told(log) == [("W-LIMIT", "lid_joint")]
 
 
@@ -206,12 +210,12 @@ def test_a_loops_limits_are_reported_where_no_simulation_has_them(kind) -> None:
     for one, idle in ((bare, False), (closing, kind not in CARRIED)):
         robot = robot_with([joint("revolute", "base", "arm", name="elbow")], loops=[one])
         log = Diagnostics()
-        report_loop_limits(robot, {}, log)
+        report_loop_limits(robot, log)
         assert told(log) == [("W-LOOP-LIMIT", dof.name) for dof in one.dofs if idle]
     log = Diagnostics()
-    report_loop_limits(
-        robot_with(robot.joints, loops=[bare]), {dof.name: "it is stale" for dof in bare.dofs}, log
-    )
+    stale = Limits(origin=LimitOrigin("it is stale"))
+    unknown = replace(bare, dofs=tuple(replace(dof, limits=stale) for dof in bare.dofs))
+    report_loop_limits(robot_with(robot.joints, loops=[unknown]), log)
     assert told(log) == [("W-LIMIT", dof.name) for dof in bare.dofs]
 
 
