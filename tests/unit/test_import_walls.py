@@ -31,6 +31,7 @@ HOMES = {
     "collada": (),
     "pxr": ("stages/export/usd/layer.py", "stages/validate/usd/"),
     "networkx": ("stages/graph/", "stages/robot/motion/loop_groups.py"),
+    "jinja2": ("stages/formats/templates.py",),
     "lxml": ("stages/formats/xml.py",),
     "hydra": ("pipeline/config/", "pipeline/sweep/launch.py"),
     "omegaconf": ("pipeline/config/", "pipeline/sweep/launch.py"),

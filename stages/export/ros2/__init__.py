@@ -1,14 +1,12 @@
 """A ROS 2 package: description, ros2_control, controllers and launch files of a robot.
 
 - control: What ros2_control commands and measures: interfaces of joints, sensors, and the hardware.
-- controllers: The controllers of a robot, and `config/controllers.yaml`, which describes them.
+- controllers: The controllers of a robot.
 - description: The URDF of a ROS 2 package: the robot's own, with paths and names for ROS.
-- launch_files: The launch files of a ROS 2 package, and what RViz shows.
+- files: The texts of a ROS 2 package, each from a template.
 - moveit: The package by which MoveIt plans for a robot: the SRDF in the names of the ROS package, and what
   goes with its groups and joints.
-- moveit_launch: What starts MoveIt for a robot, and what RViz then shows.
 - names: Names that ROS takes: of packages, links, joints and sensors.
-- package: `package.xml` (format 3, REP 149) and `CMakeLists.txt` of a ROS 2 package.
 - section: Configuration of the ROS 2 package.
 - trajectories: Which joints follow trajectories together: those of an arm, of a gripper, and the others.
 - unsupported: Reports what a ROS 2 package has otherwise, or does not have.

@@ -1,18 +1,14 @@
-"""The controllers of a robot, and `config/controllers.yaml`, which describes them.
+"""The controllers of a robot.
 
-Joints that are commanded by position follow trajectories; speeds and efforts are passed on. A name in double
-quotes is a text in YAML, whatever it is.
+Joints that are commanded by position follow trajectories; speeds and efforts are passed on.
 """
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 from linkwright.stages.export.ros2.control import Control
 from linkwright.stages.robot.text.names import free
-
-RATE = 100
-"""Hz: the default of ros2_control."""
 
 BROADCASTERS = {"imu": "imu_sensor_broadcaster", "force_torque": "force_torque_sensor_broadcaster"}
 """Kind of a sensor → the package of its broadcaster."""
@@ -29,11 +25,16 @@ CLASSES = {
 
 @dataclass(frozen=True, slots=True)
 class Controller:
-    """A controller of a `package`. `parameters`: key → a YAML value."""
+    """A controller of a `package`, with its `parameters`."""
 
     name: str
     package: str
-    parameters: tuple[tuple[str, str], ...] = ()
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def kind(self) -> str:
+        """The class that the package registers."""
+        return CLASSES[self.package]
 
 
 def controllers_of(control: Control, trajectories: Mapping[str, Sequence[str]]) -> tuple[Controller, ...]:
@@ -50,38 +51,22 @@ def _controllers(control: Control, trajectories: Mapping[str, Sequence[str]]) ->
         taken.add("joint_state_broadcaster")
         yield Controller("joint_state_broadcaster", "joint_state_broadcaster")
     for name, joints in trajectories.items():
-        following = (
-            ("joints", _listed(joints)),
-            ("command_interfaces", _listed(["position"])),
-            ("state_interfaces", _listed(["position", "velocity"])),
+        following = {
+            "joints": joints,
+            "command_interfaces": ["position"],
+            "state_interfaces": ["position", "velocity"],
             # So that a planner can move a part of them.
-            ("allow_partial_joints_goal", "true"),
-        )
+            "allow_partial_joints_goal": True,
+        }
         yield Controller(name, "joint_trajectory_controller", following)
     by_position = control.commanded("position")
     for interface in ("velocity", "effort"):
         joints = [name for name in control.commanded(interface) if name not in by_position]
         if joints:
-            parameters = (("joints", _listed(joints)), ("interface_name", json.dumps(interface)))
+            parameters = {"joints": joints, "interface_name": interface}
             yield Controller(f"{interface}_controller", "forward_command_controller", parameters)
     for sensor in control.sensors:
         name = free(f"{sensor.name}_broadcaster", taken)
         taken.add(name)
-        own = (("sensor_name", json.dumps(sensor.name)), ("frame_id", json.dumps(sensor.frame)))
+        own = {"sensor_name": sensor.name, "frame_id": sensor.frame}
         yield Controller(name, BROADCASTERS[sensor.kind], own)
-
-
-def controllers_yaml(controllers: tuple[Controller, ...]) -> bytes:
-    """`config/controllers.yaml`."""
-    lines = ["controller_manager:", "  ros__parameters:", f"    update_rate: {RATE}"]
-    for one in controllers:
-        lines += [f"    {one.name}:", f"      type: {CLASSES[one.package]}"]
-    for one in controllers:
-        if one.parameters:
-            lines += ["", f"{one.name}:", "  ros__parameters:"]
-            lines += [f"    {key}: {value}" for key, value in one.parameters]
-    return ("\n".join(lines) + "\n").encode()
-
-
-def _listed(names: Sequence[str]) -> str:
-    return json.dumps(list(names))

@@ -4,12 +4,12 @@ its groups and joints.
 MoveItConfigsBuilder of moveit_configs_utils finds its files by their names.
 """
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain as following
 
 from linkwright.stages.export.ros2.description import Description
+from linkwright.stages.export.ros2.files import filled
 from linkwright.stages.export.ros2.names import legal_names
 from linkwright.stages.formats.xml import Element, parse, to_bytes
 
@@ -94,28 +94,22 @@ def semantic_files(
     """(path in the package, bytes) of what MoveIt knows of a robot of this name. `trajectories`: the joints
     of each controller that follows trajectories."""
     yield f"config/{name}.srdf", to_bytes(semantics.root)
-    yield "config/kinematics.yaml", _kinematics(semantics)
-    yield "config/joint_limits.yaml", _joint_limits(semantics, description)
-    yield "config/pilz_cartesian_limits.yaml", _CARTESIAN.encode()
+    solved = [count for count in semantics.chains.values() if count is not None and count >= LEAST]
+    yield (
+        "config/kinematics.yaml",
+        filled("kinematics.yaml", chains=semantics.chains, solved=solved, least=LEAST, enough=ENOUGH),
+    )
+    limits = {
+        joint: (_real(speed), _real(speed / TO_FULL_SPEED))
+        for joint, speed in _speeds(semantics, description).items()
+    }
+    yield "config/joint_limits.yaml", filled("joint_limits.yaml", limits=limits, seconds=TO_FULL_SPEED)
+    yield "config/pilz_cartesian_limits.yaml", filled("pilz_cartesian_limits.yaml")
     if trajectories:
-        yield "config/moveit_controllers.yaml", _controllers(trajectories)
-
-
-def setup_assistant(name: str, package: str, maintainer: str, email: str) -> bytes:
-    """`.setup_assistant`, by which MoveIt's tools find the URDF, which is in `package`, and the SRDF."""
-    lines = [
-        "moveit_setup_assistant_config:",
-        "  urdf:",
-        f"    package: {json.dumps(package)}",
-        f"    relative_path: {json.dumps(f'urdf/{name}.urdf.xacro')}",
-        "  srdf:",
-        f"    relative_path: {json.dumps(f'config/{name}.srdf')}",
-        "  package_settings:",
-        f"    author_name: {json.dumps(maintainer)}",
-        f"    author_email: {json.dumps(email)}",
-        "    generated_timestamp: 0",
-    ]
-    return _text(lines)
+        yield (
+            "config/moveit_controllers.yaml",
+            filled("moveit_controllers.yaml", trajectories=trajectories),
+        )
 
 
 def _chain(urdf: Element, chain: Element) -> list[Element]:
@@ -152,79 +146,14 @@ def _own(joints: Sequence[Element], passive: set[str]) -> int | None:
     return None if any(one.get("name") in passive for one in moving) else len(moving)
 
 
-def _kinematics(semantics: Semantics) -> bytes:
-    lines = [
-        "# KDL solves any chain; other solvers (TRAC-IK, pick_ik, IKFast) are plugins of the same kind.",
-    ]
-    for group, count in semantics.chains.items():
-        if count is None:
-            lines.append(f"# {group}: no inverse kinematics, since a joint of the chain is passive.")
-        elif count < LEAST:
-            lines.append(f"# {group}: no inverse kinematics, since {count} joints reach too few places.")
-        else:
-            lines += [
-                f"{json.dumps(group)}:",
-                "  kinematics_solver: kdl_kinematics_plugin/KDLKinematicsPlugin",
-                "  kinematics_solver_search_resolution: 0.005",
-                "  kinematics_solver_timeout: 0.05",
-            ]
-            if count < ENOUGH:
-                lines += ["  # Fewer than 6 joints reach no given orientation.", "  position_only_ik: true"]
-    if not any(count is not None and count >= LEAST for count in semantics.chains.values()):
-        lines.append("{}")
-    return _text(lines)
-
-
-def _joint_limits(semantics: Semantics, description: Description) -> bytes:
+def _speeds(semantics: Semantics, description: Description) -> dict[str, float]:
+    """The speed limit [rad/s or m/s] of each joint that MoveIt moves."""
     passive = {str(one.get("name")) for one in semantics.root.iterchildren("passive_joint")}
-    lines = [
-        "# Speeds are those of the URDF. Nothing in the robot's model limits accelerations, so these are a",
-        f"# default: a joint reaches its full speed in {TO_FULL_SPEED:g} s. Set what your hardware can do.",
-        "default_velocity_scaling_factor: 0.1",
-        "default_acceleration_scaling_factor: 0.1",
-        "joint_limits:",
-    ]
-    for joint in description.moving:
-        if joint.find("mimic") is None and joint.get("name") not in passive:
-            speed = float(joint.find("limit").get("velocity"))
-            lines += [
-                f"  {json.dumps(joint.get('name'))}:",
-                "    has_velocity_limits: true",
-                f"    max_velocity: {_real(speed)}",
-                "    has_acceleration_limits: true",
-                f"    max_acceleration: {_real(speed / TO_FULL_SPEED)}",
-            ]
-    if lines[-1] == "joint_limits:":
-        lines[-1] = "joint_limits: {}"
-    return _text(lines)
-
-
-_CARTESIAN = """# For Pilz' planner of straight lines and arcs: speeds of the tip [m/s, rad/s]. All of
-# these are defaults of the assistant of MoveIt, and nothing that the robot has.
-cartesian_limits:
-  max_trans_vel: 1.0
-  max_trans_acc: 2.25
-  max_trans_dec: -5.0
-  max_rot_vel: 1.57
-"""
-
-
-def _controllers(trajectories: Mapping[str, Sequence[str]]) -> bytes:
-    lines = [
-        "# The controllers of these names in controllers.yaml; each also takes a part of its joints.",
-        "moveit_controller_manager: moveit_simple_controller_manager/MoveItSimpleControllerManager",
-        "moveit_simple_controller_manager:",
-        f"  controller_names: [{', '.join(trajectories)}]",
-    ]
-    for name, joints in trajectories.items():
-        lines += [
-            f"  {name}:",
-            "    type: FollowJointTrajectory",
-            "    action_ns: follow_joint_trajectory",
-            "    default: true",
-            f"    joints: {json.dumps(list(joints))}",
-        ]
-    return _text(lines)
+    return {
+        str(joint.get("name")): float(joint.find("limit").get("velocity"))
+        for joint in description.moving
+        if joint.find("mimic") is None and joint.get("name") not in passive
+    }
 
 
 def _real(value: float) -> str:
@@ -232,7 +161,3 @@ def _real(value: float) -> str:
     mantissa, _, power = repr(float(f"{value:.12g}")).partition("e")
     whole = mantissa if "." in mantissa else f"{mantissa}.0"
     return f"{whole}e{power}" if power else whole
-
-
-def _text(lines: Sequence[str]) -> bytes:
-    return ("\n".join(lines) + "\n").encode()

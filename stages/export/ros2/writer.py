@@ -31,7 +31,7 @@ class Ros2Writer:
     reads: tuple[str, ...] = ("urdf",)
     modules: tuple[str, ...] = (
         "linkwright.stages.export.ros2.xacro_files",
-        "linkwright.stages.export.ros2.launch_files",
+        "linkwright.stages.export.ros2.files",
         "linkwright.stages.export.ros2.moveit",
     )
 
@@ -74,88 +74,79 @@ def _files(
     given: WriterInput, package: str, description: "Description", driven: Driven
 ) -> list[tuple[str, bytes]]:
     """(path in the package, bytes)."""
-    from linkwright.stages.export.ros2.controllers import controllers_yaml
-    from linkwright.stages.export.ros2.launch_files import control_launch, display_launch, rviz
+    from linkwright.stages.export.ros2.files import ALWAYS, CONTROLLED, filled, view_of
     from linkwright.stages.export.ros2.names import macro_of
-    from linkwright.stages.export.ros2.package import ALWAYS, CONTROLLED, cmake_lists, package_xml
-    from linkwright.stages.export.ros2.section import Ros2FormatSection
     from linkwright.stages.export.ros2.xacro_files import control_macro, entry, macro
+    from linkwright.stages.formats.numbers import number
     from linkwright.stages.formats.xml import to_bytes
     from linkwright.stages.robot.text.names import free
 
     name = given.written.robot.name
-    keys = given.keys.export.ros2 or Ros2FormatSection()
     own = macro_of(name)
     parts = f"{name}_macro.xacro", f"{name}.ros2_control.xacro"
     joints = {str(one.get("name")) for one in description.root.iterchildren("joint")}
     control, controllers = driven.control, driven.controllers
-    texts = {
-        "PACKAGE": package,
-        "ROBOT": name,
-        "ROOT": description.base,
-        "ENTRY": f"{name}.urdf.xacro",
-        "RVIZ": f"{name}.rviz",
-    }
-    home = {one.name: one.home for one in control.joints if not one.follows}
+    texts = {"package": package, "robot": name, "root": description.base}
+    # A parameter of ROS that is given as a whole number is no real one.
+    home = {one.name: float(number(one.home, least=1.0)) for one in control.joints if not one.follows}
     files = [
         (f"urdf/{parts[0]}", macro(description, own, free(f"{description.base}_mount", joints))),
         (f"urdf/{parts[1]}", control_macro(control, own)),
         (f"urdf/{name}.urdf.xacro", entry(name, description, control, own, parts)),
         (f"urdf/{name}.urdf", to_bytes(description.root)),
-        (f"rviz/{name}.rviz", rviz(description.base, given.standing)),
-        ("launch/display.launch.py", display_launch(texts, home)),
+        (f"rviz/{name}.rviz", filled("robot.rviz", root=description.base, **view_of(given.standing))),
+        ("launch/display.launch.py", filled("display.launch.py", **texts, home=home)),
         *((f"meshes/{file}", data) for file, data in given.written.shapes.files.items()),
     ]
     needs = [*ALWAYS]
     if controllers:
-        plugin = control.plugin
-        files.append(("config/controllers.yaml", controllers_yaml(controllers)))
-        files.append(
-            ("launch/control.launch.py", control_launch(texts, [one.name for one in controllers], plugin))
-        )
+        driver = {"controllers": controllers, "plugin": control.plugin}
+        files.append(("config/controllers.yaml", filled("controllers.yaml", controllers=controllers)))
+        files.append(("launch/control.launch.py", filled("control.launch.py", **texts, **driver)))
         needs += [*CONTROLLED, *(one.package for one in controllers)]
     what = f"The robot {name}: URDF, meshes, ros2_control and launch files."
-    paths = [path for path, _ in files]
-    files.append(("package.xml", package_xml(package, what, keys, needs)))
-    files.append(("CMakeLists.txt", cmake_lists(package, paths)))
-    return files
+    return files + _manifests(given, package, what, needs, [path for path, _ in files])
+
+
+def _manifests(
+    given: WriterInput, package: str, what: str, needs: Sequence[str], paths: Sequence[str]
+) -> list[tuple[str, bytes]]:
+    """What makes a folder with files at these paths a package of ROS. `what`: its description; `needs`: the
+    packages that it runs with."""
+    from linkwright.stages.export.ros2.files import cmake_lists, filled
+    from linkwright.stages.export.ros2.section import Ros2FormatSection
+
+    keys, needs = given.keys.export.ros2 or Ros2FormatSection(), sorted(set(needs))
+    about = filled("package.xml", package=package, what=what, keys=keys, needs=needs)
+    return [("package.xml", about), ("CMakeLists.txt", cmake_lists(package, paths))]
 
 
 def _beside(
     given: WriterInput, package: str, description: "Description", semantics: "Semantics", driven: Driven
 ) -> dict[str, bytes]:
     """The files of MoveIt's package by path: none where the configuration wants none, or nothing moves."""
-    from linkwright.stages.export.ros2.moveit import semantic_files, setup_assistant
-    from linkwright.stages.export.ros2.moveit_launch import moveit_launch, moveit_rviz
+    from linkwright.stages.export.ros2.files import MOVEIT, filled
+    from linkwright.stages.export.ros2.moveit import semantic_files
     from linkwright.stages.export.ros2.names import moveit_package_of
-    from linkwright.stages.export.ros2.package import MOVEIT, cmake_lists, package_xml
     from linkwright.stages.export.ros2.section import Ros2FormatSection
 
     name, keys = given.written.robot.name, given.keys.export.ros2 or Ros2FormatSection()
     if not keys.moveit or not semantics.groups:
         return {}
     own = moveit_package_of(package)
-    texts = {
-        "PACKAGE": own,
-        "DESCRIPTION": package,
-        "ROBOT": name,
-        "ROOT": description.base,
-        "WORLD": semantics.world,
-        "CONTROLLED": repr(bool(driven.controllers)),
-        "EXECUTES": repr(bool(driven.trajectories)),
-        "PLUGIN": driven.control.plugin,
-    }
+    texts = {"package": own, "description": package, "robot": name, "root": description.base}
+    frame = semantics.world or description.base
     files = [
         *semantic_files(name, semantics, description, driven.trajectories),
-        ("config/moveit.rviz", moveit_rviz(semantics.world or description.base, semantics.groups[0])),
-        ("launch/moveit.launch.py", moveit_launch(texts)),
-        (".setup_assistant", setup_assistant(name, package, keys.maintainer, keys.email)),
+        ("config/moveit.rviz", filled("moveit.rviz", frame=frame, group=semantics.groups[0])),
+        (
+            "launch/moveit.launch.py",
+            filled("moveit.launch.py", **texts, world=semantics.world, driven=driven),
+        ),
+        (".setup_assistant", filled("setup_assistant.yaml", **texts, keys=keys)),
     ]
     what = f"MoveIt for the robot {name}: groups, poses, kinematics, limits, controllers and a launch file."
-    files += [
-        ("CMakeLists.txt", cmake_lists(own, [path for path, _ in files])),
-        ("package.xml", package_xml(own, what, keys, [*MOVEIT, package])),
-    ]
+    files += _manifests(given, own, what, [*MOVEIT, package], [path for path, _ in files])
     return {f"{FOLDER}/{own}/{path}": data for path, data in files}
 
 

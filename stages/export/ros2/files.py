@@ -1,0 +1,84 @@
+"""The texts of a ROS 2 package, each from a template: launch files, parameters, `package.xml` and others."""
+
+import json
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from linkwright.stages.formats.templates import Templates, xml_text
+from linkwright.stages.robot.model.poses import inverse
+
+if TYPE_CHECKING:
+    from linkwright.stages.export.ground.standing import Stance
+
+ALWAYS = (
+    "ament_index_python",
+    "joint_state_publisher",
+    "joint_state_publisher_gui",
+    "launch",
+    "launch_ros",
+    "robot_state_publisher",
+    "rviz2",
+    "xacro",
+)
+"""What the launch files need."""
+
+CONTROLLED = ("controller_manager", "hardware_interface", "python3-yaml")
+"""What ros2_control needs beside its controllers; mock hardware is part of hardware_interface."""
+
+MOVEIT = (
+    "ament_index_python",
+    "joint_state_publisher",
+    "launch",
+    "launch_ros",
+    "moveit_configs_utils",
+    "moveit_kinematics",
+    "moveit_planners",
+    "moveit_ros_move_group",
+    "moveit_ros_visualization",
+    "moveit_simple_controller_manager",
+    "robot_state_publisher",
+    "rviz2",
+    "tf2_ros",
+)
+"""What MoveIt's launch file needs."""
+
+_SIZE = 1.0
+"""m: of a robot without shapes."""
+
+_TEMPLATES = Templates(
+    Path(__file__).with_name("templates"), {"json": json.dumps, "xml": xml_text, "bool": bool}
+)
+"""JSON is YAML: a name in double quotes is a text there, whatever it is."""
+
+
+def filled(name: str, /, **values: Any) -> bytes:
+    """The text of the template of this name."""
+    return _TEMPLATES.filled(name, **values).encode()
+
+
+def view_of(standing: "Stance") -> dict[str, float]:
+    """How RViz looks at the robot, in the frame of its root link: lengths of the grid, of frames and of the
+    distance, and the place in the middle [m]."""
+    low, high = standing.low, standing.high
+    size, centre = _SIZE, np.zeros(3)
+    if np.isfinite(low).all() and np.isfinite(high).all():
+        size = float(np.linalg.norm(high - low))
+        centre = (inverse(standing.world_from_root) @ [*(low + high) / 2, 1.0])[:3]
+    lengths = {
+        "cell": size / 4,
+        "marker": size / 3,
+        "distance": 2 * size,
+        **dict(zip("xyz", centre, strict=True)),
+    }
+    return {name: round(float(length), 3) + 0.0 for name, length in lengths.items()}
+
+
+def cmake_lists(package: str, paths: Iterable[str]) -> bytes:
+    """Installs every file of the package, in its folder. `paths`: of these files, in the package."""
+    paths = list(paths)
+    single = sorted(path for path in paths if "/" not in path)
+    folders = sorted({path.partition("/")[0] for path in paths if "/" in path})
+    return filled("CMakeLists.txt", package=package, single=single, folders=folders)
