@@ -7,6 +7,7 @@
 - fields: Attributes of elements: which array of MuJoCo's model has each, and how it is written.
 - includes: The content of included files in the place of each <include>, as MuJoCo has it.
 - mjcf_schema: The elements and attributes of MJCF that a MuJoCo knows, by its own account.
+- names: Names and numbers of what is in a compiled model.
 - sensors: Sensors of a compiled model.
 - state: The state of a model at one of its keyframes.
 - trial: A trial run: whether a robot's MuJoCo model stays whole and finite while it is simulated.

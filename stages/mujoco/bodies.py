@@ -7,8 +7,9 @@ import mujoco
 import numpy as np
 
 from linkwright.stages.formats.numbers import exact
-from linkwright.stages.mujoco.elements import OBJ, camera, geom, light, name_of, site
+from linkwright.stages.mujoco.elements import camera, geom, light, site
 from linkwright.stages.mujoco.fields import BODY, attributes, joint_attributes
+from linkwright.stages.mujoco.names import OBJ, name_of
 from linkwright.stages.robot.model.arrays import Array
 from linkwright.stages.robot.model.mjcf_extras import Attributes, MjcfElement
 from linkwright.stages.robot.model.poses import from_parts, inverse, quat_from_rotation, rotation_from_quat

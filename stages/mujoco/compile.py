@@ -1,6 +1,6 @@
 """From text or a file to a compiled model, or MuJoCo's reason why not."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -9,7 +9,7 @@ import mujoco
 
 from linkwright.stages.formats.xml import parse, to_bytes
 from linkwright.stages.mujoco.urdf import with_floating_on_world, without_packages
-from linkwright.stages.mujoco.warnings import listening, unquoted
+from linkwright.stages.mujoco.warnings import deprecations, listening, unquoted
 
 KEPT_MESHES = 20_000_000
 """The size of MuJoCo's cache of processed meshes [bytes]."""
@@ -45,14 +45,30 @@ def compiled_file(path: Path) -> Any:
         return spec_of(path).compile()
 
 
+def compiled_heard(make: Callable[[], Any], folder: Path | None = None) -> tuple[Any, list[str]]:
+    """The model of the spec that `make` returns, and the warnings of MuJoCo and of its Python module.
+    NotCompiled where MuJoCo refuses it, its message without the path of the model's `folder`."""
+    with listening() as warnings, deprecations(warnings), refusals(folder):
+        return make().compile(), warnings
+
+
+def compiled_and_rewritten(path: Path, files: Mapping[str, bytes]) -> tuple[Any, Any]:
+    """The model of an MJCF, and the model of what MuJoCo writes of it; `files`: the MJCF's other files, by
+    path. NotCompiled where MuJoCo refuses either."""
+    with deprecations([]), refusals():
+        spec = spec_of_mjcf(path)
+        first = spec.compile()
+        return first, mujoco.MjSpec.from_string(spec.to_xml(), assets=dict(files)).compile()
+
+
 def spec_of(path: Path) -> Any:
     """What MuJoCo compiles of an MJCF or URDF where it lies.
 
     A spec, which is given up once it is compiled: MuJoCo's own loader keeps the last file's meshes in memory.
     """
-    _bound_cache()
     if path.suffix != ".urdf":
-        return mujoco.MjSpec.from_file(str(path.resolve()))
+        return spec_of_mjcf(path)
+    _bound_cache()
     root = parse(path.read_bytes())
     without_packages(root)
     if not with_floating_on_world(root):
@@ -60,6 +76,12 @@ def spec_of(path: Path) -> Any:
         return spec_of_text(to_bytes(root), path.resolve().parent)
     meshes = {f"assets/{mesh.name}": mesh.read_bytes() for mesh in sorted((path.parent / "assets").glob("*"))}
     return mujoco.MjSpec.from_string(to_bytes(root).decode(), assets=meshes)
+
+
+def spec_of_mjcf(path: Path) -> Any:
+    """What MuJoCo compiles of an MJCF where it lies, whatever its ending."""
+    _bound_cache()
+    return mujoco.MjSpec.from_file(str(path.resolve()))
 
 
 def spec_of_text(text: bytes, folder: Path) -> Any:

@@ -23,10 +23,9 @@ from linkwright.stages.mujoco.fields import (
     attributes,
     bare,
 )
+from linkwright.stages.mujoco.names import OBJ, name_of
 from linkwright.stages.robot.model.mjcf_extras import Attributes, MjcfElement
 from linkwright.stages.robot.model.poses import rotation_from_quat
-
-OBJ = mujoco.mjtObj
 
 KINDS = {
     int(OBJ.mjOBJ_BODY): "body",
@@ -41,10 +40,6 @@ KINDS = {
 """What an element may name: MuJoCo's number of the kind → tag."""
 
 Name = tuple[str, str, str]
-
-
-def name_of(model: Any, kind: Any, index: int) -> str:
-    return mujoco.mj_id2name(model, int(kind), int(index)) or ""
 
 
 def named(model: Any, attribute: str, kind: Any, index: int) -> Name:

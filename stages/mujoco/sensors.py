@@ -5,8 +5,9 @@ from typing import Any
 
 import mujoco
 
-from linkwright.stages.mujoco.elements import KINDS, OBJ, Name, name_of, named
+from linkwright.stages.mujoco.elements import KINDS, Name, named
 from linkwright.stages.mujoco.fields import SENSOR, attributes
+from linkwright.stages.mujoco.names import OBJ, name_of
 from linkwright.stages.robot.model.mjcf_extras import Attributes, MjcfElement
 
 _TAGS = {

@@ -12,6 +12,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from linkwright.stages.mujoco.names import body_index
 from linkwright.stages.robot.contact.meeting_boxes import meeting_boxes
 from linkwright.stages.robot.model.geometry import ExcludeReason
 from linkwright.stages.robot.model.poses import inverse
@@ -21,7 +22,7 @@ from linkwright.stages.robot.motion.pose_samples import sampled_poses
 from linkwright.stages.robot.motion.start_pose import home
 from linkwright.stages.validate.checks.contact.bare_links import asked_bare
 from linkwright.stages.validate.compiled import CompiledModel
-from linkwright.stages.validate.model.coordinates import body_index, pose_of, set_values
+from linkwright.stages.validate.model.coordinates import pose_of, set_values
 from linkwright.stages.validate.model.seen_surfaces import SeenSurfaces
 from linkwright.stages.validate.model.shapes import seen_and_solid
 

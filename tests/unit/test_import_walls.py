@@ -86,6 +86,16 @@ def test_a_module_keeps_within_the_walls(path):
     assert breaches(path, path.read_text()) == []
 
 
+ONE_ROOM = re.compile(r"\bmujoco\.(?:Mj(?:Spec|Model)\.from_|mj_(?:id2name|name2id|resetDataKeyframe)\b)")
+"""What only `stages/mujoco` does with MuJoCo: it compiles, begins at keyframes and looks names up."""
+
+
+def test_one_room_compiles_models_and_looks_names_up():
+    outside = [path for path in modules() if "stages/mujoco/" not in path.as_posix()]
+    assert [path.name for path in outside if ONE_ROOM.search(path.read_text())] == []
+    assert sum(bool(ONE_ROOM.search(path.read_text())) for path in set(modules()) - set(outside)) == 3
+
+
 @pytest.mark.parametrize(
     ("place", "line"),
     [

@@ -12,7 +12,7 @@ from linkwright.stages.fetch.mjcf.compiled.meshes import Meshes
 from linkwright.stages.fetch.mjcf.compiled.model import convert
 from linkwright.stages.fetch.mjcf.compiled.textures import Textures
 from linkwright.stages.formats.mjcf import bounds as mjcf_bounds
-from linkwright.stages.mujoco.compile import NotCompiled, refusals
+from linkwright.stages.mujoco.compile import NotCompiled, refusals, spec_of_mjcf
 from linkwright.stages.mujoco.warnings import listening
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.errors import SourceError
@@ -46,7 +46,7 @@ def _compiled(path: Path) -> tuple[mujoco.MjModel, mujoco.MjSpec, list[str]]:
     with listening() as heard:
         try:
             with refusals():
-                spec = mujoco.MjSpec.from_file(str(path))
+                spec = spec_of_mjcf(path)
                 spec.compiler.discardvisual = False
                 # <size nkey> reserves room: keyframes that nobody wrote, all at qpos0.
                 spec.nkey = 0

@@ -142,7 +142,9 @@ def measures_overlaps() -> bool:
     with their older method, whose depths are up to a half too large."""
     import mujoco
 
-    model = mujoco.MjModel.from_xml_string(_OVERLAP)
+    from linkwright.stages.mujoco.compile import compiled_text
+
+    model = compiled_text(_OVERLAP.encode(), {})
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     return bool(mujoco.mj_geomDistance(model, data, 0, 1, _FAR, None) < -0.1)

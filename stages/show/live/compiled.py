@@ -7,7 +7,8 @@ from typing import Any
 import mujoco
 
 from linkwright.stages.formats.xml import Element, to_bytes
-from linkwright.stages.mujoco.compile import spec_of, spec_of_text
+from linkwright.stages.mujoco.compile import compiled_file, compiled_heard, compiled_text, spec_of_text
+from linkwright.stages.mujoco.names import name_of
 from linkwright.stages.mujoco.state import at_key, keyframe_of
 from linkwright.stages.mujoco.warnings import listening
 from linkwright.stages.show.live import flat
@@ -28,7 +29,7 @@ class LiveModel:
 
     def name(self, kind: Any, index: int) -> str:
         """The name of one of the model's objects; "" where its file gives it none."""
-        found = mujoco.mj_id2name(self.model, kind, index) or ""
+        found = name_of(self.model, kind, index)
         return "" if found.startswith(flat.OWN) else found
 
 
@@ -37,24 +38,24 @@ def compiled(folder: Path, source: str) -> LiveModel:
     document = None
     with listening():
         if source.endswith(".urdf"):
-            model = _urdf_spec(folder, source).compile()
+            model = _of_urdf(folder, source)
         else:
             document = flat.with_names(flat.flat(folder, source))
-            model = spec_of_text(to_bytes(document), folder).compile()
+            model, _ = compiled_heard(lambda: spec_of_text(to_bytes(document), folder))
         closed = _closed(model)
     tags = () if document is None else flat.actuator_tags(document)
     return LiveModel(source, model, closed, document, tags)
 
 
-def _urdf_spec(folder: Path, source: str) -> Any:
-    """What MuJoCo compiles of a URDF with all that is seen; that of a ROS package lies beside its meshes'
+def _of_urdf(folder: Path, source: str) -> Any:
+    """The model of a URDF with all that is seen; that of a ROS package lies beside its meshes'
     folder."""
     if "/" not in source:
-        return spec_of(folder / source)
+        return compiled_file(folder / source)
     paths = (path for path in sorted(folder.rglob("*")) if path.is_file())
     files = {path.relative_to(folder).as_posix(): path.read_bytes() for path in paths}
     text, meshes = urdf_text(source, files)
-    return mujoco.MjSpec.from_string(text.decode(), assets=dict(meshes))
+    return compiled_text(text, meshes)
 
 
 def _closed(model: Any) -> Any:

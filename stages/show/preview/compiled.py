@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 
 from linkwright.stages.mujoco.compile import NotCompiled, compiled_text
+from linkwright.stages.mujoco.names import index_of, name_of
 from linkwright.stages.mujoco.state import at_key, keyframe_of
 from linkwright.stages.robot.errors import SourceError
 from linkwright.stages.show.preview.look import Blob, Geom, Look, Solid, Vector
@@ -67,7 +68,7 @@ def look_of(model: Any, values: Mapping[str, float], meshes: Mapping[str, Mesh] 
     home = keyframe_of(model, "home")
     data = at_key(model, home)
     for joint in range(model.njnt if home < 0 else 0):
-        name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, joint)
+        name = name_of(model, mujoco.mjtObj.mjOBJ_JOINT, joint)
         if name in values:
             data.qpos[model.jnt_qposadr[joint]] = values[name]
     mujoco.mj_kinematics(model, data)
@@ -118,7 +119,7 @@ def _geom(model: Any, data: Any, geom: int, blobs: _Blobs) -> Geom:
 def _solid(model: Any, geom: int, blobs: _Blobs) -> tuple[Solid, Vector, int, Vector]:
     """The solid of a geom, its size, and of a mesh its blob and its scale."""
     size, whole = _vector(model.geom_size[geom]), (1.0, 1.0, 1.0)
-    mesh = blobs.meshes.get(mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_GEOM, geom) or "")
+    mesh = blobs.meshes.get(name_of(model, mujoco.mjtObj.mjOBJ_GEOM, geom))
     if mesh is not None:
         return "mesh", (), blobs.stl(mesh), mesh.scale
     kinds = mujoco.mjtGeom
@@ -223,7 +224,7 @@ def _bones(model: Any, data: Any) -> Iterator[Geom]:
 
 def _backward(model: Any, data: Any) -> Vector:
     """The direction from which the scene's camera `overview` looks."""
-    camera = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_CAMERA, "overview")
+    camera = index_of(model, mujoco.mjtObj.mjOBJ_CAMERA, "overview")
     if camera < 0:
         return _THREE_QUARTER
     return _vector(np.array(data.cam_xmat[camera]).reshape(3, 3)[:, 2])

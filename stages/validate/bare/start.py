@@ -10,11 +10,11 @@ import numpy as np
 
 from linkwright.stages.formats.meshes.points import STL_FACE, STL_HEADER
 from linkwright.stages.formats.xml import parse, to_bytes
-from linkwright.stages.mujoco.compile import NotCompiled, refusals
+from linkwright.stages.mujoco.compile import NotCompiled, compiled_heard, spec_of_mjcf, spec_of_text
 from linkwright.stages.mujoco.state import at_keyframe
 from linkwright.stages.mujoco.trial import trial_run
 from linkwright.stages.mujoco.urdf import with_every_link
-from linkwright.stages.mujoco.warnings import deprecations, listening
+from linkwright.stages.mujoco.warnings import listening
 from linkwright.stages.robot.check import Check, CheckLevel, Finding
 from linkwright.stages.robot.model.robot import Array
 from linkwright.stages.robot.system.regular_files import is_file
@@ -55,15 +55,14 @@ def start(document: ModelDocument) -> Started:
     """Compiles a document as it lies, and simulates it."""
     urdf = document.language == "urdf"
     name = document.path.name
-    with listening() as warnings, deprecations(warnings):
-        try:
-            with refusals(document.path.parent):
-                model = (_of_urdf(document) if urdf else _of_mjcf(document)).compile()
-        except NotCompiled as error:
-            message = str(error)
-            # A URDF may be right, and still not be for MuJoCo.
-            level: CheckLevel = "warning" if urdf else "error"
-            return Started(None, (Check(f"{name}: compiles", False, message, code="C-COMPILE", level=level),))
+    spec = _of_urdf if urdf else _of_mjcf
+    try:
+        model, warnings = compiled_heard(lambda: spec(document), document.path.parent)
+    except NotCompiled as error:
+        message = str(error)
+        # A URDF may be right, and still not be for MuJoCo.
+        level: CheckLevel = "warning" if urdf else "error"
+        return Started(None, (Check(f"{name}: compiles", False, message, code="C-COMPILE", level=level),))
     heard = sorted(set(warnings))
     checks = [
         Check(
@@ -82,7 +81,7 @@ def start(document: ModelDocument) -> Started:
 
 def _of_mjcf(document: ModelDocument) -> Any:
     """The MJCF with less room for contacts where it reserves gigabytes; what no computer has stays."""
-    spec = mujoco.MjSpec.from_file(str(document.path.resolve()))
+    spec = spec_of_mjcf(document.path)
     if max(spec.njmax, spec.nconmax) > MOST_ROWS or spec.memory > MOST_ROOM:
         return spec
     if spec.memory > ROOM or max(spec.njmax, spec.nconmax) >= 0:
@@ -105,7 +104,7 @@ def _of_urdf(document: ModelDocument) -> Any:
         return str(path.resolve()) if path is not None and is_file(path) and _is_read(path) else None
 
     with_every_link(root, place_of, visuals=False)
-    return mujoco.MjSpec.from_string(to_bytes(root).decode())
+    return spec_of_text(to_bytes(root), document.path.resolve().parent)
 
 
 def _is_read(mesh: Path) -> bool:

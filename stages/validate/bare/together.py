@@ -7,6 +7,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from linkwright.stages.mujoco.names import names_of
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.model.robot import Array
 from linkwright.stages.robot.text.plural import count
@@ -33,8 +34,7 @@ class Compiled:
 
     def names(self, kind: int, number: int) -> dict[str, int]:
         """The indices of what is of this kind, by name."""
-        every = ((mujoco.mj_id2name(self.model, kind, index), index) for index in range(number))
-        return {name: index for name, index in every if name}
+        return {name: index for index, name in enumerate(names_of(self.model, kind, number)) if name}
 
     @property
     def joints(self) -> dict[str, int]:

@@ -6,18 +6,12 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from linkwright.stages.mujoco.names import body_index, joint_index
 from linkwright.stages.robot.dynamics.statics import GRAVITY
 from linkwright.stages.robot.model.robot import Array, Robot, Value
 from linkwright.stages.robot.motion.pose_batch import Values
 from linkwright.stages.validate.dynamics.tree_dynamics import Moving, scalar_dofs
-from linkwright.stages.validate.model.coordinates import (
-    body_from_link,
-    body_index,
-    joint_index,
-    link_pose,
-    root_pose,
-    set_values,
-)
+from linkwright.stages.validate.model.coordinates import body_from_link, link_pose, root_pose, set_values
 
 
 def in_mujoco(

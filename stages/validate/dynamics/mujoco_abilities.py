@@ -9,6 +9,8 @@ import mujoco
 import numpy as np
 
 from linkwright.stages.formats.xml import parse
+from linkwright.stages.mujoco.compile import compiled_text
+from linkwright.stages.mujoco.names import index_of
 from linkwright.stages.robot.model.robot import Array
 from linkwright.stages.validate.model.poses import rotation
 
@@ -53,15 +55,15 @@ def _error(moments: Array, quat: Array) -> float:
 @functools.cache
 def reads_mimic() -> bool:
     """Whether MuJoCo turns a URDF's <mimic> into an equality, as it does from 3.13 on."""
-    return bool(mujoco.MjModel.from_xml_string(_MIMIC).neq)
+    return bool(compiled_text(_MIMIC.encode(), {}).neq)
 
 
 def mimics(model: Any, urdf: bytes) -> dict[tuple[int, int], Array]:
     """By (follower, driver): the numbers of each <mimic> as MuJoCo's equalities have them."""
     found: dict[tuple[int, int], Array] = {}
     for mimic in parse(urdf).iterfind("joint/mimic"):
-        follower = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, mimic.getparent().get("name"))
-        driver = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, mimic.get("joint"))
+        follower = index_of(model, mujoco.mjtObj.mjOBJ_JOINT, mimic.getparent().get("name"))
+        driver = index_of(model, mujoco.mjtObj.mjOBJ_JOINT, mimic.get("joint"))
         numbers = float(mimic.get("offset", 0)), float(mimic.get("multiplier", 1))
         found[follower, driver] = np.array([*numbers, 0.0, 0.0, 0.0])
     return found

@@ -3,8 +3,8 @@
 from contextlib import AbstractContextManager
 from pathlib import Path
 
-from linkwright.stages.mujoco.compile import NotCompiled, refusals, spec_of
-from linkwright.stages.mujoco.warnings import deprecations, listening
+from linkwright.stages.mujoco.compile import NotCompiled, compiled_heard, spec_of
+from linkwright.stages.mujoco.warnings import listening
 from linkwright.stages.robot.check import Check
 from linkwright.stages.validate.compiled import Loaded, without_warnings
 from linkwright.stages.validate.reading.located import located
@@ -24,12 +24,10 @@ def warnings() -> AbstractContextManager[list[str]]:
 
 def load(path: Path) -> Loaded:
     """Compiles one MJCF or URDF file from where it lies."""
-    with listening() as found, deprecations(found):
-        try:
-            with refusals(path.parent):
-                model = spec_of(path).compile()
-        except NotCompiled as error:
-            message = str(error)
-            where = located(path, message)
-            return Loaded(None, Check(f"{path.name}: compiles", False, message, code=CODE, findings=where))
+    try:
+        model, found = compiled_heard(lambda: spec_of(path), path.parent)
+    except NotCompiled as error:
+        message = str(error)
+        where = located(path, message)
+        return Loaded(None, Check(f"{path.name}: compiles", False, message, code=CODE, findings=where))
     return Loaded(model, without_warnings(f"{path.name}: compiles", found, CODE))

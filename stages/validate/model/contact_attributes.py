@@ -5,9 +5,9 @@ import functools
 from collections.abc import Collection, Iterator
 from typing import Any
 
-import mujoco
 import numpy as np
 
+from linkwright.stages.mujoco.compile import compiled_text
 from linkwright.stages.robot.check import Finding
 from linkwright.stages.robot.model.amendments import tag_of
 from linkwright.stages.robot.model.geom_form import ContactProperties
@@ -17,12 +17,12 @@ from linkwright.stages.validate.model.coordinates import SAME
 
 ATTRIBUTES = ("friction", "condim", "solref", "solimp", "solmix", "priority", "margin", "gap")
 
-_BARE = '<mujoco><worldbody><geom size="1"/></worldbody></mujoco>'
+_BARE = b'<mujoco><worldbody><geom size="1"/></worldbody></mujoco>'
 
 
 @functools.cache
 def _default() -> Any:
-    return mujoco.MjModel.from_xml_string(_BARE)
+    return compiled_text(_BARE, {})
 
 
 def contact_differences(

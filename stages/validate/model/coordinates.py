@@ -13,6 +13,7 @@ import mujoco
 import numpy as np
 
 from linkwright.stages.formats.urdf.names import urdf_names
+from linkwright.stages.mujoco.names import body_index, joint_index, site_index
 from linkwright.stages.robot.model.poses import (
     UNMOVED,
     inverse,
@@ -60,14 +61,6 @@ def missing_names(compiled: CompiledModel) -> list[str]:
     return sorted({*links, *joints})
 
 
-def joint_index(model: Any, name: str) -> int:
-    return int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name))
-
-
-def body_index(model: Any, name: str) -> int:
-    return int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name))
-
-
 TURNS = frozenset({"quat", "axisangle", "xyaxes", "zaxis", "euler"})
 """Attributes of an MJCF that turn a body, site or geom."""
 
@@ -80,10 +73,6 @@ def of_the_scene(model: Any, robot: Robot) -> frozenset[int]:
     if not roots:
         return frozenset()
     return frozenset(body for body in range(1, model.nbody) if int(model.body_rootid[body]) not in roots)
-
-
-def site_index(model: Any, name: str) -> int:
-    return int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, name))
 
 
 def set_values(model: Any, data: Any, robot: Robot, q: Configuration, urdf: bool) -> None:

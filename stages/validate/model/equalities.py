@@ -6,12 +6,13 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from linkwright.stages.mujoco.names import body_index, index_of, joint_index
 from linkwright.stages.robot.check import Finding
 from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import Array, Loop, Robot
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import differs, named, shown, worst_first
-from linkwright.stages.validate.model.coordinates import BY_EQUALITY, SAME, body_index, joint_index
+from linkwright.stages.validate.model.coordinates import BY_EQUALITY, SAME
 from linkwright.stages.validate.model.poses import placed
 
 CLOSED = 1e-6
@@ -93,7 +94,7 @@ def carriers(model: Any, robot: Robot) -> dict[str, list[tuple[int, Array]]]:
 
 
 def equality_index(model: Any, loop: Loop) -> int:
-    return int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_EQUALITY, loop.name))
+    return index_of(model, mujoco.mjtObj.mjOBJ_EQUALITY, loop.name)
 
 
 def sites(model: Any, equality: int) -> tuple[int, int]:

@@ -7,6 +7,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from linkwright.stages.mujoco.names import body_index, joint_index
 from linkwright.stages.robot.model.mjcf_extras import NO_EXTRAS
 from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import Array, Configuration, Dof, Joint, Loop, Spring
@@ -14,14 +15,7 @@ from linkwright.stages.robot.motion.kinematics import chain, link_poses
 from linkwright.stages.robot.motion.start_pose import starting_point
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import link, named
-from linkwright.stages.validate.model.coordinates import (
-    BY_EQUALITY,
-    body_index,
-    joint_index,
-    joints_of,
-    root_pose,
-    site_pose,
-)
+from linkwright.stages.validate.model.coordinates import BY_EQUALITY, joints_of, root_pose, site_pose
 from linkwright.stages.validate.model.equalities import carriers, ends, equality_index, sites
 from linkwright.stages.validate.model.lumps import Lump, merged
 from linkwright.stages.validate.read.mujoco import ReadCompiled

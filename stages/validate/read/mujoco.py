@@ -5,19 +5,17 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from linkwright.stages.mujoco.names import body_index, joint_index, site_index
 from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import Array, Configuration, Dof
 from linkwright.stages.robot.motion.kinematics import rest_configuration
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.model.coordinates import (
     body_from_link,
-    body_index,
     frame_pose,
-    joint_index,
     link_pose,
     root_pose,
     set_values,
-    site_index,
 )
 from linkwright.stages.validate.model.lumps import Lump, moved_lump
 from linkwright.stages.validate.model.poses import placed

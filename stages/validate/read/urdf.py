@@ -7,19 +7,14 @@ from typing import Any
 import mujoco
 
 from linkwright.stages.formats.xml import parse
+from linkwright.stages.mujoco.names import body_index, joint_index
 from linkwright.stages.robot.check import Finding
 from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import Configuration, Loop
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.dynamics.mujoco_abilities import axes_error, mimics, reads_mimic
 from linkwright.stages.validate.findings import named
-from linkwright.stages.validate.model.coordinates import (
-    body_index,
-    joint_index,
-    joints_of,
-    link_pose,
-    pose_of,
-)
+from linkwright.stages.validate.model.coordinates import joints_of, link_pose, pose_of
 from linkwright.stages.validate.read.mjcf import coupled, type_name
 from linkwright.stages.validate.read.mujoco import ReadCompiled
 from linkwright.stages.validate.same.found import (

@@ -4,11 +4,9 @@ import hashlib
 import json
 from collections.abc import Iterator
 
-import mujoco
 import numpy as np
 
-from linkwright.stages.mujoco.compile import NotCompiled, refusals
-from linkwright.stages.mujoco.warnings import deprecations
+from linkwright.stages.mujoco.compile import NotCompiled, compiled_and_rewritten
 from linkwright.stages.robot.system.install import install
 from linkwright.stages.validate.readiness.finished import Aside, Finished
 
@@ -99,10 +97,7 @@ def round_trip(finished: Finished) -> Iterator[str]:
     files = {path.name: path.read_bytes() for path in (finished.folder / "assets").glob("*")}
     try:
         # What it warns of is in C-COMPILE.
-        with deprecations([]), refusals():
-            spec = mujoco.MjSpec.from_file(str(finished.path.resolve()))
-            first = spec.compile()
-            second = mujoco.MjSpec.from_string(spec.to_xml(), assets=files).compile()
+        first, second = compiled_and_rewritten(finished.path, files)
     except NotCompiled as error:
         yield f"what MuJoCo writes of it does not compile: {error}"
         return

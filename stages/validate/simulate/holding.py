@@ -6,17 +6,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from linkwright.stages.mujoco.names import body_index, site_index
 from linkwright.stages.robot.model.robot import Array, Configuration, Robot
-from linkwright.stages.validate.model.coordinates import (
-    FREE,
-    HINGE,
-    SLIDE,
-    body_index,
-    link_pose,
-    set_values,
-    site_index,
-    site_pose,
-)
+from linkwright.stages.validate.model.coordinates import FREE, HINGE, SLIDE, link_pose, set_values, site_pose
 from linkwright.stages.validate.simulate.running import flags, with_options
 
 

@@ -8,6 +8,7 @@ import mujoco
 from linkwright.stages.formats.mjcf.model import MjcfActuator, MjcfSensor, MjcfSensorEnd
 from linkwright.stages.formats.numbers import exact
 from linkwright.stages.mujoco.elements import actuator_attributes
+from linkwright.stages.mujoco.names import name_of
 from linkwright.stages.mujoco.sensors import sensor_attributes
 
 _SCALAR = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
@@ -56,7 +57,7 @@ def actuator(model: Any, one: int, order: Mapping[int, int]) -> MjcfActuator:
     kind, kp, kv = _shortcut(words, numbers)
     terms = () if kind != "general" else _terms(model, one, words, numbers)
     return MjcfActuator(
-        name=mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_ACTUATOR, one) or "",
+        name=name_of(model, mujoco.mjtObj.mjOBJ_ACTUATOR, one),
         joint=order[int(model.actuator_trnid[one][0])],
         type=kind,
         gear=float(model.actuator_gear[one][0]),
@@ -149,7 +150,7 @@ def sensor(model: Any, one: int, numbers: Numbers) -> MjcfSensor | None:
     if kind not in _PLAIN_SENSORS or on is None or of is None or more:
         return None
     return MjcfSensor(
-        name=mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_SENSOR, one) or "",
+        name=name_of(model, mujoco.mjtObj.mjOBJ_SENSOR, one),
         type=kind,
         on=on,
         relative_to=of,

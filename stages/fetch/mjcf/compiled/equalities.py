@@ -11,8 +11,8 @@ import numpy as np
 from linkwright.stages.formats.mjcf.model import MjcfClosure, MjcfRelation
 from linkwright.stages.formats.numbers import exact
 from linkwright.stages.mujoco.bodies import pose_of
-from linkwright.stages.mujoco.elements import OBJ
 from linkwright.stages.mujoco.fields import EQUALITY, attributes
+from linkwright.stages.mujoco.names import OBJ
 from linkwright.stages.robot.model.mjcf_extras import Attributes
 from linkwright.stages.robot.model.robot import frozen
 

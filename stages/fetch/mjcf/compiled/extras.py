@@ -15,7 +15,7 @@ from linkwright.stages.fetch.mjcf.compiled.options import flags, options
 from linkwright.stages.formats.mjcf.model import MjcfPlaced
 from linkwright.stages.mujoco import elements
 from linkwright.stages.mujoco.bodies import CompiledBodies, light_pose, pose_of
-from linkwright.stages.mujoco.elements import OBJ, name_of
+from linkwright.stages.mujoco.names import OBJ, name_of
 from linkwright.stages.mujoco.sensors import sensor
 from linkwright.stages.robot.model.mjcf_extras import Attributes, MjcfElement, MjcfExtras
 from linkwright.stages.robot.model.robot import frozen

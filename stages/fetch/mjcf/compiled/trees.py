@@ -5,7 +5,7 @@ from typing import Any
 
 import mujoco
 
-from linkwright.stages.mujoco.elements import OBJ
+from linkwright.stages.mujoco.names import OBJ
 
 _TIES = (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD))
 

@@ -15,6 +15,7 @@ from linkwright.stages.fetch.mjcf.compiled.unsupported_fields import (
     of_the_viewer,
 )
 from linkwright.stages.mujoco.bodies import WRITTEN
+from linkwright.stages.mujoco.names import name_of, names_of
 from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.text.globs import listed
 from linkwright.stages.robot.text.plural import count
@@ -135,16 +136,12 @@ def _elements(model: Any, lost: Collection[tuple[str, int]], textures: Collectio
     """Elements of each kind that are not carried over."""
     for tag, (kind, moves) in _KINDS.items():
         numbers = sorted(number for word, number in lost if word == tag)
-        names = (mujoco.mj_id2name(model, getattr(mujoco.mjtObj, kind), number) or "" for number in numbers)
+        names = (name_of(model, getattr(mujoco.mjtObj, kind), number) for number in numbers)
         yield from _some(tag, moves, names)
     for words, (kind, field, moves) in _WHOLE.items():
-        yield from _some(words, moves, _names(model, getattr(mujoco.mjtObj, kind), getattr(model, field)))
-    images = enumerate(_names(model, mujoco.mjtObj.mjOBJ_TEXTURE, model.ntex))
+        yield from _some(words, moves, names_of(model, getattr(mujoco.mjtObj, kind), getattr(model, field)))
+    images = enumerate(names_of(model, mujoco.mjtObj.mjOBJ_TEXTURE, model.ntex))
     yield from _some("texture", False, (name for number, name in images if number not in textures))
     policies = getattr(model, "tree_sleep_policy", ())  # of MuJoCo 3.4 and later
     trees = (tree for tree, policy in enumerate(policies) if "AUTO" not in mujoco.mjtSleepPolicy(policy).name)
     yield from _some("body sleep", False, (model.body(int(model.tree_bodyadr[tree])).name for tree in trees))
-
-
-def _names(model: Any, kind: Any, count: int) -> list[str]:
-    return [mujoco.mj_id2name(model, kind, number) or "" for number in range(count)]

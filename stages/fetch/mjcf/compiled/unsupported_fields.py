@@ -14,6 +14,7 @@ import mujoco
 import numpy as np
 
 from linkwright.stages.mujoco.fields import ARRAYS, bare
+from linkwright.stages.mujoco.names import name_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,11 +117,11 @@ def _differing(model: Any, field: str, numbers: Sequence[int]) -> list[int]:
 
 
 def _named(kind: Any) -> Callable[[Any, int], str]:
-    return lambda model, number: mujoco.mj_id2name(model, kind, number) or ""
+    return lambda model, number: name_of(model, kind, number)
 
 
 def _of_dof(model: Any, dof: int) -> str:
-    return mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, int(model.dof_jntid[dof])) or ""
+    return name_of(model, mujoco.mjtObj.mjOBJ_JOINT, int(model.dof_jntid[dof]))
 
 
 _KINDS: Mapping[str, tuple[str, Callable[[Any, int], str]]] = {

@@ -8,6 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from linkwright.stages.mujoco.names import index_of
 from linkwright.stages.formats.xml import Element, tag
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.show.live.engine.version import is_newer_shape
@@ -67,7 +68,7 @@ def _base(root: Element) -> PurePosixPath:
 
 def _hull(asset: Element, model: Any) -> bytes:
     """The points of a mesh's convex hull in the frame of its file, as MuJoCo's own format MSH."""
-    index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_MESH, asset.get("name"))
+    index = index_of(model, mujoco.mjtObj.mjOBJ_MESH, asset.get("name"))
     first, number = int(model.mesh_vertadr[index]), int(model.mesh_vertnum[index])
     points = model.mesh_vert[first : first + number].astype(np.float64)
     hull = hull_of(model, index)

@@ -14,6 +14,7 @@ import numpy as np
 
 from linkwright.stages.formats.xml import Element, element, tag, to_bytes
 from linkwright.stages.mujoco.compile import NotCompiled, compiled_text
+from linkwright.stages.mujoco.names import index_of
 from linkwright.stages.show.live import flat
 from linkwright.stages.show.live.compiled import LiveModel
 from linkwright.stages.show.live.engine.assets import with_assets
@@ -88,7 +89,7 @@ def _without_visual_geoms(root: Element, model: Any) -> None:
     named = {value for node in root.iter() for key, value in node.attrib.items() if key not in _OWN_NAMES}
     for geom in list(root.iter("geom")):
         name = geom.get("name")
-        index = -1 if name is None else mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, name)
+        index = -1 if name is None else index_of(model, mujoco.mjtObj.mjOBJ_GEOM, name)
         if index < 0 or name in named or geom.get("fluidshape") is not None:
             continue
         if not model.geom_contype[index] and not model.geom_conaffinity[index]:
@@ -105,7 +106,7 @@ def _with_inertials(root: Element, model: Any) -> None:
         given = body.find("inertial")
         if given is not None and not from_geoms:
             continue
-        index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, body.get("name", ""))
+        index = index_of(model, mujoco.mjtObj.mjOBJ_BODY, body.get("name", ""))
         if index < 0:
             continue  # MuJoCo makes copies of it, with all that is in it.
         if given is not None:

@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from linkwright.stages.mujoco.names import body_index, index_of
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.robot.model.mjcf_extras import children_of
@@ -17,7 +18,7 @@ from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.contact_errors import never_collide
 from linkwright.stages.validate.findings import few
-from linkwright.stages.validate.model.coordinates import SAME, body_index
+from linkwright.stages.validate.model.coordinates import SAME
 from linkwright.stages.validate.model.shapes import named_geom
 
 CODE = "C-EXCLUDE"
@@ -112,10 +113,7 @@ def _of_source(compiled: CompiledModel) -> set[frozenset[int]]:
     """The geoms that the robot's MJCF source has as pairs."""
     sections = () if compiled.robot.mjcf is None else compiled.robot.mjcf.sections
     pairs = (element for element in children_of(sections, "contact") if element.tag == "pair")
-    return {
-        frozenset(int(mujoco.mj_name2id(compiled.model, GEOM, name)) for _, name in pair.named())
-        for pair in pairs
-    }
+    return {frozenset(index_of(compiled.model, GEOM, name) for _, name in pair.named()) for pair in pairs}
 
 
 def _among(own: Sequence[int], others: Sequence[int], pairs: Set[frozenset[int]]) -> Grid:

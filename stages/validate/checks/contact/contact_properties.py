@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from pathlib import PurePosixPath
 
 from linkwright.stages.formats.xml import parse
+from linkwright.stages.mujoco.names import body_index
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.robot.text.globs import listed
@@ -12,7 +13,6 @@ from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import differs, few, named
 from linkwright.stages.validate.model.contact_attributes import ATTRIBUTES, contact_differences, sets_defaults
-from linkwright.stages.validate.model.coordinates import body_index
 from linkwright.stages.validate.model.shapes import named_geom, seen_and_solid
 
 CODE = "C-CONTACT"

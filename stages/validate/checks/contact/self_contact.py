@@ -5,13 +5,14 @@ from typing import Any
 
 import mujoco
 
+from linkwright.stages.mujoco.names import body_index
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.model.geometry import Exclude, Geometry
 from linkwright.stages.robot.motion.start_pose import home
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import few
-from linkwright.stages.validate.model.coordinates import body_index, set_values
+from linkwright.stages.validate.model.coordinates import set_values
 
 CODE = "C-SELF-CONTACT"
 

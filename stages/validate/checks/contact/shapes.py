@@ -8,6 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from linkwright.stages.mujoco.names import body_index
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.model.geometry import Role, Shape
 from linkwright.stages.robot.model.poses import inverse
@@ -15,7 +16,7 @@ from linkwright.stages.robot.model.robot import Array
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import differs, named
-from linkwright.stages.validate.model.coordinates import body_from_link, body_index, placed_by_site
+from linkwright.stages.validate.model.coordinates import body_from_link, placed_by_site
 from linkwright.stages.validate.model.poses import placed
 from linkwright.stages.validate.model.shapes import (
     BOX,

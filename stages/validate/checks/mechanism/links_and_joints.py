@@ -5,18 +5,12 @@ from collections.abc import Iterator
 import mujoco
 
 from linkwright.stages.formats.xml import parse
+from linkwright.stages.mujoco.names import body_index, joint_index
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.compiled import SCENE, CompiledModel
 from linkwright.stages.validate.findings import differs, few, link, named, named_joint
-from linkwright.stages.validate.model.coordinates import (
-    WIDTH,
-    body_index,
-    joint_index,
-    joints_of,
-    missing_names,
-    of_the_scene,
-)
+from linkwright.stages.validate.model.coordinates import WIDTH, joints_of, missing_names, of_the_scene
 
 CODE = "C-LINKS"
 

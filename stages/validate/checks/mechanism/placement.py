@@ -5,19 +5,13 @@ from collections.abc import Iterator, Sequence
 import mujoco
 import numpy as np
 
+from linkwright.stages.mujoco.names import body_index
 from linkwright.stages.mujoco.state import keyframe_of
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.model.robot import Array
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import apart, few, link, named, place_differs, shown
-from linkwright.stages.validate.model.coordinates import (
-    CAD_ERROR,
-    FREE,
-    TURNS,
-    body_index,
-    distance,
-    root_pose,
-)
+from linkwright.stages.validate.model.coordinates import CAD_ERROR, FREE, TURNS, distance, root_pose
 from linkwright.stages.validate.model.poses import placed
 
 CODE = "C-PLACE"

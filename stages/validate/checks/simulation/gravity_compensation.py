@@ -4,10 +4,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from linkwright.stages.mujoco.names import body_index, joint_index
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import differs, few, link, named
-from linkwright.stages.validate.model.coordinates import SAME, body_index, joint_index, joints_of
+from linkwright.stages.validate.model.coordinates import SAME, joints_of
 
 CODE = "C-ACTUATOR"
 

@@ -6,13 +6,14 @@ from typing import Any
 
 import numpy as np
 
+from linkwright.stages.mujoco.names import joint_index
 from linkwright.stages.robot.check import Check, Finding, Table
 from linkwright.stages.robot.model.robot import Array, Configuration
 from linkwright.stages.robot.motion.pose_samples import sampled_poses
 from linkwright.stages.robot.motion.start_pose import home
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import named
-from linkwright.stages.validate.model.coordinates import HINGE, joint_index
+from linkwright.stages.validate.model.coordinates import HINGE
 from linkwright.stages.validate.simulate.holding import holding, strength
 
 CODE = "C-TORQUE"

@@ -6,6 +6,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from linkwright.stages.mujoco.names import index_of, joint_index
 from linkwright.stages.mujoco.state import keyframe_of
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.dynamics.holding_control import control_at, state_at, torque_per_volt
@@ -15,7 +16,7 @@ from linkwright.stages.robot.model.robot import Configuration, Value
 from linkwright.stages.robot.motion.start_pose import HOME, keyframes
 from linkwright.stages.validate.compiled import SCENE, CompiledModel
 from linkwright.stages.validate.findings import differs, few, named, shown
-from linkwright.stages.validate.model.coordinates import SAME, joint_index
+from linkwright.stages.validate.model.coordinates import SAME
 
 CODE = "C-ACTUATOR"
 
@@ -51,7 +52,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
 def _differences(model: Any, one: Actuator, poses: Mapping[str, Configuration]) -> Iterator[Finding]:
     """`poses`: of the keyframes that the file has, by name."""
     element = named(one.type, one.name)
-    index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, one.name)
+    index = index_of(model, mujoco.mjtObj.mjOBJ_ACTUATOR, one.name)
     if index < 0:
         yield Finding(element, "name", "there is no actuator of this name")
         return

@@ -6,6 +6,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from linkwright.stages.mujoco.names import joint_index
 from linkwright.stages.mujoco.state import at_key, at_keyframe, keyframe_of
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.model.poses import inverse
@@ -14,14 +15,7 @@ from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.robot.motion.start_pose import HOME, SAVED, keyframes
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import few, named, shown, worst_first
-from linkwright.stages.validate.model.coordinates import (
-    SAME,
-    distance,
-    joint_index,
-    joints_of,
-    link_pose,
-    root_pose,
-)
+from linkwright.stages.validate.model.coordinates import SAME, distance, joints_of, link_pose, root_pose
 from linkwright.stages.validate.model.equalities import CLOSED, open_equalities, violation
 from linkwright.stages.validate.read.compiled import read_compiled
 from linkwright.stages.validate.same.motion import found_differences

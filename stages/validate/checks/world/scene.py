@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 
 from linkwright.stages.mujoco.compile import NotCompiled, compiled_file
+from linkwright.stages.mujoco.names import index_of, name_of
 from linkwright.stages.mujoco.warnings import deprecations
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.validate.compiled import CompiledModel
@@ -126,8 +127,8 @@ def _differs(element: str, attribute: str, found: Any, wanted: Any) -> Iterator[
 def _both(robot: Any, scene: Any, kind: int) -> Iterator[tuple[str, int, int]]:
     """(name, in the MJCF, in the scene) of what has a name and is in both."""
     for index in range(getattr(robot, NUMBERS[mujoco.mjtObj(kind)])):
-        name = mujoco.mj_id2name(robot, kind, index)
-        found = mujoco.mj_name2id(scene, kind, name) if name else -1
+        name = name_of(robot, kind, index)
+        found = index_of(scene, kind, name) if name else -1
         if found >= 0 and name != "world":
             yield name, index, found
 

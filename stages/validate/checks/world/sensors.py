@@ -6,12 +6,13 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from linkwright.stages.mujoco.names import body_index, index_of, name_of
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.model.robot import Sensor
 from linkwright.stages.robot.model.sensing import SensorCamera
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import differs, few, named, worst_first
-from linkwright.stages.validate.model.coordinates import SAME, body_from_link, body_index, placed_by_site
+from linkwright.stages.validate.model.coordinates import SAME, body_from_link, placed_by_site
 from linkwright.stages.validate.model.poses import placed
 
 CODE = "C-SENSOR"
@@ -88,12 +89,12 @@ def _misplaced(compiled: CompiledModel, kind: str, name: str, link: str, _: Any)
 
 def _index(model: Any, kind: str, name: str) -> int:
     # An xbody has the name of its body.
-    return int(mujoco.mj_name2id(model, KINDS["body" if kind == "xbody" else kind], name))
+    return index_of(model, KINDS["body" if kind == "xbody" else kind], name)
 
 
 def _differences(model: Any, one: Sensor) -> Iterator[Finding]:
     element = named(one.type, one.name)
-    index = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SENSOR, one.name))
+    index = index_of(model, mujoco.mjtObj.mjOBJ_SENSOR, one.name)
     if index < 0:
         yield Finding(element, "name", "there is no sensor of this name")
         return
@@ -115,7 +116,7 @@ def _differences(model: Any, one: Sensor) -> Iterator[Finding]:
     )
     for role, target, name, found, number in ends:
         if target and not (int(found) == KINDS[target] and int(number) == _index(model, target, name)):
-            other = mujoco.mj_id2name(model, int(found), int(number)) if number >= 0 else None
+            other = name_of(model, int(found), int(number)) if number >= 0 else None
             attribute = "refname" if role else ATTRIBUTES.get(target, target)
             yield differs(element, attribute, other or "none", name)
     for attribute, value, wanted in (

@@ -10,13 +10,14 @@ import numpy as np
 
 from linkwright.stages.mujoco import elements, fields
 from linkwright.stages.mujoco.bodies import CompiledBodies, light_pose, placed, pose_of
+from linkwright.stages.mujoco.names import body_index, index_of
 from linkwright.stages.mujoco.sensors import sensor, sensor_attributes
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.model.mjcf_extras import Attributes, MjcfAttributes, MjcfElement, MjcfExtras
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.compiled import SCENE, CompiledModel
 from linkwright.stages.validate.findings import few, named
-from linkwright.stages.validate.model.coordinates import SAME, body_index, of_the_scene
+from linkwright.stages.validate.model.coordinates import SAME, of_the_scene
 
 CODE = "C-SOURCE"
 
@@ -164,7 +165,7 @@ def _attributes(compiled: CompiledModel, every: Sequence[MjcfAttributes]) -> lis
         if one.kind not in _ARRAYS:
             continue
         kind, read = _ARRAYS[one.kind]
-        index = int(mujoco.mj_name2id(compiled.model, int(kind), one.name))
+        index = index_of(compiled.model, kind, one.name)
         if index < 0:
             continue  # other checks look for the robot's own things
         found = read(compiled.model, index)
@@ -187,7 +188,7 @@ def _geoms(compiled: CompiledModel) -> Iterator[Finding]:
     shapes = () if compiled.geometry is None else compiled.geometry.shapes
     for form in dict.fromkeys(shape.form for shape in shapes if shape.form.name):
         element = named("geom", form.name)
-        index = mujoco.mj_name2id(compiled.model, OBJ.mjOBJ_GEOM, form.name)
+        index = index_of(compiled.model, OBJ.mjOBJ_GEOM, form.name)
         if index < 0:
             yield Finding(element, "name", "there is no geom of this name")
         else:

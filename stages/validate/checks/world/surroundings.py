@@ -11,6 +11,7 @@ import numpy as np
 
 from linkwright.stages.formats.numbers import number, spaced
 from linkwright.stages.formats.xml import element, to_bytes
+from linkwright.stages.mujoco.compile import compiled_text
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.model.geom_form import ContactProperties
 from linkwright.stages.robot.model.scene import FLOOR, Ground, Scene, Setting
@@ -133,7 +134,7 @@ def _expected(scene: Scene) -> Any:
     option = element(root, "option", **{name: _text(value) for name, value in scene.option.items()})
     if scene.flag:
         element(option, "flag", **scene.flag)
-    return mujoco.MjModel.from_xml_string(to_bytes(root).decode()).opt
+    return compiled_text(to_bytes(root), {}).opt
 
 
 def _text(value: Setting) -> str:
