@@ -8,8 +8,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from linkwright.stages.mujoco.names import index_of
 from linkwright.stages.formats.xml import Element, tag
+from linkwright.stages.mujoco.names import index_of
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.show.live.engine.version import is_newer_shape
 from linkwright.stages.show.live.triangles import hull_of
