@@ -54,21 +54,31 @@ def _farthest(points: Points, count: int) -> npt.NDArray[np.int64]:
     chosen = _start(points)
     known = np.full(len(points), np.inf)
     known[chosen] = 0.0
+    hull = ConvexHull(points[chosen], incremental=True)
     while len(chosen) < count:
-        planes = ConvexHull(points[chosen]).equations
-        order = np.argsort(-known, kind="stable")
+        planes, before = hull.equations, known.copy()
+        order = _largest(before, _LOOKED_AT)
         begin, end, farthest = 0, _LOOKED_AT, 0.0
-        while begin < len(order) and known[order[begin]] > farthest:
+        while begin < len(order) and before[order[begin]] > farthest:
             some = order[begin:end]
             heights = along(planes[:, :3], points[some]) + planes[:, 3:]
             known[some] = np.where(known[some] > 0.0, heights.max(axis=0), 0.0)
             farthest = max(farthest, float(known[some].max()))
             begin, end = end, 3 * end
+            order = _largest(before, end) if begin == len(order) else order
         if farthest <= 0.0:
             break
         chosen.append(int(known.argmax()))
         known[chosen[-1]] = 0.0
+        hull.add_points(points[chosen[-1:]])
     return np.array(sorted(chosen), dtype=np.int64)
+
+
+def _largest(numbers: npt.NDArray[np.float64], count: int) -> npt.NDArray[np.int64]:
+    """Indices of the `count` largest numbers, the largest first, ties to the first."""
+    least = np.partition(numbers, -count)[-count] if count < len(numbers) else -np.inf
+    some = np.flatnonzero(numbers >= least)
+    return some[np.argsort(-numbers[some], kind="stable")][:count]
 
 
 def _start(points: Points) -> list[int]:
