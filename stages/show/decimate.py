@@ -164,9 +164,10 @@ def _apexes(points: Points, border: Triangles, surface: Surface) -> tuple[Points
     return middles / weights + size * upright, loop
 
 
-def lowest(levels: int, faces: Callable[[int], int], most: int) -> int:
-    """The lowest level with at most so many faces, `levels` where none has; higher levels have no more."""
-    low, high, level = 0, levels, levels // 2
+def lowest(levels: int, faces: Callable[[int], int], most: int, first: int | None = None) -> int:
+    """The lowest level with at most so many faces, `levels` where none has; higher levels have no more.
+    `first`: the level that is tried first, by default the middle."""
+    low, high, level = 0, levels, levels // 2 if first is None else first
     while low < high:
         count = faces(level)
         if count <= most:

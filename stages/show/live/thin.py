@@ -22,6 +22,9 @@ _LAST = 5e-2
 """The finest and the coarsest tolerance, as shares of the size of the largest mesh; each level has twice the
 one before. Where no level has few enough triangles, meshes are clustered from `_COARSE` on."""
 
+_FEW = 2
+"""Up to so many times too many triangles a fine level is likely to be enough."""
+
 _LEAST = 12
 """Meshes with so few triangles stay as they are."""
 
@@ -41,10 +44,12 @@ def fitted(meshes: Mapping[Key, Facets], uses: Mapping[Key, int], most: int) -> 
         return {key: solid.simpler(_FIRST * 2.0**level * size) for key, solid in solids.items()}
 
     last = int(np.log2(_LAST / _FIRST))
-    # Some meshes hardly lose triangles, which only the coarsest level shows at once.
-    if _total(at(last), uses) <= most:
-        level = lowest(last, lambda number: _total(at(number), uses), most)
-        return _restored(at(level), at(level - 1) if level else found, uses, most)
+    few = _total(found, uses) <= _FEW * most
+    # Some meshes hardly lose triangles, which only the coarsest level shows at once; it takes longest.
+    if few or _total(at(last), uses) <= most:
+        level = lowest(last + 1, lambda number: _total(at(number), uses), most, last // 4 if few else None)
+        if level <= last:
+            return _restored(at(level), at(level - 1) if level else found, uses, most)
     found, share = at(last), _COARSE
     while share <= _LAST:
         before = found

@@ -10,7 +10,7 @@ import numpy as np
 
 from linkwright.stages.mujoco import elements, fields
 from linkwright.stages.mujoco.bodies import CompiledBodies, light_pose, placed, pose_of
-from linkwright.stages.mujoco.names import body_index, index_of
+from linkwright.stages.mujoco.names import body_index, index_of, name_of
 from linkwright.stages.mujoco.sensors import sensor, sensor_attributes
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.model.mjcf_extras import Attributes, MjcfAttributes, MjcfElement, MjcfExtras
@@ -87,7 +87,7 @@ def _sections(model: Any) -> Iterator[MjcfElement]:
 
 def _titled(model: Any, kind: Any, index: int, element: MjcfElement | None) -> Iterator[MjcfElement]:
     if element is not None:
-        title = (("name", elements.name_of(model, kind, index)),)
+        title = (("name", name_of(model, kind, index)),)
         yield replace(element, attributes=(*title, *element.attributes))
 
 
