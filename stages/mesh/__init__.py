@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from linkwright.stages.robot.model.geometry import Geometry
     from linkwright.stages.robot.model.robot import Robot
 
-VERSION = 51
+VERSION = 52
 """Grows with every change of what this stage makes of the same input."""
 
 

@@ -91,9 +91,9 @@ ONE_ROOM = re.compile(r"\bmujoco\.(?:Mj(?:Spec|Model)\.from_|mj_(?:id2name|name2
 
 
 def test_one_room_compiles_models_and_looks_names_up():
-    outside = [path for path in modules() if "stages/mujoco/" not in path.as_posix()]
-    assert [path.name for path in outside if ONE_ROOM.search(path.read_text())] == []
-    assert sum(bool(ONE_ROOM.search(path.read_text())) for path in set(modules()) - set(outside)) == 3
+    places = [path for path in modules() if ONE_ROOM.search(path.read_text())]
+    assert places
+    assert [path.name for path in places if "stages/mujoco/" not in path.as_posix()] == []
 
 
 @pytest.mark.parametrize(
