@@ -1,0 +1,76 @@
+"""Links of a URDF: their inertia, what is seen of them, and what they collide with."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from linkwright.stages.export.paints import Paint, paint
+from linkwright.stages.formats.numbers import LENGTH, TURN, number, numbers, spaced
+from linkwright.stages.formats.xml import Element, element
+from linkwright.stages.robot.model.geometry import Role, Shape
+from linkwright.stages.robot.model.poses import from_parts, rpy_from_rotation
+from linkwright.stages.robot.model.robot import Array, Inertial, Primitive
+
+
+def write_link(root: Element, name: str, body: Inertial, shaped: bool) -> Element:
+    """A link with its inertial; `shaped`: whether it has shapes."""
+    node = element(root, "link", name=name)
+    # MuJoCo would derive the mass of a link without an inertial from its shapes.
+    if body.mass > 0 or shaped:
+        inertial = element(node, "inertial")
+        element(inertial, "origin", xyz=spaced(body.com, least=LENGTH), rpy="0 0 0")
+        element(inertial, "mass", value=number(body.mass))
+        texts = numbers(body.inertia)
+        keys = {"ixx": 0, "ixy": 1, "ixz": 2, "iyy": 4, "iyz": 5, "izz": 8}
+        element(inertial, "inertia", **{key: texts[index] for key, index in keys.items()})
+    return node
+
+
+def write_shapes(
+    node: Element,
+    links: Sequence[tuple[str, Array]],
+    shapes: Mapping[tuple[str, Role], Sequence[Shape]],
+    painted: Mapping[Paint, str],
+    assets: str,
+) -> None:
+    """The shapes of `links` at their places (4, 4) in the link of `node`."""
+    roles: tuple[Role, ...] = ("visual", "collision")
+    for role in roles:
+        for place, shape in ((at, one) for link, at in links for one in shapes[link, role]):
+            for pose, tag, attributes in _solids(shape, assets):
+                holder = element(node, role)
+                write_origin(holder, place @ pose)
+                element(element(holder, "geometry"), tag, **attributes)
+                own = paint(shape)
+                if own is not None:
+                    element(holder, "material", name=painted[own])
+
+
+def _solids(shape: Shape, assets: str) -> Iterator[tuple[Array, str, dict[str, str]]]:
+    """The URDF geometries of a shape: link_from_solid (4, 4), element, attributes."""
+    if shape.primitive is None:
+        yield np.eye(4), "mesh", {"filename": f"{assets}{shape.file}"}
+    else:
+        yield from _primitive(shape.primitive)
+
+
+def _primitive(primitive: Primitive) -> Iterator[tuple[Array, str, dict[str, str]]]:
+    pose, size = primitive.link_from_shape, primitive.size
+    if primitive.kind == "box":
+        yield pose, "box", {"size": spaced(size)}
+        return
+    radius = {"radius": number(size[0])}
+    if primitive.kind == "sphere":
+        yield pose, "sphere", radius
+        return
+    yield pose, "cylinder", {**radius, "length": number(size[1])}
+    if primitive.kind == "capsule":
+        # URDF has no capsule: a ball at either end makes one.
+        for end in (-size[1] / 2, size[1] / 2):
+            yield pose @ from_parts(np.eye(3), np.array([0.0, 0.0, end])), "sphere", radius
+
+
+def write_origin(parent: Element, pose: Array) -> None:
+    """A pose (4, 4) in the frame of the element around."""
+    rpy = rpy_from_rotation(pose[:3, :3])
+    element(parent, "origin", xyz=spaced(pose[:3, 3], least=LENGTH), rpy=spaced(rpy, least=TURN))

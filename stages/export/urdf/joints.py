@@ -1,0 +1,59 @@
+"""Joints of a URDF: their place, axis, limits and damping."""
+
+import math
+
+from linkwright.stages.export.urdf.bodies import write_origin
+from linkwright.stages.export.urdf.lowering import LoweredJoint
+from linkwright.stages.formats.numbers import LENGTH, TURN, number, numbers, spaced
+from linkwright.stages.formats.xml import Element, element
+from linkwright.stages.robot.model.robot import Limits
+
+UNSET_EFFORT = 100.0
+UNSET_VELOCITY = 10.0
+UNSET_REACH = {"revolute": 2 * math.pi, "prismatic": 1.0}
+"""Defaults of limits that are not set [rad, m]: URDF requires a number."""
+
+
+def write_joint(root: Element, joint: LoweredJoint) -> Element:
+    """A joint with its place, and, unless it is fixed, its axis and limits."""
+    node = element(root, "joint", name=joint.name, type=joint.type)
+    write_origin(node, joint.parent_from_joint)
+    element(node, "parent", link=joint.parent)
+    element(node, "child", link=joint.child)
+    if joint.axis is None:
+        return node
+    limits, dynamics = joint.limits, joint.dynamics
+    element(node, "axis", xyz=spaced(joint.axis))
+    low, high = (None, None) if joint.type == "continuous" else _ends(joint.type, limits)
+    element(
+        node,
+        "limit",
+        lower=low,
+        upper=high,
+        effort=number(UNSET_EFFORT if dynamics.effort is None else dynamics.effort),
+        velocity=number(UNSET_VELOCITY if dynamics.velocity is None else dynamics.velocity),
+    )
+    if dynamics.damping is not None or dynamics.friction is not None:
+        element(
+            node,
+            "dynamics",
+            damping=number(dynamics.damping or 0.0),
+            friction=number(dynamics.friction or 0.0),
+        )
+    return node
+
+
+def _ends(kind: str, limits: Limits) -> list[str]:
+    """The texts of both ends of the range."""
+    return numbers(_range(kind, limits), least=LENGTH if kind == "prismatic" else TURN)
+
+
+def _range(kind: str, limits: Limits) -> tuple[float, float]:
+    """Both ends of the range; an open one lies a fixed reach away, beyond zero and the other end."""
+    reach = UNSET_REACH[kind]
+    low, high = limits.lower, limits.upper
+    if low is None:
+        low = -reach if high is None else min(-reach, high - reach)
+    if high is None:
+        high = max(reach, low + reach)
+    return low, high
