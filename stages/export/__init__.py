@@ -19,7 +19,7 @@
 - writer: The interface of the writers of all formats.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from importlib import import_module
 from typing import TYPE_CHECKING
@@ -110,7 +110,7 @@ def export(
         made[name] = writer_of(name).write(replace(given, files=every))
     files = {**assets, "robot.json": every["robot.json"], **_files(made, keys.export.chosen)}
     files |= {path: data for path, data in mine.files.items() if path in files}
-    diagnostics = [diagnostic for name in needed for diagnostic in made[name].diagnostics]
+    diagnostics = [diagnostic for name in needed for diagnostic in _diagnostics(made[name])]
     diagnostics += mjcf_only(written, needed)
     found = (*diagnostics, *standing.diagnostics, *remarks, *mine.diagnostics)
     tip = advice(written.robot, written.actuation, standing.world_from_root, gravity_of(keys.scene.option))
@@ -144,6 +144,14 @@ def _written(
         scene=scene_of(robot, keys, standing, written.start),
     )
     return written, (*of_actuators, *of_sensors)
+
+
+def _diagnostics(made: FormatFiles) -> Iterator["Diagnostic"]:
+    from linkwright.stages.export.losses import losses
+
+    for case in made.cases:
+        yield from losses(case)
+    yield from made.diagnostics
 
 
 def _files(made: Mapping[str, FormatFiles], names: Collection[str]) -> dict[str, bytes]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 from linkwright.stages.robot.errors import Diagnostic
 
@@ -11,6 +11,9 @@ if TYPE_CHECKING:
     from linkwright.stages.export.section import ExportSections
     from linkwright.stages.formats.robot_json.files import OrderRecord
     from linkwright.stages.formats.written import Written
+    from linkwright.stages.robot.model.robot import Robot
+
+Plan = TypeVar("Plan", covariant=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,12 +53,25 @@ class WriterInput:
     files: Mapping[str, bytes] = field(default_factory=dict)
 
 
+@dataclass(frozen=True)
+class Case(Generic[Plan]):
+    """What the losses of a format are found in (`stages.export.losses`). `robot`: as the format has
+    it; `where`: the file or folder of the format; `plan`: what its writer works out before it writes."""
+
+    format: str
+    written: "Written"
+    robot: "Robot"
+    where: str
+    plan: Plan
+
+
 @dataclass(frozen=True, slots=True)
 class FormatFiles:
-    """`files`: by path; `diagnostics`: losses of the format; `record`: the records of robot.json that tell
-    of the format, by key."""
+    """`files`: by path; `cases`: in which the format may have losses; `diagnostics`: what else is worth
+    knowing; `record`: the records of robot.json that tell of the format, by key."""
 
     files: Mapping[str, bytes]
+    cases: tuple[Case[Any], ...] = ()
     diagnostics: tuple[Diagnostic, ...] = ()
     record: Mapping[str, Any] = field(default_factory=dict)
 

@@ -21,7 +21,7 @@ from tests.support.robots import joint, robot_with
 CODE = re.compile(r"""["']([EWI]-[A-Z][A-Z0-9-]*)["']""")
 CHECK = re.compile(r"""["'](C-[A-Z][A-Z0-9-]*)["']""")
 ROW = re.compile(r"^\| `([EWIC]-[A-Z0-9-]+)` \| (.+?) \| (.+?) \| (.+?) \|$")
-MAKERS = ("tell", "report", "unmatched", "Diagnostic")
+MAKERS = ("tell", "report", "unmatched", "Diagnostic", "Loss")
 
 
 def spoken() -> dict[str, set[str]]:
@@ -57,8 +57,10 @@ def told(source: str) -> Iterator[tuple[int, str, list[ast.expr]]]:
         maker = call.func.attr if isinstance(call.func, ast.Attribute) else getattr(call.func, "id", "")
         code = call.args[0]
         code = named.get(code.id, code) if isinstance(code, ast.Name) else code
-        if maker in MAKERS and isinstance(code, ast.Constant) and CODE.fullmatch(repr(code.value)):
-            yield call.lineno, code.value, [*call.args[1:], *(keyword.value for keyword in call.keywords)]
+        arguments = [*call.args[1:], *(keyword.value for keyword in call.keywords)]
+        for word in code.values if isinstance(code, ast.Dict) else [code]:
+            if maker in MAKERS and isinstance(word, ast.Constant) and CODE.fullmatch(repr(word.value)):
+                yield call.lineno, word.value, arguments
 
 
 def is_blank(value: ast.expr) -> bool:

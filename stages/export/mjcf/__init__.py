@@ -17,7 +17,5 @@
 - section: Configuration of the MJCF writer.
 - sections: The sections of an MJCF that its source alone fills: tendons, and what names them.
 - settings: Values of MuJoCo's settings as attributes.
-- unsupported: Reports what MJCF cannot express: the cone, effort and zero of ball joints, many classes of
-  contacts; and which links have no bodies.
 - writer: MJCF: the robot, and a scene around it, for MuJoCo.
 """

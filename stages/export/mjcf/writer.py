@@ -1,6 +1,6 @@
 """MJCF: the robot, and a scene around it, for MuJoCo."""
 
-from linkwright.stages.export.writer import FormatFiles, WriterInput
+from linkwright.stages.export.writer import Case, FormatFiles, WriterInput
 
 
 class MjcfWriter:
@@ -18,15 +18,14 @@ class MjcfWriter:
         from linkwright.stages.export.mjcf.model import write_mjcf
         from linkwright.stages.export.mjcf.reset import reset
         from linkwright.stages.export.mjcf.scene import write_scene
-        from linkwright.stages.export.mjcf.unsupported import unsupported
 
         written = given.written
         model, scene = self.paths(written.robot.name)
         kept_apart = filters(written.as_mjcf.robot, written.mjcf_shapes)
         text = write_mjcf(given, kept_apart)
         files = {model: text, scene: write_scene(given, text)}
-        found = (*unsupported(written, kept_apart.wide), *lost(written), *reset(written))
-        return FormatFiles(files, found)
+        case = Case("mjcf", written, written.robot, model, kept_apart)
+        return FormatFiles(files, (case,), (*lost(written), *reset(written)))
 
 
 WRITER = MjcfWriter()

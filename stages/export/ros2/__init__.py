@@ -9,7 +9,6 @@
 - names: Names that ROS takes: of packages, links, joints and sensors.
 - section: Configuration of the ROS 2 package.
 - trajectories: Which joints follow trajectories together: those of an arm, of a gripper, and the others.
-- unsupported: Reports what a ROS 2 package has otherwise, or does not have.
 - writer: A ROS 2 package: the folder that `colcon build` takes.
 - xacro_files: The xacro files of a ROS 2 package: a macro of the robot, one of its ros2_control, and the file
   that robots are made from.

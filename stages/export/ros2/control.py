@@ -104,6 +104,15 @@ class Control:
         return [joint.name for joint in self.joints if interface in joint.commands]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Ros2Plan:
+    """What the package describes and commands. `moveit`: whether MoveIt has a package beside it."""
+
+    description: Description
+    control: Control
+    moveit: bool
+
+
 def control_of(written: Written, description: Description) -> Control:
     """How ros2_control has the robot: every joint of the URDF that moves, and what drives it."""
     own = description.root.findall("ros2_control")

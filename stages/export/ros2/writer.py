@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from linkwright.stages.export.writer import FormatFiles, WriterInput
+from linkwright.stages.export.writer import Case, FormatFiles, WriterInput
 
 if TYPE_CHECKING:
     from linkwright.stages.export.ros2.control import Control
@@ -42,13 +42,12 @@ class Ros2Writer:
         """Its files, with copies of the meshes, and those of MoveIt's package beside it."""
         from linkwright.stages.export import VERSION
         from linkwright.stages.export.package_names import package_of
-        from linkwright.stages.export.ros2.control import control_of
+        from linkwright.stages.export.ros2.control import Ros2Plan, control_of
         from linkwright.stages.export.ros2.controllers import controllers_of
         from linkwright.stages.export.ros2.description import described
         from linkwright.stages.export.ros2.moveit import semantics_of
         from linkwright.stages.export.ros2.section import Ros2FormatSection
         from linkwright.stages.export.ros2.trajectories import trajectories_of
-        from linkwright.stages.export.ros2.unsupported import unsupported
         from linkwright.stages.formats.robot_json.files import PackageRecord, RenamedRecord
 
         robot = given.written.robot
@@ -60,14 +59,13 @@ class Ros2Writer:
         trajectories = trajectories_of(control.commanded("position"), semantics)
         controllers = controllers_of(control, trajectories)
         driven = Driven(control, controllers, trajectories)
-        own = description.root.find("ros2_control") is not None
         place = f"{FOLDER}/{package}"
         beside = _beside(given, package, description, semantics, driven)
-        told = tuple(unsupported(description.names, control, own, place, bool(beside)))
+        case = Case("ros2", given.written, robot, place, Ros2Plan(description, control, bool(beside)))
         files = {f"{place}/{path}": data for path, data in _files(given, package, description, driven)}
         files |= beside
         record = PackageRecord(package, VERSION, renamed=RenamedRecord.from_model(description.names))
-        return FormatFiles(files, told, record={"ros2": record})
+        return FormatFiles(files, (case,), record={"ros2": record})
 
 
 def _files(

@@ -8,6 +8,5 @@
 - model: SDF 1.9: the model of a robot, in one file.
 - section: Configuration of the SDF writer.
 - sensors: Sensors of an SDF: on links those that are mounted, on joints those of their load.
-- unsupported: Reports what SDF cannot express: one diagnostic for each kind of loss.
 - writer: SDF: the model, and the file by which Gazebo finds it.
 """

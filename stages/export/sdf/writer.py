@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from linkwright.stages.export.writer import FormatFiles, WriterInput
+from linkwright.stages.export.writer import Case, FormatFiles, WriterInput
 
 if TYPE_CHECKING:
     from linkwright.stages.export.sdf.model import SdfPlan
@@ -21,7 +21,6 @@ class SdfWriter:
     def write(self, given: WriterInput) -> FormatFiles:
         from linkwright.stages.export.sdf.model import write_config, write_sdf
         from linkwright.stages.export.sdf.section import SdfFormatSection
-        from linkwright.stages.export.sdf.unsupported import unsupported
 
         written, plan = given.written, _plan(given)
         model, config = self.paths(written.robot.name)
@@ -30,8 +29,8 @@ class SdfWriter:
             model: write_sdf(written.robot, written.shapes, keys, plan),
             config: write_config(written.robot.name),
         }
-        losses = tuple(unsupported(written.robot, written.shapes, written.actuation, plan))
-        return FormatFiles(files, losses, record={"sdf": _record(plan)})
+        case = Case("sdf", written, written.robot, model, plan)
+        return FormatFiles(files, (case,), record={"sdf": _record(plan)})
 
 
 def _record(plan: "SdfPlan") -> "FormatRecord":

@@ -1,7 +1,7 @@
 """URDF: the tree of links and joints.
 
 Element rules are those of urdfdom's 1.0 format. A link's frame is its joint's; `rpy` is extrinsic
-xyz. `unsupported` reports what is lost.
+xyz. `stages.export.losses` lists what is lost.
 """
 
 from linkwright.stages.export.paints import Paint, materials

@@ -1,6 +1,6 @@
 """URDF: the tree of links and joints, in one file, and beside it the SRDF for MoveIt."""
 
-from linkwright.stages.export.writer import FormatFiles, WriterInput
+from linkwright.stages.export.writer import Case, FormatFiles, WriterInput
 
 
 class UrdfWriter:
@@ -18,8 +18,6 @@ class UrdfWriter:
     def write(self, given: WriterInput) -> FormatFiles:
         from linkwright.stages.export.urdf.model import write_urdf
         from linkwright.stages.export.urdf.srdf import model as srdf
-        from linkwright.stages.export.urdf.srdf.unsupported import unsupported as not_in_srdf
-        from linkwright.stages.export.urdf.unsupported import unsupported
 
         written = given.written
         urdf_path, srdf_path = self.paths(written.robot.name)
@@ -28,8 +26,11 @@ class UrdfWriter:
             urdf_path: write_urdf(written, given.keys.export.urdf),
             srdf_path: srdf.write_srdf(written.robot, plan),
         }
-        told = (*unsupported(written), *not_in_srdf(written.robot, written.shapes, plan))
-        return FormatFiles(files, told, record={"srdf": plan.record})
+        cases = (
+            Case("urdf", written, written.as_urdf.robot, urdf_path, None),
+            Case("srdf", written, written.robot, srdf_path, plan),
+        )
+        return FormatFiles(files, cases, record={"srdf": plan.record})
 
 
 WRITER = UrdfWriter()

@@ -9,6 +9,5 @@
   its older and its newer schema).
 - section: Configuration of the USD writer.
 - shapes: What a link looks like, as instances of meshes, and what it collides with.
-- unsupported: Reports what a USD cannot express: one diagnostic for each kind of loss.
 - writer: USD: the robot, and the meshes that it refers to.
 """

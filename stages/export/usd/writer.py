@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from linkwright.stages.export.writer import FormatFiles, WriterInput
+from linkwright.stages.export.writer import Case, FormatFiles, WriterInput
 
 if TYPE_CHECKING:
     from linkwright.stages.export.usd.model import UsdPlan
@@ -22,7 +22,6 @@ class UsdWriter:
         from linkwright.stages.export.usd.model import write_usd
         from linkwright.stages.export.usd.section import UsdFormatSection
         from linkwright.stages.export.usd.shapes import meshes_layer
-        from linkwright.stages.export.usd.unsupported import unsupported
 
         robot, geometry, plan = given.written.robot, given.written.shapes, _plan(given)
         keys = given.keys.export.usd or UsdFormatSection()
@@ -32,8 +31,8 @@ class UsdWriter:
             model: write_usd(robot, geometry, plan, places, meshes).bytes(),
             meshes: layer.bytes(keys.geometry),
         }
-        losses = tuple(unsupported(robot, geometry, given.written.actuation, plan))
-        return FormatFiles(files, losses, record=_record(plan))
+        case = Case("usd", given.written, robot, model, plan)
+        return FormatFiles(files, (case,), record=_record(plan))
 
 
 def _record(plan: "UsdPlan") -> "dict[str, FormatRecord]":

@@ -10,9 +10,10 @@ import pytest
 
 from linkwright.stages.export import writer_of
 from linkwright.stages.export.ground.standing import stand
-from linkwright.stages.export.mjcf.unsupported import unsupported
+from linkwright.stages.export.losses import losses
+from linkwright.stages.export.mjcf.contact.filters import filters
 from linkwright.stages.export.settled import settled
-from linkwright.stages.export.writer import WriterInput
+from linkwright.stages.export.writer import Case, WriterInput
 from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.model.geometry import Geometry, Shape
 from linkwright.stages.robot.model.poses import (
@@ -189,7 +190,9 @@ def test_limits_and_dynamics_belong_to_each_dof_and_a_cone_is_reported() -> None
     assert not model.jnt_limited[model.joint("arm_joint_turn").id]
     assert not model.jnt_limited[model.joint("tip_joint").id]
     assert list(model.dof_damping) == [0.1] * 5
-    found = list(unsupported(Written(robot)))
+    written = Written(robot)
+    apart = filters(written.as_mjcf.robot, written.mjcf_shapes)
+    found = list(losses(Case("mjcf", written, robot, "robot.xml", apart)))
     assert [(one.code, one.where) for one in found] == [
         ("W-BALL-CONE", "robot.xml"),
         ("W-BALL-EFFORT", "robot.xml"),

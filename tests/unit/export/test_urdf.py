@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from linkwright.stages.export.losses import losses as of_format
 from linkwright.stages.export.urdf.lowering import lower
 from linkwright.stages.export.urdf.model import write_urdf
-from linkwright.stages.export.urdf.unsupported import unsupported
+from linkwright.stages.export.writer import Case
 from linkwright.stages.formats.written import Written
 from linkwright.stages.formats.xml import parse
 from linkwright.stages.mesh.collide.primitives import shapes as primitive_shapes
@@ -36,8 +37,8 @@ def urdf(robot: Robot, geometry: Geometry = NO_SHAPES) -> bytes:
 
 
 def losses(robot: Robot) -> dict[str, str]:
-    found = list(unsupported(Written(robot)))
-    assert all(diagnostic.where == "robot.urdf" for diagnostic in found)
+    written = Written(robot)
+    found = of_format(Case("urdf", written, written.as_urdf.robot, "robot.urdf", None))
     return {diagnostic.code: diagnostic.message for diagnostic in found}
 
 

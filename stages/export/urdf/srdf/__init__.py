@@ -9,5 +9,4 @@
 - model: SRDF: groups, poses, and pairs of links that are not checked for collisions.
 - source_groups: The groups and end effectors that the robot has from its source's SRDF, as its URDF has them.
 - states: The values of a URDF's joints at a robot's poses.
-- unsupported: Reports what an SRDF cannot express: one diagnostic for each kind of loss.
 """

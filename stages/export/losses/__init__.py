@@ -1,0 +1,20 @@
+"""The table of losses: what each format cannot express, or has otherwise, with the message and the hint."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from linkwright.stages.export.losses.contacts import CONTACTS
+from linkwright.stages.export.losses.control import CONTROL
+from linkwright.stages.export.losses.joints import JOINTS
+from linkwright.stages.export.losses.loss import Loss
+from linkwright.stages.export.writer import Case
+from linkwright.stages.robot.errors import Diagnostic
+
+LOSSES: tuple[Loss, ...] = (*JOINTS, *CONTACTS, *CONTROL)
+"""All losses, in the order in which a build reports those of a format."""
+
+
+def losses(case: Case[Any]) -> Iterator[Diagnostic]:
+    """A diagnostic for each kind of loss that the robot has in its format."""
+    for loss in LOSSES:
+        yield from loss.diagnostics(case)
