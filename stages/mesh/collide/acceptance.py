@@ -30,7 +30,7 @@ class Judge:
     @staticmethod
     def of(surface: Surface, settings: ColliderSettings) -> Judge | str:
         """Of any triangles; why there is nothing to judge, in words, where that is so."""
-        bodies = clean(surface).outer_bodies()
+        bodies = clean(surface).bodies()
         if not bodies:
             return "the part is flat"
         solid = joined(bodies)

@@ -1,7 +1,6 @@
 """Cleaning: from any triangles to closed solids that face outwards, and what is left of them."""
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -11,98 +10,57 @@ from linkwright.stages.mesh.surfaces.shells import Edges, Flags, Indices, Shells
 _CRUMB = 1e-6  # of the volume
 _THIN = 1e-6  # m, or of the size
 _GAP = 1e-5  # of the size
-_LARGEST, _SMALLEST = 5.0, 1e-3  # m
-
-FlawName = Literal[
-    "not finite", "doubled", "turned faces", "cracks", "open", "not manifold", "inverted", "cavities",
-    "nested", "crumbs", "flat", "large", "small", "empty",
-]  # fmt: skip
-
-
-@dataclass(frozen=True, slots=True)
-class Flaw:
-    """What was mended, dropped or found. `count`: of faces, edges or shells, as `text` says; `figure` [m]
-    where there is a length."""
-
-    name: FlawName
-    count: int
-    text: str
-    figure: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cleaned:
     """A mesh in parts.
 
-    `solids`: closed, facing outwards, each with its cavities, the largest first. `loose`: what spans a volume
-    but does not close, None if nothing: its inside is a matter of sampling. `rest`: what is flat, and crumbs,
-    to be seen only. `manifold`: whether two faces meet at every edge of the solids and nothing is loose.
+    `solids`: closed, facing outwards, without their cavities, where nothing gets; the largest first. `loose`:
+    what spans a volume but does not close, None if nothing: its inside is a matter of sampling.
     """
 
-    solids: tuple[Surface, ...]
-    loose: Surface | None
-    rest: Surface | None
-    flaws: tuple[Flaw, ...]
-    manifold: bool
+    solids: tuple[Surface, ...] = ()
+    loose: Surface | None = None
 
     def bodies(self) -> tuple[Surface, ...]:
         """What colliders are made for: the solids, then what is loose."""
         return self.solids + ((self.loose,) if self.loose else ())
 
-    def outer_bodies(self) -> tuple[Surface, ...]:
-        """The same without the cavities of the solids: nothing gets there."""
-        return tuple(map(_without_cavities, self.solids)) + ((self.loose,) if self.loose else ())
-
 
 def clean(surface: Surface) -> Cleaned:
-    """A mesh's solids and the rest, mended where that is sure; takes any triangles, even none.
+    """A mesh's solids, mended where that is sure; takes any triangles, even none.
 
     Faces with a corner that is not finite or not there go, and faces twice in the same place, which close
-    nothing. Cracks narrower than 1e-5 of the size are closed. The faces of a shell are turned alike, and
-    a shell that is inside out is turned with all that is in it. A shell within another that faces inwards is
-    its cavity; one that faces outwards a solid in the other's material. Shells below 1e-6 of the volume go.
+    nothing. Cracks narrower than 1e-5 of the size are closed. The faces of a shell are turned alike. A shell
+    within another that faces inwards is its cavity, and goes; one that faces outwards is a solid in the
+    other's material. A shell that is inside out is turned, and counts as turned with all that is in it. What
+    is flat goes, and shells below 1e-6 of the volume.
     """
-    flaws: list[Flaw] = []
-    surface = _sound(surface, flaws)
+    surface = _sound(surface)
     if not len(surface.triangles):
-        return Cleaned((), None, None, (*flaws, Flaw("empty", 0, "the mesh has no triangles")), False)
-    _check_extent(surface, flaws)
-    surface, doubled = _without_doubled(surface, flaws)
-    surface = _without_cracks(surface, flaws)
-    surface, count = turned_alike(surface)
-    if count:
-        flaws.append(Flaw("turned faces", count, f"{count} faces were turned the way of their neighbours"))
+        return Cleaned()
+    surface = turned_alike(_without_cracks(_without_doubled(surface)))
     if not len(surface.triangles):
-        return Cleaned((), None, _of(doubled), tuple(flaws), False)
+        return Cleaned()
     shells = Shells.of(surface)
     spanned = np.abs(shells.volume)
     solid = shells.closed & (spanned > shells.area / 2 * _THIN * np.minimum(1.0, shells.size))
     crumb = solid & (spanned < _CRUMB * spanned[solid].sum())
-    if crumb.any():
-        count = int(crumb.sum())
-        flaws.append(Flaw("crumbs", count, f"{count} shells are smaller than a millionth of the volume"))
-    solids = _solids(shells, np.flatnonzero(solid & ~crumb), flaws)
-    loose, flat = _loose(shells, np.flatnonzero(~solid[shells.label]), bool(solids), flaws)
-    faces = np.concatenate([np.flatnonzero(crumb[shells.label]), flat])
-    rest = _joined(_faces(surface, faces), doubled)
-    many = _meeting(surface, np.flatnonzero(solid[shells.label]), flaws)
-    return Cleaned(solids, _of(loose), _of(rest), tuple(flaws), bool(solids) and not many and loose is None)
+    solids = _solids(shells, np.flatnonzero(solid & ~crumb))
+    return Cleaned(solids, _loose(shells, np.flatnonzero(~solid[shells.label]), bool(solids)))
 
 
-def _sound(surface: Surface, flaws: list[Flaw]) -> Surface:
+def _sound(surface: Surface) -> Surface:
     """The triangles whose corners are there and finite, welded if they were not."""
     points, triangles = surface.vertices, surface.triangles
-    there = ((triangles >= 0) & (triangles < len(points))).all(axis=1)
+    there = (triangles >= 0) & (triangles < len(points))
     finite = np.append(np.isfinite(points).all(axis=1), False)
-    sound = there & finite[np.where((triangles >= 0) & (triangles < len(points)), triangles, -1)].all(axis=1)
-    lost = int((~sound).sum())
-    if lost:
-        flaws.append(Flaw("not finite", lost, f"{lost} faces had a corner that is no finite point"))
+    sound = finite[np.where(there, triangles, -1)].all(axis=1)
     if not sound.any():
         return Surface(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64))
-    if lost or not _ascending(points):
-        welded, _ = weld(points, triangles[sound])
-        return welded
+    if not sound.all() or not _ascending(points):
+        surface, _ = weld(points, triangles[sound])
     return surface
 
 
@@ -113,26 +71,15 @@ def _ascending(points: np.ndarray) -> bool:
     return bool(((x > 0) | ((x == 0) & ((y > 0) | ((y == 0) & (z > 0))))).all())
 
 
-def _check_extent(surface: Surface, flaws: list[Flaw]) -> None:
-    extent = float(np.ptp(surface.vertices[np.unique(surface.triangles)], axis=0).max())
-    if extent > _LARGEST:
-        likely = "millimetres" if extent / 1000 >= _SMALLEST * 5 else "inches"
-        text = f"the mesh is {extent:.4g} m across: its file is likely in {likely}, read as metres"
-        flaws.append(Flaw("large", 1, text, extent))
-    elif 0 < extent < _SMALLEST:
-        text = f"the mesh is {extent * 1000:.3g} mm across: its file is likely in metres, read as millimetres"
-        flaws.append(Flaw("small", 1, text, extent))
-
-
-def _without_doubled(surface: Surface, flaws: list[Flaw]) -> tuple[Surface, Surface | None]:
-    """The surface with one of equal faces, and none of two back to back; those apart."""
+def _without_doubled(surface: Surface) -> Surface:
+    """The surface with one of equal faces, and none of two back to back."""
     ordered = np.sort(surface.triangles, axis=1)
     order = np.lexsort(ordered.T[::-1])
     ordered = ordered[order]
     new = np.ones(len(ordered), dtype=bool)
     new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
     if new.all():
-        return surface, None
+        return surface
     group = np.cumsum(new) - 1
     # The sense of a triangle whose corners are sorted, against its own.
     a, b, c = surface.triangles[order].T
@@ -141,14 +88,10 @@ def _without_doubled(surface: Surface, flaws: list[Flaw]) -> tuple[Surface, Surf
     fitting = sense * np.sign(net[group]) > 0
     first = np.full(len(net), len(order))
     np.minimum.at(first, group[fitting], np.flatnonzero(fitting))
-    kept = np.sort(order[first[first < len(order)]])
-    back = np.sort(order[np.flatnonzero(new)[net == 0]])
-    lost = len(order) - len(kept)
-    flaws.append(Flaw("doubled", lost, f"{lost} faces lie on others or back to back with them"))
-    return Surface(surface.vertices, surface.triangles[kept]), _faces(surface, back)
+    return Surface(surface.vertices, surface.triangles[np.sort(order[first[first < len(order)]])])
 
 
-def _without_cracks(surface: Surface, flaws: list[Flaw]) -> Surface:
+def _without_cracks(surface: Surface) -> Surface:
     """The surface with the sides of narrow cracks joined, where that leaves fewer edges open."""
     from scipy.spatial import cKDTree
 
@@ -170,91 +113,41 @@ def _without_cracks(surface: Surface, flaws: list[Flaw]) -> Surface:
     a, b, c = triangles.T
     joined = Surface(surface.vertices, triangles[(a != b) & (b != c) & (c != a)])
     after = int((Edges.of(joined).excess() != 0).sum()) if len(joined.triangles) else before
-    if after >= before:
-        return surface
-    flaws.append(Flaw("cracks", before - after, f"{before - after} open edges were closed", gap))
-    return compacted(joined)
+    return surface if after >= before else compacted(joined)
 
 
-def _solids(shells: Shells, chosen: Indices, flaws: list[Flaw]) -> tuple[Surface, ...]:
-    """The solids of closed shells that have a volume, each with its cavities."""
+def _solids(shells: Shells, chosen: Indices) -> tuple[Surface, ...]:
+    """The solids of closed shells that have a volume."""
     holders = shells.holders(chosen)
-    depth = {shell: len(held) for shell, held in holders.items()}
+    inwards = shells.volume < 0
     cavity: dict[int, bool] = {}
-    owner: dict[int, int] = {}
-    turn: dict[int, bool] = {}
-    nested = 0
-    for shell in sorted(depth, key=lambda one: (depth[one], one)):
-        parent = max(
-            holders[shell], key=lambda one: (depth[one], -abs(shells.volume[one]), -one), default=None
-        )
-        inwards = bool(shells.volume[shell] < 0)
-        if parent is None:
-            turn[shell], cavity[shell], owner[shell] = inwards, False, shell
-            continue
-        inwards ^= turn[_root(shell, holders, depth)]
-        cavity[shell] = inwards and not cavity[parent]
-        owner[shell] = owner[parent] if cavity[shell] else shell
-        turn[shell] = bool(shells.volume[shell] < 0) != cavity[shell]
-        nested += not cavity[shell] and not cavity[parent]
-    _report(turn, cavity, nested, flaws)
+    for shell in sorted(holders, key=lambda shell: (len(holders[shell]), shell)):
+        cavity[shell] = False
+        if around := holders[shell]:
+            outermost = min(around, key=lambda one: (len(holders[one]), one))
+            parent = max(around, key=lambda one: (len(holders[one]), -abs(shells.volume[one]), -one))
+            cavity[shell] = bool(inwards[shell] != inwards[outermost]) and not cavity[parent]
     order = np.argsort(shells.label, kind="stable")
     bounds = np.searchsorted(shells.label[order], np.arange(len(shells.closed) + 1))
-    members: dict[int, list[Indices]] = {}
-    for shell in sorted(owner):
-        triangles = shells.surface.triangles[np.sort(order[bounds[shell] : bounds[shell + 1]])]
-        members.setdefault(owner[shell], []).append(triangles[:, ::-1] if turn[shell] else triangles)
-    names = sorted(members, key=lambda one: (-abs(shells.volume[one]), one))
-    return tuple(compacted(Surface(shells.surface.vertices, np.concatenate(members[one]))) for one in names)
+    found = []
+    for shell in sorted(cavity, key=lambda shell: (-abs(shells.volume[shell]), shell)):
+        if not cavity[shell]:
+            triangles = shells.surface.triangles[np.sort(order[bounds[shell] : bounds[shell + 1]])]
+            own = triangles[:, ::-1] if inwards[shell] else triangles
+            found.append(compacted(Surface(shells.surface.vertices, own)))
+    return tuple(found)
 
 
-def _without_cavities(solid: Surface) -> Surface:
-    shells = Shells.of(solid)
-    outer = shells.volume > 0
-    return solid if outer.all() else compacted(Surface(solid.vertices, solid.triangles[outer[shells.label]]))
-
-
-def _root(shell: int, holders: dict[int, list[int]], depth: dict[int, int]) -> int:
-    return min(holders[shell], key=lambda one: (depth[one], one))
-
-
-def _report(turn: dict[int, bool], cavity: dict[int, bool], nested: int, flaws: list[Flaw]) -> None:
-    inverted = sum(turned and not cavity[shell] for shell, turned in turn.items())
-    if inverted:
-        flaws.append(Flaw("inverted", inverted, f"{inverted} shells were inside out and were turned"))
-    if any(cavity.values()):
-        count = sum(cavity.values())
-        flaws.append(Flaw("cavities", count, f"{count} shells are cavities in others"))
-    if nested:
-        flaws.append(Flaw("nested", nested, f"{nested} solids lie within the material of others"))
-
-
-def _loose(
-    shells: Shells, faces: Indices, small_too: bool, flaws: list[Flaw]
-) -> tuple[Surface | None, Indices]:
-    """Of faces of no solid: what spans a volume where they hang together by vertices, and the other faces."""
-    if not len(faces):
-        return None, faces
+def _loose(shells: Shells, faces: Indices, small_too: bool) -> Surface | None:
+    """Of faces of no solid: what spans a volume where they hang together by vertices."""
     triangles = shells.surface.triangles[faces]
     points, corners = np.unique(triangles, return_inverse=True)
-    corners = corners.reshape(-1, 3)
-    label = components(
-        len(points),
-        np.concatenate([corners[:, 0], corners[:, 1]]),
-        np.concatenate([corners[:, 1], corners[:, 2]]),
-    )
-    flat = _flat(shells.surface.vertices[points], label, small_too, shells.size.max())[label[corners[:, 0]]]
-    if flat.any():
-        count = len(np.unique(label[corners[flat, 0]]))
-        flaws.append(Flaw("flat", count, f"{count} pieces are flat or crumbs, and only to be seen"))
-    if flat.all():
-        return None, faces
-    loose = _faces(shells.surface, faces[~flat])
-    if loose is None:
-        return None, faces
-    count = int((Edges.of(loose).excess() != 0).sum())
-    flaws.append(Flaw("open", count, f"{count} edges are open: what is inside is a matter of sampling"))
-    return loose, faces[flat]
+    first, second, third = corners.reshape(-1, 3).T
+    if not len(faces):
+        return None
+    label = components(len(points), np.concatenate([first, second]), np.concatenate([second, third]))
+    flat = _flat(shells.surface.vertices[points], label, small_too, shells.size.max())[label[first]]
+    return None if flat.all() else compacted(Surface(shells.surface.vertices, triangles[~flat]))
 
 
 def _flat(points: np.ndarray, label: Indices, small_too: bool, size: float) -> Flags:
@@ -270,26 +163,3 @@ def _flat(points: np.ndarray, label: Indices, small_too: bool, size: float) -> F
     width = np.sqrt(values[:, 2])
     flat = np.sqrt(values[:, 0]) <= np.maximum(_THIN * np.minimum(1.0, width), 1e-7 * width)
     return np.asarray(flat | (small_too & (width < _CRUMB ** (1 / 3) * size / 4)))
-
-
-def _meeting(surface: Surface, faces: Indices, flaws: list[Flaw]) -> int:
-    """How many edges of these faces have more than two of them."""
-    many = int((Edges.of(Surface(surface.vertices, surface.triangles[faces])).counts() > 2).sum())
-    if many:
-        flaws.append(Flaw("not manifold", many, f"more than two faces meet at {many} edges"))
-    return many
-
-
-def _faces(surface: Surface, faces: Indices) -> Surface | None:
-    return compacted(Surface(surface.vertices, surface.triangles[faces])) if len(faces) else None
-
-
-def _joined(one: Surface | None, other: Surface | None) -> Surface | None:
-    if one is None or other is None:
-        return one or other
-    triangles = np.concatenate([one.triangles, other.triangles + len(one.vertices)])
-    return Surface(np.concatenate([one.vertices, other.vertices]), triangles)
-
-
-def _of(surface: Surface | None) -> Surface | None:
-    return surface if surface is not None and len(surface.triangles) else None

@@ -66,9 +66,9 @@ def components(count: int, first: Indices, second: Indices) -> Indices:
     return rank[member.ravel()]
 
 
-def turned_alike(surface: Surface) -> tuple[Surface, int]:
-    """The surface with the faces of each shell facing the same way, as most of them do, and how many were
-    turned. A shell with one side only (a Möbius strip) stays as it is.
+def turned_alike(surface: Surface) -> Surface:
+    """The surface with the faces of each shell facing the same way, as most of them do. A shell with one side
+    only (a Möbius strip) stays as it is.
 
     Two copies of each face, one turned, hang together as their neighbours agree or not: the copies that hang
     together with a shell's first face are one way to turn it.
@@ -76,7 +76,7 @@ def turned_alike(surface: Surface) -> tuple[Surface, int]:
     first, second, alike = Edges.of(surface).pairs()
     count = len(surface.triangles)
     if alike.all():
-        return surface, 0
+        return surface
     shells = components(count, first, second)
     other = np.where(alike, second, second + count)
     another = np.where(alike, second + count, second)
@@ -87,7 +87,7 @@ def turned_alike(surface: Surface) -> tuple[Surface, int]:
     most = np.bincount(shells[turned], minlength=len(leaders)) * 2 > np.bincount(shells)
     turned ^= most[shells] & (copies[:count] != copies[count:])
     triangles = np.where(turned[:, None], surface.triangles[:, ::-1], surface.triangles)
-    return Surface(surface.vertices, triangles), int(turned.sum())
+    return Surface(surface.vertices, triangles)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,4 +1,4 @@
-"""Cleaning: poisoned meshes end in solids that face outwards, or in findings."""
+"""Cleaning: poisoned meshes end in solids that face outwards, or in nothing."""
 
 import numpy as np
 import pytest
@@ -9,10 +9,6 @@ from hypothesis import strategies as st
 from linkwright.stages.formats.meshes.surface import Surface, weld
 from linkwright.stages.mesh.surfaces.clean import clean
 from tests.support.solids import box, joined, of_mesh
-
-
-def flaws(cleaned):
-    return {flaw.name: flaw.count for flaw in cleaned.flaws}
 
 
 def again_welded(surface):
@@ -30,36 +26,31 @@ def same(one, other):
 def test_a_sound_mesh_stays_as_it_is():
     part = of_mesh(trimesh.creation.annulus(0.02, 0.05, 0.03))
     found = clean(part)
-    assert (len(found.solids), found.loose, found.rest, found.flaws) == (1, None, None, ())
+    assert (len(found.solids), found.loose) == (1, None)
     assert same(found.solids[0], part)
-    assert found.manifold
     assert found.bodies() == found.solids
 
 
 def test_two_shells_are_two_solids_the_larger_first():
     found = clean(joined(box(0.1, 0.1, 0.1), box(0.2, 0.2, 0.2, at=(1, 0, 0))))
     assert [solid.volume() for solid in found.solids] == pytest.approx([0.008, 0.001])
-    assert found.flaws == ()
 
 
 @pytest.mark.parametrize("whole_inverted", [False, True])
-def test_a_cavity_stays_with_its_solid(whole_inverted):
+def test_a_cavity_goes_and_what_is_in_it_stays(whole_inverted):
     part = joined(box(0.2, 0.2, 0.2), box(0.1, 0.1, 0.1).flipped(), box(0.05, 0.05, 0.05))
     found = clean(part.flipped() if whole_inverted else part)
-    assert [solid.volume() for solid in found.solids] == pytest.approx([0.007, 0.000125])
-    assert flaws(found) == {"cavities": 1} | ({"inverted": 2} if whole_inverted else {})
+    assert [solid.volume() for solid in found.solids] == pytest.approx([0.008, 0.000125])
 
 
 def test_a_solid_in_the_material_of_another_is_one_of_its_own():
     found = clean(joined(box(0.2, 0.2, 0.2), box(0.1, 0.1, 0.1)))
     assert [solid.volume() for solid in found.solids] == pytest.approx([0.008, 0.001])
-    assert flaws(found) == {"nested": 1}
 
 
 def test_shells_beside_each_other_or_crossing_are_in_nothing():
     found = clean(joined(box(0.2, 0.2, 0.2), box(0.1, 0.1, 0.1, at=(0.1, 0.0, 0.0)).flipped()))
     assert [solid.volume() for solid in found.solids] == pytest.approx([0.008, 0.001])
-    assert flaws(found) == {"inverted": 1}
 
 
 @settings(max_examples=40)
@@ -75,13 +66,11 @@ def test_any_faces_turned_are_turned_back(seed):
     found = clean(Surface(part.vertices, triangles))
     assert [solid.volume() for solid in found.solids] == pytest.approx([of_mesh(shape).volume(), 0.000125])
     assert all(solid.closed() for solid in found.solids)
-    assert found.manifold
 
 
 def test_inside_out_is_turned():
     found = clean(box(0.1, 0.2, 0.3).flipped())
     assert found.solids[0].volume() == pytest.approx(0.006)
-    assert flaws(found) == {"inverted": 1}
 
 
 def test_faces_twice_and_faces_back_to_back_go():
@@ -91,21 +80,16 @@ def test_faces_twice_and_faces_back_to_back_go():
     )
     found = clean(twice)
     assert same(found.solids[0], part)
-    assert flaws(found) == {"doubled": 4}
     # Two cubes with a wall between them, given by both.
     image = Surface(part.vertices * [-1, 1, 1] + [0.1, 0, 0], part.triangles[:, ::-1])
     found = clean(again_welded(joined(part, image)))
     assert [solid.volume() for solid in found.solids] == pytest.approx([0.002])
-    assert flaws(found) == {"doubled": 4}
-    assert found.manifold
 
 
-def test_cubes_that_share_an_edge_are_two_solids_and_said_not_to_be_manifold():
+def test_cubes_that_share_an_edge_are_two_solids():
     found = clean(again_welded(joined(box(0.1, 0.1, 0.1), box(0.1, 0.1, 0.1, at=(0.1, 0.1, 0)))))
     assert [solid.volume() for solid in found.solids] == pytest.approx([0.001, 0.001])
     assert all(solid.closed() for solid in found.solids)
-    assert flaws(found) == {"not manifold": 1}
-    assert not found.manifold
 
 
 def test_corners_that_are_not_finite_or_not_there_go():
@@ -114,7 +98,6 @@ def test_corners_that_are_not_finite_or_not_there_go():
     bad = np.array([[0, 1, 8], [9, 2, 3], [0, 1, 99], [-1, 0, 1]])
     found = clean(Surface(points, np.concatenate([part.triangles, bad])))
     assert same(found.solids[0], part)
-    assert flaws(found) == {"not finite": 4}
 
 
 @pytest.mark.parametrize(
@@ -125,41 +108,30 @@ def test_corners_that_are_not_finite_or_not_there_go():
         Surface(np.zeros((3, 3)), np.array([[0, 1, 2]])),
     ],
 )
-def test_nothing_is_nothing_and_is_said(surface):
+def test_nothing_is_nothing(surface):
     found = clean(surface)
     assert found.solids == ()
     assert found.loose is None
-    assert not found.manifold
-    if not np.isfinite(surface.vertices).all() or not len(surface.vertices):
-        assert "empty" in flaws(found)
 
 
-def test_flat_pieces_are_only_seen():
+def test_flat_pieces_go():
     triangle = Surface(np.array([[1.0, 1, 1], [1.1, 1, 1], [1, 1.1, 1]]), np.array([[0, 1, 2]]))
     alone = clean(triangle)
     assert (alone.solids, alone.loose) == ((), None)
-    assert len(alone.rest.triangles) == 1
-    assert flaws(alone) == {"flat": 1}
     beside = clean(again_welded(joined(box(0.1, 0.1, 0.1), triangle)))
     assert len(beside.solids) == 1
-    assert len(beside.rest.triangles) == 1
-    assert beside.manifold
     paper = clean(box(0.1, 0.1, 1e-7))
     assert paper.solids == ()
     assert paper.loose is None
-    assert len(paper.rest.triangles) == 12
     sheet = clean(again_welded(joined(triangle, triangle.flipped())))
     assert (sheet.solids, sheet.loose) == ((), None)
-    assert len(sheet.rest.triangles) == 1
 
 
-def test_an_open_box_is_loose_and_said_to_be():
+def test_an_open_box_is_loose():
     part = box(0.1, 0.1, 0.1)
     found = clean(Surface(part.vertices, part.triangles[2:]))
     assert found.solids == ()
     assert len(found.loose.triangles) == 10
-    assert flaws(found)["open"] == 6
-    assert not found.manifold
     assert found.bodies() == (found.loose,)
 
 
@@ -176,7 +148,6 @@ def test_faces_that_only_share_corners_are_a_box_together():
             sides.append(Surface(corners, np.array([[0, 1, 4], [1, 2, 4], [0, 4, 3]])))
     found = clean(again_welded(joined(*sides)))
     assert found.loose is not None
-    assert found.rest is None
 
 
 def test_narrow_cracks_are_closed():
@@ -188,28 +159,14 @@ def test_narrow_cracks_are_closed():
     assert not cracked.closed()
     found = clean(cracked)
     assert found.solids[0].volume() == pytest.approx(part.volume(), rel=1e-4)
-    assert found.manifold
-    assert flaws(found) == {"cracks": 3 * len(part.triangles)}
 
 
 def test_crumbs_are_dropped():
     crumb = box(0.0009, 0.0009, 0.0009, at=(1, 0, 0))
     found = clean(joined(box(0.1, 0.1, 0.1), crumb))
     assert [solid.volume() for solid in found.solids] == pytest.approx([0.001])
-    assert flaws(found) == {"crumbs": 1}
-    assert len(found.rest.triangles) == 12
     larger = clean(joined(box(0.1, 0.1, 0.1), box(0.0011, 0.0011, 0.0011, at=(1, 0, 0))))
     assert len(larger.solids) == 2
-
-
-def test_a_wrong_unit_is_named():
-    assert [flaw.text for flaw in clean(box(300, 200, 100)).flaws] == [
-        "the mesh is 300 m across: its file is likely in millimetres, read as metres"
-    ]
-    assert [flaw.text for flaw in clean(box(3e-4, 2e-4, 1e-4)).flaws] == [
-        "the mesh is 0.3 mm across: its file is likely in metres, read as millimetres"
-    ]
-    assert clean(box(4.9, 0.1, 0.1)).flaws == ()
 
 
 def test_a_strip_with_one_side_is_loose():
@@ -243,7 +200,7 @@ def test_any_soup_ends_in_solids_that_are_closed_and_face_outwards(seed):
     for solid in found.solids:
         assert solid.closed()
         assert solid.volume() > 0
-    assert sum(len(one.triangles) for one in (*found.bodies(), found.rest) if one) <= len(surface.triangles)
+    assert sum(len(one.triangles) for one in found.bodies()) <= len(surface.triangles)
     order = random.permutation(len(surface.triangles))
     other = clean(
         again_welded(Surface(surface.vertices, surface.triangles[order])) if len(order) else surface
