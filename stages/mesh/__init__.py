@@ -25,6 +25,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
+from linkwright.stages.mesh.configuration.collider_settings import (
+    CoacdSettings,
+    ColliderSettings,
+    ContactSettings,
+    GivenSettings,
+    HullSettings,
+    LadderSettings,
+    PrimitiveSettings,
+    SphereSettings,
+)
+
 if TYPE_CHECKING:
     from linkwright.stages.mesh.section import MeshSections
     from linkwright.stages.robot.bundle import Bundle
@@ -36,7 +47,7 @@ VERSION = 52
 
 
 class Maker(NamedTuple):
-    """What a maker of colliders works on, and which `ColliderSettings` it reads.
+    """What a maker of colliders works on, and the settings that it reads.
 
     `per`: part, one collider for each part, in its own frame; link, one for all parts of a link that the
     same key chooses, in the link's frame. `improves`: whether it has a second, costly step; `triangles`:
@@ -44,29 +55,27 @@ class Maker(NamedTuple):
     """
 
     per: Literal["part", "link"]
-    settings: tuple[str, ...]
+    settings: type[ColliderSettings] = ColliderSettings
     improves: bool = False
     triangles: int | None = 50_000
 
 
-_PIECES = ("tolerance", "max_vertices", "effort")
-
 COLLIDERS: Mapping[str, Maker] = {
-    "coacd": Maker("part", (*_PIECES, "coacd"), improves=True),
-    "hull": Maker("link", ("max_vertices",), triangles=None),
-    "ladder": Maker("part", (*_PIECES, "extra_volume", "target"), improves=True),
-    "primitives": Maker("part", ("tolerance", "extra_volume", "target")),
-    "raw": Maker("part", (), triangles=None),
-    "spheres": Maker("part", ("tolerance", "extra_volume")),
-    "visual": Maker("link", (), triangles=None),
+    "coacd": Maker("part", CoacdSettings, improves=True),
+    "hull": Maker("link", HullSettings, triangles=None),
+    "ladder": Maker("part", LadderSettings, improves=True),
+    "primitives": Maker("part", PrimitiveSettings),
+    "raw": Maker("part", triangles=None),
+    "spheres": Maker("part", SphereSettings),
+    "visual": Maker("link", triangles=None),
 }
 """The values of `mesh.collider`: modules of `stages/mesh/colliders`, each with a function `make` and, where
 it improves, `improve`."""
 
-GIVEN = Maker("link", ("kind", "size", "tolerance", "extra_volume"))
+GIVEN = Maker("link", GivenSettings)
 """The module `stages.mesh.colliders.given`: a primitive that `mesh.colliders` names."""
 
-BY_CONTACT = Maker("link", ("max_vertices", "target"), triangles=5_000)
+BY_CONTACT = Maker("link", ContactSettings, triangles=5_000)
 """The package `stages.mesh.by_contact`: what the ladder is without a tolerance."""
 
 PRIMITIVES = ("sphere", "capsule", "box", "cylinder")

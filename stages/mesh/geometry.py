@@ -13,12 +13,11 @@ from linkwright.stages.mesh.by_contact.meeting import wanted
 from linkwright.stages.mesh.by_contact.report import false_contacts
 from linkwright.stages.mesh.by_contact.request import ContactRequest, FalsePair
 from linkwright.stages.mesh.collide import primitives
-from linkwright.stages.mesh.collide.choices import Choice, choices
+from linkwright.stages.mesh.collide.choices import choices, default_choice
 from linkwright.stages.mesh.collide.collision import Collider, colliders
 from linkwright.stages.mesh.collide.make import Collided, ColliderJob, collide
 from linkwright.stages.mesh.collide.report import colliders_reported, figures_of
 from linkwright.stages.mesh.com_check import unbalanced
-from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
 from linkwright.stages.mesh.contact_parts import reported as too_small_reported
 from linkwright.stages.mesh.contact_parts import with_basis
 from linkwright.stages.mesh.contacts.analysis import self_contacts
@@ -29,7 +28,7 @@ from linkwright.stages.mesh.files import mesh_file
 from linkwright.stages.mesh.files.mesh_file import MeshFile
 from linkwright.stages.mesh.files.names import file_names, part_words
 from linkwright.stages.mesh.geoms import GeomRules
-from linkwright.stages.mesh.idle_keys import BY_CONTACT, idle_keys
+from linkwright.stages.mesh.idle_keys import idle_keys
 from linkwright.stages.mesh.ignored import without_ignored
 from linkwright.stages.mesh.library import MeshLibrary
 from linkwright.stages.mesh.link_mesh import PartFinding
@@ -82,9 +81,8 @@ def geometry(
     shapes = [shape for link in links for shape in named[link.name]]
     problems = diagnostics(links, visuals, {link.name: _found(link, used[link.name]) for link in links})
     problems += log.found
-    every = [Choice(keys.mesh.collider, ColliderSettings.of(keys.mesh)), *chosen.values()]
-    makers = {BY_CONTACT if choice.by_contact else choice.maker for choice in every}
-    problems += idle_keys(keys, makers, bundle.kind)
+    every = [default_choice(keys.mesh), *chosen.values()]
+    problems += idle_keys(keys, {choice.how for choice in every}, bundle.kind)
     problems += colliders_reported(collided)
     problems += false_contacts(still_false)
     problems += too_small_reported({name: one for name in used if (one := _small_names(used[name]))})

@@ -1,38 +1,33 @@
 """Keys of the mesh stage that nothing of this robot depends on."""
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator
+from dataclasses import fields
 from typing import TYPE_CHECKING
 
+from linkwright.stages.mesh import BY_CONTACT, COLLIDERS, Maker
 from linkwright.stages.robot.errors import Diagnostic
 
 if TYPE_CHECKING:
     from linkwright.stages.mesh.section import MeshSections
 
-BY_CONTACT = "ladder without a tolerance"
-"""The maker of colliders by contact, as it is called here."""
-
-USED_BY: Mapping[str, Collection[str]] = {
-    "tolerance": ("ladder", "coacd", "spheres"),
-    "fine": (BY_CONTACT,),
-    "extra_volume": ("ladder",),
-    "effort": ("ladder", "coacd"),
-    "coacd": ("coacd",),
-}
-"""Key → the makers of colliders that read it; of the ladder, with a tolerance or a part that is named."""
+KEYS = ("tolerance", "fine", "extra_volume", "effort", "coacd")
+"""Keys that only some makers of colliders read; of the ladder, with a tolerance or a part that is named."""
 
 FILES = ("urdf", "mjcf")
 """Kinds of source that may have collision shapes of their own."""
 
 
-def idle_keys(keys: "MeshSections", makers: Collection[str], source: str) -> Iterator[Diagnostic]:
+def idle_keys(keys: "MeshSections", makers: Collection[Maker], source: str) -> Iterator[Diagnostic]:
     """I-IDLE-KEY for each key that is set and that nothing reads. `makers`: those of all colliders, and of
     those that further parts would have; `source`: the kind of the source."""
     section, default = keys.mesh, type(keys.mesh)()
-    for key in ("basis", *USED_BY):
+    for key in ("basis", *KEYS):
         if getattr(section, key) == getattr(default, key):
             continue
-        if key in USED_BY and not set(makers) & set(USED_BY[key]):
-            text = f"no collider is made by {' or '.join(USED_BY[key])}, so it changes nothing"
+        if key in KEYS and not any(_reads(maker, key) for maker in makers):
+            readers = [name for name, maker in COLLIDERS.items() if _reads(maker, key)]
+            by = " or ".join(readers) or "ladder without a tolerance"
+            text = f"no collider is made by {by}, so it changes nothing"
             yield Diagnostic(
                 "I-IDLE-KEY", text, f"mesh.{key}", "leave it out, or choose such a maker of colliders"
             )
@@ -44,3 +39,7 @@ def idle_keys(keys: "MeshSections", makers: Collection[str], source: str) -> Ite
         yield Diagnostic(
             "I-IDLE-KEY", text, "contact.exclude", "leave it out, or choose another contact.self"
         )
+
+
+def _reads(maker: Maker, key: str) -> bool:
+    return maker is BY_CONTACT if key == "fine" else key in {one.name for one in fields(maker.settings)}

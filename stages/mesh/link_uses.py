@@ -4,9 +4,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from linkwright.stages.mesh import link_mesh
+from linkwright.stages.mesh import COLLIDERS, link_mesh
 from linkwright.stages.mesh.collide.choices import Choice
 from linkwright.stages.mesh.collide.make import ColliderJob, jobs_of
+from linkwright.stages.mesh.configuration.collider_settings import ContactSettings, HullSettings
 from linkwright.stages.mesh.contact_parts import too_small
 from linkwright.stages.mesh.geoms import GeomRules
 from linkwright.stages.mesh.library import MeshLibrary
@@ -18,6 +19,8 @@ from linkwright.stages.robot.model.robot import Link, Part
 if TYPE_CHECKING:
     from linkwright.stages.mesh import Memo
     from linkwright.stages.mesh.section import MeshSection
+
+HULL = COLLIDERS["hull"]
 
 _MOST_CORNERS = 10_000
 """Of the hull of an ellipsoid: as many as it has."""
@@ -106,8 +109,8 @@ def _maker(choice: Choice, part: Part, apart: bool, own: bool) -> Choice:
     """Who makes the collider of a part: of an ellipsoid its hull, with all of its corners; of what an MJCF
     source says itself (`own`), the hull that MuJoCo takes of it, where nothing else is asked for."""
     if part.form.ellipsoid:
-        settings = replace(choice.settings, max_vertices=_MOST_CORNERS)
-        return replace(choice, maker="hull", settings=settings, apart=True)
-    if own and choice.by_contact:
-        return replace(choice, maker="hull", apart=True)
+        return replace(choice, maker="hull", how=HULL, settings=HullSettings(_MOST_CORNERS), apart=True)
+    if isinstance(choice.settings, ContactSettings) and own:
+        settings = HullSettings(choice.settings.max_vertices)
+        return replace(choice, maker="hull", how=HULL, settings=settings, apart=True)
     return replace(choice, apart=True) if apart or part.form != PLAIN else choice

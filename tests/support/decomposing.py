@@ -9,7 +9,7 @@ from linkwright.stages.mesh.collide.acceptance import Judge
 from linkwright.stages.mesh.collide.cut_pieces import PieceCutter
 from linkwright.stages.mesh.collide.improvement import Improvement, helper
 from linkwright.stages.mesh.colliders import coacd
-from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
+from linkwright.stages.mesh.configuration.collider_settings import CoacdSettings
 from linkwright.stages.mesh.decompose import DecomposeOptions, decomposed
 from linkwright.stages.mesh.surfaces.pieces import surface_of
 from linkwright.stages.robot.errors import DecompositionFailed
@@ -17,7 +17,7 @@ from linkwright.stages.robot.errors import DecompositionFailed
 
 def task(surface: Surface, tolerance: float = 0.001, **options: Any) -> Improvement:
     """To decompose a surface by CoACD with these options."""
-    settings = ColliderSettings(tolerance=tolerance, **options)
+    settings = CoacdSettings(tolerance=tolerance, **options)
     return Improvement("coacd", [surface], settings, coacd.make([surface], settings))
 
 
@@ -44,6 +44,6 @@ def cut(surface: Surface, tolerance: float | None = None, most_vertices: int = 6
 
 def judge(surface: Surface, tolerance: float | None = None) -> Judge:
     """What pieces of a surface are judged by."""
-    made = Judge.of(surface, ColliderSettings(tolerance=tolerance))
+    made = Judge.of(surface, tolerance)
     assert isinstance(made, Judge)
     return made

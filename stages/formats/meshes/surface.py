@@ -40,6 +40,11 @@ class Surface:
         # `take` is four times as fast as an index.
         return self.vertices.take(self.triangles, axis=0)
 
+    @property
+    def diagonal(self) -> float:
+        """The diagonal [m] of the box around the points; 0 without any."""
+        return float(np.linalg.norm(np.ptp(self.vertices, axis=0))) if len(self.vertices) else 0.0
+
     def flipped(self) -> "Surface":
         """The same surface with its inside out."""
         texcoords = None if self.texcoords is None else self.texcoords[:, ::-1]

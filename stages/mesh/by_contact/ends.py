@@ -10,7 +10,7 @@ import numpy as np
 
 from linkwright.stages.formats.meshes.surface import Surface, joined
 from linkwright.stages.mesh.collide.acceptance import Judge
-from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
+from linkwright.stages.mesh.configuration.collider_settings import ContactSettings, default_tolerance
 from linkwright.stages.mesh.cut import planes
 from linkwright.stages.mesh.cut.cutting import cut
 from linkwright.stages.mesh.cut.outside import Outside, Sampled, StandingOut
@@ -58,13 +58,13 @@ class End:
 
 
 def fitted_end(
-    surface: Surface, starts: Sequence[Sequence[Chunk]], settings: ColliderSettings
+    surface: Surface, starts: Sequence[Sequence[Chunk]], settings: ContactSettings
 ) -> tuple[list[Chunk], End]:
     """The pieces of a link that meets the world, and how near they are to it."""
-    tolerance = settings.tolerance_of(surface)
+    tolerance = default_tolerance(surface.diagonal)
     outside = Outside.of(surface, tolerance)
     out, chunks = _fitted(starts, outside, tolerance, settings.max_vertices)
-    judge = Judge.of(surface, settings)
+    judge = Judge.of(surface)
     measures = None
     if isinstance(judge, Judge):
         measures = judge.measure([chunk.piece for chunk in chunks], (out.p95, out.most))

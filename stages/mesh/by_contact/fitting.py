@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.by_contact.ends import End, fitted_end
 from linkwright.stages.mesh.collide.improvement import TASKS
-from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
+from linkwright.stages.mesh.configuration.collider_settings import ContactSettings
 from linkwright.stages.mesh.cut.piece import Chunk
 from linkwright.stages.robot.system import process_usage
 from linkwright.stages.robot.system.guest import ONE_THREAD, Bounds, Ended, Guest
@@ -34,7 +34,7 @@ class EndToFit:
 
     surface: Surface
     starts: tuple[tuple[Chunk, ...], ...]
-    settings: ColliderSettings
+    settings: ContactSettings
 
     def fitted(self) -> FittedEnd:
         """Takes seconds."""

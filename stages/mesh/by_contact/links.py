@@ -9,7 +9,7 @@ from typing import cast
 import numpy as np
 
 from linkwright.stages.formats.meshes.surface import Surface, compacted, joined, moved
-from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
+from linkwright.stages.mesh.configuration.collider_settings import ContactSettings, default_tolerance
 from linkwright.stages.mesh.cut.piece import Chunk, hulled
 from linkwright.stages.mesh.fit import CHEAPEST, fits
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
@@ -52,7 +52,7 @@ class Touchable:
 
 
 def started(
-    bodies: Sequence[Touchable], settings: ColliderSettings, known: dict[Hashable, Primitive | None]
+    bodies: Sequence[Touchable], settings: ContactSettings, known: dict[Hashable, Primitive | None]
 ) -> tuple[list[list[Chunk]], dict[Chunk, Chunk]]:
     """One primitive or hull for each group, and the hull of each primitive."""
     hulls: dict[Chunk, Chunk] = {}
@@ -73,7 +73,7 @@ def started(
 
 def _primitive(
     hull: Chunk,
-    settings: ColliderSettings,
+    settings: ContactSettings,
     placed_part: Placed,
     known: dict[Hashable, Primitive | None],
 ) -> Primitive | None:
@@ -83,7 +83,7 @@ def _primitive(
     part, link_from_part = placed_part
     if part is None or part not in known:
         own = moved(hull.piece, inverse(link_from_part))
-        tolerance = settings.tolerance_of(own)
+        tolerance = default_tolerance(own.diagonal)
         near = (fit.primitive for fit in fits(own, CHEAPEST[settings.target], tolerance))
         known[part] = next((shape for shape in near if volume(shape) <= LARGER * hull.volume), None)
     found = known[part]
@@ -96,7 +96,7 @@ def _with_primitive(hull: Chunk, primitive: Primitive | None) -> Chunk:
 
 
 def by_part(
-    body: Touchable, settings: ColliderSettings, known: dict[Hashable, Primitive | None] | None = None
+    body: Touchable, settings: ContactSettings, known: dict[Hashable, Primitive | None] | None = None
 ) -> Iterator[Chunk]:
     """A hull for each part, or the primitive that is as its hull, where those that are `known` are given: so
     a foot stays round."""

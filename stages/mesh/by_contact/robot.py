@@ -17,7 +17,7 @@ from linkwright.stages.mesh.by_contact.pair import Pair
 from linkwright.stages.mesh.by_contact.poses import near_pairs, relative
 from linkwright.stages.mesh.by_contact.request import POSES, ContactRequest, FalsePair
 from linkwright.stages.mesh.by_contact.search import PieceSearch
-from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
+from linkwright.stages.mesh.configuration.collider_settings import ContactSettings, default_tolerance
 from linkwright.stages.mesh.cut.piece import Chunk, rough
 from linkwright.stages.mesh.library import MOVED
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
@@ -76,6 +76,7 @@ def solved(request: ContactRequest, bodies: Sequence[Touchable]) -> Solution:
 
 def _solved(request: ContactRequest, bodies: Sequence[Touchable], fitter: EndFitter) -> Solution:
     settings = request.jobs[0].choice.settings
+    assert isinstance(settings, ContactSettings)
     surfaces = [body.surface() for body in bodies]
     primitives: dict[Hashable, Primitive | None] = {}
     chunks, hulls = started(bodies, settings, primitives)
@@ -85,7 +86,7 @@ def _solved(request: ContactRequest, bodies: Sequence[Touchable], fitter: EndFit
     before = _false(search, bodies, poses)
     search.refine(lambda link: list(by_part(bodies[link], settings)))
     search.merge()
-    numbers = _ends(request, bodies, surfaces, chunks, poses, settings)
+    numbers = _ends(request, bodies, surfaces, chunks, poses)
     ends = dict[str, End]()
     to_fit = list(_to_fit(numbers, search, bodies, surfaces, settings, primitives))
     for number, (made, end) in zip(numbers, _fitted(to_fit, fitter), strict=True):
@@ -104,7 +105,7 @@ def _to_fit(
     search: PieceSearch,
     bodies: Sequence[Touchable],
     surfaces: Sequence[Surface],
-    settings: ColliderSettings,
+    settings: ContactSettings,
     primitives: dict[Hashable, Primitive | None],
 ) -> Iterator[EndToFit]:
     """The bodies of these numbers, whose pieces are to be made fine."""
@@ -223,7 +224,6 @@ def _ends(
     surfaces: Sequence[Surface],
     chunks: Sequence[Sequence[Chunk]],
     poses: Sequence[Array],
-    settings: ColliderSettings,
 ) -> list[int]:
     """Those bodies that are to be within their tolerance, by number."""
     place = {body.link: number for number, body in enumerate(bodies)}
@@ -243,6 +243,6 @@ def _ends(
             {link: surfaces[number] for link, number in place.items()},
             hulls,
             {link: poses[number] for link, number in place.items()},
-            {link: settings.tolerance_of(surfaces[place[link]]) for link in place},
+            {link: default_tolerance(surfaces[place[link]].diagonal) for link in place},
         )
     return sorted(place[link] for link in mine & set(fine))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from linkwright.stages.formats.meshes.surface import Surface, joined
 from linkwright.stages.mesh.collide.collision import Collision
-from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
+from linkwright.stages.mesh.configuration.collider_settings import default_tolerance
 from linkwright.stages.mesh.fit.score import MOST_OF_TOLERANCE
 from linkwright.stages.mesh.measure import FEW, Measures, Target, hopeless, measure, near
 from linkwright.stages.mesh.surfaces.clean import clean
@@ -28,8 +28,9 @@ class Judge:
     extra_volume: float
 
     @staticmethod
-    def of(surface: Surface, settings: ColliderSettings) -> Judge | str:
-        """Of any triangles; why there is nothing to judge, in words, where that is so."""
+    def of(surface: Surface, tolerance: float | None = None, extra_volume: float = 0.0) -> Judge | str:
+        """Of any triangles; why there is nothing to judge, in words, where that is so. `tolerance` [m]: None
+        for that of its size."""
         bodies = clean(surface).bodies()
         if not bodies:
             return "the part is flat"
@@ -38,12 +39,12 @@ class Judge:
             target = Target.of(solid)
         except ValueError as error:
             return str(error)
-        tolerance = settings.tolerance_of(solid)
+        tolerance = default_tolerance(solid.diagonal) if tolerance is None else tolerance
         # Within the tolerance a collider may be larger than the part all around it: of a thin part that is
         # a large share of its volume.
         volume = max(target.volume, 0.0)
         skin = solid.area() * tolerance
-        allowed = settings.extra_volume * (volume + skin) / volume if volume > 0 else float("inf")
+        allowed = extra_volume * (volume + skin) / volume if volume > 0 else float("inf")
         return Judge(solid, target, tolerance, allowed)
 
     def hopeless(self, pieces: Sequence[Piece], tolerances: float = 1.0, points: int = FEW) -> bool:
@@ -71,9 +72,9 @@ class Judge:
         return miss(measures, self.tolerance) <= 1 and extra <= self.extra_volume
 
 
-def measured(made: Collision, surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
+def measured(made: Collision, surfaces: Sequence[Surface], tolerance: float | None) -> Collision:
     """A collider that was made without a look at its measures, with them."""
-    judge = Judge.of(joined(surfaces), settings)
+    judge = Judge.of(joined(surfaces), tolerance)
     if isinstance(judge, str) or not made.pieces:
         return made
     return judge.collision(made.pieces, judge.measure(made.pieces), made.rung).with_note(made.note)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from linkwright.stages.mesh import BY_CONTACT, COLLIDERS, GIVEN, Maker
 from linkwright.stages.mesh.collide.unmatched import report_unmatched
@@ -18,31 +18,34 @@ if TYPE_CHECKING:
     from linkwright.stages.mesh.section import MeshSection
 
 _WHERE = "mesh.colliders"
+_OWN = ("tolerance", "extra_volume", "max_vertices")
 
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """A maker, its settings, and who asked for it.
+    """A maker, how it works, its settings, and who asked for it.
 
     `entry`: the number of the glob, -1 for `mesh.collider`; `apart`: whether the glob named the part and not
     its link, so that the part is on its own.
     """
 
     maker: str
+    how: Maker
     settings: ColliderSettings
     entry: int = -1
     apart: bool = False
 
-    @property
-    def by_contact(self) -> bool:
-        """Whether contact decides, and no tolerance: where nobody asks for a part or for a tolerance."""
-        return self.maker == "ladder" and self.entry < 0 and self.settings.tolerance is None
+    @staticmethod
+    def of(maker: str, values: Mapping[str, Any], entry: int = -1) -> Choice:
+        """Of a maker and the settings of all makers by name. Contact decides, and no tolerance, where nobody
+        asks for a part or for a tolerance."""
+        by_contact = maker == "ladder" and entry < 0 and values["tolerance"] is None
+        how = BY_CONTACT if by_contact else GIVEN if maker == "given" else COLLIDERS[maker]
+        return Choice(maker, how, how.settings.of(values), entry)
 
     @property
-    def how(self) -> Maker:
-        if self.by_contact:
-            return BY_CONTACT
-        return GIVEN if self.maker == "given" else COLLIDERS[self.maker]
+    def by_contact(self) -> bool:
+        return self.how is BY_CONTACT
 
 
 def choices(
@@ -52,8 +55,9 @@ def choices(
 
     E-GLOB for each glob that matches no link and no part.
     """
-    default = Choice(section.collider, ColliderSettings.of(section))
-    entries = [(glob, _choice(default, keys, number)) for number, (glob, keys) in _numbered(section)]
+    default = default_choice(section)
+    numbered = enumerate(section.colliders.items())
+    entries = [(glob, _choice(section, keys, number)) for number, (glob, keys) in numbered]
     unmatched = {glob for glob, _ in entries}
     found: dict[tuple[str, int], Choice] = {}
     for link in links:
@@ -80,19 +84,16 @@ def names_of(part: Part) -> tuple[str, ...]:
     return part.name, own, unnumbered(own)
 
 
-def _numbered(section: MeshSection) -> Iterator[tuple[int, tuple[str, ColliderSection]]]:
-    return iter(enumerate(section.colliders.items()))
+def default_choice(section: MeshSection) -> Choice:
+    """The maker of `mesh.collider`."""
+    return Choice.of(section.collider, dict(section))
 
 
-def _choice(default: Choice, keys: ColliderSection, number: int) -> Choice:
-    given = {
-        name: value
-        for name in ("tolerance", "extra_volume", "max_vertices")
-        if (value := getattr(keys, name)) is not None
-    }
-    settings = replace(default.settings, **given, coacd={**default.settings.coacd, **keys.coacd})
+def _choice(section: MeshSection, keys: ColliderSection, number: int) -> Choice:
+    own = {name: value for name, value in keys if name in _OWN and value is not None}
+    values = {**dict(section), **own, "coacd": {**section.coacd, **keys.coacd}}
     primitive = keys.primitive()
     if primitive is not None:
         kind, size = primitive
-        return Choice("given", replace(settings, kind=kind, size=size), number)
-    return Choice("visual" if keys.make in ("none", None) else str(keys.make), settings, number)
+        return Choice.of("given", {**values, "kind": kind, "size": size}, number)
+    return Choice.of("visual" if keys.make in ("none", None) else str(keys.make), values, number)

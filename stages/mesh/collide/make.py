@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from hashlib import sha256
 from importlib import import_module
@@ -21,6 +21,7 @@ from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.collide.improvement import Improvement, improved
 from linkwright.stages.mesh.collide.merge_across_parts import MANY, across
 from linkwright.stages.mesh.collide.side_by_side import Making, side_by_side
+from linkwright.stages.mesh.configuration.collider_settings import LadderSettings
 from linkwright.stages.mesh.library import MeshLibrary
 from linkwright.stages.mesh.link_mesh import Use
 from linkwright.stages.mesh.surfaces.pieces import placed
@@ -60,8 +61,7 @@ class ColliderJob:
         """All that the collider depends on, as plain data."""
         use = self.uses[0]
         made_of = [use.mesh.reply, use.mesh.part] if self.alone else [one.key()[:3] for one in self.uses]
-        settings = self.choice.settings.used(self.choice.how.settings)
-        return {"maker": self.choice.maker, "settings": settings, "of": made_of}
+        return {"maker": self.choice.maker, "settings": asdict(self.choice.settings), "of": made_of}
 
     def identity(self) -> str:
         """The digest of the key."""
@@ -152,8 +152,11 @@ class _Made:
         if len(pieces) < MANY:
             return None
 
+        settings = whole.choice.settings
+        assert isinstance(settings, LadderSettings)
+
         def make() -> bytes:
-            return collision.encode(across(self._surfaces(whole), pieces, whole.choice.settings))
+            return collision.encode(across(self._surfaces(whole), pieces, settings))
 
         name = whole.identity(), "joined"
         if name not in self._first:

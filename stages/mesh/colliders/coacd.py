@@ -10,19 +10,19 @@ from linkwright.stages.mesh.collide.acceptance import Judge
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.collide.cut_pieces import PieceCutter
 from linkwright.stages.mesh.colliders import hull
-from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
+from linkwright.stages.mesh.configuration.collider_settings import CoacdSettings, HullSettings
 from linkwright.stages.mesh.decompose import NOT_CLOSED, DecomposeOptions, decomposed, search
 
 
-def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
+def make(surfaces: Sequence[Surface], settings: CoacdSettings) -> Collision:
     """The convex hull, which stays where CoACD fails; none of what lies in a plane."""
-    made = hull.make(surfaces, settings)
+    made = hull.make(surfaces, HullSettings(settings.max_vertices))
     return replace(made, meets=not made.pieces)
 
 
-def improve(surfaces: Sequence[Surface], settings: ColliderSettings, made: Collision) -> Collision:
+def improve(surfaces: Sequence[Surface], settings: CoacdSettings, made: Collision) -> Collision:
     """At most 16 pieces; what is not closed is cut by planes."""
-    judge = Judge.of(joined(surfaces), settings)
+    judge = Judge.of(joined(surfaces), settings.tolerance)
     if isinstance(judge, str):
         return made.with_note(judge)
     options = DecomposeOptions(judge.tolerance, search(settings.effort, settings.coacd))

@@ -11,7 +11,7 @@ from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.collide.cut_pieces import Cut, PieceCutter
 from linkwright.stages.mesh.collide.plainer import plainer
 from linkwright.stages.mesh.colliders import hull
-from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
+from linkwright.stages.mesh.configuration.collider_settings import HullSettings, LadderSettings
 from linkwright.stages.mesh.fit import CHEAPEST, capped_hull, fits
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.pieces import Piece, surface_of
@@ -29,11 +29,11 @@ _HOLLOW = 2.0
 """A part whose hull misses so many times the tolerance is no primitive."""
 
 
-def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
+def make(surfaces: Sequence[Surface], settings: LadderSettings) -> Collision:
     """The cheapest primitive that is near enough, else the convex hull, near enough or not."""
-    judge = Judge.of(joined(surfaces), settings)
+    judge = Judge.of(joined(surfaces), settings.tolerance, settings.extra_volume)
     if isinstance(judge, str):
-        whole = hull.make(surfaces, settings)
+        whole = hull.make(surfaces, HullSettings(settings.max_vertices))
         return replace(whole, meets=not whole.pieces, note=judge)
     for rung, piece in _wholes(judge, settings):
         if judge.hopeless([piece]) and rung != "hull":
@@ -45,7 +45,7 @@ def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
     return Collision(note="the part is flat")
 
 
-def _wholes(judge: Judge, settings: ColliderSettings) -> Iterator[tuple[str, Piece]]:
+def _wholes(judge: Judge, settings: LadderSettings) -> Iterator[tuple[str, Piece]]:
     """The primitives worth a measurement, the cheapest first, then the hull."""
     whole = convex_hull(judge.surface.vertices)
     if whole is None:
@@ -59,10 +59,10 @@ def _wholes(judge: Judge, settings: ColliderSettings) -> Iterator[tuple[str, Pie
         yield "hull", snapped(capped)
 
 
-def improve(surfaces: Sequence[Surface], settings: ColliderSettings, made: Collision) -> Collision:
+def improve(surfaces: Sequence[Surface], settings: LadderSettings, made: Collision) -> Collision:
     """Convex pieces, as few as are near enough; or, where none are, those that are much nearer than the hull;
     else `made`."""
-    judge = Judge.of(joined(surfaces), settings)
+    judge = Judge.of(joined(surfaces), settings.tolerance, settings.extra_volume)
     if isinstance(judge, str) or made.measures is None:
         return made
     cut = PieceCutter(judge, settings.max_vertices, settings.effort).cut()
@@ -84,7 +84,7 @@ def _of_pieces(judge: Judge, cut: Cut, hull: Collision) -> Collision:
     return hull.with_note(f"{len(cut.pieces)} convex pieces are {times:.2g} times as near")
 
 
-def together(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
+def together(surfaces: Sequence[Surface], settings: LadderSettings) -> Collision:
     """One primitive or hull for several parts, where it is as near as each of them asks; else no pieces."""
     tolerance = min(map(settings.tolerance_of, surfaces))
     every = joined(surfaces)

@@ -1,16 +1,15 @@
-"""The settings of the makers of colliders."""
+"""The settings of the makers of colliders: what each reads, and so what its colliders depend on."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
-
 if TYPE_CHECKING:
+    from typing import Self
+
     from linkwright.stages.formats.meshes.surface import Surface
-    from linkwright.stages.mesh.section import MeshSection
 
 LEAST_TOLERANCE = 0.001
 """The tolerance [m] of a small part where `mesh.tolerance` says nothing."""
@@ -19,46 +18,72 @@ TOLERANCE_OF_SIZE = 0.015
 """The same of a larger part, as a share of the diagonal of its bounding box."""
 
 Effort = Literal["low", "normal", "high"]
+Engine = Literal["mujoco", "mjx"]
 
 
 @dataclass(frozen=True, slots=True)
 class ColliderSettings:
-    """The keys of `mesh` that makers of colliders read, with the same meanings and units.
+    """The keys of `mesh` that a maker of colliders reads, with the same meanings and units; none here.
 
-    `kind`, `size`: the kind of primitive where the user says it, and its lengths as a `Primitive` has them,
-    None where they are free.
+    All of them are in the key of the cache, so that a maker gets a new setting by a field alone.
     """
 
-    tolerance: float | None = None
-    extra_volume: float = 0.15
-    max_vertices: int = 64
-    effort: Effort = "normal"
-    target: Literal["mujoco", "mjx"] = "mujoco"
-    coacd: Mapping[str, Any] = field(default_factory=dict)
-    kind: str = ""
-    size: tuple[float | None, ...] = ()
-
     @classmethod
-    def of(cls, section: MeshSection) -> ColliderSettings:
-        """The settings that the configuration gives."""
-        return cls(
-            section.tolerance,
-            section.extra_volume,
-            section.max_vertices,
-            section.effort,
-            section.target,
-            section.coacd,
-        )
+    def of(cls, values: Mapping[str, Any]) -> Self:
+        """The maker's own of all settings."""
+        return cls(**{one.name: values[one.name] for one in fields(cls)})
 
-    def used(self, names: Iterable[str]) -> dict[str, Any]:
-        """The settings of these names as plain data, for a cache key."""
-        return {name: getattr(self, name) for name in names}
+
+@dataclass(frozen=True, slots=True)
+class HullSettings(ColliderSettings):
+    max_vertices: int = 64
+
+
+@dataclass(frozen=True, slots=True)
+class ContactSettings(HullSettings):
+    """Of colliders by contact."""
+
+    target: Engine = "mujoco"
+
+
+@dataclass(frozen=True, slots=True)
+class SphereSettings(ColliderSettings):
+    tolerance: float | None = None
 
     def tolerance_of(self, surface: Surface) -> float:
         """The largest distance [m] of a collider from a part with this surface."""
-        if self.tolerance is not None:
-            return self.tolerance
-        return default_tolerance(float(np.linalg.norm(np.ptp(surface.vertices, axis=0))))
+        return default_tolerance(surface.diagonal) if self.tolerance is None else self.tolerance
+
+
+@dataclass(frozen=True, slots=True)
+class PrimitiveSettings(SphereSettings):
+    target: Engine = "mujoco"
+
+
+@dataclass(frozen=True, slots=True)
+class GivenSettings(SphereSettings):
+    """`kind`, `size`: the kind of primitive that the user says, and its lengths as a `Primitive` has them,
+    None where they are free."""
+
+    kind: str = "box"
+    size: tuple[float | None, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class PieceSettings(SphereSettings):
+    max_vertices: int = 64
+    effort: Effort = "normal"
+
+
+@dataclass(frozen=True, slots=True)
+class CoacdSettings(PieceSettings):
+    coacd: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class LadderSettings(PieceSettings):
+    extra_volume: float = 0.15
+    target: Engine = "mujoco"
 
 
 def default_tolerance(diagonal: float) -> float:

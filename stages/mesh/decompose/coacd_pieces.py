@@ -34,7 +34,7 @@ def decomposed(surface: Surface, options: DecomposeOptions) -> tuple[Surface, ..
         bodies = (surface,)
     if isinstance(bodies, str):
         return bodies
-    pitch = grid(_size(surface))
+    pitch = grid(surface.diagonal)
     parts = [piece for body in bodies for piece in _pieces(body, options.tolerance, arguments)]
     hulls = [hull for part in parts if (hull := convex_hull(on_grid(part, pitch)))]
     hulls.sort(key=lambda hull: hull.vertices.tobytes())
@@ -46,17 +46,12 @@ def _pieces(body: Surface, tolerance: float, arguments: dict[str, Any]) -> list[
     hull = convex_hull(body.vertices)
     if hull is None:
         return []
-    if _size(body) < tolerance or hull.volume() <= _CONVEX * body.volume():
+    if body.diagonal < tolerance or hull.volume() <= _CONVEX * body.volume():
         return [hull.vertices]
     import coacd
 
     coacd.set_log_level("error")
     parts = coacd.run_coacd(coacd.Mesh(body.vertices, body.triangles), **arguments)
     hulls = [convex_hull(np.asarray(vertices, dtype=np.float64)) for vertices, _ in parts]
-    overlap = _OVERLAP_OF_SIZE * _size(body)
+    overlap = _OVERLAP_OF_SIZE * body.diagonal
     return [grown(hull, overlap) for hull in hulls if hull]
-
-
-def _size(surface: Surface) -> float:
-    """The diagonal [m]."""
-    return float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))

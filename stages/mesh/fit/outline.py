@@ -95,7 +95,7 @@ def outline_of(surface: Surface) -> Outline | None:
         areas=areas,
         tree=cKDTree(points),
         sample_faces=owners,
-        size=float(np.linalg.norm(np.ptp(hull.vertices, axis=0))),
+        size=hull.diagonal,
     )
 
 

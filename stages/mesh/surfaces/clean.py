@@ -101,7 +101,7 @@ def _without_cracks(surface: Surface) -> Surface:
     if not before:
         return surface
     rim = np.unique(edges.ends[open_edges])
-    gap = _GAP * float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
+    gap = _GAP * surface.diagonal
     pairs = cKDTree(surface.vertices[rim]).query_pairs(gap, output_type="ndarray")
     if not len(pairs):
         return surface

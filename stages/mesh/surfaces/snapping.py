@@ -22,6 +22,6 @@ def on_grid(points: Points, pitch: float) -> Points:
 
 def snapped(surface: Surface) -> Surface:
     """The surface with its vertices on the grid of its size, welded, in canonical order."""
-    size = float(np.linalg.norm(np.ptp(surface.vertices, axis=0))) if len(surface.vertices) else 0.0
+    size = surface.diagonal if len(surface.vertices) else 0.0
     welded, _ = weld(on_grid(surface.vertices, grid(size)), surface.triangles)
     return welded

@@ -6,8 +6,6 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.tessellation import PartMesh
 from linkwright.stages.mesh.visuals.error import apart
@@ -147,7 +145,7 @@ def simplified(mesh: PartMesh, solid: Simplifiable, tolerance: float) -> PartMes
 
 def bound(surface: Surface) -> float:
     """How far [m] the surface of a part may move."""
-    return max(LEAST_BOUND, BOUND_OF_SIZE * float(np.linalg.norm(np.ptp(surface.vertices, axis=0))))
+    return max(LEAST_BOUND, BOUND_OF_SIZE * surface.diagonal)
 
 
 def _levels(surface: Surface) -> int:

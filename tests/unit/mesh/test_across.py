@@ -5,13 +5,13 @@ import pytest
 
 from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.collide.merge_across_parts import across
-from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
+from linkwright.stages.mesh.configuration.collider_settings import LadderSettings
 from linkwright.stages.mesh.surfaces.pieces import signed_distance, volume
 from linkwright.stages.robot.model.robot import Primitive, frozen
 from tests.support.fidelity import Hull, fidelity
 from tests.support.solids import box, joined
 
-SETTINGS = ColliderSettings(tolerance=0.001)
+SETTINGS = LadderSettings(tolerance=0.001)
 
 
 def ells(gap: float = 0.0) -> tuple[list[Surface], list[Surface]]:
@@ -54,7 +54,7 @@ def test_every_part_counts_by_its_own_tolerance() -> None:
             for middle, height in ((0, size / 4), (size, size / 4 - 0.004))
             for side in (-1, 1)
         ]
-        made = across(blocks, halves, ColliderSettings())
+        made = across(blocks, halves, LadderSettings())
         assert len(made.pieces) == count
 
 
@@ -69,7 +69,7 @@ def test_primitives_among_the_pieces_stay_or_are_held_by_what_they_become() -> N
     ball = Primitive("sphere", (0.01,), frozen(np.eye(4)))
     far = [box(0.02, 0.02, 0.02, at=(0.1, 0, 0)), box(0.02, 0.02, 0.02, at=(0.12, 0, 0))]
     round_part = joined(box(0.0115, 0.0115, 0.0115))
-    made = across([round_part, joined(*far)], [ball, *far], ColliderSettings(tolerance=0.006))
+    made = across([round_part, joined(*far)], [ball, *far], LadderSettings(tolerance=0.006))
     assert sum(isinstance(piece, Primitive) for piece in made.pieces) == 1
     kept = next(piece for piece in made.pieces if isinstance(piece, Primitive))
     assert signed_distance(kept, np.zeros((1, 3)))[0] == pytest.approx(-0.01)

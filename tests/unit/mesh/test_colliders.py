@@ -4,7 +4,7 @@ import json
 import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, Literal
@@ -16,19 +16,27 @@ import trimesh
 
 from linkwright.stages.formats.meshes.surface import Surface, moved
 from linkwright.stages.formats.xml import parse
-from linkwright.stages.mesh import COLLIDERS, fit, make_geometry
+from linkwright.stages.mesh import COLLIDERS, Maker, fit, make_geometry
 from linkwright.stages.mesh.collide import collision
+from linkwright.stages.mesh.collide.choices import Choice
 from linkwright.stages.mesh.collide.collision import Collision
+from linkwright.stages.mesh.collide.make import ColliderJob
 from linkwright.stages.mesh.colliders import hull, primitives, raw, spheres
-from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
+from linkwright.stages.mesh.configuration.collider_settings import (
+    ColliderSettings,
+    HullSettings,
+    PrimitiveSettings,
+    SphereSettings,
+)
 from linkwright.stages.mesh.files import stl
 from linkwright.stages.mesh.files.mesh_file import MeshFile
+from linkwright.stages.mesh.link_mesh import Use
 from linkwright.stages.mesh.section import MeshSection
 from linkwright.stages.mesh.surfaces import pieces
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.model.geometry import Measures
 from linkwright.stages.robot.model.poses import from_parts, rotation_from_rpy
-from linkwright.stages.robot.model.robot import Primitive, PrimitiveKind, frozen
+from linkwright.stages.robot.model.robot import MeshRef, Primitive, PrimitiveKind, frozen
 from linkwright.stages.robot.motion.kinematics import link_poses
 from tests.support.building import bundle_of, plan_of, robot_of, write
 from tests.support.checked import checked
@@ -45,7 +53,7 @@ KINDS: dict[int, PrimitiveKind] = {
 BALL = Primitive("sphere", (0.02,), frozen(np.eye(4)))
 
 
-def three_pieces(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
+def three_pieces(surfaces: Sequence[Surface], settings: HullSettings) -> Collision:
     (whole,) = hull.make(surfaces, settings).pieces
     return Collision((whole, BALL, tetrahedron(0.02)))
 
@@ -63,6 +71,24 @@ def tetrahedron(size: float) -> Surface:
     return Surface(corners, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]))
 
 
+@dataclass(frozen=True, slots=True)
+class SmoothedSettings(HullSettings):
+    smoothing: float = 0.0
+
+
+def test_a_new_setting_of_a_maker_is_in_its_memo_key(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(COLLIDERS, "hull", Maker("link", SmoothedSettings))  # type: ignore[misc]
+    values = {"tolerance": None, "max_vertices": 64, "effort": "low"}
+    use = Use(MeshRef("reply", "part"), np.eye(4))
+
+    def identity(**more: Any) -> str:
+        choice = Choice.of("hull", {**values, **more})
+        return ColliderJob("arm", "arm", choice, (use,), (0,)).identity()
+
+    assert identity(smoothing=0.0) == identity(smoothing=0.0, effort="high")
+    assert identity(smoothing=0.0) != identity(smoothing=0.1)
+
+
 def test_raw_colliders_are_the_surfaces_as_they_are() -> None:
     surfaces = [tetrahedron(0.5), tetrahedron(0.25)]
     made = raw.make(surfaces, ColliderSettings())
@@ -75,9 +101,9 @@ def test_raw_colliders_are_the_surfaces_as_they_are() -> None:
 
 def test_the_tolerance_is_what_the_key_says_else_by_the_size() -> None:
     small, large = tetrahedron(0.01), tetrahedron(1.0)
-    assert ColliderSettings().tolerance_of(small) == 0.001
-    assert ColliderSettings().tolerance_of(large) == pytest.approx(0.015 * math.sqrt(3))
-    assert ColliderSettings(tolerance=0.004).tolerance_of(large) == 0.004
+    assert SphereSettings().tolerance_of(small) == 0.001
+    assert SphereSettings().tolerance_of(large) == pytest.approx(0.015 * math.sqrt(3))
+    assert SphereSettings(tolerance=0.004).tolerance_of(large) == 0.004
 
 
 @pytest.mark.parametrize(("collider", "codes"), [("visual", []), ("raw", ["I-RAW"])])
@@ -215,7 +241,7 @@ def shapes_of(file: Path, link: str) -> list[Primitive]:
 def test_each_part_has_the_primitive_that_fits_it_best(target: Literal["mujoco", "mjx"]) -> None:
     rod = Surface(*solid(trimesh.creation.cylinder(0.01, 0.05)))
     box = Surface(*solid(trimesh.creation.box((0.1, 0.05, 0.01))))
-    settings = ColliderSettings(target=target)
+    settings = PrimitiveSettings(target=target)
     made = [primitives.make([one], settings).pieces[0] for one in (rod, box)]
     kinds = [one.kind for one in made if isinstance(one, Primitive)]
     assert kinds[1] == "box"
@@ -225,7 +251,7 @@ def test_each_part_has_the_primitive_that_fits_it_best(target: Literal["mujoco",
 def test_spheres_keep_the_tolerance_where_they_can() -> None:
     surface = Surface(*solid(trimesh.creation.box((0.03, 0.01, 0.01))))
     for tolerance, count in ((0.001, 64), (0.0005, 64), (0.003, 12)):
-        made = spheres.make([surface], ColliderSettings(tolerance=tolerance))
+        made = spheres.make([surface], SphereSettings(tolerance=tolerance))
         balls = [one for one in made.pieces if isinstance(one, Primitive)]
         assert 0 < len(balls) <= count
         if tolerance >= 0.001:
@@ -247,7 +273,7 @@ def assert_within(balls: Sequence[Primitive], surface: Surface, tolerance: float
 def test_the_order_of_triangles_does_not_matter_to_spheres() -> None:
     surface = Surface(*solid(trimesh.creation.annulus(0.01, 0.02, 0.01)))
     shuffled = Surface(surface.vertices, np.random.default_rng(1).permutation(surface.triangles))
-    one, other = (spheres.make([it], ColliderSettings()).pieces for it in (surface, shuffled))
+    one, other = (spheres.make([it], SphereSettings()).pieces for it in (surface, shuffled))
     assert [codec.plain(ball) for ball in one] == [codec.plain(ball) for ball in other]
 
 

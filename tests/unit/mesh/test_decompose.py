@@ -11,7 +11,7 @@ from linkwright.stages.formats.meshes.surface import Surface, weld
 from linkwright.stages.mesh.collide import collision, improvement
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.collide.improvement import BOUNDS, Improvement, helper
-from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
+from linkwright.stages.mesh.configuration.collider_settings import CoacdSettings
 from linkwright.stages.mesh.decompose import DecomposeOptions, decomposed, search
 from linkwright.stages.mesh.decompose.prepare import NOT_CLOSED, prepared
 from linkwright.stages.mesh.decompose.seams import containing_hull, grown
@@ -162,7 +162,7 @@ def test_what_has_no_pieces_is_refused_in_words(vertices, triangles) -> None:
 
 
 PEACE = collision.encode(Collision(note="peace"))
-EASY = Improvement("peace", [], ColliderSettings(), Collision())
+EASY = Improvement("peace", [], CoacdSettings(), Collision())
 
 
 @pytest.fixture
@@ -292,7 +292,7 @@ def test_what_is_given_to_coacd_gives_pieces(given) -> None:
 def test_the_collider_coacd_is_the_pieces_of_a_part() -> None:
     from linkwright.stages.mesh.colliders import coacd
 
-    settings = ColliderSettings(coacd={"seed": 1})
+    settings = CoacdSettings(coacd={"seed": 1})
     assert coacd.make([Surface(BRACKET.vertices * [1, 1, 0], BRACKET.triangles)], settings).pieces == ()
     hull = coacd.make([CLAMP], settings)
     assert (len(hull.pieces), hull.meets) == (1, False)

@@ -14,7 +14,7 @@ from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.colliders import hull
-from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
+from linkwright.stages.mesh.configuration.collider_settings import HullSettings
 from linkwright.stages.mesh.geoms import GeomRules
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.diagnostics import Diagnostics
@@ -37,7 +37,7 @@ def built(kit: Kit, geoms: object) -> tuple[Robot, Geometry]:
     return robot, make_geometry(robot, bundle_of(kit.document), plan, lambda kind, key, make: make())
 
 
-def ball_and_hull(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
+def ball_and_hull(surfaces: Sequence[Surface], settings: HullSettings) -> Collision:
     ball = Primitive("sphere", (0.02,), frozen(np.eye(4)))
     return Collision((*hull.make(surfaces, settings).pieces, ball))
 

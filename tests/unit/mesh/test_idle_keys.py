@@ -2,7 +2,8 @@
 
 import pytest
 
-from linkwright.stages.mesh.idle_keys import BY_CONTACT, idle_keys
+from linkwright.stages.mesh import BY_CONTACT, COLLIDERS
+from linkwright.stages.mesh.idle_keys import idle_keys
 from tests.support.building import plan_of
 
 
@@ -11,14 +12,19 @@ from tests.support.building import plan_of
     [
         ({}, (), "onshape", []),
         ({"mesh__tolerance": 0.002}, (), "onshape", ["mesh.tolerance"]),
-        ({"mesh__tolerance": 0.002}, ("spheres",), "onshape", []),
-        ({"mesh": {"tolerance": 0.002, "effort": "low"}}, ("ladder",), "onshape", []),
+        ({"mesh__tolerance": 0.002}, (COLLIDERS["spheres"],), "onshape", []),
+        ({"mesh": {"tolerance": 0.002, "effort": "low"}}, (COLLIDERS["ladder"],), "onshape", []),
         ({"mesh": {"effort": "low", "fine": "all"}}, (BY_CONTACT,), "onshape", ["mesh.effort"]),
-        ({"mesh__fine": "all"}, ("hull",), "onshape", ["mesh.fine"]),
-        ({"mesh": {"collider": "spheres", "effort": "low"}}, ("spheres",), "onshape", ["mesh.effort"]),
+        ({"mesh__fine": "all"}, (COLLIDERS["hull"],), "onshape", ["mesh.fine"]),
+        (
+            {"mesh": {"collider": "spheres", "effort": "low"}},
+            (COLLIDERS["spheres"],),
+            "onshape",
+            ["mesh.effort"],
+        ),
         (
             {"mesh": {"coacd": {"mcts_iterations": 9}, "extra_volume": 1}},
-            ("coacd",),
+            (COLLIDERS["coacd"],),
             "urdf",
             ["mesh.extra_volume"],
         ),

@@ -12,12 +12,12 @@ from linkwright.stages.mesh.collide import cut_pieces
 from linkwright.stages.mesh.collide.acceptance import miss
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.colliders import ladder
-from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
+from linkwright.stages.mesh.configuration.collider_settings import LadderSettings
 from linkwright.stages.mesh.surfaces.pieces import half_spaces, signed_distance
 from linkwright.stages.robot.model.poses import from_parts, rotation_from_rpy
 from linkwright.stages.robot.model.robot import Primitive
 
-SETTINGS = ColliderSettings()
+SETTINGS = LadderSettings()
 ASKEW = from_parts(rotation_from_rpy((0.4, -0.7, 1.1)), np.array([0.1, -0.2, 0.05]))
 
 
@@ -43,7 +43,7 @@ def bracket() -> Surface:
     return union(box((0.1, 0.02, 0.005), (0, 0, 0.0025)), box((0.005, 0.02, 0.08), (-0.0475, 0, 0.04)))
 
 
-def climbed(surface: Surface, settings: ColliderSettings = SETTINGS) -> Collision:
+def climbed(surface: Surface, settings: LadderSettings = SETTINGS) -> Collision:
     made = ladder.make([surface], settings)
     return made if made.meets else ladder.improve([surface], settings, made)
 

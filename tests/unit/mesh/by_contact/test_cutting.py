@@ -10,7 +10,7 @@ from scipy.spatial import ConvexHull
 from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.by_contact.ends import fitted_end
 from linkwright.stages.mesh.by_contact.poses import near_pairs, relative
-from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
+from linkwright.stages.mesh.configuration.collider_settings import ContactSettings
 from linkwright.stages.mesh.cut.cutting import cut
 from linkwright.stages.mesh.cut.outside import Outside
 from linkwright.stages.mesh.cut.piece import hulled, rough
@@ -142,7 +142,7 @@ def test_what_pieces_of_an_end_lack_is_measured():
     lower = cut(box, np.array([0.0, 0, 1]), -0.02)[0]
     pieces = [hulled(side, 64, 0) for side in (upper, lower)]
     assert None not in pieces
-    _, end = fitted_end(box, [pieces], ColliderSettings())
+    _, end = fitted_end(box, [pieces], ContactSettings())
     assert end.meets
     assert end.measures.extra == pytest.approx(0.0, abs=1e-4)
     assert end.measures.missing == pytest.approx(0.5, abs=1e-4)

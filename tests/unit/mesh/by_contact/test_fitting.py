@@ -9,13 +9,13 @@ import trimesh
 from linkwright.stages.formats.meshes.surface import Surface, weld
 from linkwright.stages.mesh.by_contact import fitting
 from linkwright.stages.mesh.by_contact.fitting import EndFitter, EndToFit, FittedEnd, end_fitter
-from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
+from linkwright.stages.mesh.configuration.collider_settings import ContactSettings
 from linkwright.stages.mesh.cut.piece import hulled
 from linkwright.stages.mesh.fit import fittest
 from linkwright.stages.mesh.surfaces.pieces import surface_of
 from linkwright.stages.robot.system.guest import Bounds
 
-SETTINGS = ColliderSettings(max_vertices=32)
+SETTINGS = ContactSettings(max_vertices=32)
 
 
 def welded(mesh: trimesh.Trimesh) -> Surface:
