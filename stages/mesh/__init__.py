@@ -10,12 +10,13 @@ own frame. The primitives that the user gave it stay as they are, but for cylind
 - geometry: The robot's geometry: each link's meshes and colliders, made once, then named.
 - geoms: The properties of contact that `geoms` gives the shapes of links and of CAD parts.
 - idle_keys: Keys of the mesh stage that nothing of this robot depends on.
-- ignored: Links and parts that `ignore` leaves without visual geometry or colliders.
 - library: The part meshes of a bundle, each reply read once and only where something must be made of it.
 - link_mesh: What is known of the meshes of a link's parts, and its visual meshes made of them, both as bytes
   too.
 - link_uses: The parts of each link that have a mesh, and the visual meshes that are made of them.
 - motion_digest: What decides where the links of a robot are, as a digest.
+- part_choices: What is asked of each part: whether it is seen and solid, who makes its collider, and the
+  contact of that.
 - section: Configuration of the mesh stage: collision and visual geometry.
 - tessellation: Each part's triangles, welded to a surface, in the part studio's frame.
 """

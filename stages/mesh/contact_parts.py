@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Literal
 
-from linkwright.stages.mesh.collide.choices import Choice
 from linkwright.stages.mesh.configuration.collider_settings import default_tolerance
 from linkwright.stages.mesh.link_mesh import LinkParts
+from linkwright.stages.mesh.part_choices import PartChoice
 from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.model.robot import Link, Part
 from linkwright.stages.robot.text.plural import count
@@ -36,21 +36,21 @@ def with_basis(link: Link, kind: str, basis: Literal["declared", "visual"], as_i
 
 
 def too_small(
-    parts: Sequence[Part], known: LinkParts, chosen: Sequence[Choice], min_size: float | None
+    parts: Sequence[Part], known: LinkParts, chosen: Sequence[PartChoice], min_size: float | None
 ) -> frozenset[int]:
     """The indices of the colliding parts that have no collider: standard content and what is smaller than
     `min_size` [m]; none where the link has nothing else. `known`, `chosen`: the findings and the choices of
     the parts, in their order."""
     colliding = [
         index
-        for index, (part, found) in enumerate(zip(parts, known.findings, strict=True))
-        if part.collides and found.found
+        for index, (own, found) in enumerate(zip(chosen, known.findings, strict=True))
+        if own.collides and found.found
     ]
     least = default_tolerance(known.diagonal) if min_size is None else min_size
     small = frozenset(
         index
         for index in colliding
-        if chosen[index].entry < 0 and (parts[index].standard or known.findings[index].diagonal < least)
+        if chosen[index].maker.entry < 0 and (parts[index].standard or known.findings[index].diagonal < least)
     )
     return small if len(small) < len(colliding) else frozenset()
 

@@ -13,7 +13,7 @@ from linkwright.stages.mesh.by_contact.meeting import wanted
 from linkwright.stages.mesh.by_contact.report import false_contacts
 from linkwright.stages.mesh.by_contact.request import ContactRequest, FalsePair
 from linkwright.stages.mesh.collide import primitives
-from linkwright.stages.mesh.collide.choices import choices, default_choice
+from linkwright.stages.mesh.collide.choices import default_choice
 from linkwright.stages.mesh.collide.collision import Collider, colliders
 from linkwright.stages.mesh.collide.make import Collided, ColliderJob, collide
 from linkwright.stages.mesh.collide.report import colliders_reported, figures_of
@@ -27,12 +27,12 @@ from linkwright.stages.mesh.diagnostics import diagnostics
 from linkwright.stages.mesh.files import mesh_file
 from linkwright.stages.mesh.files.mesh_file import MeshFile
 from linkwright.stages.mesh.files.names import file_names, part_words
-from linkwright.stages.mesh.geoms import GeomRules
+from linkwright.stages.mesh.geoms import with_properties
 from linkwright.stages.mesh.idle_keys import idle_keys
-from linkwright.stages.mesh.ignored import without_ignored
 from linkwright.stages.mesh.library import MeshLibrary
 from linkwright.stages.mesh.link_mesh import PartFinding
 from linkwright.stages.mesh.link_uses import LinkUses, link_visuals, used_meshes
+from linkwright.stages.mesh.part_choices import PartChoice, part_choices, with_shown_shapes
 from linkwright.stages.mesh.surfaces.pieces import Piece, placed
 from linkwright.stages.mesh.visuals import textures
 from linkwright.stages.mesh.visuals.make import LinkVisuals
@@ -59,17 +59,16 @@ def geometry(
     """The shapes of all links. ProtocolError where triangles cannot be read, MeshError with each glob that
     matches nothing."""
     log = Diagnostics(optional=keys.optional)
-    rules = GeomRules(robot.links, keys.geoms, log)
     as_is = robot.mjcf is not None
     links = [with_basis(link, bundle.kind, keys.mesh.basis, as_is) for link in robot.links]
-    links = without_ignored(links, keys.ignore, log)
-    chosen = choices(links, keys.mesh, log)
+    chosen = part_choices(links, keys, as_is, log)
+    links = [with_shown_shapes(link, keys.ignore) for link in links]
     excluded = chosen_pairs([link.name for link in links], keys.contact.exclude, log)
     fine = wanted(keys.mesh.fine, links, log)
     if log.problems:
         raise MeshError("the configuration names links or parts that are not there", problems=log.problems)
     library = MeshLibrary(links, bundle)
-    used = used_meshes(links, library, keys.mesh, chosen, rules, memo, as_is)
+    used = used_meshes(links, library, chosen, memo, keys.mesh.min_size, as_is)
     jobs = [job for link in links for job in used[link.name].jobs(link.name)]
     pairs_of = partial(apart, robot, keys=keys.contact, chosen=excluded)
     with ThreadPoolExecutor(1, thread_name_prefix="visuals") as beside:
@@ -81,17 +80,17 @@ def geometry(
     shapes = [shape for link in links for shape in named[link.name]]
     problems = diagnostics(links, visuals, {link.name: _found(link, used[link.name]) for link in links})
     problems += log.found
-    every = [default_choice(keys.mesh), *chosen.values()]
-    problems += idle_keys(keys, {choice.how for choice in every}, bundle.kind)
+    makers = [default_choice(keys.mesh), *(one.maker for one in chosen.values())]
+    problems += idle_keys(keys, {maker.how for maker in makers}, bundle.kind)
     problems += colliders_reported(collided)
     problems += false_contacts(still_false)
     problems += too_small_reported({name: one for name in used if (one := _small_names(used[name]))})
     problems += unbalanced(links, library.of_parts, shapes, files)
-    figures, parts = list[ColliderFigures](), dict[tuple[str, int], list[Part]]()
+    figures, asked = list[ColliderFigures](), dict[tuple[str, int], PartChoice]()
     for made, number in zip(collided, _numbers(collided), strict=True):
-        its = [used[made.job.link].parts[part] for part in made.job.parts]
-        parts[made.job.link, number] = its
-        figures.append(figures_of(made, [part.name for part in its]))
+        its = used[made.job.link]
+        asked[made.job.link, number] = its.chosen[made.job.parts[0]]
+        figures.append(figures_of(made, [its.parts[part].name for part in made.job.parts]))
     # Of those that are written: an exclude counts them.
     solid = [shape for shape in shapes if shape.file is None or keys.mesh.assets == "files"]
     contacts = self_contacts(
@@ -99,7 +98,7 @@ def geometry(
     )
     problems += contacts.diagnostics
     (written_shapes, assets), left_out = written(
-        rules.with_properties(shapes, parts, contacts.by_source), files, keys.mesh
+        with_properties(shapes, asked, keys.geoms, contacts.by_source), files, keys.mesh
     )
     told = (*problems, *left_out)
     found = contacts.on, contacts.excludes, contacts.touching, tuple(figures), contacts.by_source

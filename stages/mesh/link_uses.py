@@ -4,36 +4,28 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from linkwright.stages.mesh import COLLIDERS, link_mesh
-from linkwright.stages.mesh.collide.choices import Choice
+from linkwright.stages.mesh import link_mesh
 from linkwright.stages.mesh.collide.make import ColliderJob, jobs_of
-from linkwright.stages.mesh.configuration.collider_settings import ContactSettings, HullSettings
 from linkwright.stages.mesh.contact_parts import too_small
-from linkwright.stages.mesh.geoms import GeomRules
 from linkwright.stages.mesh.library import MeshLibrary
 from linkwright.stages.mesh.link_mesh import LinkParts, Use
+from linkwright.stages.mesh.part_choices import PartChoice
 from linkwright.stages.mesh.visuals.make import LinkVisuals
-from linkwright.stages.robot.model.geom_form import PLAIN
 from linkwright.stages.robot.model.robot import Link, Part
 
 if TYPE_CHECKING:
     from linkwright.stages.mesh import Memo
     from linkwright.stages.mesh.section import MeshSection
 
-HULL = COLLIDERS["hull"]
-
-_MOST_CORNERS = 10_000
-"""Of the hull of an ellipsoid: as many as it has."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LinkUses:
     """The parts of a link that have a mesh, sorted by content: neither a new name nor another order of
-    instances makes the work again. `chosen`: who makes the collider of each."""
+    instances makes the work again. `chosen`: what is asked of each."""
 
     parts: tuple[Part, ...]
     uses: tuple[Use, ...]
-    chosen: tuple[Choice, ...]
+    chosen: tuple[PartChoice, ...]
     known: LinkParts
     small: frozenset[int]
 
@@ -46,36 +38,33 @@ class LinkUses:
         ]
         uses = [self.uses[index] for index in colliding]
         names = [self.parts[index].name for index in colliding]
-        for job in jobs_of(link, uses, names, [self.chosen[index] for index in colliding]):
+        for job in jobs_of(link, uses, names, [self.chosen[index].maker for index in colliding]):
             yield replace(job, parts=tuple(colliding[index] for index in job.parts))
 
 
 def used_meshes(
     links: Sequence[Link],
     library: MeshLibrary,
-    section: "MeshSection",
-    choice_of: Mapping[tuple[str, int], Choice],
-    rules: GeomRules,
+    choice_of: Mapping[tuple[str, int], PartChoice],
     memo: "Memo",
+    min_size: float | None,
     as_is: bool,
 ) -> dict[str, LinkUses]:
-    """The parts of each link that have a mesh, by the link's name. `as_is`: whether the source says itself
-    what collides."""
+    """The parts of each link that have a mesh, by the link's name. `min_size`: see `too_small`; `as_is`:
+    whether the source says itself what collides."""
     found = {}
     for link in links:
-        triples = [
-            (Use(part.mesh, part.link_from_part, part.collides, part.seen), part, choice_of[link.name, index])
-            for index, part in enumerate(link.parts)
-            if part.mesh
-        ]
+        triples = []
+        for index, part in enumerate(link.parts):
+            chosen = choice_of[link.name, index]
+            if part.mesh:
+                use = Use(part.mesh, part.link_from_part, chosen.collides, chosen.seen)
+                triples.append((use, part, chosen))
         triples.sort(key=lambda triple: triple[0].key())
-        uses = [use for use, _, _ in triples]
-        parts = [part for _, part, _ in triples]
-        own = as_is and section.basis == "declared"
-        makers = [_maker(maker, part, rules.set_apart(link.name, part), own) for _, part, maker in triples]
+        uses, parts, makers = zip(*triples, strict=True) if triples else ((), (), ())
         known = _known(uses, library, memo)
-        small = frozenset[int]() if as_is else too_small(parts, known, makers, section.min_size)
-        found[link.name] = LinkUses(tuple(parts), tuple(uses), tuple(makers), known, small)
+        small = frozenset[int]() if as_is else too_small(parts, known, makers, min_size)
+        found[link.name] = LinkUses(parts, uses, makers, known, small)
     return found
 
 
@@ -103,14 +92,3 @@ def _known(uses: Sequence[Use], library: MeshLibrary, memo: "Memo") -> LinkParts
         return LinkParts.of(uses, library.meshes(use.mesh for use in uses)).encoded()
 
     return LinkParts.decoded(memo("mesh.parts", {"parts": [use.key() for use in uses]}, make))
-
-
-def _maker(choice: Choice, part: Part, apart: bool, own: bool) -> Choice:
-    """Who makes the collider of a part: of an ellipsoid its hull, with all of its corners; of what an MJCF
-    source says itself (`own`), the hull that MuJoCo takes of it, where nothing else is asked for."""
-    if part.form.ellipsoid:
-        return replace(choice, maker="hull", how=HULL, settings=HullSettings(_MOST_CORNERS), apart=True)
-    if isinstance(choice.settings, ContactSettings) and own:
-        settings = HullSettings(choice.settings.max_vertices)
-        return replace(choice, maker="hull", how=HULL, settings=settings, apart=True)
-    return replace(choice, apart=True) if apart or part.form != PLAIN else choice

@@ -17,5 +17,4 @@
 - report: What is reported of colliders: their figures, and those that are not what they should be.
 - side_by_side: Colliders improved side by side, in as many guest processes, which stay for all of them.
 - task_guest: Guest process that does tasks for this project's own process: a request is a task as a pickle.
-- unmatched: The message about a glob that means no link and no CAD part.
 """

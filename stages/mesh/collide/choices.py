@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from linkwright.stages.mesh import BY_CONTACT, COLLIDERS, GIVEN, Maker
-from linkwright.stages.mesh.collide.unmatched import report_unmatched
 from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
-from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.model.robot import Link, Part
-from linkwright.stages.robot.text.globs import fits, unnumbered
 
 if TYPE_CHECKING:
     from linkwright.stages.mesh.configuration.collider_section import ColliderSection
     from linkwright.stages.mesh.section import MeshSection
 
-_WHERE = "mesh.colliders"
 _OWN = ("tolerance", "extra_volume", "max_vertices")
 
 
@@ -48,45 +43,14 @@ class Choice:
         return self.how is BY_CONTACT
 
 
-def choices(
-    links: Sequence[Link], section: MeshSection, log: Diagnostics
-) -> Mapping[tuple[str, int], Choice]:
-    """For each link's name and the index of each of its parts, the choice; later globs win.
-
-    E-GLOB for each glob that matches no link and no part.
-    """
-    default = default_choice(section)
-    numbered = enumerate(section.colliders.items())
-    entries = [(glob, _choice(section, keys, number)) for number, (glob, keys) in numbered]
-    unmatched = {glob for glob, _ in entries}
-    found: dict[tuple[str, int], Choice] = {}
-    for link in links:
-        for index, part in enumerate(link.parts):
-            found[link.name, index] = default
-            for glob, choice in entries:
-                whole = fits(link.name, glob)
-                if whole or any(fits(name, glob) for name in names_of(part)):
-                    found[link.name, index] = replace(choice, apart=not whole)
-                    unmatched.discard(glob)
-        for glob in list(unmatched):
-            if fits(link.name, glob):
-                unmatched.discard(glob)
-    for glob, _ in entries:
-        if glob in unmatched:
-            report_unmatched(glob, links, _WHERE, log)
-    return found
-
-
-def names_of(part: Part) -> tuple[str, ...]:
-    """The names by which a glob may mean a part: its path in words, and its own name with and without the
-    number of the instance."""
-    own = part.name.rpartition("/")[2]
-    return part.name, own, unnumbered(own)
-
-
 def default_choice(section: MeshSection) -> Choice:
     """The maker of `mesh.collider`."""
     return Choice.of(section.collider, dict(section))
+
+
+def chosen_by(section: MeshSection) -> dict[str, Choice]:
+    """The makers that globs ask for."""
+    return {glob: _choice(section, keys, n) for n, (glob, keys) in enumerate(section.colliders.items())}
 
 
 def _choice(section: MeshSection, keys: ColliderSection, number: int) -> Choice:

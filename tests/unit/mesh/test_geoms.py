@@ -15,7 +15,8 @@ from linkwright.stages.mesh import make_geometry
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.colliders import hull
 from linkwright.stages.mesh.configuration.collider_settings import HullSettings
-from linkwright.stages.mesh.geoms import GeomRules
+from linkwright.stages.mesh.geoms import with_properties
+from linkwright.stages.mesh.part_choices import part_choices
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import ConfigError, MeshError
@@ -132,10 +133,11 @@ def test_a_base_for_legged_robots_needs_no_feet_and_gives_them_contact_of_their_
     places = (("body", "collision"), ("left_foot", "collision"), ("left_foot", "visual"))
     shapes = tuple(Shape(link, role, None, None, 0, 0, 0.0, 0.0) for link, role in places)
     log = Diagnostics(optional=plan.optional)
-    found = [one.contact for one in GeomRules(links, plan.geoms, log).with_properties(shapes, {})]
+    found = [one.contact for one in with_properties(shapes, {}, plan.geoms)]
     assert [one and one.priority for one in found] == [None, 1, None]
-    assert GeomRules(links[:1], plan.geoms, log).with_properties(shapes[:1], {}) == shapes[:1]
-    GeomRules(links, {"*hoof*": plan.geoms[glob]}, log)
+    part_choices(links[:1], plan, False, log)
+    assert with_properties(shapes[:1], {}, plan.geoms) == shapes[:1]
+    part_choices(links, plan_of(geoms={"*hoof*": plan.geoms[glob].model_dump()}), False, log)
     assert [(one.code, one.where) for one in (*log.found, *log.problems)] == [
         ("I-GLOB", "geoms"),
         ("E-GLOB", "geoms"),
