@@ -49,7 +49,7 @@ def _farthest(points: Points, count: int) -> npt.NDArray[np.int64]:
     A point is seldom farther from a larger hull: those that were near to a smaller hull are not looked at
     while another one is farther than they were.
     """
-    from scipy.spatial import ConvexHull
+    from scipy.spatial import ConvexHull, QhullError
 
     chosen = _start(points)
     known = np.full(len(points), np.inf)
@@ -70,7 +70,10 @@ def _farthest(points: Points, count: int) -> npt.NDArray[np.int64]:
             break
         chosen.append(int(known.argmax()))
         known[chosen[-1]] = 0.0
-        hull.add_points(points[chosen[-1:]])
+        try:
+            hull.add_points(points[chosen[-1:]])
+        except QhullError:  # of a corner that is all but in a face, where it does not start with it
+            hull = ConvexHull(points[chosen], incremental=True)
     return np.array(sorted(chosen), dtype=np.int64)
 
 
