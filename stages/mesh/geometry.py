@@ -114,7 +114,7 @@ def _collided(
     library: MeshLibrary,
     memo: "Memo",
     shown: "Shown | None",
-) -> tuple[list[Collided], list[FalsePair]]:
+) -> tuple[list[Collided], Sequence[FalsePair]]:
     """The collider of each job, of a link in the order of its jobs, those by contact last; and the pairs of
     links whose colliders by contact touch where the links do not. `pairs_of`: see `apart`."""
     other = collide([job for job in jobs if not job.choice.by_contact], library, memo, shown)

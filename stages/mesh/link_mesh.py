@@ -70,16 +70,6 @@ class LinkParts:
         ]
         return LinkParts(found, _diagonal(colliding))
 
-    def encoded(self) -> bytes:
-        """As JSON."""
-        return orjson.dumps(asdict(self))
-
-    @staticmethod
-    def decoded(data: bytes) -> "LinkParts":
-        """What `encoded` wrote."""
-        known = orjson.loads(data)
-        return LinkParts(tuple(PartFinding(**one) for one in known["findings"]), known["diagonal"])
-
 
 def visuals_of(
     uses: Sequence[Use], meshes: Mapping[MeshRef, PartMesh], keys: "VisualSection", decimator: Decimator

@@ -11,6 +11,7 @@ from linkwright.stages.mesh.library import MeshLibrary
 from linkwright.stages.mesh.link_mesh import LinkParts, Use
 from linkwright.stages.mesh.part_choices import PartChoice
 from linkwright.stages.mesh.visuals.make import LinkVisuals
+from linkwright.stages.robot import codec
 from linkwright.stages.robot.model.robot import Link, Part
 
 if TYPE_CHECKING:
@@ -89,6 +90,6 @@ def _known(uses: Sequence[Use], library: MeshLibrary, memo: "Memo") -> LinkParts
         return LinkParts(())
 
     def make() -> bytes:
-        return LinkParts.of(uses, library.meshes(use.mesh for use in uses)).encoded()
+        return codec.dump(LinkParts.of(uses, library.meshes(use.mesh for use in uses)))
 
-    return LinkParts.decoded(memo("mesh.parts", {"parts": [use.key() for use in uses]}, make))
+    return codec.load(LinkParts, memo("mesh.parts", {"parts": [use.key() for use in uses]}, make))

@@ -85,7 +85,8 @@ def typed(kind: Any, data: Any) -> Any:
         return data
     from linkwright.stages.robot.model.robot import frozen
 
-    return frozen(data)
+    # An array's type is that of its shape and, with its numbers, that of its entries.
+    return frozen(data, *(number for entries in get_args(kind)[-1:] for number in get_args(entries)))
 
 
 def _is_alias(kind: Any) -> bool:
@@ -103,10 +104,14 @@ def _unaliased(kind: Any) -> Any:
 
 
 def _option(kind: Any, data: Any) -> Any:
-    """The member of a union that `data` is one of: a list is the tuple, where there is a choice."""
+    """The member of a union that `data` is one of: a list is the tuple, where there is a choice, and a
+    mapping the dataclass with those fields."""
     options = [_unaliased(option) for option in get_args(kind) if option is not types.NoneType]
     if len(options) == 1:
         return options[0]
+    if isinstance(data, dict):
+        classes = [option for option in options if isinstance(option, type) and is_dataclass(option)]
+        return next(option for option in classes if data.keys() <= hints(option).keys())
     return next(option for option in options if (get_origin(option) is tuple) == isinstance(data, list))
 
 

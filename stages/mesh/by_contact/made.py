@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Iterator, Sequence
-from dataclasses import astuple, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,9 +11,9 @@ import orjson
 
 from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.by_contact.request import ContactRequest, FalsePair
-from linkwright.stages.mesh.collide import collision
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.surfaces.pieces import Piece
+from linkwright.stages.robot import codec
 from linkwright.stages.robot.text.globs import listed
 from linkwright.stages.robot.text.plural import count
 
@@ -27,17 +26,19 @@ if TYPE_CHECKING:
     from linkwright.stages.mesh.library import MeshLibrary
 
 
-def by_contact(
-    request: ContactRequest, library: MeshLibrary, memo: Memo
-) -> tuple[list[Collision], list[FalsePair]]:
-    """The collider of each job, and the pairs of links that are false for all that."""
+Made = tuple[tuple[Collision, ...], tuple[FalsePair, ...]]
+"""The collider of each job, and the pairs of links that are false for all that."""
+
+
+def by_contact(request: ContactRequest, library: MeshLibrary, memo: Memo) -> Made:
+    """Colliders by contact, kept by what they depend on."""
     if not request.jobs:
-        return [], []
-    made = memo("mesh.by_contact", request.key(), lambda: _encoded(*_made(request, library)))
-    return _decoded(made)
+        return (), ()
+    made = memo("mesh.by_contact", request.key(), lambda: orjson.dumps(codec.plain(_made(request, library))))
+    return codec.typed(Made, orjson.loads(made))  # type: ignore[no-any-return]
 
 
-def _made(request: ContactRequest, library: MeshLibrary) -> tuple[list[Collision], list[FalsePair]]:
+def _made(request: ContactRequest, library: MeshLibrary) -> Made:
     from linkwright.stages.mesh.by_contact.links import Touchable
     from linkwright.stages.mesh.by_contact.robot import solved
 
@@ -65,7 +66,7 @@ def _made(request: ContactRequest, library: MeshLibrary) -> tuple[list[Collision
         link, group = groups.get(number, (job.link, -1))
         pieces = solution.pieces[link][group] if group >= 0 else ()
         every.append(_collision(link, pieces, faces, solution))
-    return every, list(solution.after)
+    return tuple(every), solution.after
 
 
 def _finite(job: ColliderJob, library: MeshLibrary) -> list[tuple[Surface, Placed]]:
@@ -101,19 +102,3 @@ def _reasons(link: str, pieces: int, solution: Solution, end: End | None) -> Ite
         yield f"still false against {listed(left)}"
     if end is not None:
         yield f"meets the world: {1e3 * end.p95:.2g} mm out of the link, of {1e3 * end.tolerance:.2g} mm"
-
-
-def _encoded(made: Sequence[Collision], false: Sequence[FalsePair]) -> bytes:
-    bodies = [collision.encode(collider) for collider in made]
-    table = {"lengths": [len(body) for body in bodies], "false": [astuple(pair) for pair in false]}
-    header = orjson.dumps(table)
-    return struct.pack("<Q", len(header)) + header + b"".join(bodies)
-
-
-def _decoded(data: bytes) -> tuple[list[Collision], list[FalsePair]]:
-    (length,) = struct.unpack_from("<Q", data)
-    header, at, made = orjson.loads(data[8 : 8 + length]), 8 + length, []
-    for size in header["lengths"]:
-        made.append(collision.decode(data[at : at + size]))
-        at += size
-    return made, [FalsePair(*pair) for pair in header["false"]]

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import hashlib
-import struct
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, fields, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 import orjson
 
-from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.files import mesh_file
 from linkwright.stages.mesh.files.mesh_file import MeshFile
 from linkwright.stages.mesh.measure import Measures
@@ -64,48 +61,15 @@ def colliders(collision: Collision, link_from_part: Array) -> Iterator[Collider]
 
 
 def encode(collision: Collision) -> bytes:
-    """A collision as bytes: the length of a JSON header, the header, the points and triangles."""
-    pieces = [
-        {"primitive": codec.plain(one)}
-        if isinstance(one, Primitive)
-        else {"vertices": len(one.vertices), "triangles": len(one.triangles)}
-        for one in collision.pieces
-    ]
-    table = {one.name: getattr(collision, one.name) for one in fields(collision)}
-    measures = asdict(collision.measures) if collision.measures else None
-    header = orjson.dumps({**table, "pieces": pieces, "measures": measures})
-    arrays = [
-        array.tobytes()
-        for one in collision.pieces
-        if isinstance(one, Surface)
-        for array in (one.vertices.astype("<f8"), one.triangles.astype("<i8"))
-    ]
-    return struct.pack("<Q", len(header)) + header + b"".join(arrays)
+    """A collision as bytes."""
+    return orjson.dumps(codec.plain(collision))
+
+
+def decode(data: bytes) -> Collision:
+    """The collision that `encode` wrote."""
+    return codec.typed(Collision, orjson.loads(data))  # type: ignore[no-any-return]
 
 
 def digest(pieces: Sequence[Piece]) -> str:
     """Of the shapes of pieces."""
     return hashlib.sha256(encode(Collision(tuple(pieces)))).hexdigest()
-
-
-def decode(data: bytes) -> Collision:
-    """The collision that `encode` wrote."""
-    (length,) = struct.unpack_from("<Q", data)
-    header = orjson.loads(data[8 : 8 + length])
-    measures = Measures(**header["measures"]) if header["measures"] else None
-    pieces = tuple(_pieces(header["pieces"], memoryview(data)[8 + length :]))
-    return Collision(**{**header, "pieces": pieces, "measures": measures})
-
-
-def _pieces(records: Sequence[dict[str, Any]], arrays: memoryview) -> Iterator[Piece]:
-    at = 0
-    for record in records:
-        if "primitive" in record:
-            primitive: Primitive = codec.typed(Primitive, record["primitive"])
-            yield primitive
-            continue
-        middle = at + 24 * record["vertices"]
-        end = middle + 24 * record["triangles"]
-        vertices = np.frombuffer(arrays[at:middle], "<f8").reshape(-1, 3)
-        yield Surface(vertices, np.frombuffer(arrays[middle:end], "<i8").reshape(-1, 3).astype(np.int64))
-        at = end

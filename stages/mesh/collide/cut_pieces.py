@@ -25,7 +25,7 @@ from linkwright.stages.mesh.decompose.seams import containing_hull
 from linkwright.stages.mesh.measure import even
 from linkwright.stages.mesh.measure.field import Field
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
-from linkwright.stages.mesh.surfaces.pieces import Piece, beyond, half_spaces, surface_of, vertices
+from linkwright.stages.mesh.surfaces.pieces import Distances, Piece, beyond_piece, surface_of, vertices
 from linkwright.stages.mesh.surfaces.snapping import on_grid, snapped
 
 Numbers = npt.NDArray[np.float64]
@@ -87,7 +87,7 @@ class _Part:
     points: Points
     far: Numbers
     area: float
-    planes: tuple[Points, Numbers]
+    beyond: Distances
     low: Points
     high: Points
     given: Piece | None = None
@@ -163,9 +163,9 @@ class PieceCutter:
         if len(hull.vertices) > _MANY:
             plain = convex_hull(on_grid(hull.vertices, _PITCH * self._judge.tolerance)) or hull
         points = even(plain.corners, _POINTS).points
-        area, planes_of = plain.area() / _POINTS, half_spaces(plain)
+        area, beyond = plain.area() / _POINTS, beyond_piece(plain)
         low, high = hull.vertices.min(axis=0), hull.vertices.max(axis=0)
-        return _Part(soup, hull, hull.volume(), points, self._far(points), area, planes_of, low, high, given)
+        return _Part(soup, hull, hull.volume(), points, self._far(points), area, beyond, low, high, given)
 
     def _parts(self, soups: Sequence[Surface]) -> list[_Part]:
         """Those of the soups that span a volume."""
@@ -188,7 +188,7 @@ class PieceCutter:
                 low, high = other.low - self._seam, other.high + self._seam
                 near: Flags = np.all((part.points >= low) & (part.points <= high), axis=1)
                 some = np.flatnonzero(near)
-                near[some] = beyond(*other.planes, part.points[some]) <= self._seam
+                near[some] = other.beyond(part.points[some]) <= self._seam
                 found = near if near.any() else None
             self._within[part, other] = found
         return self._within[part, other]

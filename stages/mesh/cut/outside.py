@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -11,7 +10,7 @@ import numpy.typing as npt
 
 from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.measure import BoxTree, Nearest, even
-from linkwright.stages.mesh.surfaces.pieces import Piece, beyond, half_spaces, signed_distance, surface_of
+from linkwright.stages.mesh.surfaces.pieces import Distances, Piece, beyond_piece, surface_of
 
 Numbers = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
@@ -29,25 +28,15 @@ _SEAM = 3e-4
 """Of the diagonal: a point so near to another piece is no point of the outer surface."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class Sampled:
-    """A piece, points (n, 3) spread evenly over it, how far each is out of the link (n,) [m], and the area
-    that each stands for [m²]."""
+    """A piece by how far points are `beyond` it; points (n, 3) spread evenly over it, how far each is out of
+    the link (n,) [m], and the area that each stands for [m²]."""
 
-    piece: Piece
+    beyond: Distances
     points: Points
     distances: Numbers
     area: float
-
-    @functools.cached_property
-    def _planes(self) -> tuple[Points, Numbers]:
-        return half_spaces(surface_of(self.piece))
-
-    def beyond(self, points: Points) -> Numbers:
-        """(n,): a bound of the distance [m] of points from the piece, negative inside."""
-        if isinstance(self.piece, Surface):
-            return beyond(*self._planes, points)
-        return signed_distance(self.piece, points)
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +101,7 @@ class Outside:
         """Points on a piece."""
         surface = surface_of(piece)
         points = even(surface.corners, _POINTS).points
-        return Sampled(piece, points, self.distances(points), surface.area() / _POINTS)
+        return Sampled(beyond_piece(piece), points, self.distances(points), surface.area() / _POINTS)
 
     def standing_out(self, pieces: Sequence[Sampled]) -> StandingOut:
         """How far the outer surface of a collider, the union of the pieces, is out of the link."""

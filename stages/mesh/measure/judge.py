@@ -151,7 +151,7 @@ def _outer(
 ) -> tuple[Numbers, npt.NDArray[np.bool_]]:
     """How deep points of the pieces `owners` are in other pieces, and whether they are on the outer surface,
     which faces along the normals."""
-    if len(union.bodies) == 1:
+    if len(union.pieces) == 1:
         return np.full(len(points), -np.inf), np.ones(len(points), dtype=bool)
     buried = union.depth(points, owners)
     outer = buried <= 0

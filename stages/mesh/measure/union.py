@@ -7,50 +7,22 @@ import numpy as np
 import numpy.typing as npt
 
 from linkwright.stages.formats.meshes.surface import Points, Surface, joined
-from linkwright.stages.mesh.measure.tree import BoxTree, Corners, Indices, Nearest, Numbers, split
-from linkwright.stages.mesh.surfaces.inside import Inside
-from linkwright.stages.mesh.surfaces.pieces import Piece, beyond, half_spaces, signed_distance, surface_of
+from linkwright.stages.mesh.measure.tree import BoxTree, Corners, Indices, Nearest, Numbers
+from linkwright.stages.mesh.surfaces.pieces import Distances, Piece, beyond_piece, signed_distance, surface_of
 from linkwright.stages.robot.model.robot import Primitive
-
-_MANY = 500  # planes
-_HEIGHTS = 1 << 18  # of points above planes, worked out in one go
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Hull:
-    """A convex piece as unit normals (k, 3) and heights (k,) [m] of its planes; of one with many planes,
-    what is inside of it by rays."""
-
-    normals: Points
-    heights: Numbers
-    inside: Inside | None
-
-    @staticmethod
-    def of(surface: Surface) -> "_Hull":
-        if len(surface.triangles) > _MANY:
-            return _Hull(np.zeros((0, 3)), np.zeros(0), Inside.of(surface))
-        return _Hull(*half_spaces(surface), None)
-
-    def depth(self, points: Points) -> Numbers:
-        """(n,): how deep [m] the points are in the piece, not above 0 where they are outside; by rays only
-        whether they are inside."""
-        if self.inside is not None:
-            return np.where(self.inside(points), np.finfo(float).tiny, 0.0)
-        result = np.empty(len(points))
-        for some in split(np.arange(len(points)), max(1, _HEIGHTS // max(1, len(self.normals)))):
-            result[some] = -beyond(self.normals, self.heights, points[some])
-        return result
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Union:
     """Convex pieces together. `tree` has the surfaces of all, `owners` (m,) which piece each of its triangles
-    is of, `normals` (m, 3) where that faces; `hulls` measures from those that are no primitives."""
+    is of, `normals` (m, 3) where that faces; `beyond`: of each how far points are beyond it, see
+    `beyond_piece`; `hulls` measures from those that are no primitives."""
 
     tree: BoxTree
     owners: Indices
     normals: Points
-    bodies: tuple[_Hull | Primitive, ...]
+    pieces: tuple[Piece, ...]
+    beyond: tuple[Distances, ...]
     low: Points
     high: Points
     hulls: Nearest | None
@@ -63,12 +35,11 @@ class Union:
             msg = "a collider without pieces has no measures"
             raise ValueError(msg)
         surfaces = tuple(surface_of(piece) for piece in pieces)
-        bodies = tuple(piece if isinstance(piece, Primitive) else _Hull.of(piece) for piece in pieces)
         every = joined(surfaces)
         owners = np.repeat(np.arange(len(surfaces)), [len(surface.triangles) for surface in surfaces])
         tree = BoxTree.of(every)
         normals = unit_normals(every)
-        hulls = [surface for surface, body in zip(surfaces, bodies, strict=True) if isinstance(body, _Hull)]
+        hulls = [piece for piece in pieces if isinstance(piece, Surface)]
         nearest = None
         if hulls:
             nearest = Nearest.of(tree if len(hulls) == len(surfaces) else BoxTree.of(joined(hulls)))
@@ -82,7 +53,8 @@ class Union:
             tree,
             owners[tree.faces],
             normals[tree.faces],
-            bodies,
+            tuple(pieces),
+            tuple(map(beyond_piece, pieces)),
             low - slack,
             high + slack,
             nearest,
@@ -94,7 +66,7 @@ class Union:
         piece and the unit normal of each triangle. Of what is round no point is a corner."""
         chosen = [
             number
-            for number, body in enumerate(self.bodies)
+            for number, body in enumerate(self.pieces)
             if len(self.surfaces[number].triangles) <= most
             and not (isinstance(body, Primitive) and body.kind in ("sphere", "capsule"))
         ]
@@ -109,22 +81,20 @@ class Union:
         """(n,): how deep [m] each point is in some piece, but not in its own of `without`; −inf where it is
         in none, and at most 0 where only its bounds have it."""
         result = np.full(len(points), -np.inf)
-        for number, body in enumerate(self.bodies):
+        for number, beyond in enumerate(self.beyond):
             near = ((points >= self.low[number]) & (points <= self.high[number])).all(axis=1)
             if without is not None:
                 near &= without != number
             some = np.flatnonzero(near)
             if len(some):
-                here = points[some]
-                deep = body.depth(here) if isinstance(body, _Hull) else -signed_distance(body, here)
-                result[some] = np.maximum(result[some], deep)
+                result[some] = np.maximum(result[some], -beyond(points[some]))
         return result
 
     def distance(self, points: Points, from_on: Numbers | float) -> tuple[Numbers, npt.NDArray[np.bool_]]:
         """The distance [m] of points (n, 3) outside from the union, and whether it is exact: it is, where it
         is `from_on` (n,) or more; elsewhere it is no more than the first value."""
         best, exact = np.full(len(points), np.inf), np.ones(len(points), dtype=bool)
-        for body in self.bodies:
+        for body in self.pieces:
             if isinstance(body, Primitive):
                 best = np.minimum(best, signed_distance(body, points))
         if self.hulls is not None:

@@ -1,7 +1,9 @@
 """The pieces of a collider: closed convex surfaces and primitives, and what they have in common."""
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +14,9 @@ from linkwright.stages.robot.model.robot import Array, Primitive, frozen
 
 Piece = Surface | Primitive
 """A `Surface` here is closed, convex and faces outwards."""
+
+Distances = Callable[[Points], npt.NDArray[np.float64]]
+"""A distance [m] for each of the points (n, 3)."""
 
 _AROUND = 64
 _UPWARDS = 32
@@ -73,6 +78,21 @@ def beyond(normals: Points, heights: npt.NDArray[np.float64], points: Points) ->
     """(n,): how far points (n, 3) are beyond that of the planes of which they are farthest: less than 0
     inside, and at most the distance [m] from the solid outside."""
     return np.asarray((along(normals, points) - heights[:, None]).max(axis=0))
+
+
+def beyond_piece(piece: Piece) -> Distances:
+    """A bound of how far [m] points are from a piece, negative inside: exact of a primitive, of others how
+    far they are beyond its planes."""
+    if isinstance(piece, Primitive):
+        return partial(signed_distance, piece)
+    normals, heights = half_spaces(piece)
+    step = max(1, _MOST // 4 // max(1, len(normals)))
+
+    def distances(points: Points) -> npt.NDArray[np.float64]:
+        parts = range(0, max(1, len(points)), step)
+        return np.concatenate([beyond(normals, heights, points[at : at + step]) for at in parts])
+
+    return distances
 
 
 def signed_distance(primitive: Primitive, points: Points) -> npt.NDArray[np.float64]:
