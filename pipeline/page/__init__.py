@@ -1,5 +1,7 @@
 """Pages for people: `report.html` of a build.
 
+Each section is a function that prepares values, and a template in `html/templates/` that shows them.
+
 - changed: What changed since the previous build of the folder, for people.
 - checks: The checks of a build: those that failed, those that warn, and those that passed, folded.
 - codes: What the codes on a page mean, to which each of them leads.

@@ -4,7 +4,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from linkwright.pipeline.page.codes import to_code
-from linkwright.pipeline.page.html.markup import folded, plain_table, section, table, text
+from linkwright.pipeline.page.html.tables import PageTable, plain_table, table
+from linkwright.pipeline.page.html.template import marked, rendered, stacked
 
 OUTCOMES = ("failed", "warning", "passed")
 """Of a check, the gravest first."""
@@ -19,12 +20,11 @@ _ON_PAPER = 16
 def checks(found: Sequence[Mapping[str, Any]]) -> str:
     """The section; nothing without checks."""
     groups = {word: [check for check in found if outcome(check) == word] for word in OUTCOMES}
-    passed = groups["passed"]
-    words = f'<span class="passed">✓ {len(passed)} passed</span>'
     unmet = [check for word in OUTCOMES if word != "passed" for check in groups[word]]
-    own = "".join(_own_table(check) for check in found if check.get("table"))
-    body = _table(unmet) + folded(words, _table(passed), on_paper=False) + own
-    return section(f"Checks: {tally(found)}", body, "checks") if found else ""
+    own = [_own_table(check) for check in found if check.get("table")]
+    passed, number = _table(groups["passed"]), len(groups["passed"])
+    values = {"tally": tally(found), "unmet": _table(unmet), "passed": passed, "number": number, "own": own}
+    return rendered("checks", **values) if found else ""
 
 
 def tally(found: Sequence[Mapping[str, Any]], what: str = "") -> str:
@@ -50,12 +50,12 @@ def split_name(check: Mapping[str, Any]) -> tuple[str, str]:
     return file, title
 
 
-def _own_table(check: Mapping[str, Any]) -> str:
+def _own_table(check: Mapping[str, Any]) -> dict[str, Any]:
     """What a check found beside what it does not accept."""
-    rows = [["" if cell is None else cell for cell in row] for row in check["table"]["rows"]]
+    rows = check["table"]["rows"]
     summary = f"{split_name(check)[1]}: {check['detail']}".removeprefix(": ")
     shown = plain_table(check["table"]["header"], rows)
-    return folded(text(summary), shown, on_paper=len(rows) <= _ON_PAPER)
+    return {"summary": summary, "table": shown, "brief": len(rows) > _ON_PAPER}
 
 
 def said(finding: Mapping[str, Any]) -> str:
@@ -63,22 +63,17 @@ def said(finding: Mapping[str, Any]) -> str:
     return f"{finding['element']} {finding['attribute']}".strip() + f": {finding['message']}"
 
 
-def _found_by(check: Mapping[str, Any]) -> str:
-    """What a check measured, and the elements and attributes to look at."""
-    return text(check["detail"]) + "".join(f"<br>{text(said(one))}" for one in check["findings"])
-
-
-def _table(group: Sequence[Mapping[str, Any]]) -> str:
+def _table(group: Sequence[Mapping[str, Any]]) -> PageTable | None:
     """A row for each check; files in which one comes to exactly the same share its row."""
     files: dict[tuple[Any, ...], list[str]] = {}
     for check in group:
         file, title = split_name(check)
-        same = (outcome(check), check["code"], title, _found_by(check), check["value"], check["limit"])
+        found = stacked([check["detail"], *map(said, check["findings"])])
+        same = (outcome(check), check["code"], title, found, check["value"], check["limit"])
         files.setdefault(same, []).append(file)
     rows = []
     for (word, code, title, found, *figures), where in files.items():
-        name = text(title) if word == "passed" else to_code(code, title)
-        cells = [name, text(", ".join(filter(None, where))), found, *map(text, figures)]
-        rows.append([f'<span class="{word}">{_MARKS[word]}</span>', *cells])
+        name = title if word == "passed" else to_code(code, title)
+        rows.append([marked(word, _MARKS[word]), name, ", ".join(filter(None, where)), found, *figures])
     header = ["", "check", "of", "found", "value", "limit"]
     return table(header, rows, {"": "word", "value": "number", "limit": "number"}, heads="check")

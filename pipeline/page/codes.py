@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from linkwright.pipeline.page.html.markup import inline, link, section, table, text
+from linkwright.pipeline.page.html.template import link, rendered, text
 from linkwright.pipeline.reference.codes import explanations
 
 LEVELS = {"E": "error", "W": "warning"}
@@ -21,15 +21,8 @@ def to_code(code: str, words: str = "") -> str:
 
 def codes(used: Iterable[str]) -> str:
     """The section about the codes that a page uses; nothing without any."""
-    rows = []
-    for code in sorted({*used} & explanations().keys()):
-        found = explanations()[code]
-        remedy = "" if found.remedy == "–" else inline(found.remedy)
-        rows.append([f'<span id="{code}">{code}</span>', inline(found.meaning), remedy])
-    classes = {"code": "code"}
-    return section(
-        "What the codes mean", table(["code", "meaning", "what to do"], rows, classes, "code"), "codes"
-    )
+    known = sorted({*used} & explanations().keys())
+    return rendered("codes", codes=[(code, explanations()[code]) for code in known]) if known else ""
 
 
 def problems_of(tree: Mapping[str, Any]) -> list[Mapping[str, Any]]:

@@ -3,7 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from linkwright.pipeline.page.html.markup import folded, plain_table, section
+from linkwright.pipeline.page.html.tables import PageTable, plain_table
+from linkwright.pipeline.page.html.template import rendered
 from linkwright.stages.robot.text.globs import listed
 from linkwright.stages.robot.text.plural import count
 
@@ -13,11 +14,12 @@ def contacts(excludes: Sequence[Mapping[str, Any]]) -> str:
     joint between them are folded."""
     near = [one for one in excludes if str(one["reason"]) == "Adjacent"]
     others = [one for one in excludes if str(one["reason"]) != "Adjacent"]
-    joined = folded(f"{count(len(near), 'pair')} with a joint between them", _table(near))
-    return section("Links that do not collide", _table(others) + joined, "contacts")
+    words = f"{count(len(near), 'pair')} with a joint between them"
+    values = {"others": _table(others), "words": words, "near": _table(near)}
+    return rendered("contacts", **values) if excludes else ""
 
 
-def _table(excludes: Sequence[Mapping[str, Any]]) -> str:
+def _table(excludes: Sequence[Mapping[str, Any]]) -> PageTable | None:
     rows = [
         [*one["links"], one["reason"], f"{one['depth']:.2f}", _only(one["colliders"])] for one in excludes
     ]

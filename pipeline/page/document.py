@@ -1,6 +1,7 @@
 """report.html: a build for people, one file that needs nothing else."""
 
 import json
+from base64 import b64encode
 from collections.abc import Mapping
 from typing import Any
 
@@ -15,8 +16,7 @@ from linkwright.pipeline.page.findings import diagnostics, error
 from linkwright.pipeline.page.fix_first import MOST, fix_first, fixes
 from linkwright.pipeline.page.graph import graph, tables_of
 from linkwright.pipeline.page.head import facts, head
-from linkwright.pipeline.page.hero import hero
-from linkwright.pipeline.page.html.markup import text
+from linkwright.pipeline.page.hero import with_view
 from linkwright.pipeline.page.html.shell import ReportSection, Top, document
 from linkwright.pipeline.page.order import order
 from linkwright.pipeline.page.provenance import cost, provenance
@@ -39,10 +39,26 @@ def page(
     pictures: Preview = NONE,
     changes: Since | None = None,
 ) -> bytes:
-    """The page, with secrets blanked. `shown`: views of the stages by name, none where a build did not come
-    so far; `sizes` [bytes] of the outputs; `live`: the view of the robot, and whether it has a physics
-    engine; `pictures`: of the robot, a file beside the page and a small one in it; `changes`: since the build
-    that this one replaces, None where it replaces none."""
+    """The page, with secrets blanked: its frame with the `live` view of the robot."""
+    moves = live.pack is not None
+    made = frame(report, shown, sizes, secrets, moves=moves, pictures=pictures, changes=changes)
+    return with_view(made, live)
+
+
+def frame(
+    report: Report,
+    shown: Mapping[str, str],
+    sizes: Mapping[str, int],
+    secrets: Secrets,
+    *,
+    moves: bool,
+    pictures: Preview,
+    changes: Since | None,
+) -> str:
+    """The page without its live view. `shown`: views of the stages by name, none where a build did not come
+    so far; `sizes` [bytes] of the outputs; `moves`: whether it gets a view; `pictures`: of the robot, a file
+    beside the page and a small one in it; `changes`: since the build that this one replaces, None where it
+    replaces none."""
     tree: dict[str, Any] = report.tree()
     tables = json.loads(shown.get(TABLES, "[]"))
     if secrets:
@@ -69,11 +85,15 @@ def page(
         ReportSection("files", "Files", files(tree["outputs"], sizes)),
         ReportSection("codes", "Codes", codes(_codes(tree) | {fix.code for fix in found[:MOST]})),
     ]
-    foot = f'<p class="soft">Made by linkwright {text(tree["versions"].get("linkwright", ""))}</p>'
     title = f"{tree['name']}: {tree['status']}"
-    view = hero(live, pictures, tree["name"])
-    top = Top(head(tree, secrets.blanked(report.heading), changes), view.body, facts(tree, pictures.files))
-    return document(title, top, parts, foot, style=view.style, scripts=view.scripts)
+    top = Top(
+        head(tree, secrets.blanked(report.heading), changes),
+        facts(tree, pictures.files),
+        b64encode(pictures.small).decode() if pictures.path else "",
+        f"The robot {tree['name']}",
+        "" if moves else pictures.path,
+    )
+    return document(title, top, parts, tree["versions"].get("linkwright", ""))
 
 
 def _codes(tree: Mapping[str, Any]) -> set[str]:

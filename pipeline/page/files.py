@@ -2,7 +2,8 @@
 
 from collections.abc import Iterable, Mapping
 
-from linkwright.pipeline.page.html.markup import file_link, folded, section, table
+from linkwright.pipeline.page.html.tables import table
+from linkwright.pipeline.page.html.template import file_link, rendered
 
 ASSETS = "assets/"
 
@@ -21,4 +22,4 @@ def files(digests: Mapping[str, str], sizes: Mapping[str, int]) -> str:
     header, classes = ["file", "bytes", "SHA-256"], {"bytes": "number", "SHA-256": "digest"}
     first = table(header, [rows[path] for path in top_level(digests)], classes, heads="file")
     rest = table(header, [rows[path] for path in meshes], classes, heads="file")
-    return section("Files", first + folded(summary, rest, on_paper=False), "files")
+    return rendered("files", first=first, summary=summary, rest=rest) if digests else ""

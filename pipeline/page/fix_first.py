@@ -6,7 +6,7 @@ from typing import Any
 
 from linkwright.pipeline.page.checks import outcome, said, split_name
 from linkwright.pipeline.page.codes import level_of, problems_of, to_code
-from linkwright.pipeline.page.html.markup import inline, section, shortened, text
+from linkwright.pipeline.page.html.template import rendered, shortened
 from linkwright.pipeline.reference.codes import remedy
 from linkwright.stages.robot.text.plural import count
 
@@ -49,23 +49,18 @@ def fix_first(tree: Mapping[str, Any], found: list[Fix]) -> str:
     error = tree["error"]
     if error is not None and len(error.get("problems", ())) <= MOST:
         return ""
-    if not found:
-        words = "Nothing: no error, no warning"
-        words += ", and every check passed." if tree["checks"] else "."
-        return section("What to fix first", f'<p class="passed">✓ {words}</p>', "fix")
-    items = "\n".join(map(_item, found[:MOST]))
+    items = [
+        {
+            "fix": fix,
+            "mark": _MARKS[fix.rank],
+            "title": to_code(fix.code, fix.title),
+            "found": shortened(fix.found, _LETTERS),
+        }
+        for fix in found[:MOST]
+    ]
     rest = len(found) - MOST
-    more = f'\n<p class="soft">and {count(rest, "more thing", "more things")} below</p>' if rest > 0 else ""
-    return section("What to fix first", f'<ol class="fixes">\n{items}\n</ol>{more}', "fix")
-
-
-def _item(fix: Fix) -> str:
-    times = f' <span class="soft">({fix.count} times)</span>' if fix.count > 1 else ""
-    title = f"<strong>{to_code(fix.code, fix.title)}</strong>{times}"
-    to_do = inline(fix.to_do)
-    hint = f'<span class="hint">→ {to_do}</span>' if to_do else ""
-    found = f' <span class="found">{text(shortened(fix.found, _LETTERS))}</span>' if fix.found else ""
-    return f'<li><span class="mark {fix.rank}">{_MARKS[fix.rank]}</span> {title}{found}{hint}</li>'
+    more = count(rest, "more thing", "more things") if rest > 0 else ""
+    return rendered("fix_first", items=items, more=more, checked=bool(tree["checks"]))
 
 
 def _problems(tree: Mapping[str, Any]) -> Iterator[Fix]:

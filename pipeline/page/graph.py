@@ -2,10 +2,13 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from html import escape, unescape
+from html import unescape
 from typing import Any
 
-from linkwright.pipeline.page.html.markup import file_link, folded, part, plain_table, section, text
+from markupsafe import Markup, escape
+
+from linkwright.pipeline.page.html.tables import PageTable, plain_table
+from linkwright.pipeline.page.html.template import file_link, rendered
 from linkwright.pipeline.secrets import Secrets
 from linkwright.stages.show.graph_view.views import PICTURE
 
@@ -21,38 +24,31 @@ def graph(
     svg: str, outline: Sequence[str], tables: Sequence[Table], secrets: Secrets, *, is_file: bool
 ) -> str:
     """The section; nothing without a graph. `is_file`: whether the picture is a file beside the page."""
-    others = [
-        part(text(one["title"]), plain_table(one["header"], one["rows"]))
-        for one in tables
-        if not any(one["title"] in titles for titles in SECTIONS.values())
-    ]
-    body = [_picture(svg, secrets, is_file), _outline(outline), *others]
-    return section("Kinematic graph", "\n".join(filter(None, body)), "graph")
+    own = {title for titles in SECTIONS.values() for title in titles}
+    others = [(one["title"], _plain(one)) for one in tables if one["title"] not in own]
+    if not (svg or outline or any(it for _, it in others)):
+        return ""
+    drawn, width = _picture(svg, secrets)
+    full = file_link(PICTURE) if is_file else ""
+    return rendered("graph", picture=drawn, width=width, full=full, outline="\n".join(outline), others=others)
 
 
 def tables_of(title: str, tables: Sequence[Table]) -> str:
     """A section of its own; nothing without its first table."""
-    found = {one["title"]: plain_table(one["header"], one["rows"]) for one in tables}
+    found = {one["title"]: _plain(one) for one in tables}
     first, *others = SECTIONS[title]
-    if first not in found:
-        return ""
-    parts = [part(text(one), found.get(one, "")) for one in others]
-    return section(text(title), "\n".join(filter(None, [found[first], *parts])), title.lower())
+    parts = [(one, found.get(one)) for one in others]
+    return rendered("tables", title=title, first=found[first], parts=parts) if found.get(first) else ""
 
 
-def _picture(svg: str, secrets: Secrets, is_file: bool) -> str:
-    """The picture without its XML declaration; what it says is blanked, what it is made of is not."""
-    if not svg:
-        return ""
+def _plain(table: Table) -> PageTable | None:
+    return plain_table(table["header"], table["rows"])
+
+
+def _picture(svg: str, secrets: Secrets) -> tuple[Markup, str]:
+    """The picture without its XML declaration, and its width; what it says is blanked, what it is made of is
+    not."""
     bare = re.sub(r"^<\?xml.*?\?>\s*", "", svg)
     drawn = re.sub(r">([^<]+)<", lambda match: f">{escape(secrets.blanked(unescape(match[1])))}<", bare)
-    full = f'\n<p class="soft screen">in full: {file_link(PICTURE)}</p>' if is_file else ""
     wide = re.match(r'<svg [^>]*?width="(\d+)"', drawn)
-    # So that its words stay legible, it scrolls where it is wider than the page.
-    style = f' style="--wide: {wide[1]}px"' if wide else ""
-    return f'<div class="picture"{style}>{drawn}</div>{full}'
-
-
-def _outline(lines: Sequence[str]) -> str:
-    whole = "\n".join(lines)
-    return folded("The tree as text", f"<pre>{text(whole)}</pre>") if whole else ""
+    return Markup(drawn), wide[1] if wide else ""

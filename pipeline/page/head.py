@@ -1,13 +1,13 @@
 """The head of a build's page: what was built, how it went, its size, and the files."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from linkwright.pipeline.changes.since import Since
 from linkwright.pipeline.page.checks import tally
 from linkwright.pipeline.page.figures import NAMES
 from linkwright.pipeline.page.files import top_level
-from linkwright.pipeline.page.html.markup import file_link, link, text
+from linkwright.pipeline.page.html.template import rendered
 from linkwright.stages.robot.text.plural import count
 
 BESIDE = ("report.json", "config.yaml", "build.log")
@@ -24,34 +24,37 @@ def head(tree: Mapping[str, Any], heading: str, changes: Since | None) -> str:
     status = str(tree["status"])
     seconds = sum(stage["seconds"] for stage in tree["stages"])
     summary = [f"exit status {tree['exit_status']}", f"{seconds:.2f} s", str(tree["folder"])]
-    lines = [
-        f'<h1>{text(heading)} <span class="status {text(status)}">{_MARKS.get(status, "")} {text(status)}'
-        "</span></h1>",
-        f'<p class="soft">{text(", ".join(filter(None, summary)))}</p>',
-        _outcome(tree, changes),
-    ]
-    return "\n".join(line for line in lines if line)
+    return rendered(
+        "head",
+        heading=heading,
+        status=status,
+        mark=_MARKS.get(status, ""),
+        summary=", ".join(filter(None, summary)),
+        outcome=_outcome(tree, changes),
+    )
 
 
 def facts(tree: Mapping[str, Any], pictures: Iterable[str]) -> str:
     """The robot's size, and links to the files, of which the `pictures` of the robot are no outputs."""
     paths = [*top_level(tree["outputs"]), *pictures, *BESIDE]
-    return "\n".join(filter(None, [_figures(tree["figures"]), _files(paths)]))
+    found = {name: tree["figures"][name] for name in _FIGURES if tree["figures"].get(name)}
+    figures = [(_word(name, value), _figure(value)) for name, value in found.items()]
+    return rendered("facts", figures=figures, paths=paths)
 
 
-def _outcome(tree: Mapping[str, Any], changes: Since | None) -> str:
-    """How the checks went, what the diagnostics are, and what is different, each with a link."""
+def _outcome(tree: Mapping[str, Any], changes: Since | None) -> list[tuple[str, str]]:
+    """How the checks went, what the diagnostics are, and what is different: where each leads, and words."""
     checks = tree["checks"]
     said = []
     if checks:
-        said.append(link("#checks", tally(checks, " checks")))
+        said.append(("checks", tally(checks, " checks")))
     codes = [one["code"][:1] for one in tree["diagnostics"]]
     for letter, word in (("E", "error"), ("W", "warning")):
         if letter in codes:
-            said.append(link("#diagnostics", count(codes.count(letter), word)))
+            said.append(("diagnostics", count(codes.count(letter), word)))
     if changes is not None and not changes.first:
-        said.append(link("#changes", difference(changes)))
-    return f"<p>{' · '.join(said)}</p>" if said else ""
+        said.append(("changes", difference(changes)))
+    return said
 
 
 def difference(changes: Since) -> str:
@@ -64,16 +67,6 @@ def difference(changes: Since) -> str:
     return f"{count(number, 'difference')} from the previous build" if number else "some files are different"
 
 
-def _figures(figures: Mapping[str, float]) -> str:
-    """The size of the robot."""
-    cells = [
-        f"<div><dt>{_word(name, figures[name])}</dt><dd>{_figure(figures[name])}</dd></div>"
-        for name in _FIGURES
-        if figures.get(name)
-    ]
-    return '<dl class="figures">\n' + "\n".join(cells) + "\n</dl>" if cells else ""
-
-
 def _word(name: str, value: float) -> str:
     found = NAMES[name]
     return found.unit or (found.one if value == 1 else found.several)
@@ -81,8 +74,3 @@ def _word(name: str, value: float) -> str:
 
 def _figure(value: float) -> str:
     return f"{value:.4g}" if isinstance(value, float) else f"{value:,}"
-
-
-def _files(paths: Sequence[str]) -> str:
-    links = "\n".join(f"<li>{file_link(path)}</li>" for path in paths)
-    return f'<nav aria-label="Files">\n<ul class="line">\n{links}\n</ul>\n</nav>'

@@ -1,30 +1,21 @@
-"""The robot at the top of its page: the live view, else its picture."""
+"""The live view at the top of a page: most of its bytes, and put in last, so that the rest can be kept alone.
 
-from base64 import b64encode
-from urllib.parse import quote
+Imports no template: an unchanged build puts its view into the page that was kept.
+"""
 
-from linkwright.pipeline.page.html.markup import text
-from linkwright.pipeline.show.live import Live
-from linkwright.pipeline.show.preview import Preview
-from linkwright.stages.show.live.viewer import LiveView, view
+from linkwright.pipeline.show.live import NOTHING, Live
+from linkwright.stages.show.live.viewer import view
 
-_SLOT = "<!-- preview -->"
+PLACES = ("style", "before the picture", "after the picture", "scripts")
+"""The places of the view in a page, in their order."""
+
+_PICTURE = "<!-- preview -->"
 
 
-def hero(live: Live, pictures: Preview, name: str) -> LiveView:
-    """The view, with the small picture in it for who has no scripts and for paper; without a view the
-    picture, as a link to the file of the large."""
-    picture = _picture(pictures, name)
-    if live.pack is None:
-        linked = f'<p class="preview"><a href="{quote(pictures.path)}">{picture}</a></p>'
-        return LiveView("", linked if picture else "", "")
+def with_view(frame: str, live: Live = NOTHING) -> bytes:
+    """A page with the view of a robot, which has the page's picture for who has no scripts and for paper."""
     made = view(live.pack, live.engine, live.engine_path)
-    return LiveView(made.style, made.body.replace(_SLOT, picture), made.scripts)
-
-
-def _picture(pictures: Preview, name: str) -> str:
-    """The small picture, which is in the page wherever that is sent."""
-    if not pictures.path:
-        return ""
-    source = f"data:image/png;base64,{b64encode(pictures.small).decode()}"
-    return f'<img src="{source}" alt="The robot {text(name)}">'
+    before, _, after = made.body.partition(_PICTURE)
+    for place, piece in zip(PLACES, (made.style, before, after, made.scripts), strict=True):
+        frame = frame.replace(f"<!-- view: {place} -->", piece, 1)
+    return frame.encode()

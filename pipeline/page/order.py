@@ -3,7 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from linkwright.pipeline.page.html.markup import part, plain_table, section
+from linkwright.pipeline.page.html.tables import PageTable, plain_table
+from linkwright.pipeline.page.html.template import rendered
 
 Row = Mapping[str, Any]
 
@@ -11,26 +12,19 @@ _TYPES = {"turn": "hinge"}
 """Kind of dof → MuJoCo's type of joint, where they have other names."""
 
 
-RESET = (
-    "<p>MuJoCo's <code>mj_resetData</code> sets each control to 0, which sends servos to 0: begin with "
-    '<code>mj_resetDataKeyframe(model, data, model.key("home").id)</code>, whose controls hold the pose.</p>'
-)
-"""Why a simulation begins at a keyframe."""
-
-
 def order(tables: Mapping[str, Any]) -> str:
     """The section; nothing without tables. `tables`: `order` of the report's details."""
     mjcf, urdf = tables.get("mjcf", {}), tables.get("urdf", {})
-    found = [
-        part("Joints in the order of MuJoCo", _joints(mjcf.get("joints", []))),
-        part("Actuators in the order of ctrl", _actuators(mjcf.get("actuators", []))),
-        part("Sensors in the order of sensordata", _sensors(mjcf.get("sensors", []))),
-        part("Joints in the order of the URDF", _urdf(urdf.get("joints", []))),
-    ]
-    return section("The order of arrays", "\n".join(one for one in found if one), "order")
+    values = {
+        "joints": _joints(mjcf.get("joints", [])),
+        "actuators": _actuators(mjcf.get("actuators", [])),
+        "sensors": _sensors(mjcf.get("sensors", [])),
+        "urdf": _urdf(urdf.get("joints", [])),
+    }
+    return rendered("order", **values) if any(values.values()) else ""
 
 
-def _joints(rows: Sequence[Row]) -> str:
+def _joints(rows: Sequence[Row]) -> PageTable | None:
     header = ["joint", "type", "qpos", "dof", "unit", "in the URDF", "CAD"]
     cells = [
         [
@@ -47,7 +41,7 @@ def _joints(rows: Sequence[Row]) -> str:
     return plain_table(header, cells)
 
 
-def _actuators(rows: Sequence[Row]) -> str:
+def _actuators(rows: Sequence[Row]) -> PageTable | None:
     header = ["actuator", "ctrl", "type", "joint", "range", "unit", "CAD"]
     cells = [
         [
@@ -61,10 +55,10 @@ def _actuators(rows: Sequence[Row]) -> str:
         ]
         for row in rows
     ]
-    return plain_table(header, cells) + (RESET if cells else "")
+    return plain_table(header, cells)
 
 
-def _sensors(rows: Sequence[Row]) -> str:
+def _sensors(rows: Sequence[Row]) -> PageTable | None:
     header = ["sensor", "sensordata", "type", "on", "unit", "CAD"]
     cells = [
         [
@@ -77,7 +71,7 @@ def _sensors(rows: Sequence[Row]) -> str:
     return plain_table(header, cells)
 
 
-def _urdf(rows: Sequence[Row]) -> str:
+def _urdf(rows: Sequence[Row]) -> PageTable | None:
     header = ["joint", "in the file", "in the tree", "type", "unit", "follows", "CAD"]
     keys = ("name", "index", "tree", "type", "unit", "follows", "cad")
     return plain_table(header, [[row[key] for key in keys] for row in rows])

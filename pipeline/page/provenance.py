@@ -4,53 +4,28 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from linkwright.pipeline.page.figures import name_of, shown
-from linkwright.pipeline.page.html.markup import (
-    file_link,
-    link,
-    pairs,
-    part,
-    plain_pairs,
-    plain_table,
-    section,
-    text,
-)
+from linkwright.pipeline.page.html.tables import PageTable, plain_pairs, plain_table
+from linkwright.pipeline.page.html.template import file_link, link, rendered
 
 
 def cost(tree: Mapping[str, Any]) -> str:
     """The stages with their time, and the API calls, side by side where there is room."""
-    found = [part("Stages", _stages(tree["stages"])), part("API calls", plain_pairs(tree["calls"]))]
-    return section("Time and API calls", _side_by_side(found), "cost")
+    stages, calls = _stages(tree["stages"]), plain_pairs(tree["calls"])
+    return rendered("cost", stages=stages, calls=calls) if stages or calls else ""
 
 
 def provenance(tree: Mapping[str, Any]) -> str:
     """The source, with the digest of the bundle of its inputs, versions and figures."""
-    config = {"config": file_link("config.yaml")}
-    found = [
-        part("Source", pairs({**_source(tree["source"]), **_plain(tree["bundle"]), **config})),
-        part("Versions", plain_pairs(tree["versions"])),
-        part("Figures", pairs({name_of(key): shown(value) for key, value in tree["figures"].items()})),
-    ]
-    return section("Provenance", _side_by_side(found), "provenance")
-
-
-def _side_by_side(parts: Sequence[str]) -> str:
-    columns = "\n".join(f"<div>{one}</div>" for one in parts if one)
-    return f'<div class="facts">\n{columns}\n</div>' if columns else ""
-
-
-def _plain(values: Mapping[str, Any]) -> dict[str, str]:
-    return {key.replace("_", " "): text(value) for key, value in values.items()}
-
-
-def _source(source: Mapping[str, Any]) -> dict[str, str]:
-    rows = _plain(source)
+    source = {**tree["source"], **tree["bundle"], "config": file_link("config.yaml")}
     address = str(source.get("url", ""))
     if address.startswith(("https://", "http://")):
-        rows["url"] = link(address, address)
-    return rows
+        source["url"] = link(address, address)
+    figures = {name_of(key): shown(value) for key, value in tree["figures"].items()}
+    found = {"Source": plain_pairs(source), "Versions": plain_pairs(tree["versions"]), "Figures": figures}
+    return rendered("provenance", found=found)
 
 
-def _stages(stages: Sequence[Mapping[str, Any]]) -> str:
+def _stages(stages: Sequence[Mapping[str, Any]]) -> PageTable | None:
     rows = [
         [one["name"], "cached" if one["cached"] else "built", f"{one['seconds']:.2f}", one["outputs"]]
         for one in stages

@@ -3,7 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from linkwright.pipeline.page.html.markup import folded, inline, name, section, table
+from linkwright.pipeline.page.html.tables import table
+from linkwright.pipeline.page.html.template import inline, name, rendered
 from linkwright.stages.robot.text.plural import count
 
 SHOWN = 6
@@ -18,7 +19,7 @@ def readers(rows: Sequence[Mapping[str, Any]]) -> str:
         [*(inline(row[key]) for key in keys), name(_some(row["of"])), inline(row["source"])] for row in rows
     ]
     words = f"{count(len({row['reader'] for row in rows}), 'reader')}, {count(len(rows), 'thing')}"
-    return section("What other readers drop", folded(words, table(header, cells, heads="reader")), "readers")
+    return rendered("readers", words=words, table=table(header, cells, heads="reader")) if rows else ""
 
 
 def _some(names: Sequence[str]) -> str:

@@ -10,12 +10,14 @@ from typing import Any
 
 from linkwright.pipeline import interrupt, report
 from linkwright.pipeline.caching import bundles
+from linkwright.pipeline.changes.since import Since, since
 from linkwright.pipeline.config.choices import name_of
 from linkwright.pipeline.config.files.file_text import as_yaml
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.documents import documents
 from linkwright.pipeline.errors import LinkwrightError, SecretFound, exit_status
 from linkwright.pipeline.mesh_details import kept
+from linkwright.pipeline.page.hero import with_view
 from linkwright.pipeline.report import Report, StageReport, Status
 from linkwright.pipeline.run.products import digests
 from linkwright.pipeline.run.strictness import strict_checks
@@ -176,4 +178,15 @@ class Run:
         """The documents about the build, beside the `files` of the robot, to replace those of `last`."""
         self.log.line(f"{done.status}: exit status {done.exit_status}")
         config = as_yaml(self.log.secrets.within(self.plan.tree()))
-        return documents(done, files, self.shown, config, self.log, last, self.seen, self.pictures)
+        beside = (*self.seen.files, *self.pictures.files)
+        changes = None if last is None else since(last, done.outputs, files, beside, done.checks)
+        page = with_view(self.page(done, files, changes), self.seen)
+        return documents(done, page, config, self.log)
+
+    def page(self, done: Report, files: Mapping[str, bytes], changes: Since | None) -> str:
+        """The page about the build, without the live view."""
+        from linkwright.pipeline.page.document import frame
+
+        sizes = {path: len(data) for path, data in files.items()}
+        moves, secrets = self.seen.pack is not None, self.log.secrets
+        return frame(done, self.shown, sizes, secrets, moves=moves, pictures=self.pictures, changes=changes)

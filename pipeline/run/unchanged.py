@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 from linkwright.pipeline import interrupt, observed
 from linkwright.pipeline.caching import actions
 from linkwright.pipeline.caching.actions import Action, Cache, Files, canonical
-from linkwright.pipeline.changes.since import since
+from linkwright.pipeline.changes.since import Since, since
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.documents import documents
 from linkwright.pipeline.errors import LinkwrightError
@@ -31,10 +31,10 @@ from linkwright.pipeline.options import Command
 from linkwright.pipeline.output.folder import FAILED, Output
 from linkwright.pipeline.output.location import require_free
 from linkwright.pipeline.output.manifest import DOCUMENTS
+from linkwright.pipeline.page.hero import with_view
 from linkwright.pipeline.report import Report
 from linkwright.pipeline.run import program
 from linkwright.pipeline.show.live import Engine, view_of
-from linkwright.pipeline.show.preview import Preview
 from linkwright.pipeline.terminal.progress import Log, Progress, Tee
 from linkwright.stages.fetch import force, keys_to_read_again, read_again
 from linkwright.stages.robot import codec
@@ -42,14 +42,14 @@ from linkwright.stages.robot import codec
 if TYPE_CHECKING:
     from linkwright.pipeline.run.build import Built
 
-VERSION = 1
+VERSION = 2
 """Raised when a record changes its meaning."""
 
 CONFIG = "config.yaml"
-_RECORD, _PACK, _SMALL = "record.json", "pack", "small.png"
-_FILES, _SHOWN, _PICTURES = "files/", "shown/", "pictures/"
-"""Names of blobs: the record itself; of the page; and the folders of the robot's files, of the views of the
-stages, and of the pictures."""
+_RECORD, _PAGE, _PACK = "record.json", "page.html", "pack"
+_FILES, _PICTURES = "files/", "pictures/"
+"""Names of blobs: the record itself; the page without its live view, and the view; and the folders of the
+robot's files and of its pictures."""
 
 _CACHE = re.compile(r"(?:\+\+)?cache\.dir=([\w./~+-]+)")
 
@@ -87,12 +87,12 @@ def remember(action: Action, command: Command, seen: Observed, built: "Built") -
     run = built.run
     if not seen.lasts or not _is_known_by_its_answers(built, _cache_folder(command)):
         return
+    kept = _kept(built, seen.answers)
     made = {
-        _RECORD: json.dumps(codec.plain(_kept(built, seen.answers))).encode(),
+        _RECORD: json.dumps(codec.plain(kept)).encode(),
         CONFIG: built.documents[CONFIG],
-        _SMALL: run.pictures.small,
+        _PAGE: run.page(kept.report, built.files, Since()).encode(),
         **({} if run.seen.pack is None else {_PACK: run.seen.pack}),
-        **{_SHOWN + name: text.encode() for name, text in run.shown.items()},
         **{_PICTURES + name: data for name, data in run.pictures.files.items()},
         **{_FILES + path: data for path, data in built.files.items()},
     }
@@ -176,8 +176,7 @@ def _renewed(kept: Kept, files: Files, progress: Progress) -> Report | None:
     output = Output(kept.folder, lambda line: say.detail("output", line), overwrite=kept.overwrite)
     robot = files.below(_FILES)
     live = view_of(files.get(_PACK), kept.engine)
-    pictures = Preview(dict(files.below(_PICTURES)), files[_SMALL])
-    beside = {**live.files, **pictures.files}
+    beside = {**live.files, **files.below(_PICTURES)}
     folder = output.folder(kept.suffix)
     if robot.digests != report.outputs or not since(folder, report.outputs, {}, beside).nothing:
         return None
@@ -188,8 +187,7 @@ def _renewed(kept: Kept, files: Files, progress: Progress) -> Report | None:
         log.done(stage)
     for line in kept.notes[-1]:
         log.line(line)
-    shown = {name: text.decode() for name, text in files.below(_SHOWN).items()}
-    about = documents(report, robot, shown, files[CONFIG], log, folder, live, pictures)
+    about = documents(report, with_view(files[_PAGE].decode(), live), files[CONFIG], log)
     interrupt.check()
     output.publish({**robot, **beside, **about}, kept.suffix, report.outputs)
     output.remove(FAILED)

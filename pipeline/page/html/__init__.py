@@ -1,1 +1,1 @@
-"""HTML: the document around a page, its style, and its pieces."""
+"""HTML: the document around a page, its style, its templates, and what fills them."""

@@ -4,7 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from linkwright.pipeline.page.html.markup import link, text
+from markupsafe import Markup
+
+from linkwright.pipeline.page.html.template import rendered
 
 STYLE = Path(__file__).with_name("style.css")
 
@@ -20,41 +22,29 @@ class ReportSection:
 
 @dataclass(frozen=True, slots=True)
 class Top:
-    """What is above the contents: the `head`, with the heading, what the page shows, and `facts` about it."""
+    """What is above the contents: the `head`, with the heading, and `facts`, both HTML. The `picture` of the
+    robot in base64, with the words `alt` for those who do not see it; it leads to a file `beside` the page
+    where no view has it."""
 
     head: str
-    shown: str = ""
     facts: str = ""
+    picture: str = ""
+    alt: str = ""
+    beside: str = ""
 
 
 def document(
-    title: str, top: Top, parts: Sequence[ReportSection], foot: str, *, style: str = "", scripts: str = ""
-) -> bytes:
-    """The page: its top, the contents, the parts that have a body, and the `foot`; `title` is plain text.
-
-    `style`, `scripts`: more CSS, and script elements for the end.
-    """
+    title: str,
+    top: Top,
+    parts: Sequence[ReportSection],
+    version: str = "",
+) -> str:
+    """The page: its top, the contents, and the parts that have a body, with places for the live view; `title`
+    and `version` are plain text."""
     shown = [part for part in parts if part.body]
-    body = "\n".join(part.body for part in shown)
-    return (
-        '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{text(title)}</title>\n"
-        f"<style>\n{STYLE.read_text(encoding='utf-8')}{style}</style>\n"
-        '</head>\n<body>\n<a class="skip" href="#report">Skip to the report</a>\n'
-        f"<header>\n{top.head}\n</header>\n<main>\n{top.shown}\n{top.facts}\n"
-        f'{contents(shown)}<div id="report" tabindex="-1">\n{body}\n</div>\n</main>\n'
-        f"<footer>\n{foot}\n{scripts}</footer>\n</body>\n</html>\n"
-    ).encode()
-
-
-def contents(parts: Sequence[ReportSection]) -> str:
-    """Links to the parts: a line on a wide screen, folded on a narrow one, none on paper."""
-    named = [part for part in parts if part.title]
-    if len(named) < 2:
-        return ""
-    items = "\n".join(f"<li>{link(f'#{part.anchor}', part.title)}</li>" for part in named)
-    return (
-        '<nav class="contents" aria-label="Contents">\n<details>\n<summary>Contents</summary>\n'
-        f"<ul>\n{items}\n</ul>\n</details>\n</nav>\n"
+    style = Markup(STYLE.read_text(encoding="utf-8"))
+    contents = [part for part in shown if part.title]
+    whole = rendered(
+        "document", title=title, style=style, top=top, contents=contents, parts=shown, version=version
     )
+    return str(whole)

@@ -5,9 +5,13 @@ from pathlib import PurePosixPath
 from typing import Any
 from urllib.parse import quote
 
+from markupsafe import Markup
+
 from linkwright.pipeline.page.figures import counted, name_of, said, shown
-from linkwright.pipeline.page.html.markup import folded, name, section, shortened, table, text
+from linkwright.pipeline.page.hero import with_view
 from linkwright.pipeline.page.html.shell import ReportSection, Top, document
+from linkwright.pipeline.page.html.tables import table
+from linkwright.pipeline.page.html.template import marked, name, rendered, shortened
 from linkwright.pipeline.page.sweep.axis import numbers
 from linkwright.pipeline.page.sweep.plot import SERIES, Dot, mark, plot
 from linkwright.pipeline.page.sweep.swept import (
@@ -48,9 +52,8 @@ def page(title: str, jobs: Sequence[Job], exists: Exists, beside: Sequence[str])
         ReportSection("plots", "Plots", _plots(jobs, swept, differing)),
         ReportSection("same", "In common", _same(same)),
     ]
-    foot = '<p class="soft">Made by linkwright</p>'
-    top = Top(_head(title, jobs, swept), facts=_files(beside))
-    return document(f"{title}: {count(len(jobs), 'job')}", top, parts, foot)
+    top = Top(_head(title, jobs, swept), facts=rendered("facts", figures=(), paths=beside))
+    return with_view(document(f"{title}: {count(len(jobs), 'job')}", top, parts))
 
 
 def _head(title: str, jobs: Sequence[Job], swept: Sequence[str]) -> str:
@@ -59,13 +62,7 @@ def _head(title: str, jobs: Sequence[Job], swept: Sequence[str]) -> str:
     words = [f"{good} of {count(len(jobs), 'job')} built and valid"]
     words += [f"{unmet} with a check that failed, or not of the newest state"] if unmet else []
     words += [f"{len(jobs) - good - unmet} failed"] if good + unmet < len(jobs) else []
-    over = f'\n<p class="soft">over {text(", ".join(swept))}</p>' if swept else ""
-    return f"<h1>{text(title)}</h1>\n<p>{', '.join(words)}</p>{over}"
-
-
-def _files(beside: Sequence[str]) -> str:
-    links = "\n".join(f'<li><a href="{quote(path)}">{text(path)}</a></li>' for path in beside)
-    return f'<nav aria-label="Files">\n<ul class="line">\n{links}\n</ul>\n</nav>'
+    return rendered("sweep_head", title=title, words=", ".join(words), over=", ".join(swept))
 
 
 def _jobs(jobs: Sequence[Job], swept: Sequence[str], differing: Sequence[str], exists: Exists) -> str:
@@ -83,21 +80,21 @@ def _jobs(jobs: Sequence[Job], swept: Sequence[str], differing: Sequence[str], e
                 *(name(value_of(job, key)) for key in swept),
                 *(figures.get(key, "") for key in columns),
                 _checks(job["checks"]),
-                text(job["calls"].get("made")),
+                job["calls"].get("made"),
                 _links(job, exists),
             ]
         )
     classes = dict.fromkeys(columns.values(), "number") | {"calls": "number", "job": "job"}
     classes["status"] = "said"
     classes |= {key: "number" for key in swept if not places(key, jobs)[0].discrete}
-    return section("Jobs", table(header, rows, classes, heads="job"), "jobs")
+    return rendered("jobs", table=table(header, rows, classes, heads="job"))
 
 
-def _status(job: Job) -> str:
+def _status(job: Job) -> Markup:
     style, words = _STATUS.get(job["status"], _FAILED)
     lines = [] if job["message"] == "valid" else [job["message"], *job["problems"]]
-    said = "".join(f'<span class="hint">{text(shortened(line, _LETTERS))}</span>' for line in lines)
-    return f'<span class="{style} word">{words}</span>{said}'
+    said = Markup("").join(marked("hint", shortened(line, _LETTERS)) for line in lines)
+    return marked(f"{style} word", words) + said
 
 
 def _checks(checks: Mapping[str, Any]) -> str:
@@ -105,36 +102,29 @@ def _checks(checks: Mapping[str, Any]) -> str:
     if not checks:
         return ""
     failed, warned = checks["failed"], checks["warned"]
-    lines = [f"{checks['passed']} of {checks['passed'] + len(failed) + len(warned)} passed"]
-    for style, words, names in (("failed", "✕", failed), ("warning", "!", warned)):
-        lines += [f'<span class="{style}">{words} {text(one)}</span>' for one in names]
-    if len(lines) > 4:
-        return folded(lines[0], "<br>".join(lines[1:]))
-    return "<br>".join(lines)
+    passed = f"{checks['passed']} of {checks['passed'] + len(failed) + len(warned)} passed"
+    unmet = [("failed", f"✕ {one}") for one in failed] + [("warning", f"! {one}") for one in warned]
+    return rendered("job_checks", passed=passed, unmet=unmet)
 
 
 def _picture(job: Job, exists: Exists) -> str:
     path = str(PurePosixPath(job["folder"], "preview.png"))
-    if not exists(path):
-        return ""
-    words = f"The robot of job {job['number']}"
-    return f'<img class="thumbnail" src="{quote(path)}" alt="{words}" loading="lazy">'
+    return rendered("thumbnail", path=path, number=job["number"]) if exists(path) else ""
 
 
-def _links(job: Job, exists: Exists) -> str:
+def _links(job: Job, exists: Exists) -> Markup:
     report = str(PurePosixPath(job["folder"], "report.html"))
     found = [("report", report, report), ("folder", job["folder"], f"{job['folder']}/")]
-    return " ".join(
-        f'<a href="{quote(target)}" aria-label="{word} of job {job["number"]}">{word}</a>'
-        for word, path, target in found
-        if exists(path)
+    form = Markup('<a href="{}" aria-label="{} of job {}">{}</a>')
+    return Markup(" ").join(
+        form.format(quote(target), word, job["number"], word) for word, path, target in found if exists(path)
     )
 
 
 def _same(same: Mapping[str, float]) -> str:
     """The figures that all jobs have in common, in a line."""
-    words = text(", ".join(counted(key, value) for key, value in same.items()))
-    return section("In common", f"<p>{words}</p>", "same") if words else ""
+    words = ", ".join(counted(key, value) for key, value in same.items())
+    return rendered("same", words=words) if words else ""
 
 
 def _plots(jobs: Sequence[Job], swept: Sequence[str], differing: Sequence[str]) -> str:
@@ -152,12 +142,11 @@ def _plots(jobs: Sequence[Job], swept: Sequence[str], differing: Sequence[str]) 
         words += [f"{', '.join(same)} not changed by {key}"] if same else []
     if len(drawn) > MOST_PLOTS:
         words.append(f"{count(len(drawn) - MOST_PLOTS, 'more plot')}: summary.json has the figures")
-    plots = "\n".join(_plot(built, figure, key, swept) for figure, key in drawn[:MOST_PLOTS])
-    lines = "".join(f'\n<p class="soft">{text(line)}</p>' for line in words)
-    return section("Plots", f'<div class="plots">\n{plots}\n</div>{lines}', "plots")
+    plots = [_plot(built, figure, key, swept) for figure, key in drawn[:MOST_PLOTS]]
+    return rendered("plots", plots=plots, lines=words)
 
 
-def _plot(jobs: Sequence[Job], figure: str, key: str, swept: Sequence[str]) -> str:
+def _plot(jobs: Sequence[Job], figure: str, key: str, swept: Sequence[str]) -> dict[str, Any]:
     """A figure against a key; jobs whose other keys have the same values are a series, if these matter."""
     others = [one for one in swept if one != key and depends(jobs, figure, one, swept)]
     rows = [(job, figures_of(job)[figure]) for job in jobs if figure in figures_of(job)]
@@ -173,14 +162,13 @@ def _plot(jobs: Sequence[Job], figure: str, key: str, swept: Sequence[str]) -> s
     words += f" and {len(dots) - _SAID} more" if len(dots) > _SAID else ""
     y = numbers(name_of(figure), [dot.y for dot in dots])
     drawn = plot(words, axis, y, dots, joined=apart and not axis.discrete)
-    legend = _legend(others, series) if apart and len(series) > 1 else ""
-    return f"<figure>\n<figcaption>{text(name_of(figure))}</figcaption>\n{drawn}{legend}\n</figure>"
+    legend = _legend(others, series) if apart and len(series) > 1 else []
+    return {"title": name_of(figure), "drawn": drawn, "legend": legend}
 
 
-def _legend(keys: Sequence[str], series: Sequence[Sequence[str]]) -> str:
-    """Which series has which form."""
-    named = [
-        ", ".join(f"{key} {value}" for key, value in zip(keys, values, strict=True)) for values in series
+def _legend(keys: Sequence[str], series: Sequence[Sequence[str]]) -> list[tuple[str, str]]:
+    """The form of each series, and what it is."""
+    return [
+        (mark(number), ", ".join(f"{key} {value}" for key, value in zip(keys, values, strict=True)))
+        for number, values in enumerate(series)
     ]
-    items = [f"<li>{mark(number)} {text(words)}</li>" for number, words in enumerate(named)]
-    return '\n<ul class="legend">\n' + "\n".join(items) + "\n</ul>"

@@ -2,8 +2,9 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
-from linkwright.pipeline.page.html.markup import shortened, text
+from linkwright.pipeline.page.html.template import rendered, shortened
 from linkwright.pipeline.page.sweep.axis import Axis
 
 WIDTH, HEIGHT = 360, 230
@@ -14,6 +15,13 @@ _LETTER = 6.1
 
 _TOP, _RIGHT, _BOTTOM = 12.0, 14.0, 40.0
 _MARKS = ("circle", "square", "triangle", "diamond", "cross")
+
+_CORNERS = {
+    "triangle": ((0, -4.4), (4.2, 3.2), (-4.2, 3.2)),
+    "diamond": ((0, -4.8), (4.4, 0), (0, 4.8), (-4.4, 0)),
+    "cross": ((-3.4, -3.4), (3.4, 3.4), (0, 0), (-3.4, 3.4), (3.4, -3.4), (0, 0)),
+}
+"""The corners of a mark, from its middle."""
 
 SERIES = len(_MARKS)
 """So many series can be told apart, by the form of their dots."""
@@ -37,26 +45,33 @@ def plot(words: str, x: Axis, y: Axis, dots: Sequence[Dot], *, joined: bool) -> 
         sorted((dot for dot in dots if dot.series == number), key=lambda dot: (dot.x, dot.y))
         for number in sorted({dot.series for dot in dots})
     ]
-    lines = [_line(place, some) for some in series if len(some) > 1] if joined else []
-    marks = [_dot(place, dot) for some in series for dot in some]
-    return "\n".join(
-        [
-            f'<svg class="plot" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{text(words)}">',
-            *_levels(place),
-            *_columns(place),
-            *lines,
-            *marks,
-            "</svg>",
-        ]
+    room = (WIDTH - _RIGHT - left) / max(1, len(x.ticks))
+    return rendered(
+        "plot",
+        words=words,
+        width=WIDTH,
+        height=HEIGHT,
+        left=left,
+        right=WIDTH - _RIGHT,
+        base=HEIGHT - _BOTTOM,
+        levels=[(place.down(value), name) for value, name in y.ticks],
+        columns=[
+            (place.across(value), _fitting(name, max(3, int(room / _LETTER)))) for value, name in x.ticks
+        ],
+        middle=(left + WIDTH - _RIGHT) / 2,
+        title=_fitting(x.title, int((WIDTH - left) / _LETTER)),
+        lines=[_line(place, some) for some in series if len(some) > 1] if joined else [],
+        marks=[
+            _form(dot.series, place.across(dot.x), place.down(dot.y), dot.words)
+            for some in series
+            for dot in some
+        ],
     )
 
 
 def mark(series: int) -> str:
     """The form of the dots of a series, for a legend."""
-    inner = _form(series, 7.0, 7.0)
-    return (
-        f'<svg class="plot mark" viewBox="0 0 14 14" width="14" height="14" aria-hidden="true">{inner}</svg>'
-    )
+    return rendered("mark", form=_form(series, 7.0, 7.0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,40 +89,6 @@ class _Place:
         return HEIGHT - _BOTTOM - self.y.share(value) * (HEIGHT - _BOTTOM - _TOP)
 
 
-def _levels(place: _Place) -> list[str]:
-    """The y axis: a line for each named value."""
-    found = []
-    for value, name in place.y.ticks:
-        at = place.down(value)
-        found.append(
-            f'<line class="grid" x1="{place.left:.1f}" y1="{at:.1f}" x2="{WIDTH - _RIGHT}" y2="{at:.1f}"/>'
-        )
-        found.append(
-            f'<text x="{place.left - 6:.1f}" y="{at + 3.5:.1f}" text-anchor="end">{text(name)}</text>'
-        )
-    return found
-
-
-def _columns(place: _Place) -> list[str]:
-    """The x axis: its line, its named values, its title."""
-    base = HEIGHT - _BOTTOM
-    room = (WIDTH - _RIGHT - place.left) / max(1, len(place.x.ticks))
-    letters = max(3, int(room / _LETTER))
-    found = [f'<line class="axis" x1="{place.left:.1f}" y1="{base}" x2="{WIDTH - _RIGHT}" y2="{base}"/>']
-    for value, name in place.x.ticks:
-        at = place.across(value)
-        found.append(f'<line class="axis" x1="{at:.1f}" y1="{base}" x2="{at:.1f}" y2="{base + 4}"/>')
-        found.append(
-            f'<text x="{at:.1f}" y="{base + 16}" text-anchor="middle">{text(_fitting(name, letters))}</text>'
-        )
-    middle = (place.left + WIDTH - _RIGHT) / 2
-    title = _fitting(place.x.title, int((WIDTH - place.left) / _LETTER))
-    found.append(
-        f'<text class="title" x="{middle:.1f}" y="{HEIGHT - 6}" text-anchor="middle">{text(title)}</text>'
-    )
-    return found
-
-
 def _fitting(words: str, letters: int) -> str:
     if len(words) <= letters:
         return words
@@ -115,28 +96,13 @@ def _fitting(words: str, letters: int) -> str:
     return cut if len(cut) > letters // 2 else words[: letters - 1] + "…"
 
 
-def _line(place: _Place, dots: Sequence[Dot]) -> str:
-    points = " ".join(f"{place.across(dot.x):.1f},{place.down(dot.y):.1f}" for dot in dots)
-    return f'<polyline class="line{dots[0].series}" points="{points}"/>'
+def _line(place: _Place, dots: Sequence[Dot]) -> tuple[int, str]:
+    """The series of a line, and its points."""
+    return dots[0].series, " ".join(f"{place.across(dot.x):.1f},{place.down(dot.y):.1f}" for dot in dots)
 
 
-def _dot(place: _Place, dot: Dot) -> str:
-    form = _form(dot.series, place.across(dot.x), place.down(dot.y))
-    return form.replace("/>", f"><title>{text(dot.words)}</title></{form[1 : form.index(' ')]}>")
-
-
-def _form(series: int, x: float, y: float) -> str:
-    """A mark around a point."""
-    kind = _MARKS[series % SERIES]
-    style = f'class="dot{series % SERIES}"'
-    if kind == "circle":
-        return f'<circle {style} cx="{x:.1f}" cy="{y:.1f}" r="3.6"/>'
-    if kind == "square":
-        return f'<rect {style} x="{x - 3.2:.1f}" y="{y - 3.2:.1f}" width="6.4" height="6.4"/>'
-    corners = {
-        "triangle": ((0, -4.4), (4.2, 3.2), (-4.2, 3.2)),
-        "diamond": ((0, -4.8), (4.4, 0), (0, 4.8), (-4.4, 0)),
-        "cross": ((-3.4, -3.4), (3.4, 3.4), (0, 0), (-3.4, 3.4), (3.4, -3.4), (0, 0)),
-    }[kind]
-    points = " ".join(f"{x + dx:.1f},{y + dy:.1f}" for dx, dy in corners)
-    return f'<polygon {style} points="{points}"/>'
+def _form(series: int, x: float, y: float, words: str = "") -> dict[str, Any]:
+    """A mark around a point, with the words that it says."""
+    number = series % SERIES
+    points = " ".join(f"{x + dx:.1f},{y + dy:.1f}" for dx, dy in _CORNERS.get(_MARKS[number], ()))
+    return {"kind": _MARKS[number], "number": number, "x": x, "y": y, "points": points, "words": words}

@@ -26,6 +26,7 @@ HEAVY = (
     "scipy",
     "mujoco",
     "lxml",
+    "jinja2",
     "networkx",
     "rich",
     "yaml",

@@ -47,11 +47,11 @@ def shown(monkeypatch):
     """What the pages of the builds show of the robot."""
     found = []
 
-    def pages(*arguments):
-        found.append(arguments[6])
-        return {}
+    def page(_, live):
+        found.append(live)
+        return b""
 
-    monkeypatch.setattr("linkwright.pipeline.run.state.documents", pages)
+    monkeypatch.setattr("linkwright.pipeline.run.state.with_view", page)
     return found
 
 
@@ -126,16 +126,9 @@ def test_a_build_without_export_and_a_plain_page_have_no_view(plan, shown, monke
     assert shown == [made.NOTHING, made.NOTHING]
 
 
-def test_the_page_gets_the_view(plan, monkeypatch):
-    given = []
-
-    def page(*_, live, **__):
-        given.append(live)
-        return b""
-
-    monkeypatch.setattr("linkwright.pipeline.page.document.page", page)
+def test_the_page_gets_the_view(plan, shown):
     build(plan())
-    assert given[0].pack is not None
+    assert shown[0].pack is not None
 
 
 def test_a_page_whose_robot_cannot_simulate_has_no_engine(plan, shown):

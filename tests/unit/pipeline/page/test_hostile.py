@@ -14,6 +14,7 @@ from linkwright.stages.mesh.view.views import PICTURES
 from linkwright.stages.robot.check import Check, Finding, Table
 from linkwright.stages.robot.errors import Diagnostic
 from tests.support.page_reader import Reader
+from tests.support.places import PROJECT
 from tests.unit.pipeline.page.test_colliders import EVERY, PIXEL, SHAPES, Geometry, details
 from tests.unit.pipeline.page.test_document import REPORT, SHOWN
 from tests.unit.pipeline.page.test_order import TABLES
@@ -122,6 +123,20 @@ def test_a_hostile_name_breaks_out_nowhere(made):
     assert b"onerror=alert(1)>" not in data.replace(b"&gt;", b"")
     assert read.text.count(HOSTILE) >= usual.text.count("word") / 2
     assert not [target for target in read.links if "javascript:" in target]
+
+
+def test_every_template_escapes_what_it_shows():
+    """A template whose name does not say that it is HTML would show a name as it is."""
+    names = [path.name for path in (PROJECT / "pipeline" / "page" / "html" / "templates").iterdir()]
+    assert len(names) > 15
+    assert [name for name in names if not name.endswith(".html.jinja")] == []
+
+
+def test_a_link_that_is_called_as_a_script_is_shown_as_text():
+    word = "<script>alert(1)</script>"
+    data = build_page(word).decode()
+    assert word not in data
+    assert Reader(data.encode()).text.count(word) > 20
 
 
 @pytest.mark.parametrize("made", [build_page, sweep], ids=["build", "sweep"])

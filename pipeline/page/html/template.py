@@ -1,0 +1,89 @@
+"""What the templates of the pages are filled by, and the pieces within a line: escaped, as `Markup`."""
+
+import re
+from collections.abc import Callable, Iterable, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from markupsafe import Markup, escape
+
+from linkwright.stages.formats.templates import Templates
+from linkwright.stages.robot.text.printable import printable_lines
+
+_LONG = re.compile(r"\S{17,}")
+_JOINT = re.compile(r"([_/](?=[^_/])|\.(?=[A-Za-z]))")
+
+
+def rendered(name: str, /, **values: Any) -> Markup:
+    """The HTML of the template of this name."""
+    return Markup(_templates().filled(f"{name}.html", **values))
+
+
+@cache
+def _templates() -> Templates:
+    filters: dict[str, Callable[..., Any]] = {
+        "name": name,
+        "inline": inline,
+        "quote": quote,
+        "tenths": "{:.1f}".format,
+    }
+    return Templates(Path(__file__).with_name("templates"), filters, text)
+
+
+def text(value: Any) -> str:
+    """A value as people read it; HTML stays as it is."""
+    if value is None:
+        return ""
+    if isinstance(value, Markup):
+        return value
+    if isinstance(value, Mapping):
+        return ", ".join(f"{text(key)}: {text(item)}" for key, item in value.items())
+    return printable_lines(f"{value:.6g}" if isinstance(value, float) else str(value))
+
+
+def name(value: Any) -> Markup:
+    """As `text`, of a name or a path: a long one may be broken where its words are joined."""
+    shown = str(escape(text(value)))
+    if len(shown) < 17:
+        return Markup(shown)
+    return Markup(_LONG.sub(lambda word: _JOINT.sub(r"\1<wbr>", word[0]), shown))
+
+
+def shortened(words: str, most: int) -> str:
+    """Plain text of at most so many letters, cut between words."""
+    if len(words) <= most:
+        return words
+    return words[: most - 1].rpartition(" ")[0].rstrip(",;:") + " …"
+
+
+def inline(markdown: str) -> Markup:
+    """A line of Markdown: code and the words of links."""
+    bare = re.sub(r"\[([^\]]+)\]\([^)]*\)", r"\1", markdown.replace("\\|", "|"))
+    return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(text(bare)))))
+
+
+def marked(kind: str, words: Any) -> Markup:
+    """Words of a kind that the style knows; nothing without words."""
+    return Markup('<span class="{}">{}</span>').format(kind, text(words)) if words else Markup("")
+
+
+def stacked(lines: Iterable[Any]) -> Markup:
+    """Lines below each other."""
+    return Markup("<br>").join(text(line) for line in lines)
+
+
+def hint(words: Any) -> Markup:
+    """What to do, on a line of its own."""
+    return marked("hint", Markup("→ {}").format(text(words))) if words else Markup("")
+
+
+def link(target: str, words: Any) -> Markup:
+    """A link to a web page, or to a place of this one (`#...`)."""
+    return Markup('<a href="{}">{}</a>').format(text(target), text(words))
+
+
+def file_link(path: str) -> Markup:
+    """A link to a file beside the page."""
+    return link(quote(path), path)
