@@ -8,8 +8,8 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from linkwright.stages.formats.meshes.surface import Points
-from linkwright.stages.mesh.collide.primitives import around
 from linkwright.stages.mesh.files import stl
+from linkwright.stages.mesh.surfaces.pieces import around
 from linkwright.stages.mesh.tessellation import PartMesh
 from linkwright.stages.robot.dynamics.inertia import merged, moved
 from linkwright.stages.robot.errors import Diagnostic

@@ -8,7 +8,7 @@ from itertools import product
 
 import numpy as np
 
-from linkwright.stages.formats.meshes.surface import Surface, joined
+from linkwright.stages.formats.meshes.surface import Points, Surface, joined
 from linkwright.stages.mesh.collide.acceptance import Judge
 from linkwright.stages.mesh.configuration.collider_settings import ContactSettings, default_tolerance
 from linkwright.stages.mesh.cut import planes
@@ -132,15 +132,14 @@ def _halves(
     volume; none where every plane leaves as much."""
     cloud = chunk.cloud()
     axes = planes.axes_of(chunk.surface)
-    ranked = []
     every = planes.crossing(iter([*faces, *planes.through(axes, cloud)]), cloud)
-    for number, (normal, height) in enumerate(every):
-        above = cloud @ normal > height
-        rough = [hull_of(cloud[~above]), hull_of(cloud[above])]
-        volume = sum(hull.volume for hull in rough if hull is not None)
-        ranked.append((round(volume, 12), number, (normal, height)))
+
+    def roughly(*sides: Points) -> float:
+        volume = sum(hull.volume for side in sides if (hull := hull_of(side)) is not None)
+        return round(float(volume), 12)
+
     best: tuple[float, list[tuple[Surface, Surface]]] = np.inf, []
-    for volume, _, (normal, height) in sorted(ranked, key=lambda plane: plane[:2]):
+    for volume, (normal, height) in planes.ranked(every, cloud, roughly):
         if not measured or volume >= chunk.volume:
             break
         sides = [side for side in cut(chunk.surface, normal, height) if len(side.triangles)]

@@ -148,20 +148,18 @@ class PieceSearch:
             for other, deep in own
             if len(rows := np.flatnonzero(deep))
         ]
-        ranked = []
-        cloud = chunk.cloud()
-        for number, (normal, height) in enumerate(self._planes(pair, link, chunk, looked)):
-            above = cloud @ normal > height
-            sides = [rough(cloud[~above]), rough(cloud[above])]
+
+        def roughly(*sides: Points) -> tuple[float, float]:
+            hulls = [hull for side in sides if (hull := rough(side)) is not None]
             left = sum(
-                float(self._rough_deeper(pair, link, side[0], other, rows).sum())
-                for side in sides
-                if side is not None
+                float(self._rough_deeper(pair, link, hull, other, rows).sum())
+                for hull, _ in hulls
                 for other, rows in looked
             )
-            volume = sum(side[1] for side in sides if side is not None)
-            ranked.append((round(left, 9), round(volume, 12), number, (normal, height)))
-        for _, _, _, (normal, height) in sorted(ranked, key=lambda one: one[:3])[:_EXACT]:
+            return round(left, 9), round(sum(volume for _, volume in hulls), 12)
+
+        every = self._planes(pair, link, chunk, looked)
+        for _, (normal, height) in planes.ranked(every, chunk.cloud(), roughly)[:_EXACT]:
             halves = [
                 hulled(side, self.max_vertices, chunk.group)
                 for side in cut(chunk.surface, normal, height)

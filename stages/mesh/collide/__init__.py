@@ -11,9 +11,7 @@
 - make: The colliders of all links: each part's is made once, and the worst ones are improved.
 - merge_across_parts: Fewer convex pieces for several parts of a link: pieces of different parts become one
   where they may.
-- plainer: Convex pieces of a collider as primitives, where those are as near to the part.
-- primitives: Primitives (boxes, spheres, cylinders, capsules) as shapes of a `Geometry`, and points around
-  them.
+- primitives: Primitives (boxes, spheres, cylinders, capsules) as shapes of a `Geometry`.
 - report: What is reported of colliders: their figures, and those that are not what they should be.
 - side_by_side: Colliders improved side by side, in as many guest processes, which stay for all of them.
 - task_guest: Guest process that does tasks for this project's own process: a request is a task as a pickle.

@@ -226,16 +226,16 @@ class PieceCutter:
         what is whole is cut off first."""
         cloud, axes = cloud_of(part.soup, _CLOUD), planes.axes_of(part.soup)
         faces = planes.flat_faces(part.soup, _ASIDE * self._judge.tolerance)
-        ranked = []
         every = planes.crossing(iter([*faces, *planes.through(axes, cloud)]), cloud)
-        for number, (normal, height) in enumerate(every):
-            above = cloud @ normal > height
-            hulls = [whole_hull(side) for side in (cloud[~above], cloud[above])]
-            cost = sum(self._rough_cost(hull) * hull.volume() for hull in hulls if hull is not None)
-            ranked.append((round(cost / (self._unit * part.volume), _DIGITS), number, (normal, height)))
+        unit = self._unit * part.volume
+
+        def roughly(*sides: Points) -> float:
+            hulls = [hull for side in sides if (hull := whole_hull(side)) is not None]
+            return round(sum(self._rough_cost(hull) * hull.volume() for hull in hulls) / unit, _DIGITS)
+
         best: tuple[float, list[_Part]] = np.inf, []
         left, sliced = self._tried, slicer(part.soup)
-        for _, _, (normal, height) in sorted(ranked, key=lambda plane: plane[:2]):
+        for _, (normal, height) in planes.ranked(every, cloud, roughly):
             if not left:
                 break
             sides = sliced(normal, height)
@@ -243,9 +243,7 @@ class PieceCutter:
             if len(made) < len(sides):
                 continue  # a flat side would be bare
             left -= 1
-            cost = round(
-                sum(side.cost() * side.volume for side in made) / (self._unit * part.volume), _DIGITS
-            )
+            cost = round(sum(side.cost() * side.volume for side in made) / unit, _DIGITS)
             if cost < best[0]:
                 best = cost, made
         return best[1]

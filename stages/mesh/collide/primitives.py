@@ -1,4 +1,4 @@
-"""Primitives (boxes, spheres, cylinders, capsules) as shapes of a `Geometry`, and points around them."""
+"""Primitives (boxes, spheres, cylinders, capsules) as shapes of a `Geometry`."""
 
 import math
 from collections.abc import Iterator
@@ -6,14 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from linkwright.stages.formats.meshes.surface import Points, Surface
+from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.robot.dynamics.inertia import primitive_volume
 from linkwright.stages.robot.model.geometry import NEUTRAL, Colour, Role, Shape
 from linkwright.stages.robot.model.robot import Link, Primitive
-
-_AROUND = 48
-_UPWARDS = 24
 
 
 def shapes(link: Link) -> Iterator[Shape]:
@@ -63,26 +60,3 @@ def _area(primitive: Primitive) -> float:
         return ball
     barrel = 2 * math.pi * radius * primitive.size[1]
     return barrel + (2 * math.pi * radius**2 if primitive.kind == "cylinder" else ball)
-
-
-def around(primitive: Primitive) -> Points:
-    """(n, 3): points in the link's frame whose convex hull contains the shape and hardly more: around
-    a curved shape they are the corners of polygons."""
-    if primitive.kind == "box":
-        corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-        local = corners * primitive.size / 2
-    else:
-        half = 0.0 if primitive.kind == "sphere" else primitive.size[1] / 2
-        # A polygon of n corners around a circle has its corners at 1 / cos(π/n) of the radius.
-        radius = primitive.size[0] / math.cos(math.pi / _AROUND)
-        if primitive.kind == "cylinder":
-            rings = [(radius, -half), (radius, half)]
-        else:
-            radius /= math.cos(math.pi / (2 * _UPWARDS))
-            angles = np.linspace(0.0, math.pi / 2, _UPWARDS // 2 + 1)
-            upper = [(radius * math.cos(a), half + radius * math.sin(a)) for a in angles]
-            rings = [*upper, *((r, -z) for r, z in upper)]
-        turns = np.arange(_AROUND) * (2 * math.pi / _AROUND)
-        local = np.array([[r * math.cos(a), r * math.sin(a), z] for r, z in rings for a in turns])
-    pose = primitive.link_from_shape
-    return np.asarray(local @ pose[:3, :3].T + pose[:3, 3], dtype=np.float64)

@@ -9,13 +9,13 @@ from linkwright.stages.formats.meshes.surface import Surface, joined
 from linkwright.stages.mesh.collide.acceptance import Judge, miss
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.collide.cut_pieces import Cut, PieceCutter
-from linkwright.stages.mesh.collide.plainer import plainer
 from linkwright.stages.mesh.colliders import hull
 from linkwright.stages.mesh.configuration.collider_settings import HullSettings, LadderSettings
 from linkwright.stages.mesh.fit import CHEAPEST, capped_hull, fits
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.pieces import Piece, surface_of
 from linkwright.stages.mesh.surfaces.snapping import snapped
+from linkwright.stages.robot.model.robot import PrimitiveKind
 
 _WORTH = 2.0
 """Pieces that miss the tolerance are taken where they are so many times nearer than the hull: of the open
@@ -27,6 +27,15 @@ _NEAR = 1.3
 
 _HOLLOW = 2.0
 """A part whose hull misses so many times the tolerance is no primitive."""
+
+
+_NEAR_PIECE = 0.75
+"""A fit is tried whose error, against its piece, is at most so many tolerances."""
+
+_CHEAP: tuple[PrimitiveKind, ...] = ("sphere", "capsule", "box")
+"""No cylinder, which costs an engine as much as a hull."""
+
+_MOST_TRIES = 6
 
 
 def make(surfaces: Sequence[Surface], settings: LadderSettings) -> Collision:
@@ -73,7 +82,7 @@ def _of_pieces(judge: Judge, cut: Cut, hull: Collision) -> Collision:
     """The collider of these pieces, with primitives where they are as near; where they miss the tolerance,
     only if they are so much nearer than the `hull` that they are worth what they cost a simulation; else the
     hull, which says how near they would be."""
-    taken = plainer(judge, [*map(surface_of, cut.pieces)]) if cut.near else cut.pieces
+    taken = _plainer(judge, [*map(surface_of, cut.pieces)]) if cut.near else cut.pieces
     measures = judge.measure(taken)
     off = miss(measures, judge.tolerance)
     if off <= 1 or hull.measures is None:
@@ -82,6 +91,26 @@ def _of_pieces(judge: Judge, cut: Cut, hull: Collision) -> Collision:
     if times >= _WORTH:
         return judge.collision(taken, measures, "pieces", meets=False)
     return hull.with_note(f"{len(cut.pieces)} convex pieces are {times:.2g} times as near")
+
+
+def _plainer(judge: Judge, hulls: Sequence[Surface]) -> tuple[Piece, ...]:
+    """Pieces that are near enough, as many of them as primitives as the tolerance allows.
+
+    All that fit their pieces are tried at once; where that is too far off, the half of them that fits best.
+    """
+    cheapest = (next(fits(hull, _CHEAP, _NEAR_PIECE * judge.tolerance), None) for hull in hulls)
+    fitted = {index: one for index, one in enumerate(cheapest) if one}
+    ranked = sorted(fitted, key=lambda index: (fitted[index].error, index))
+    for _ in range(_MOST_TRIES):
+        if not ranked:
+            break
+        tried: list[Piece] = list(hulls)
+        for index in ranked:
+            tried[index] = fitted[index].primitive
+        if not judge.hopeless(tried) and judge.near(tried):
+            return tuple(tried)
+        ranked = ranked[: len(ranked) // 2]
+    return tuple(hulls)
 
 
 def together(surfaces: Sequence[Surface], settings: LadderSettings) -> Collision:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
+from typing import TypeVar
 
 import numpy as np
 
 from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.robot.model.robot import Array
 
+Score = TypeVar("Score", float, tuple[float, float])
 Plane = tuple[Points, float]
 """A unit normal (3,) and a height [m]: normal·x = height."""
 
@@ -88,3 +90,14 @@ def crossing(planes: Iterator[Plane], points: Points) -> list[Plane]:
             key = *normal.round(6).tolist(), round(height, 6)
             found.setdefault(key, (normal, height))
     return list(found.values())
+
+
+def ranked(
+    every: Iterable[Plane], cloud: Points, score: Callable[[Points, Points], Score]
+) -> list[tuple[Score, Plane]]:
+    """Planes and their scores by the points of a cloud (n, 3) below and above, the least first."""
+    found = []
+    for normal, height in every:
+        above = cloud @ normal > height
+        found.append((score(cloud[~above], cloud[above]), (normal, height)))
+    return sorted(found, key=lambda one: one[0])

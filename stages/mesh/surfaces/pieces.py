@@ -130,6 +130,14 @@ def surface_of(piece: Piece) -> Surface:
     return moved(local, piece.link_from_shape)
 
 
+def around(primitive: Primitive) -> Points:
+    """(n, 3): points whose convex hull contains the shape and hardly more."""
+    middle = primitive.link_from_shape[:3, 3]
+    # A box has its corners; no point of another is further out of its polyhedron.
+    wider = 1.0 if primitive.kind == "box" else 1.0025
+    return np.asarray(middle + wider * (surface_of(primitive).vertices - middle), dtype=np.float64)
+
+
 def _product(row: Array, column: Array) -> float:
     return float(sum(a * b for a, b in zip(row.tolist(), column.tolist(), strict=True)))
 

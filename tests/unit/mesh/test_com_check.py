@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from linkwright.stages.mesh import tessellation
-from linkwright.stages.mesh.collide.primitives import around
 from linkwright.stages.mesh.com_check import outside
+from linkwright.stages.mesh.surfaces.pieces import around
 from linkwright.stages.robot.model.robot import Inertial, Primitive, frozen
 from tests.unit.mesh.test_mesh import FLAT, INERTIAL, Memory, at, geometry, link_of, of_links, part
 
