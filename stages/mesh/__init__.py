@@ -8,7 +8,6 @@ own frame. The primitives that the user gave it stay as they are, but for cylind
 - contact_parts: Which parts take part in contact, of those that have a mesh.
 - diagnostics: Diagnostics of the mesh stage about missing, open and decimated meshes.
 - geometry: The robot's geometry: each link's meshes and colliders, made once, then named.
-- geoms: The properties of contact that `geoms` gives the shapes of links and of CAD parts.
 - idle_keys: Keys of the mesh stage that nothing of this robot depends on.
 - library: The part meshes of a bundle, each reply read once and only where something must be made of it.
 - link_mesh: What is known of the meshes of a link's parts, and its visual meshes made of them, both as bytes

@@ -8,9 +8,8 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from linkwright.stages.mesh.assets import written
-from linkwright.stages.mesh.by_contact.made import by_contact
+from linkwright.stages.mesh.by_contact.made import by_contact, false_contacts
 from linkwright.stages.mesh.by_contact.meeting import wanted
-from linkwright.stages.mesh.by_contact.report import false_contacts
 from linkwright.stages.mesh.by_contact.request import ContactRequest, FalsePair
 from linkwright.stages.mesh.collide import primitives
 from linkwright.stages.mesh.collide.choices import default_choice
@@ -21,18 +20,16 @@ from linkwright.stages.mesh.com_check import unbalanced
 from linkwright.stages.mesh.contact_parts import reported as too_small_reported
 from linkwright.stages.mesh.contact_parts import with_basis
 from linkwright.stages.mesh.contacts.analysis import self_contacts
-from linkwright.stages.mesh.contacts.apart import apart
-from linkwright.stages.mesh.contacts.chosen import chosen_pairs
+from linkwright.stages.mesh.contacts.apart import apart, chosen_pairs
 from linkwright.stages.mesh.diagnostics import diagnostics
 from linkwright.stages.mesh.files import mesh_file
 from linkwright.stages.mesh.files.mesh_file import MeshFile
 from linkwright.stages.mesh.files.names import file_names, part_words
-from linkwright.stages.mesh.geoms import with_properties
 from linkwright.stages.mesh.idle_keys import idle_keys
 from linkwright.stages.mesh.library import MeshLibrary
 from linkwright.stages.mesh.link_mesh import PartFinding
 from linkwright.stages.mesh.link_uses import LinkUses, link_visuals, used_meshes
-from linkwright.stages.mesh.part_choices import PartChoice, part_choices, with_shown_shapes
+from linkwright.stages.mesh.part_choices import PartChoice, part_choices, with_properties, with_shown_shapes
 from linkwright.stages.mesh.surfaces.pieces import Piece, placed
 from linkwright.stages.mesh.visuals import textures
 from linkwright.stages.mesh.visuals.make import LinkVisuals

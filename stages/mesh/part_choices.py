@@ -13,8 +13,8 @@ from linkwright.stages.mesh import COLLIDERS
 from linkwright.stages.mesh.collide.choices import Choice, chosen_by, default_choice
 from linkwright.stages.mesh.configuration.collider_settings import ContactSettings, HullSettings
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.model.geom_form import PLAIN
-from linkwright.stages.robot.model.geometry import Role
+from linkwright.stages.robot.model.geom_form import PLAIN, ContactProperties
+from linkwright.stages.robot.model.geometry import Role, Shape
 from linkwright.stages.robot.model.robot import Link, Part
 from linkwright.stages.robot.text.globs import fits, there_are, unnumbered
 
@@ -124,3 +124,31 @@ def _maker(choice: Choice, part: Part, apart: bool, own: bool) -> Choice:
     else:
         return replace(choice, apart=choice.apart or apart or part.form != PLAIN)
     return replace(choice, maker="hull", how=COLLIDERS["hull"], settings=settings, apart=True)
+
+
+def with_properties(
+    shapes: Sequence[Shape],
+    chosen: Mapping[tuple[str, int], PartChoice],
+    geoms: Mapping[str, GeomSection],
+    by_source: bool = False,
+) -> tuple[Shape, ...]:
+    """The shapes, each with the properties of its link and role, or of its part, after those of an MJCF
+    source. `chosen`: by link and number what is asked of the parts of each collider, which is the same of
+    all; `by_source`: whether the source says what collides."""
+
+    def of(shape: Shape) -> ContactProperties | None:
+        key = shape.link, -1 if shape.collider is None else shape.collider
+        given = chosen[key].contact if key in chosen else contact_of(geoms, shape.link, shape.role)
+        found = _of_source(shape, by_source)
+        return replace(found or ContactProperties(), **given) if given else found
+
+    return tuple(replace(shape, contact=of(shape)) for shape in shapes)
+
+
+def _of_source(shape: Shape, by_source: bool) -> ContactProperties | None:
+    """What an MJCF source says of a shape's contacts: its bits only where they decide what collides."""
+    contact = shape.form.contact
+    if contact is None or by_source:
+        return contact
+    without = replace(contact, contype=None, conaffinity=None)
+    return without if without.given() else None

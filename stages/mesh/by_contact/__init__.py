@@ -10,11 +10,11 @@ tolerance.
 - fitting: Ends fitted side by side: in this process, and in a second one where there is a second processor.
 - links: The links as they start: a primitive or a hull for each of their colliders, or for each of their
   parts.
-- made: Colliders by contact of the links that ask for them, kept by what they depend on.
+- made: Colliders by contact of the links that ask for them, kept by what they depend on, and what is reported
+  of them.
 - meeting: Which links meet the world: with these the robot grasps, stands and touches.
 - pair: Two links that may be false, and how deep their pieces are in each other.
 - poses: Where links are near each other, over the poses that colliders are made for.
-- report: What is reported of links whose colliders touch where the links do not.
 - request: What is asked of colliders by contact, and what is reported of those that are still false.
 - robot: The colliders by contact of a whole robot, from surfaces to pieces.
 - search: The search: pieces are cut where links are false, and merged where no pair gets worse.

@@ -12,7 +12,7 @@ from linkwright.stages.formats.meshes.surface import Points, Surface, joined
 from linkwright.stages.mesh.collide.acceptance import Judge
 from linkwright.stages.mesh.configuration.collider_settings import ContactSettings, default_tolerance
 from linkwright.stages.mesh.cut import planes
-from linkwright.stages.mesh.cut.cutting import cut
+from linkwright.stages.mesh.cut.cutting import cut, cuts
 from linkwright.stages.mesh.cut.outside import Outside, Sampled, StandingOut
 from linkwright.stages.mesh.cut.piece import Chunk, hull_of, whole_hull
 from linkwright.stages.robot.model.geometry import Measures
@@ -93,25 +93,20 @@ def _cut(
     chunks: Sequence[Chunk], outside: Outside, tolerance: float, max_vertices: int, measured: int
 ) -> _State:
     """Pieces, and how far they stand out. The piece that stands out most is cut, again and again."""
-    now = list(chunks)
     tried: list[_State] = []
     sampled: dict[Chunk, Sampled] = {}
-    faces = planes.flat_faces(joined([chunk.surface for chunk in now]))
-    while True:
+    faces = planes.flat_faces(joined([chunk.surface for chunk in chunks]))
+
+    def halves(chunk: Chunk) -> list[Chunk]:
+        return [] if chunk.stays else _halves(chunk, faces, outside, max_vertices, measured)
+
+    for now in cuts(chunks, lambda _: tried[-1][0].volumes, halves):
         for chunk in now:
             if chunk not in sampled:
                 sampled[chunk] = outside.sampled(chunk.piece)
         out = outside.standing_out([sampled[chunk] for chunk in now])
         tried.append((out, now))
         if out.p95 <= tolerance or len(now) >= MOST or _stalls([out.p95 for out, _ in tried], tolerance):
-            break
-        worst = sorted(range(len(now)), key=lambda number: (-out.volumes[number], number))
-        for number in worst:
-            halves = [] if now[number].stays else _halves(now[number], faces, outside, max_vertices, measured)
-            if halves:
-                now = [*now[:number], *halves, *now[number + 1 :]]
-                break
-        else:
             break
     least = min(out.p95 for out, _ in tried)
     enough = tolerance if least <= tolerance else _WORTH * least

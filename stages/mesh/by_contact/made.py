@@ -1,4 +1,5 @@
-"""Colliders by contact of the links that ask for them, kept by what they depend on."""
+"""Colliders by contact of the links that ask for them, kept by what they depend on, and what is reported of
+them."""
 
 from __future__ import annotations
 
@@ -14,7 +15,8 @@ from linkwright.stages.mesh.by_contact.request import ContactRequest, FalsePair
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.surfaces.pieces import Piece
 from linkwright.stages.robot import codec
-from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.text.globs import as_key, listed
 from linkwright.stages.robot.text.plural import count
 
 if TYPE_CHECKING:
@@ -102,3 +104,27 @@ def _reasons(link: str, pieces: int, solution: Solution, end: End | None) -> Ite
         yield f"still false against {listed(left)}"
     if end is not None:
         yield f"meets the world: {1e3 * end.p95:.2g} mm out of the link, of {1e3 * end.tolerance:.2g} mm"
+
+
+def false_contacts(pairs: Sequence[FalsePair]) -> Iterator[Diagnostic]:
+    """W-FALSE-CONTACT for each link of such pairs, with the pairs that no link before it named."""
+    told: dict[str, list[FalsePair]] = {}
+    for pair in pairs:
+        told.setdefault(pair.one if pair.one in told or pair.other not in told else pair.other, []).append(
+            pair
+        )
+    for link, own in told.items():
+        said = "; ".join(_said(link, pair) for pair in own)
+        lines = ", ".join(f"[{as_key(pair.one)}, {as_key(pair.other)}]" for pair in own)
+        yield Diagnostic(
+            "W-FALSE-CONTACT",
+            f"the collider of {link} touches where the link does not: {said}",
+            link,
+            f"to let them pass through each other: `contact: {{exclude: [{lines}]}}`; or a collider by hand "
+            "in mesh.colliders",
+        )
+
+
+def _said(link: str, pair: FalsePair) -> str:
+    where = "at home" if pair.home else f"in {100 * pair.share:.2g} % of poses"
+    return f"{pair.beside(link)}, {where}, by up to {1e3 * pair.depth:.2g} mm"

@@ -18,9 +18,8 @@ import numpy.typing as npt
 from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.collide.acceptance import Judge, miss
 from linkwright.stages.mesh.cut import planes
-from linkwright.stages.mesh.cut.cutting import slicer
+from linkwright.stages.mesh.cut.cutting import cuts, in_sectors, slicer
 from linkwright.stages.mesh.cut.piece import cloud_of, whole_hull
-from linkwright.stages.mesh.cut.sectors import in_sectors
 from linkwright.stages.mesh.decompose.seams import containing_hull
 from linkwright.stages.mesh.measure import even
 from linkwright.stages.mesh.measure.field import Field
@@ -210,14 +209,12 @@ class PieceCutter:
     def _cut(self, parts: Sequence[_Part]) -> list[_Part]:
         """Cuts the piece that stands out most, again and again."""
         now = [*parts]
-        while len(now) < _MOST_CUT and not self._enough(now):
-            costs = [round(part.cost(self._alone(part, now)) / self._unit, _DIGITS) for part in now]
-            for number in sorted(range(len(now)), key=lambda number: (-costs[number], number)):
-                halves = self._halves(now[number]) if costs[number] > 0 else []
-                if halves:
-                    now = [*now[:number], *halves, *now[number + 1 :]]
-                    break
-            else:
+
+        def costs(parts: list[_Part]) -> list[float]:
+            return [round(part.cost(self._alone(part, parts)) / self._unit, _DIGITS) for part in parts]
+
+        for now in cuts(parts, costs, self._halves):
+            if len(now) >= _MOST_CUT or self._enough(now):
                 break
         return now
 

@@ -11,15 +11,16 @@ import numpy as np
 import orjson
 
 from linkwright.stages.mesh.contacts.by_source import source_excludes
-from linkwright.stages.mesh.contacts.findings import findings
 from linkwright.stages.mesh.contacts.narrow import Mask, narrowed
 from linkwright.stages.mesh.motion_digest import motion_digest
 from linkwright.stages.robot import codec
-from linkwright.stages.robot.contact.exclude_names import excluded_colliders
+from linkwright.stages.robot.contact.exclude_names import Names, excluded_colliders
 from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.model.geometry import ColliderFigures, Exclude, ExcludeReason, Shape, Touch
 from linkwright.stages.robot.model.robot import Array, Configuration, Robot
 from linkwright.stages.robot.motion.adjacency import Pair, adjacent_pairs
+from linkwright.stages.robot.text.globs import as_key, listed
+from linkwright.stages.robot.text.plural import count
 
 if TYPE_CHECKING:
     from linkwright.stages.mesh import Memo
@@ -183,3 +184,42 @@ def _content(shape: Shape, files: Mapping[str, bytes]) -> list[Any]:
     if shape.file is not None:
         return [shape.link, shape.collider, hashlib.sha256(files[shape.file]).hexdigest()]
     return [shape.link, shape.collider, codec.plain(shape.primitive)]
+
+
+_WHERE = "contact"
+
+
+def findings(
+    always: Sequence[tuple[Exclude, tuple[Names, Names] | None]], free: Sequence[Touch], poses: int
+) -> Iterator[Diagnostic]:
+    """I-ALWAYS-CONTACT with the pairs that touch in every one of so many poses, and the names of what does
+    not collide where that is not all of them; and W-SELF-CONTACT with those that touch at `home`, but not in
+    every pose. Each has its depth there."""
+    if always:
+        told = "; ".join(_pair(one) + _only(names) for one, names in always)
+        text = f"{_pairs(len(always))} in every one of {poses} poses, so they do not collide: {told}"
+        yield Diagnostic("I-ALWAYS-CONTACT", text, _WHERE, "contact.self=all lets them collide")
+    if free:
+        text = f"{_pairs(len(free))} at home, but not in every pose: {', '.join(map(_pair, free))}"
+        lines = ", ".join(f"[{as_key(one.link_a)}, {as_key(one.link_b)}]" for one in free)
+        hint = (
+            f"to let them pass through each other: `contact: {{exclude: [{lines}]}}`; "
+            "otherwise change the pose or the shapes"
+        )
+        yield Diagnostic("W-SELF-CONTACT", text, _WHERE, hint)
+
+
+def _pairs(number: int) -> str:
+    return f"{count(number, 'pair')} of links {'touches' if number == 1 else 'touch'}"
+
+
+def _pair(one: Exclude | Touch) -> str:
+    """The pair with its depth in mm."""
+    return f"{one.link_a} and {one.link_b} ({1e3 * one.depth:.2f} mm deep)"
+
+
+def _only(names: tuple[Names, Names] | None) -> str:
+    """What of the pair does not collide."""
+    if names is None:
+        return ""
+    return f", of which only {listed(names[0])} against {listed(names[1])}"

@@ -13,7 +13,7 @@ from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.collide.improvement import BOUNDS, Improvement, helper
 from linkwright.stages.mesh.configuration.collider_settings import CoacdSettings
 from linkwright.stages.mesh.decompose import DecomposeOptions, decomposed, search
-from linkwright.stages.mesh.decompose.prepare import NOT_CLOSED, prepared
+from linkwright.stages.mesh.decompose.coacd_pieces import NOT_CLOSED, prepared
 from linkwright.stages.mesh.decompose.seams import containing_hull, grown
 from linkwright.stages.robot.errors import ConfigError, DecompositionFailed, MeshError
 from linkwright.stages.robot.system.guest import Bounds

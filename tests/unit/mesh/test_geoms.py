@@ -15,8 +15,7 @@ from linkwright.stages.mesh import make_geometry
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.colliders import hull
 from linkwright.stages.mesh.configuration.collider_settings import HullSettings
-from linkwright.stages.mesh.geoms import with_properties
-from linkwright.stages.mesh.part_choices import part_choices
+from linkwright.stages.mesh.part_choices import part_choices, with_properties
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import ConfigError, MeshError
