@@ -5,6 +5,7 @@ from dataclasses import fields
 from typing import TYPE_CHECKING
 
 from linkwright.stages.mesh import BY_CONTACT, COLLIDERS, Maker
+from linkwright.stages.mesh.contact_parts import FILES
 from linkwright.stages.robot.errors import Diagnostic
 
 if TYPE_CHECKING:
@@ -12,9 +13,6 @@ if TYPE_CHECKING:
 
 KEYS = ("tolerance", "fine", "extra_volume", "effort", "coacd")
 """Keys that only some makers of colliders read; of the ladder, with a tolerance or a part that is named."""
-
-FILES = ("urdf", "mjcf")
-"""Kinds of source that may have collision shapes of their own."""
 
 
 def idle_keys(keys: "MeshSections", makers: Collection[Maker], source: str) -> Iterator[Diagnostic]:

@@ -10,9 +10,11 @@ from linkwright.stages.mesh.collide.cut_pieces import PieceCutter
 from linkwright.stages.mesh.collide.improvement import Improvement, helper
 from linkwright.stages.mesh.colliders import coacd
 from linkwright.stages.mesh.configuration.collider_settings import CoacdSettings
-from linkwright.stages.mesh.decompose import DecomposeOptions, decomposed
+from linkwright.stages.mesh.decompose import Search, decomposed
 from linkwright.stages.mesh.surfaces.pieces import surface_of
 from linkwright.stages.robot.errors import DecompositionFailed
+
+DEFAULT = Search()
 
 
 def task(surface: Surface, tolerance: float = 0.001, **options: Any) -> Improvement:
@@ -27,13 +29,15 @@ def improved(work: Improvement, **of_guest: Any) -> bytes:
         return improvement.improved(work, guest)
 
 
-def decompose(surface: Surface, options: DecomposeOptions, most_vertices: int = 64) -> tuple[Surface, ...]:
+def decompose(
+    surface: Surface, tolerance: float, most_vertices: int = 64, search: Search = DEFAULT
+) -> tuple[Surface, ...]:
     """The convex pieces of a surface, joined, sorted. DecompositionFailed, with the reason, where there are
     none."""
-    made = decomposed(surface, options)
+    made = decomposed(surface, tolerance, search)
     if isinstance(made, str):
         raise DecompositionFailed(made)
-    cutter = PieceCutter(judge(surface, options.tolerance), most_vertices)
+    cutter = PieceCutter(judge(surface, tolerance), most_vertices)
     return tuple(map(surface_of, cutter.join(cutter.parts_of(made)).pieces))
 
 

@@ -11,7 +11,7 @@ from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.collide.cut_pieces import PieceCutter
 from linkwright.stages.mesh.colliders import hull
 from linkwright.stages.mesh.configuration.collider_settings import CoacdSettings, HullSettings
-from linkwright.stages.mesh.decompose import NOT_CLOSED, DecomposeOptions, decomposed, search
+from linkwright.stages.mesh.decompose import NOT_CLOSED, decomposed, search
 
 
 def make(surfaces: Sequence[Surface], settings: CoacdSettings) -> Collision:
@@ -25,8 +25,7 @@ def improve(surfaces: Sequence[Surface], settings: CoacdSettings, made: Collisio
     judge = Judge.of(joined(surfaces), settings.tolerance)
     if isinstance(judge, str):
         return made.with_note(judge)
-    options = DecomposeOptions(judge.tolerance, search(settings.effort, settings.coacd))
-    found = decomposed(judge.surface, options)
+    found = decomposed(judge.surface, judge.tolerance, search(settings.effort, settings.coacd))
     cutter = PieceCutter(judge, settings.max_vertices, settings.effort)
     if found == NOT_CLOSED:
         pieces, note = cutter.cut().pieces, f"{NOT_CLOSED}: cut by planes"

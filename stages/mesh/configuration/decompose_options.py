@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
 from linkwright.stages.robot.errors import ConfigError
@@ -106,16 +106,3 @@ def _problem(name: str, value: Any) -> str:
         return "no number" if name == "extrude_margin" else "no whole number"
     least, most = _RANGES[name]
     return "" if least <= value <= most else f"not between {least:g} and {most:g}"
-
-
-@dataclass(frozen=True, slots=True)
-class DecomposeOptions:
-    """How CoACD decomposes a part: the tolerance of its collider [m] and the parameters."""
-
-    tolerance: float
-    search: Search = field(default_factory=Search)
-
-    @property
-    def arguments(self) -> dict[str, Any]:
-        """The arguments of `coacd.run_coacd`."""
-        return self.search.arguments(self.tolerance)

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from linkwright.stages.formats.meshes.surface import Points, Surface
-from linkwright.stages.mesh.configuration.decompose_options import DecomposeOptions
+from linkwright.stages.mesh.configuration.decompose_options import Search
 from linkwright.stages.mesh.decompose.seams import grown
 from linkwright.stages.mesh.surfaces.booleans import body_of, surface_of_body
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
@@ -31,16 +31,17 @@ _OVERLAP_OF_SIZE = 4e-5
 along a cut."""
 
 
-def decomposed(surface: Surface, options: DecomposeOptions) -> tuple[Surface, ...] | str:
-    """The convex pieces of a surface, more than are wanted; where there are none, the reason in words."""
-    surface, arguments = snapped(surface), options.arguments
-    bodies = prepared(surface, options.tolerance)
+def decomposed(surface: Surface, tolerance: float, search: Search) -> tuple[Surface, ...] | str:
+    """The convex pieces of a surface for a tolerance [m], more than are wanted; where there are none, the
+    reason in words."""
+    surface, arguments = snapped(surface), search.arguments(tolerance)
+    bodies = prepared(surface, tolerance)
     if bodies == NOT_CLOSED and arguments["preprocess_mode"] == "on":
         bodies = (surface,)
     if isinstance(bodies, str):
         return bodies
     pitch = grid(surface.diagonal)
-    parts = [piece for body in bodies for piece in _pieces(body, options.tolerance, arguments)]
+    parts = [piece for body in bodies for piece in _pieces(body, tolerance, arguments)]
     hulls = [hull for part in parts if (hull := convex_hull(on_grid(part, pitch)))]
     hulls.sort(key=lambda hull: hull.vertices.tobytes())
     return tuple(hulls) or "the mesh is flat"

@@ -12,7 +12,7 @@ from linkwright.stages.mesh.collide import collision, improvement
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.collide.improvement import BOUNDS, Improvement, helper
 from linkwright.stages.mesh.configuration.collider_settings import CoacdSettings
-from linkwright.stages.mesh.decompose import DecomposeOptions, decomposed, search
+from linkwright.stages.mesh.decompose import Search, decomposed, search
 from linkwright.stages.mesh.decompose.coacd_pieces import NOT_CLOSED, prepared
 from linkwright.stages.mesh.decompose.seams import containing_hull, grown
 from linkwright.stages.robot.errors import ConfigError, DecompositionFailed, MeshError
@@ -21,7 +21,7 @@ from tests.fake_onshape import solids
 from tests.support.decomposing import decompose, improved, task
 from tests.support.poison import POISONED
 
-OPTIONS = DecomposeOptions(0.001)
+TOLERANCE = 0.001
 
 
 def surface_of(solid) -> Surface:
@@ -69,7 +69,7 @@ def shuffled(surface: Surface, seed: int) -> Surface:
 
 def test_a_bracket_is_two_plates_and_a_clamp_three() -> None:
     for surface, count in ((BRACKET, 2), (CLAMP, 3)):
-        found = decompose(surface, OPTIONS)
+        found = decompose(surface, TOLERANCE)
         assert len(found) == count
         assert all(piece.closed() and piece.volume() > 0 for piece in found)
         assert union(found).volume() == pytest.approx(surface.volume(), rel=5e-3)
@@ -78,14 +78,14 @@ def test_a_bracket_is_two_plates_and_a_clamp_three() -> None:
 
 @pytest.mark.slow
 def test_a_bowl_stays_open() -> None:
-    found = decompose(bowl(), OPTIONS)
+    found = decompose(bowl(), TOLERANCE)
     assert 4 <= len(found) <= 16
     room = manifold3d.Manifold.sphere(0.018, 48).translate([0, 0, 0])
     assert (union(found) ^ room).volume() < 0.02 * room.volume()
 
 
 def corners(surface: Surface) -> list[list[list[float]]]:
-    found = decomposed(surface, OPTIONS)
+    found = decomposed(surface, TOLERANCE, Search())
     assert not isinstance(found, str)
     return [piece.vertices.tolist() for piece in found]
 
@@ -108,7 +108,7 @@ def test_a_body_that_is_inside_out_and_a_bubble_within_are_made_good() -> None:
         np.concatenate([outer.triangles, inner.triangles[:, ::-1] + len(outer.vertices)]),
     )
     for surface in (outer.flipped(), hollow):
-        (piece,) = decompose(surface, OPTIONS, 256)
+        (piece,) = decompose(surface, TOLERANCE, 256)
         assert piece.volume() == pytest.approx(outer.volume(), rel=0.02)
 
 
@@ -121,7 +121,7 @@ def test_only_a_body_that_lies_across_itself_is_refused() -> None:
 
 
 def test_a_ring_keeps_its_hole() -> None:
-    found = decompose(RING, OPTIONS)
+    found = decompose(RING, TOLERANCE)
     assert len(found) <= 16
     hole = manifold3d.Manifold.cylinder(0.02, 0.018, circular_segments=64).translate([0, 0, -0.005])
     assert (union(found) ^ hole).volume() == 0
@@ -131,7 +131,7 @@ def test_a_ring_keeps_its_hole() -> None:
 @pytest.mark.parametrize("vertices", [64, 12])
 def test_neighbours_leave_no_gap(vertices: int) -> None:
     """Shrinks the part by three tenths of a millimetre: what is left lies within the pieces."""
-    each = decompose(RING, OPTIONS, vertices)
+    each = decompose(RING, TOLERANCE, vertices)
     assert max(len(piece.vertices) for piece in each) <= vertices
     within = surface_of(solids.tube(0.0297, 0.0223, 0.0094))
     core = body(Surface(within.vertices + np.array([0, 0, 0.0003]), within.triangles))
@@ -144,7 +144,7 @@ def test_two_bodies_are_two_pieces() -> None:
         np.concatenate([here.vertices, there.vertices]),
         np.concatenate([here.triangles, there.triangles + len(here.vertices)]),
     )
-    assert sorted(round(one.volume() * 1e6, 2) for one in decompose(both, OPTIONS)) == [8, 12]
+    assert sorted(round(one.volume() * 1e6, 2) for one in decompose(both, TOLERANCE)) == [8, 12]
 
 
 @pytest.mark.parametrize(
@@ -157,7 +157,7 @@ def test_two_bodies_are_two_pieces() -> None:
 def test_what_has_no_pieces_is_refused_in_words(vertices, triangles) -> None:
     surface = Surface(np.array(vertices, dtype=float), np.array(triangles, dtype=np.int64))
     with pytest.raises(DecompositionFailed, match="the mesh is flat") as caught:
-        decompose(surface, OPTIONS)
+        decompose(surface, TOLERANCE)
     assert isinstance(caught.value, MeshError)
 
 
@@ -284,7 +284,7 @@ def test_a_wrong_parameter_is_told_with_its_key(given, where, said) -> None:
     ids=str,
 )
 def test_what_is_given_to_coacd_gives_pieces(given) -> None:
-    found = decompose(BRACKET, DecomposeOptions(0.001, search=search("low", given)))
+    found = decompose(BRACKET, TOLERANCE, search=search("low", given))
     assert 1 <= len(found) <= 16
 
 
@@ -319,5 +319,5 @@ def test_a_hull_of_fewer_vertices_contains_the_one_it_stands_for() -> None:
 
 
 def test_grown_faces_lie_further_out_by_the_distance() -> None:
-    (cube,) = decompose(surface_of(solids.box(0.02, 0.03, 0.04)), OPTIONS)
+    (cube,) = decompose(surface_of(solids.box(0.02, 0.03, 0.04)), TOLERANCE)
     assert np.ptp(grown(cube, 0.001), axis=0) == pytest.approx([0.022, 0.032, 0.042], abs=1e-7)
