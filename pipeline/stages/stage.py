@@ -214,10 +214,7 @@ class ValidateStage(StageBase):
 
     @property
     def modules(self) -> tuple[str, ...]:
-        from linkwright.stages.validate import CHECKS, ENGINES
-
-        checks = (f"linkwright.stages.validate.checks.{name}" for name in CHECKS)
-        return (*(f"linkwright.stages.validate.engines.{name}" for name in ENGINES), *checks)
+        return ("linkwright.stages.validate.engines", "linkwright.stages.validate.checks")
 
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
         named(plan)

@@ -1,10 +1,9 @@
 """The run of a validation: every engine reads its files, and every check looks at what it compiled."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from importlib import import_module
 from pathlib import Path
 
 from linkwright.stages.formats.written import Written
@@ -14,19 +13,21 @@ from linkwright.stages.robot.text.globs import listed
 from linkwright.stages.validate.asked import AS_STANDARD, Asked
 from linkwright.stages.validate.compiled import (
     SCENE,
-    CheckFunction,
     CompiledModel,
     Engine,
     FileKind,
     without_warnings,
 )
+from linkwright.stages.validate.engines import ENGINES
 from linkwright.stages.validate.files.model_config import model_config
 from linkwright.stages.validate.files.run import check_folder
+from linkwright.stages.validate.format_checks import FORMAT_CHECKS
 from linkwright.stages.validate.model.coordinates import missing_names
 from linkwright.stages.validate.own import OwnCheck
 from linkwright.stages.validate.readiness.finished import Finished
 from linkwright.stages.validate.readiness.score import score
 from linkwright.stages.validate.reading.guarded import guarded
+from linkwright.stages.validate.rows import ModelCheck
 
 OTHERS = (".sdf", ".srdf", ".usda")
 """Endings of files of a build that no engine reads, and that may name assets."""
@@ -37,31 +38,27 @@ RUNS = "C-RUNS"
 def check_files(
     folder: Path,
     written: Written,
-    engines: Sequence[str],
-    checks: Mapping[str, Sequence[FileKind]],
+    checks: Sequence[ModelCheck],
     own: Sequence[OwnCheck] = (),
     asked: Asked = AS_STANDARD,
 ) -> Iterator[Check]:
     """The results of every file in `folder` that one of the engines reads. Without `checks`, whether each
     compiles. `own`: the user's checks, of the first file."""
-    for name in engines:
-        engine: Engine = import_module(f"linkwright.stages.validate.engines.{name}")
+    for engine in ENGINES:
         files = engine.files(written.robot.name)
         for file in files:
             if (folder / file).exists():
                 given = CompiledModel(folder / file, None, written, asked)
                 changes = written.amendments.of(file, *files[:1] if file == SCENE else ())
-                chosen = [one for one, kinds in checks.items() if kinds_of(given.path) & {*kinds}]
+                chosen = [check for check in checks if kinds_of(given.path) & {*check.files}]
                 found, own = _check_file(given, engine, chosen, own), ()
                 yield from (_with_changes(one, changes) for one in found)
 
 
-def check_texts(folder: Path, written: Written, engines: Sequence[str]) -> Iterator[Check]:
+def check_texts(folder: Path, written: Written) -> Iterator[Check]:
     """The checks of files as text, before any engine runs."""
     robot, amendments = written.robot.name, written.amendments
-    models: list[str] = []
-    for name in engines:
-        models += import_module(f"linkwright.stages.validate.engines.{name}").files(robot)
+    models = [file for engine in ENGINES for file in engine.files(robot)]
     # What the user's own XML names may be of any package.
     packages = None if amendments.of(f"{robot}.urdf") else (written.urdf_form.package,)
     for one in check_folder(folder, models, (f"{robot}{ending}" for ending in OTHERS), packages):
@@ -79,22 +76,17 @@ def kinds_of(path: Path) -> set[FileKind]:
     return {"mjcf"} if (path.parent / SCENE).exists() else {"mjcf", "simulated"}
 
 
-def check_read_back(
-    folder: Path, written: Written, formats: Mapping[str, str], *, quick: bool
-) -> Iterator[Check]:
-    """The results of the files in `folder` that no engine reads. `formats`: modules of this stage, by the
-    endings of their files; `quick`: only whether each can be read."""
-    for ending, name in formats.items():
-        path = folder / f"{written.robot.name}{ending}"
+def check_formats(folder: Path, written: Written, *, quick: bool) -> Iterator[Check]:
+    """The results of the files in `folder` that no engine reads. `quick`: only whether each can be read."""
+    for row in FORMAT_CHECKS:
+        path = folder / f"{written.robot.name}{row.ending}"
         if path.exists():
-            reader = import_module(f"linkwright.stages.validate.{name}")
-            read = partial(reader.check_file, path, written, quick=quick)
-            found = guarded(f"{path.name}: checks", read)
-            yield from (replace(one, code=reader.CODE) for one in found)
+            found = guarded(f"{path.name}: checks", partial(row.function, path, written, quick))
+            yield from (replace(check, code=row.code) for check in found)
 
 
 def _check_file(
-    given: CompiledModel, engine: Engine, checks: Sequence[str], own: Sequence[OwnCheck]
+    given: CompiledModel, engine: Engine, checks: Sequence[ModelCheck], own: Sequence[OwnCheck]
 ) -> list[Check]:
     """The results of one file, yet without its model, which is given up afterwards: a large one takes half a
     gigabyte."""
@@ -108,13 +100,10 @@ def _check_file(
     return [loaded.check, *found, without_warnings(f"{path.name}: runs", warnings, RUNS)]
 
 
-def readiness(
-    folder: Path, written: Written, checks: Sequence[Check], engines: Sequence[str]
-) -> Iterator[Check]:
+def readiness(folder: Path, written: Written, checks: Sequence[Check]) -> Iterator[Check]:
     """The score of a robot that has an MJCF which compiles. `checks`: the results so far, which prove some of
     its points."""
-    for name in engines:
-        engine: Engine = import_module(f"linkwright.stages.validate.engines.{name}")
+    for engine in ENGINES:
         there = [
             folder / file
             for file in engine.files(written.robot.name)
@@ -137,11 +126,8 @@ def _with_changes(check: Check, changes: Sequence[Amendment]) -> Check:
     return replace(check, detail=f"{check.detail}; the file was changed by {keys}")
 
 
-def _check_model(compiled: CompiledModel, checks: Sequence[str]) -> Iterator[Check]:
+def _check_model(compiled: CompiledModel, checks: Sequence[ModelCheck]) -> Iterator[Check]:
     """The results of the checks; of the first alone where a link or joint is missing."""
-    for name in checks[:1] if missing_names(compiled) else checks:
-        module = import_module(f"linkwright.stages.validate.checks.{name}")
-        check: CheckFunction = module.check
-        called = name.rpartition(".")[2].replace("_", " ")
-        found = guarded(f"{compiled.path.name}: {called}", partial(check, compiled))
-        yield from (replace(one, code=one.code or module.CODE) for one in found)
+    for row in checks[:1] if missing_names(compiled) else checks:
+        found = guarded(f"{compiled.path.name}: {row.title}", partial(row.function, compiled))
+        yield from (replace(check, code=check.code or row.code) for check in found)

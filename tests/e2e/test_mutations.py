@@ -5,7 +5,6 @@ import random
 import shutil
 import tempfile
 from collections.abc import Callable
-from importlib import import_module
 from itertools import cycle
 from pathlib import Path
 
@@ -14,8 +13,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from lxml import etree
 
-import linkwright.stages.validate
 from linkwright.pipeline.reference import MUTATIONS
+from linkwright.stages.validate.checks import MODEL_CHECKS
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.support import mutation_table
@@ -51,13 +50,8 @@ def builds(tmp_path_factory: pytest.TempPathFactory) -> Builds:
 def fewer_checks(monkeypatch: pytest.MonkeyPatch) -> None:
     """Only the checks that name faults: a simulation takes seconds."""
     codes = {code for one in KINDS for code in one.codes}
-    table = linkwright.stages.validate.CHECKS
-    kept = {name: of for name, of in table.items() if _code(name) in codes}
-    monkeypatch.setattr(linkwright.stages.validate, "CHECKS", kept)
-
-
-def _code(check: str) -> str:
-    return str(import_module(f"linkwright.stages.validate.checks.{check}").CODE)
+    kept = [check for check in MODEL_CHECKS if check.code in codes]
+    monkeypatch.setattr("linkwright.stages.validate.checks.MODEL_CHECKS", kept)
 
 
 def called(one: Kind) -> str:

@@ -225,18 +225,22 @@ def test_a_check_is_a_file_and_a_line(tree: Tree) -> None:
         "stages/validate/checks/toy.py",
         '''"""The robot is light."""
 
-CODE = "C-TOY"
-
 
 def check(compiled):
     mass = float(compiled.model.body_mass.sum())
     yield compiled.within("light", mass, 1000.0, "total mass [kg]")
 ''',
     )
+    table = "stages/validate/checks/__init__.py"
     tree.add_line(
-        "stages/validate/__init__.py",
-        '    "world.keyframes": ("mjcf", "scene"),',
-        '    "toy": ("mjcf", "urdf"),',
+        table,
+        "from linkwright.stages.validate.engines import ENGINES",
+        "from linkwright.stages.validate.checks import toy",
+    )
+    tree.add_line(
+        table,
+        '    ModelCheck("C-KEYFRAME", "keyframes", keyframes.check, ("mjcf", "scene")),',
+        '    ModelCheck("C-TOY", "toy", toy.check, ("mjcf", "urdf")),',
     )
     report = json.loads((tree.build("source=sample", "mesh=visual") / "report.json").read_text())
     light = [check for check in report["checks"] if check["name"].endswith(": light")]
@@ -248,7 +252,6 @@ READER = """\
 \"\"\"The robot of a toy file: a JSON of links, joints, relations and loops.\"\"\"
 
 import json
-from functools import partial
 
 import numpy as np
 
@@ -263,8 +266,6 @@ from linkwright.stages.validate.same.found import (
     FoundJoint,
 )
 from linkwright.stages.validate.read.run import checks_by
-
-CODE = "C-TOY"
 
 
 class ReadToy(ReadRobot):
@@ -337,15 +338,15 @@ class ReadToy(ReadRobot):
             yield FoundPlace(f'loop "{loop.name}"', (link, link), np.array(end), frame)
 
 
-check_file = partial(checks_by, ReadToy)
+def check_file(path, written, quick):
+    return checks_by(ReadToy, path, written, quick=quick)
 """
 
 PROOF = """\
 import json, sys
 from pathlib import Path
 from linkwright.stages.formats.described import described
-from linkwright.stages.validate import READ_BACK
-from linkwright.stages.validate.run import check_read_back
+from linkwright.stages.validate import run
 
 folder = Path(sys.argv[1])
 written = described((folder / "robot.json").read_bytes()).written
@@ -387,7 +388,7 @@ toy = {
 
 def failed(text):
     (folder / f"{robot.name}.toy").write_text(text)
-    found = check_read_back(folder, written, {".toy": READ_BACK[".toy"]}, quick=False)
+    found = [check for check in run.check_formats(folder, written, quick=False) if ".toy:" in check.name]
     return [check.name.partition(": ")[2] for check in found if not check.passed]
 
 
@@ -418,7 +419,15 @@ def test_the_proof_of_a_format_is_a_reader_and_a_line(tree: Tree) -> None:
     """The reader says what a file has, and is below 200 lines; what it must have is compared already."""
     assert len(READER.splitlines()) < 200
     tree.add("stages/validate/read/toy.py", READER)
-    tree.add_line("stages/validate/__init__.py", '    ".sdf": "read.sdf",', '    ".toy": "read.toy",')
+    table = "stages/validate/format_checks.py"
+    tree.add_line(
+        table,
+        "from linkwright.stages.validate.rows import FormatCheck",
+        "from linkwright.stages.validate.read import toy",
+    )
+    tree.add_line(
+        table, '    FormatCheck("C-SDF", ".sdf", _sdf),', '    FormatCheck("C-TOY", ".toy", toy.check_file),'
+    )
     folder = tree.build("source=sample", "mesh=visual")
     tree.add("proof.py", PROOF)
     said = json.loads(tree.run("proof.py", str(folder)))

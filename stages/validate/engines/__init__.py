@@ -1,1 +1,6 @@
 """Physics engines as readers of model files: one module an engine."""
+
+from linkwright.stages.validate.compiled import Engine
+from linkwright.stages.validate.engines import mujoco_engine
+
+ENGINES: tuple[Engine, ...] = (mujoco_engine,)

@@ -1,9 +1,5 @@
 """Checks of the text of model files: what a reader of XML sees before any engine runs.
 
-`CHECKS` names the modules, in the order of the report. Each has a `CODE`, the `NAME` of its check, what it
-says where that `PASSED`, and a function `findings` of a document (`stages.validate.reading.documents`); and a
-function `level`, where not all that it finds is an error.
-
 - assets: Every file that the model names is there, and whole.
 - known: Every element and attribute is one of the format's: readers skip a misspelled one, or refuse the
   file.
@@ -19,5 +15,27 @@ function `level`, where not all that it finds is an error.
 - whole: Whether a mesh or an image is whole: an empty file, or a copy that was cut short.
 """
 
-CHECKS = ("known", "names", "numbers", "references", "assets", "paths")
-"""Modules of this room."""
+from linkwright.stages.validate.files import assets, known, names, numbers, paths, references
+from linkwright.stages.validate.rows import TextCheck
+
+TEXT_CHECKS = (
+    TextCheck("C-XML-KNOWN", "elements", known.findings, "every element and attribute is known", known.level),
+    TextCheck("C-NAME", "names", names.findings, "every name is legal, and unique among its kind"),
+    TextCheck("C-NUMBER", "numbers", numbers.findings, "every number is finite, and where it belongs"),
+    TextCheck(
+        "C-REFERENCE",
+        "references",
+        references.findings,
+        "every name that is referred to is there",
+        references.level,
+    ),
+    TextCheck("C-ASSET", "assets", assets.findings, "every file that is named is there, and whole"),
+    TextCheck(
+        "C-PATH",
+        "paths",
+        paths.findings,
+        "every path is relative, and leads to a file of this folder or of a package that is here",
+        paths.level,
+    ),
+)
+"""In the order of the report."""

@@ -9,10 +9,6 @@ from linkwright.stages.validate.files.whole import damage
 from linkwright.stages.validate.reading.asset_files import named_files
 from linkwright.stages.validate.reading.documents import ModelDocument
 
-CODE = "C-ASSET"
-NAME = "assets"
-PASSED = "every file that is named is there, and whole"
-
 
 def findings(document: ModelDocument) -> Iterator[Finding]:
     """Missing files, and files that are empty or cut short."""

@@ -9,10 +9,6 @@ from linkwright.stages.robot.check import CheckLevel, Finding
 from linkwright.stages.validate.files import urdf_schema
 from linkwright.stages.validate.reading.documents import ModelDocument
 
-CODE = "C-XML-KNOWN"
-NAME = "elements"
-PASSED = "every element and attribute is known"
-
 
 def level(document: ModelDocument) -> CheckLevel:
     """MuJoCo refuses an MJCF with an unknown element; readers of URDF leave it out."""

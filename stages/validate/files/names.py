@@ -7,10 +7,6 @@ from linkwright.stages.formats.xml import Element, tag
 from linkwright.stages.robot.check import Finding
 from linkwright.stages.validate.reading.documents import ModelDocument, called, stem
 
-CODE = "C-NAME"
-NAME = "names"
-PASSED = "every name is legal, and unique among its kind"
-
 NEEDED = ("link", "joint")
 """Elements of a URDF that have no meaning without a name."""
 

@@ -7,10 +7,6 @@ from linkwright.stages.formats.xml import Element, tag
 from linkwright.stages.robot.check import Finding
 from linkwright.stages.validate.reading.documents import ModelDocument
 
-CODE = "C-NUMBER"
-NAME = "numbers"
-PASSED = "every number is finite, and where it belongs"
-
 URDF: dict[str, dict[str, int]] = {
     "origin": {"xyz": 3, "rpy": 3, "quat_xyzw": 4},
     "mass": {"value": 1},

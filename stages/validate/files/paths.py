@@ -7,10 +7,6 @@ from linkwright.stages.robot.check import CheckLevel, Finding
 from linkwright.stages.validate.reading.asset_files import is_of_package, named_files, package_of
 from linkwright.stages.validate.reading.documents import ModelDocument
 
-CODE = "C-PATH"
-NAME = "paths"
-PASSED = "every path is relative, and leads to a file of this folder or of a package that is here"
-
 
 def level(document: ModelDocument) -> CheckLevel:
     """Another program's file may count on a package that lies elsewhere."""

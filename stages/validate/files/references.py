@@ -9,10 +9,6 @@ from linkwright.stages.robot.check import CheckLevel, Finding
 from linkwright.stages.validate.files.names import ASSETS
 from linkwright.stages.validate.reading.documents import MAKERS, ModelDocument, stem
 
-CODE = "C-REFERENCE"
-NAME = "references"
-PASSED = "every name that is referred to is there"
-
 URDF = {
     ("parent", "link"): "link",
     ("child", "link"): "link",

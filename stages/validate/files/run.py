@@ -2,11 +2,10 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from importlib import import_module
 from pathlib import Path
 
 from linkwright.stages.robot.check import Check, CheckLevel, Finding
-from linkwright.stages.validate.files import CHECKS
+from linkwright.stages.validate.files import TEXT_CHECKS
 from linkwright.stages.validate.files.unused import unused_assets
 from linkwright.stages.validate.reading.documents import ModelDocument, broken_text, read, sentence
 
@@ -66,12 +65,9 @@ def check_document(document: ModelDocument) -> Iterator[Check]:
     """The checks of one document, of a language that is known."""
     if document.language is None:
         return
-    for name in CHECKS:
-        module = import_module(f"linkwright.stages.validate.files.{name}")
-        level: CheckLevel = "error"
-        if hasattr(module, "level"):
-            level = module.level(document)
-        yield result(document.path, module.NAME, module.CODE, level, module.findings(document), module.PASSED)
+    for row in TEXT_CHECKS:
+        found = row.function(document)
+        yield result(document.path, row.title, row.code, row.level(document), found, row.passed)
 
 
 def result(

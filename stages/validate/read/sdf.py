@@ -39,8 +39,6 @@ from linkwright.stages.validate.same.found import (
 from linkwright.stages.validate.sdf.contacts import contacts
 from linkwright.stages.validate.sdf.shapes import missing_meshes, of_model, shapes
 
-CODE = "C-SDF"
-
 TYPES = {"turn": ("revolute", "continuous"), "slide": ("prismatic",), "ball": ("ball",)}
 """What a dof is in an SDF."""
 

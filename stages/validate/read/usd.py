@@ -37,8 +37,6 @@ from linkwright.stages.validate.usd.model import moving, placed, rooted, shapes,
 from linkwright.stages.validate.usd.places import places
 from linkwright.stages.validate.usd.reader import ReadUsdJoint, UsdError, read_usd
 
-CODE = "C-USD"
-
 SINGLE = 1e-5
 """UsdPhysics has masses and the frames of joints in single precision: the largest error, relative to the
 robot's size or to the value where these are above 1."""

@@ -15,8 +15,6 @@ from linkwright.stages.validate.srdf.pairs import pairs
 from linkwright.stages.validate.srdf.references import references
 from linkwright.stages.validate.srdf.states import states
 
-CODE = "C-SRDF"
-
 CHECKS = {
     "names": (references, "every link, joint and group that it names is there"),
     "base": (base, "the robot's name, and the joint by which it is in the world"),

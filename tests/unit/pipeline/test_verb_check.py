@@ -23,6 +23,7 @@ from linkwright.pipeline.errors import OutputError
 from linkwright.pipeline.reference.codes import remedy
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.model.robot import Dynamics, Limits
+from linkwright.stages.validate.checks import MODEL_CHECKS
 from tests.support.building import plan_of, write
 from tests.support.robots import at, joint, robot_with
 
@@ -125,7 +126,8 @@ def test_what_a_check_breaks_over_is_one_check_that_fails(
         yield compiled.result("first", True, "well")
         raise KeyError("leg")
 
-    monkeypatch.setattr("linkwright.stages.validate.checks.mechanism.joints.check", breaks)
+    broken = [replace(check, function=breaks) if check.title == "joints" else check for check in MODEL_CHECKS]
+    monkeypatch.setattr("linkwright.stages.validate.checks.MODEL_CHECKS", broken)
     monkeypatch.setattr("linkwright.pipeline.checking.ask.checked", checked)
     found = table([str(folder / "robot.urdf")], capsys, 3)
     assert [one["name"] for one in found["checks"] if not one["passed"]] == ["robot.urdf: joints"]

@@ -16,7 +16,7 @@ from linkwright.stages.robot.model.poses import inverse, turns_from_rotation
 from linkwright.stages.robot.model.poses import turn as turned
 from linkwright.stages.robot.model.robot import Frame, Limits, Relation, Robot
 from linkwright.stages.robot.motion.kinematics import chain, link_poses, saved_configuration
-from linkwright.stages.validate import CHECKS, ENGINES
+from linkwright.stages.validate.checks import MODEL_CHECKS
 from linkwright.stages.validate.dynamics import mujoco_abilities as ability
 from tests.fake_onshape.frames import turn
 from tests.support import robots
@@ -361,8 +361,8 @@ def test_a_fault_planted_in_any_kind_of_joint_or_loop_fails_a_check(
     every: tuple[Robot, Path, UrdfForm], tmp_path: Path, fault: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """One that compares with the robot: a simulation takes seconds."""
-    compared = {name: files for name, files in CHECKS.items() if "simulated" not in files}
-    monkeypatch.setattr("linkwright.stages.validate.CHECKS", compared)
+    compared = [check for check in MODEL_CHECKS if "simulated" not in check.files]
+    monkeypatch.setattr("linkwright.stages.validate.checks.MODEL_CHECKS", compared)
     robot, folder, form = every
     shutil.copytree(folder, tmp_path / "bad")
     file, change = MORE_FAULTS[fault]
@@ -374,11 +374,10 @@ def test_a_fault_planted_in_any_kind_of_joint_or_loop_fails_a_check(
     assert any(check.fails and check.name.startswith(file) for check in checks)
 
 
-def test_every_check_and_engine_of_the_tables_is_a_module_of_its_own() -> None:
-    for kind, names in (("checks", CHECKS), ("engines", ENGINES)):
-        room = PROJECT / "stages/validate" / kind
-        files = (file.relative_to(room).with_suffix("") for file in room.rglob("*.py"))
-        assert sorted(names) == sorted(".".join(file.parts) for file in files if file.name != "__init__")
+def test_every_module_of_the_room_of_checks_is_a_row_of_its_table() -> None:
+    room = PROJECT / "stages/validate/checks"
+    modules = [file.stem for file in room.rglob("*.py") if file.name != "__init__.py"]
+    assert sorted(check.title.replace(" ", "_") for check in MODEL_CHECKS) == sorted(modules)
 
 
 def test_a_model_without_one_of_the_joints_is_checked_no_further(

@@ -8,8 +8,6 @@ from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.model.shapes import seen_and_solid
 
-CODE = "C-NO-COLLIDER"
-
 ASKED = ("none", "visual")
 """Makers of colliders that make none."""
 

@@ -17,8 +17,6 @@ from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.model.shapes import directions, outside, reach, seen_and_solid, surface_points
 
-CODE = "C-COLLIDER"
-
 DIRECTIONS = 48
 POINTS = 600
 

@@ -21,8 +21,6 @@ from linkwright.stages.validate.findings import few
 from linkwright.stages.validate.model.coordinates import SAME
 from linkwright.stages.validate.model.shapes import named_geom
 
-CODE = "C-EXCLUDE"
-
 TAGS = frozenset({"contact", "exclude", "pair", "geom", "contype", "conaffinity", "flag"})
 """Of the user's own XML: what changes which shapes collide."""
 

@@ -15,8 +15,6 @@ from linkwright.stages.validate.findings import differs, few, named
 from linkwright.stages.validate.model.contact_attributes import ATTRIBUTES, contact_differences, sets_defaults
 from linkwright.stages.validate.model.shapes import named_geom, seen_and_solid
 
-CODE = "C-CONTACT"
-
 WHOLE_HULL = "-1"
 """MuJoCo's `maxhullvert` of a mesh whose hull may have any number of vertices."""
 

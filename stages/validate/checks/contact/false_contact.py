@@ -11,8 +11,6 @@ from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.contact_errors import PairErrors, contact_errors
 from linkwright.stages.validate.findings import few, named
 
-CODE = "C-FALSE-CONTACT"
-
 POSES = 300
 """So many poses stand for the robot's range, beside `home`."""
 

@@ -20,8 +20,6 @@ from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.model.coordinates import HINGE, set_values
 from linkwright.stages.validate.model.following import Follower, swept_joints
 
-CODE = "C-REACH"
-
 STEPS = 24
 """Values of a joint from one end of its range to the other, besides `home`."""
 

@@ -14,8 +14,6 @@ from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import few
 from linkwright.stages.validate.model.coordinates import set_values
 
-CODE = "C-SELF-CONTACT"
-
 DEEP = 1e-5
 """Contacts are looked at that are deeper [m]: in single precision faces that lie on each other are in contact
 or not."""

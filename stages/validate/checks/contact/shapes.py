@@ -41,8 +41,6 @@ from linkwright.stages.validate.same.shapes import (
     solids_by_link,
 )
 
-CODE = "C-SHAPE"
-
 WORDS = ShapeWords("type", "mesh", "mesh", ("pos", "quat"), "material")
 """What an MJCF calls what a geom is."""
 

@@ -24,8 +24,6 @@ from linkwright.stages.validate.model.coordinates import of_the_scene
 from linkwright.stages.validate.model.shapes import seen_and_solid
 from linkwright.stages.validate.simulate.running import DEEP, Touching, touching
 
-CODE = "C-START"
-
 SAME = 1e-6
 """Poses that differ by less [m, and of rotation matrices] are the same: files have few digits."""
 

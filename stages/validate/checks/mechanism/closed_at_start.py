@@ -9,8 +9,6 @@ from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.model.equalities import CLOSED, open_equalities, violation
 
-CODE = "C-CLOSED"
-
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     if compiled.urdf or not compiled.model.neq:

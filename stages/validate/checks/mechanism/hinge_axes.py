@@ -16,8 +16,6 @@ from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.model.coordinates import HINGE
 from linkwright.stages.validate.model.shapes import reach, seen_and_solid
 
-CODE = "C-AXIS"
-
 SHARE = 0.5
 """Of the extent of the smaller link: how far the axis may be outside both."""
 

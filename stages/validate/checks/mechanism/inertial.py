@@ -11,8 +11,6 @@ from linkwright.stages.validate.model.body_shapes import extents
 from linkwright.stages.validate.model.inertials import ShapedInertial
 from linkwright.stages.validate.model.poses import rotation
 
-CODE = inertials.CODE
-
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     """None where no body has both a mass and a shape."""

@@ -3,6 +3,4 @@
 from linkwright.stages.validate.read.compiled import compared
 from linkwright.stages.validate.same.joints import joints
 
-CODE = "C-JOINT"
-
 check = compared(joints)

@@ -12,8 +12,6 @@ from linkwright.stages.validate.compiled import SCENE, CompiledModel
 from linkwright.stages.validate.findings import differs, few, link, named, named_joint
 from linkwright.stages.validate.model.coordinates import WIDTH, joints_of, missing_names, of_the_scene
 
-CODE = "C-LINKS"
-
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     robot, model = compiled.robot, compiled.model

@@ -22,8 +22,6 @@ from linkwright.stages.validate.model.equalities import bodies, ends, held_diffe
 from linkwright.stages.validate.read.compiled import read_compiled
 from linkwright.stages.validate.same.loops import loops
 
-CODE = "C-LOOP"
-
 POSES = 9
 """Poses at which a URDF's loops are looked at."""
 

@@ -7,8 +7,6 @@ from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import named
 
-CODE = "C-MASS-RATIO"
-
 RATIO = 1000.0
 """Of the masses of two bodies that a joint connects: from here on solvers converge slowly."""
 

@@ -3,6 +3,4 @@
 from linkwright.stages.validate.read.compiled import compared
 from linkwright.stages.validate.same.masses import masses
 
-CODE = "C-MASS"
-
 check = compared(masses)

@@ -3,6 +3,4 @@
 from linkwright.stages.validate.read.compiled import compared
 from linkwright.stages.validate.same.motion import motion
 
-CODE = "C-MOTION"
-
 check = compared(motion)

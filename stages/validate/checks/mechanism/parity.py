@@ -29,8 +29,6 @@ from linkwright.stages.validate.dynamics.tree_dynamics import Moving, PosedRobot
 from linkwright.stages.validate.findings import link, named, shown, worst_first
 from linkwright.stages.validate.model.coordinates import BY_EQUALITY, KINDS, WIDTH
 
-CODE = "C-PARITY"
-
 ALIKE = 1e-9
 """Poses [m, rad, relative to the robot's size where that is above 1 m], matrices and forces [relative]."""
 

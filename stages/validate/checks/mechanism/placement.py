@@ -14,8 +14,6 @@ from linkwright.stages.validate.findings import apart, few, link, named, place_d
 from linkwright.stages.validate.model.coordinates import CAD_ERROR, FREE, TURNS, distance, root_pose
 from linkwright.stages.validate.model.poses import placed
 
-CODE = "C-PLACE"
-
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     """Of a robot whose scene is known."""

@@ -3,6 +3,4 @@
 from linkwright.stages.validate.read.compiled import compared
 from linkwright.stages.validate.same.motion import poses
 
-CODE = "C-POSE"
-
 check = compared(poses)

@@ -16,8 +16,6 @@ from linkwright.stages.validate.same.relations import relations
 SOLREF = (0.005, 1.0)
 """Of a relation: time constant [s] and damping ratio."""
 
-CODE = "C-RELATION"
-
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     """Of an MJCF also how stiffly followers follow."""

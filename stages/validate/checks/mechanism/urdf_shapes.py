@@ -25,8 +25,6 @@ from linkwright.stages.validate.same.shapes import (
     solids_by_link,
 )
 
-CODE = "C-SHAPE"
-
 WORDS = ShapeWords("geometry", "mesh filename", "mesh scale", ("origin xyz", "origin rpy"), "material")
 """What a URDF calls what a shape is."""
 

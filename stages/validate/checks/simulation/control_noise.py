@@ -10,8 +10,6 @@ from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import unstable
 from linkwright.stages.validate.simulate.noise import shaken
 
-CODE = "C-NOISE"
-
 SECONDS, STRICT_SECONDS = 1.0, 10.0
 
 

@@ -9,8 +9,6 @@ from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.simulate.energy import DRIFT, drift_of_energy
 
-CODE = "C-ENERGY"
-
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     model = compiled.model

@@ -10,8 +10,6 @@ from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import differs, few, link, named
 from linkwright.stages.validate.model.coordinates import SAME, joints_of
 
-CODE = "C-ACTUATOR"
-
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     """Of an MJCF: the share of each body's weight that is compensated, and by which joints."""

@@ -18,8 +18,6 @@ from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import named, named_joint
 from linkwright.stages.validate.model.coordinates import FREE, HINGE, SLIDE, of_the_scene
 
-CODE = "C-REST"
-
 SECONDS = 2.0
 """The length of the run."""
 

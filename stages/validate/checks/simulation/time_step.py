@@ -11,8 +11,6 @@ from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import unstable
 from linkwright.stages.validate.simulate.running import with_options
 
-CODE = "C-TIME-STEP"
-
 SECONDS, STRICT_SECONDS = 0.5, 2.0
 
 

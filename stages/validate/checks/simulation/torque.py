@@ -16,8 +16,6 @@ from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.model.coordinates import HINGE
 from linkwright.stages.validate.simulate.holding import holding, strength
 
-CODE = "C-TORQUE"
-
 HEADER = ("joint", "unit", "holds at home", "holds at most", "can hold", "share")
 
 POSES = 64

@@ -15,8 +15,6 @@ from linkwright.stages.robot.check import Check
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.simulate.running import flags, touching, with_options
 
-CODE = "C-TRIAL"
-
 DAMPING = 0.1
 """Of a joint, as a share of its inertia in a time step, that is tried."""
 

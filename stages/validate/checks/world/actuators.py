@@ -18,8 +18,6 @@ from linkwright.stages.validate.compiled import SCENE, CompiledModel
 from linkwright.stages.validate.findings import differs, few, named, shown
 from linkwright.stages.validate.model.coordinates import SAME
 
-CODE = "C-ACTUATOR"
-
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     """A URDF has no actuators. Of a scene only where the robot's keyframes are in it."""

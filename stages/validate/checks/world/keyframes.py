@@ -20,8 +20,6 @@ from linkwright.stages.validate.model.equalities import CLOSED, open_equalities,
 from linkwright.stages.validate.read.compiled import read_compiled
 from linkwright.stages.validate.same.motion import found_differences
 
-CODE = "C-KEYFRAME"
-
 OWN = "the pose nearest to `home` with the values that the configuration gives"
 MEANINGS = {
     HOME: "the pose nearest to the saved one within the limits, or with the values that are given",

@@ -12,8 +12,6 @@ from linkwright.stages.robot.model.mjcf_extras import NO_EXTRAS
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import few, shown
 
-CODE = "C-OPTION"
-
 LONGEST = 0.01
 """A time step [s] beyond which contact of small parts is missed: MuJoCo's own default is a fifth of it."""
 

@@ -17,8 +17,6 @@ from linkwright.stages.validate.findings import differs, few, named
 from linkwright.stages.validate.model.coordinates import SAME
 from linkwright.stages.validate.model.equalities import bodies, sites
 
-CODE = "C-SCENE"
-
 OBJ = mujoco.mjtObj
 
 ARRAYS = {

@@ -15,8 +15,6 @@ from linkwright.stages.validate.findings import differs, few, named, worst_first
 from linkwright.stages.validate.model.coordinates import SAME, body_from_link, placed_by_site
 from linkwright.stages.validate.model.poses import placed
 
-CODE = "C-SENSOR"
-
 KINDS: Mapping[str, int] = {
     "joint": mujoco.mjtObj.mjOBJ_JOINT,
     "actuator": mujoco.mjtObj.mjOBJ_ACTUATOR,

@@ -19,8 +19,6 @@ from linkwright.stages.validate.compiled import SCENE, CompiledModel
 from linkwright.stages.validate.findings import few, named
 from linkwright.stages.validate.model.coordinates import SAME, of_the_scene
 
-CODE = "C-SOURCE"
-
 OBJ = mujoco.mjtObj
 
 _ARRAYS: Mapping[str, tuple[Any, Callable[[Any, int], Attributes]]] = {

@@ -21,8 +21,6 @@ from linkwright.stages.validate.model.contact_attributes import contact_differen
 from linkwright.stages.validate.model.coordinates import CAD_ERROR, SAME, TURNS
 from linkwright.stages.validate.model.poses import placed
 
-CODE = "C-SCENE"
-
 PLANE = mujoco.mjtGeom.mjGEOM_PLANE
 
 OPTIONS = (

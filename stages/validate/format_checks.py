@@ -1,0 +1,35 @@
+"""The checks of the files that no engine reads. Each reader is imported where its file is there: that of USD
+takes 0.3 s."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from linkwright.stages.formats.written import Written
+from linkwright.stages.robot.check import Check
+from linkwright.stages.validate.rows import FormatCheck
+
+
+def _srdf(path: Path, written: Written, quick: bool) -> Iterable[Check]:
+    from linkwright.stages.validate.srdf.read_back import check_file  # read where there is an SRDF
+
+    return check_file(path, written, quick=quick)
+
+
+def _sdf(path: Path, written: Written, quick: bool) -> Iterable[Check]:
+    from linkwright.stages.validate.read.sdf import check_file  # read where there is an SDF
+
+    return check_file(path, written, quick=quick)
+
+
+def _usd(path: Path, written: Written, quick: bool) -> Iterable[Check]:
+    from linkwright.stages.validate.read.usd import check_file  # pxr
+
+    return check_file(path, written, quick=quick)
+
+
+FORMAT_CHECKS: tuple[FormatCheck, ...] = (
+    FormatCheck("C-SRDF", ".srdf", _srdf),
+    FormatCheck("C-SDF", ".sdf", _sdf),
+    FormatCheck("C-USD", ".usda", _usd),
+)
+"""In the order of the report."""
