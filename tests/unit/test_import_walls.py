@@ -32,6 +32,7 @@ HOMES = {
     "pxr": ("stages/export/usd/layer.py", "stages/validate/usd/"),
     "networkx": ("stages/graph/", "stages/robot/motion/loop_groups.py"),
     "jinja2": ("stages/formats/templates.py",),
+    "markupsafe": ("stages/formats/templates.py", "pipeline/page/"),
     "lxml": ("stages/formats/xml.py",),
     "hydra": ("pipeline/config/", "pipeline/sweep/launch.py"),
     "omegaconf": ("pipeline/config/", "pipeline/sweep/launch.py"),

@@ -22,7 +22,7 @@ class PythonWriter:
 
     def write(self, given: WriterInput) -> FormatFiles:
         """Its files, with copies of all that the other formats have, and of robot.json."""
-        from linkwright.stages.export.python.package import module, pyproject, readme
+        from linkwright.stages.export.python.package import text_files
         from linkwright.stages.export.python.section import PythonFormatSection, module_of
 
         robot = given.written.robot.name
@@ -31,9 +31,7 @@ class PythonWriter:
         own = module_of(package)
         data = {f"{own}/{folder}/{path}": text for path, text in given.files.items()}
         files = {
-            "pyproject.toml": pyproject(package, robot, keys),
-            "README.md": readme(package, robot, given.files),
-            f"{own}/__init__.py": module(package, robot, folder, keys.version, given.files),
+            **text_files(package, robot, folder, keys, given.files),
             f"{own}/py.typed": b"",
             **data,
         }
