@@ -61,9 +61,9 @@ def expected_files(plan: Plan) -> list[str]:
     if plan.until != "fetch":
         files += ["robot.json", PICTURE]
     if not suffix_of(plan):
-        from linkwright.stages import export
+        from linkwright.stages.export.section import expected_paths
 
-        files += [*export.expected_paths(plan, plan.name), *_of_page(plan), *names(plan.page.preview)]
+        files += [*expected_paths(plan, plan.name), *_of_page(plan), *names(plan.page.preview)]
     return files
 
 

@@ -9,6 +9,11 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
+import linkwright.stages.export
+import linkwright.stages.fetch
+import linkwright.stages.graph
+import linkwright.stages.mesh
+import linkwright.stages.validate
 from linkwright.pipeline import interrupt
 from linkwright.pipeline.caching import bundles
 from linkwright.pipeline.caching.actions import Action, Files, Remembered
@@ -29,6 +34,7 @@ from linkwright.stages.validate import external
 
 class FetchStage(StageBase):
     name = "fetch"
+    face = linkwright.stages.fetch
     modules = ("linkwright.stages.fetch.onshape.triangles.faces",)
 
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
@@ -96,6 +102,7 @@ class FetchStage(StageBase):
 
 class GraphStage(StageBase):
     name = "graph"
+    face = linkwright.stages.graph
     libraries = ("numpy", "scipy", "networkx", "lxml")
     modules = ("linkwright.stages.graph.build", "linkwright.stages.show.graph_view.views")
 
@@ -135,6 +142,7 @@ class GraphStage(StageBase):
 
 class MeshStage(StageBase):
     name = "mesh"
+    face = linkwright.stages.mesh
     libraries = ("numpy", "scipy", "manifold3d", "mujoco")
     modules = ("linkwright.stages.mesh.geometry", "scipy.spatial", "scipy.sparse.csgraph")
 
@@ -168,13 +176,14 @@ class MeshStage(StageBase):
 
 class ExportStage(StageBase):
     name = "export"
+    face = linkwright.stages.export
     libraries = ("numpy", "scipy", "lxml", "mujoco")
 
     @property
     def modules(self) -> tuple[str, ...]:
-        from linkwright.stages.export import WRITERS, writer_of
+        from linkwright.stages.export.writers import WRITERS
 
-        return tuple(module for name in WRITERS for module in writer_of(name).modules)
+        return tuple(module for writer in WRITERS.values() for module in writer.modules)
 
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
         from linkwright.stages.export.requirements import require
@@ -210,6 +219,7 @@ class ExportStage(StageBase):
 
 class ValidateStage(StageBase):
     name = "validate"
+    face = linkwright.stages.validate
     libraries = ("numpy", "mujoco", "lxml", "pin")
 
     @property

@@ -1,7 +1,7 @@
 """What a stage of a build is, and what most of them share."""
 
 from collections.abc import Mapping
-from importlib import import_module
+from types import ModuleType
 from typing import Any, Protocol
 
 from linkwright.pipeline.config.plan import Plan
@@ -44,9 +44,10 @@ class Stage(Protocol):
 
 
 class StageBase:
-    """Defaults that most stages share."""
+    """Defaults that most stages share. `face`: the stage's package, which declares the version."""
 
     name: str
+    face: ModuleType
     libraries: tuple[str, ...] = ()
 
     @property
@@ -55,7 +56,7 @@ class StageBase:
 
     @property
     def version(self) -> int:
-        version: int = import_module(f"linkwright.stages.{self.name}").VERSION
+        version: int = self.face.VERSION
         return version
 
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:

@@ -1,8 +1,8 @@
 """The export stage: a robot and its geometry become files, and the same input gives the same bytes.
 
 - again: The packages of a finished build, written again from its robot.json and from the files beside them.
+- build: The main flow of the export stage.
 - driven: What drives the robot that is written, and the armatures with which its simulation holds.
-- mjcf_only: What a robot has from its MJCF source and no other format can have.
 - order_tables: The order of things in the files of a robot, as robot.json and the report have it.
 - package_names: The names of packages that hold a robot.
 - paints: The materials of a robot: a colour, or an image times a colour.
@@ -13,59 +13,24 @@
 - robot_json: robot.json: writes what `stages.formats.robot_json` says that it has.
 - scene: The scene of the configuration.
 - section: Configuration of the export stage: formats, ground, scene.
-- sensor_mounts: The frames and links that carry sensors, by the names that users give.
 - settled: The configuration with what an MJCF source says where the configuration says nothing.
 - unknown_names: What `actuators`, `sensors` and `scene.cameras` ask of a robot that it does not have.
 - writer: The interface of the writers of all formats.
+- writers: The table of formats.
 """
 
-from collections.abc import Collection, Iterator, Mapping
-from dataclasses import replace
-from importlib import import_module
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from linkwright.stages.export.writer import Exported, FormatFiles, Writer, WriterInput
+from linkwright.stages.export.writer import Exported
 
 if TYPE_CHECKING:
-    from linkwright.stages.export.amend.amend import Amended
-    from linkwright.stages.export.ground.standing import Stance
     from linkwright.stages.export.section import ExportSections
-    from linkwright.stages.formats.written import Written
-    from linkwright.stages.robot.errors import Diagnostic
     from linkwright.stages.robot.model.geometry import Geometry
     from linkwright.stages.robot.model.robot import Robot
 
 VERSION = 60
 """Grows with every change of what this stage makes of the same input."""
-
-WRITERS = (
-    "urdf",
-    "mjcf",
-    "sdf",
-    "ros2",
-    "usd",
-    "python",
-)
-"""All formats, in the order in which they are written: folders of this stage, each with its `Writer`."""
-
-PACKAGES = ("ros2",)
-"""Those that pack the files of others, as the user's own XML leaves them, with the meshes."""
-
-OF_ALL = ("python",)
-"""Those that pack robot.json, too."""
-
-
-def writer_of(name: str) -> Writer:
-    """The writer of a format."""
-    found: Writer = import_module(f"linkwright.stages.export.{name}.writer").WRITER
-    return found
-
-
-def expected_paths(keys: "ExportSections", robot: str) -> list[str]:
-    """The paths of the files of a robot of this name, before they are made. The names of the meshes are
-    not known by then: a glob stands for them."""
-    paths = [path for name in keys.export.chosen for path in writer_of(name).paths(robot)]
-    return ["robot.json", "assets/*", *paths]
 
 
 def export(
@@ -73,113 +38,6 @@ def export(
 ) -> Exported:
     """The robot's files in every chosen format, sorted by path. A diagnostic names each thing that a
     format cannot express. `texts`: of the files that `elements` name, by entry."""
-    from linkwright.stages.export.actuators.advice import advice
-    from linkwright.stages.export.actuators.gravity import gravity_of
-    from linkwright.stages.export.ground.standing import stand
-    from linkwright.stages.export.mjcf_only import mjcf_only
-    from linkwright.stages.export.order_tables import order_of
-    from linkwright.stages.export.python.writer import package_record
-    from linkwright.stages.export.readers import dropped
-    from linkwright.stages.export.robot_json import describe
-    from linkwright.stages.export.settled import settled
+    from linkwright.stages.export.build import build  # the version alone is read without the writers
 
-    keys = settled(keys, robot)
-    standing = stand(robot, geometry, keys)
-    written, remarks = _written(robot, geometry, keys, standing)
-    given = WriterInput(written, keys, standing)
-    made: dict[str, FormatFiles] = {}
-    needed = _needed(keys.export.chosen)
-    alone = [name for name in needed if name not in (*PACKAGES, *OF_ALL)]
-    for name in alone:
-        writer = writer_of(name)
-        own = {path: data for other in writer.reads for path, data in made[other].files.items()}
-        made[name] = writer.write(replace(given, files=own))
-    assets = {f"assets/{name}": data for name, data in geometry.files.items()}
-    mine = _amended(assets | _files(made, alone), robot.name, alone, keys, texts or {})
-    every = {**assets, **_files(made, alone), **mine.files}
-    for name in [name for name in PACKAGES if name in needed]:
-        made[name] = writer_of(name).write(replace(given, files=every))
-    order = order_of(written, every)
-    record = {key: table for one in made.values() for key, table in one.record.items()}
-    if "python" in needed:
-        record |= package_record(given)
-    written = replace(written, amendments=mine.amendments)
-    paths = {*assets, *_files(made, [name for name in keys.export.chosen if name in made])}
-    every["robot.json"] = describe(written, order, record, paths)
-    for name in [name for name in OF_ALL if name in needed]:
-        made[name] = writer_of(name).write(replace(given, files=every))
-    files = {**assets, "robot.json": every["robot.json"], **_files(made, keys.export.chosen)}
-    files |= {path: data for path, data in mine.files.items() if path in files}
-    diagnostics = [diagnostic for name in needed for diagnostic in _diagnostics(made[name])]
-    diagnostics += mjcf_only(written, needed)
-    found = (*diagnostics, *standing.diagnostics, *remarks, *mine.diagnostics)
-    tip = advice(written.robot, written.actuation, standing.world_from_root, gravity_of(keys.scene.option))
-    readers = dropped(written.robot, geometry, needed)
-    return Exported(dict(sorted(files.items())), found, written, tip, order, readers)
-
-
-def _written(
-    robot: "Robot", geometry: "Geometry", keys: "ExportSections", standing: "Stance"
-) -> "tuple[Written, tuple[Diagnostic, ...]]":
-    """The robot as its files will have it, before the user's own XML; and what is worth knowing about what
-    drives and measures it."""
-    from linkwright.stages.export.driven import driven
-    from linkwright.stages.export.mjcf.form import form_of as mjcf_form_of
-    from linkwright.stages.export.scene import scene_of
-    from linkwright.stages.export.sensors.resolve import sensing_of
-    from linkwright.stages.export.urdf.form import form_of
-    from linkwright.stages.formats.written import Written
-    from linkwright.stages.robot.dynamics.driven import as_driven
-
-    written = Written(robot, geometry=geometry, mjcf_form=mjcf_form_of(robot, geometry, keys))
-    actuation, of_actuators = driven(written, keys, standing)
-    robot = as_driven(robot, actuation)
-    sensing, of_sensors = sensing_of(robot, geometry, actuation, keys, written.mjcf_form.fused)
-    written = replace(
-        written,
-        robot=robot,
-        actuation=actuation,
-        urdf_form=form_of(robot, keys, actuation),
-        sensing=sensing,
-        scene=scene_of(robot, keys, standing, written.start),
-    )
-    return written, (*of_actuators, *of_sensors)
-
-
-def _diagnostics(made: FormatFiles) -> Iterator["Diagnostic"]:
-    from linkwright.stages.export.losses import losses
-
-    for case in made.cases:
-        yield from losses(case)
-    yield from made.diagnostics
-
-
-def _files(made: Mapping[str, FormatFiles], names: Collection[str]) -> dict[str, bytes]:
-    """The files of these formats."""
-    return {path: data for name in names for path, data in made[name].files.items()}
-
-
-def _amended(
-    files: Mapping[str, bytes],
-    robot: str,
-    written: Collection[str],
-    keys: "ExportSections",
-    texts: Mapping[str, str],
-) -> "Amended":
-    """The files with the user's own XML. `written`: the formats."""
-    from linkwright.stages.export.amend.amend import Amended, amended
-    from linkwright.stages.export.amend.documents import ROLES as AMENDABLE
-
-    if not keys.elements and not keys.attributes:
-        return Amended({})
-    formats = {name: writer_of(name).paths(robot) for name in written if name in AMENDABLE}
-    return amended(files, formats, keys, texts)
-
-
-def _needed(chosen: Collection[str]) -> list[str]:
-    """The chosen formats and those that their writers read, in the order of the table."""
-    needed = set(chosen)
-    for name in reversed(WRITERS):
-        if name in needed:
-            needed |= set(writer_of(name).reads)
-    return [name for name in WRITERS if name in needed]
+    return build(robot, geometry, keys, texts)

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from linkwright.stages.export import writer_of
 from linkwright.stages.export.ground.standing import Stance
 from linkwright.stages.export.section import ExportSections
 from linkwright.stages.export.urdf.model import write_urdf
 from linkwright.stages.export.urdf.srdf.model import plan_of, write_srdf
 from linkwright.stages.export.writer import WriterInput
+from linkwright.stages.export.writers import WRITERS
 from linkwright.stages.formats.described import Truth
 from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.model.poses import UNMOVED
@@ -30,7 +30,7 @@ def package_again(truth: Truth, name: str, files: Mapping[str, bytes]) -> Mappin
     written = replace(truth.written, geometry=replace(truth.written.shapes, files=meshes))
     if name == "ros2":
         files = {**_described(written, files), **files}
-    return writer_of(name).write(WriterInput(written, _keys(truth), NOWHERE, files)).files
+    return WRITERS[name].write(WriterInput(written, _keys(truth), NOWHERE, files)).files
 
 
 def _keys(truth: Truth) -> ExportSections:

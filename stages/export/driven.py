@@ -3,11 +3,11 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from linkwright.stages.export import writer_of
 from linkwright.stages.export.actuators.gravity import gravity_of
 from linkwright.stages.export.actuators.resolve import actuate
 from linkwright.stages.export.ground.footing import supports
 from linkwright.stages.export.writer import WriterInput
+from linkwright.stages.export.writers import WRITERS
 from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.dynamics.statics import GroundSupport
 from linkwright.stages.robot.errors import Diagnostic
@@ -54,7 +54,7 @@ def driven(
 
     def run(built: Robot, with_what: Actuation, margin: float) -> "Trial | None":
         tried = replace(written, robot=built, geometry=solid, actuation=with_what)
-        files = writer_of(FORMAT).write(WriterInput(tried, keys, standing)).files
+        files = WRITERS[FORMAT].write(WriterInput(tried, keys, standing)).files
         return compiled_trial(files[f"{robot.name}.xml"], solid.files, margin)
 
     steady, more = steadied(robot, actuation, run)

@@ -1,16 +1,21 @@
 """Configuration of the export stage: formats, ground, scene."""
 
-from importlib import import_module
 from typing import Annotated, Any, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, create_model, model_serializer, model_validator
 
-from linkwright.stages.export import WRITERS, writer_of
 from linkwright.stages.export.configuration.actuator_section import ActuatorChoice
 from linkwright.stages.export.configuration.element_section import AttributeChoice, ElementSection
+from linkwright.stages.export.configuration.format_section import FormatSection
 from linkwright.stages.export.configuration.motor_section import MotorSection
 from linkwright.stages.export.configuration.scene_section import GroundSection, SceneSection
 from linkwright.stages.export.configuration.sensor_section import SensorChoice
+from linkwright.stages.export.mjcf.section import MjcfFormatSection
+from linkwright.stages.export.python.section import PythonFormatSection
+from linkwright.stages.export.ros2.section import Ros2FormatSection
+from linkwright.stages.export.sdf.section import SdfFormatSection
+from linkwright.stages.export.urdf.section import UrdfFormatSection
+from linkwright.stages.export.usd.section import UsdFormatSection
 from linkwright.stages.robot.optional_section import OptionalSection
 from linkwright.stages.robot.section import (
     Section,
@@ -19,6 +24,16 @@ from linkwright.stages.robot.section import (
     invalid,
 )
 
+FORMATS: dict[str, type[FormatSection]] = {
+    "urdf": UrdfFormatSection,
+    "mjcf": MjcfFormatSection,
+    "sdf": SdfFormatSection,
+    "ros2": Ros2FormatSection,
+    "usd": UsdFormatSection,
+    "python": PythonFormatSection,
+}
+"""All formats, in the order in which they are written, and what configures them."""
+
 
 class _Formats(Section):
     """The formats that a build writes."""
@@ -26,12 +41,12 @@ class _Formats(Section):
     @property
     def chosen(self) -> tuple[str, ...]:
         """The names of the formats that are written, in the order of the table."""
-        return tuple(name for name in WRITERS if getattr(self, name) is not None)
+        return tuple(name for name in FORMATS if getattr(self, name) is not None)
 
     @model_validator(mode="after")
     def _some_format(self) -> Self:
         if not self.chosen:
-            names = ", ".join(WRITERS)
+            names = ", ".join(FORMATS)
             raise invalid(f"no format is chosen; allowed: {names}, [{names}]")
         return self
 
@@ -43,13 +58,12 @@ class _Formats(Section):
 
 def _section_of(name: str) -> Any:
     """The field of one format: its section, or null."""
-    keys = import_module(f"linkwright.stages.export.{name}.section").SECTION
-    files = " and ".join(f"`{path}`" for path in writer_of(name).paths("<name>"))
-    return (keys | None, Field(default=None, description=f"{files}."))
+    files = " and ".join(f"`{path}`" for path in FORMATS[name].files)
+    return (FORMATS[name] | None, Field(default=None, description=f"{files}."))
 
 
 _EveryFormat: Any = create_model(
-    "_EveryFormat", __base__=_Formats, **{name: _section_of(name) for name in WRITERS}
+    "_EveryFormat", __base__=_Formats, **{name: _section_of(name) for name in FORMATS}
 )
 
 
@@ -108,3 +122,10 @@ class ExportSections(OptionalSection):
 
     export: ExportSection = ExportSection.model_validate({"urdf": {}, "mjcf": {}})
     """Formats to write; null leaves a format out."""
+
+
+def expected_paths(keys: ExportSections, robot: str) -> list[str]:
+    """The paths of the files of a robot of this name, before they are made. The names of the meshes are
+    not known by then: a glob stands for them."""
+    paths = [path for name in keys.export.chosen for path in FORMATS[name].paths(robot)]
+    return ["robot.json", "assets/*", *paths]

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from linkwright.stages.export.actuators.choices import wanted_of
 from linkwright.stages.export.mjcf.sensing.cameras import unknown_frames
-from linkwright.stages.export.sensor_mounts import mounts_of, report_unknown
+from linkwright.stages.export.sensors.mounts import mounts_of, report_unknown
 from linkwright.stages.export.sensors.of_dofs import joint_sensors, report_unmatched
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import Diagnostic

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 from linkwright.stages.robot.errors import Diagnostic
 
 if TYPE_CHECKING:
+    from linkwright.stages.export.configuration.format_section import FormatSection
     from linkwright.stages.export.ground.standing import Stance
     from linkwright.stages.export.section import ExportSections
     from linkwright.stages.formats.robot_json.files import OrderRecord
@@ -77,11 +78,12 @@ class FormatFiles:
 
 
 class Writer(Protocol):
-    """One format: `WRITER` of the module `writer` in the folder that has the format's name.
+    """One format: a row of `stages.export.writers`, in the module `writer` of the folder that has its name;
+    `conf/export/<name>.yaml` chooses it."""
 
-    Beside it lies `section`, whose `SECTION` is the format's part of the configuration (`export.<name>`), and
-    `conf/export/<name>.yaml` chooses it.
-    """
+    @property
+    def section(self) -> "type[FormatSection]":
+        """The format's part of the configuration, `export.<name>`."""
 
     @property
     def reads(self) -> tuple[str, ...]:
@@ -90,9 +92,6 @@ class Writer(Protocol):
     @property
     def modules(self) -> tuple[str, ...]:
         """The modules that it imports when it runs, as far as importing them takes time."""
-
-    def paths(self, robot: str) -> tuple[str, ...]:
-        """The paths of its files for a robot of this name."""
 
     def write(self, given: WriterInput) -> FormatFiles:
         """Its files, without the meshes, which all formats share."""

@@ -1,17 +1,19 @@
 """Fetch: a source in, a `Bundle` out.
 
-`ROOMS` is the table of sources; each room holds `section.py`, the configuration of its source, and
-`source.py`, its `Source`. An Onshape document costs one call for its definition and two for each part
-studio, and one where it did not change since; a bundle and the sample replay recorded replies through
-the same code. A URDF or MJCF is read with the meshes that it names.
+`sources` is the table of sources, `section` that of their configurations; each source lies in a room of its
+own. An Onshape document costs one call for its definition and two for each part studio, and one where it did
+not change since; a bundle and the sample replay recorded replies through the same code. A URDF or MJCF is
+read with the meshes that it names.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from importlib import import_module
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
+
+from linkwright.stages.fetch.sources import SOURCES as SOURCES
+from linkwright.stages.fetch.sources import source_class as source_class
 
 if TYPE_CHECKING:
     from linkwright.stages.fetch.section import FetchSections
@@ -21,21 +23,6 @@ if TYPE_CHECKING:
 
 VERSION = 13
 """Grows with every change of what this stage makes of the same input."""
-
-ROOMS: Mapping[str, str] = {
-    "onshape": "linkwright.stages.fetch.onshape",
-    "urdf": "linkwright.stages.fetch.urdf",
-    "mjcf": "linkwright.stages.fetch.mjcf",
-    "bundle": "linkwright.stages.fetch.bundle",
-    "sample": "linkwright.stages.fetch.bundle.sample",
-}
-"""Kind of source → its room, imported when it is needed."""
-
-
-def source_class(kind: str) -> type[Source]:
-    """The class of the sources of a kind."""
-    found: type[Source] = import_module(f"{ROOMS[kind]}.source").SOURCE
-    return found
 
 
 def source_of(keys: FetchSections) -> Source:

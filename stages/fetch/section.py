@@ -1,16 +1,23 @@
 """Configuration of the fetch stage: the source of the robot."""
 
-from importlib import import_module
 from typing import TYPE_CHECKING, Annotated, Any, Union
 
 from pydantic import Discriminator, Tag
 
-from linkwright.stages.fetch import ROOMS
+from linkwright.stages.fetch.bundle.sample.section import SampleSourceSection
+from linkwright.stages.fetch.bundle.section import BundleSourceSection
+from linkwright.stages.fetch.mjcf.section import MjcfSourceSection
+from linkwright.stages.fetch.onshape.section import OnshapeSourceSection
 from linkwright.stages.fetch.source_section import SourceSection
+from linkwright.stages.fetch.urdf.section import UrdfSourceSection
 from linkwright.stages.robot.section import Section
 
 SOURCES: dict[str, type[SourceSection]] = {
-    kind: import_module(f"{room}.section").SECTION for kind, room in ROOMS.items()
+    "onshape": OnshapeSourceSection,
+    "urdf": UrdfSourceSection,
+    "mjcf": MjcfSourceSection,
+    "bundle": BundleSourceSection,
+    "sample": SampleSourceSection,
 }
 """Kind of source → its keys."""
 

@@ -1,7 +1,7 @@
 """The interface of every kind of source, and the values that it exchanges with the stage.
 
-A new source is one folder with a `section.py` (`SECTION`) and a `source.py` (`SOURCE`), and one line in the
-table of `stages.fetch`.
+A new source is one folder with a `section.py` and a `source.py`, and a row in `stages.fetch.section` and
+`stages.fetch.sources` each.
 """
 
 from __future__ import annotations

@@ -148,7 +148,7 @@ class Mechanism:
 
 
 class MechanismReader(Protocol):
-    """Reads a bundle into a mechanism. There is a reader for each kind of source: `stages.graph.READERS`.
+    """Reads a bundle into a mechanism. There is a reader for each kind of source: `stages.graph.reader_of`.
 
     Also returns the keys, completed by the source's own conventions. AssemblyError for a source that cannot
     be read at all; every other problem goes to the log.

@@ -13,6 +13,7 @@ own frame. The primitives that the user gave it stay as they are, but for cylind
 - link_mesh: What is known of the meshes of a link's parts, and its visual meshes made of them, both as bytes
   too.
 - link_uses: The parts of each link that have a mesh, and the visual meshes that are made of them.
+- makers: The table of the makers of colliders.
 - motion_digest: What decides where the links of a robot are, as a digest.
 - part_choices: What is asked of each part: whether it is seen and solid, who makes its collider, and the
   contact of that.

@@ -11,11 +11,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from linkwright.stages.export import export, writer_of
+from linkwright.stages.export import export
 from linkwright.stages.export.ground.standing import stand
 from linkwright.stages.export.mjcf.form import form_of as mjcf_form_of
 from linkwright.stages.export.urdf.form import form_of
 from linkwright.stages.export.writer import WriterInput
+from linkwright.stages.export.writers import WRITERS
 from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.model.actuation import NONE
 from linkwright.stages.robot.model.robot import Limits, Robot
@@ -45,7 +46,7 @@ def written(robot: Robot) -> dict[str, Callable[[], object]]:
     given = WriterInput(Written(robot, geometry=NO_MESHES, **forms), plan, stand(robot, NO_MESHES, plan))
 
     def text(name: str) -> Callable[[], object]:
-        return lambda: writer_of(name).write(given)
+        return lambda: WRITERS[name].write(given)
 
     return {name: text(name) for name in TEXTS} | {"whole export": lambda: export(robot, NO_MESHES, plan)}
 

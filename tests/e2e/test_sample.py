@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from linkwright.stages.export import WRITERS
+from linkwright.stages.export.writers import WRITERS
 from tests.fake_onshape.sample import sample_document
 from tests.fake_onshape.server import OnshapeServer
 from tests.support.command import COMMAND, RUN_FACTS, environment, linkwright, robot_files

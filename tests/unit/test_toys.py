@@ -112,9 +112,6 @@ class ToySourceSection(SourceSection):
 
     count: Count = 2
     """Number of links."""
-
-
-SECTION = ToySourceSection
 ''',
     )
     tree.add(
@@ -148,16 +145,18 @@ class ToySource(Source):
         digest = sha256(text).hexdigest()
         root = {"document": "toy", "microversion": "", "element": "", "configuration": ""}
         return Fetched(FileBundle("urdf", root, digest, {"robot": digest}, {digest: text}))
-
-
-SOURCE = ToySource
 ''',
     )
-    tree.add_line(
-        "stages/fetch/__init__.py",
-        '    "sample": "linkwright.stages.fetch.bundle.sample",',
-        '    "toy": "linkwright.stages.fetch.toy",',
-    )
+    table = "stages/fetch/section.py"
+    before = "from linkwright.stages.fetch.source_section import SourceSection"
+    tree.add_line(table, before, "from linkwright.stages.fetch.toy.section import ToySourceSection")
+    tree.add_line(table, '    "sample": SampleSourceSection,', '    "toy": ToySourceSection,')
+    table = "stages/fetch/sources.py"
+    before = "SOURCES: dict[str, Callable[[], type[Source]]] = {"
+    tree.add_line(table, before, "def _toy():")
+    tree.add_line(table, before, "    from linkwright.stages.fetch.toy.source import ToySource")
+    tree.add_line(table, before, "    return ToySource")
+    tree.add_line(table, '    "sample": _sample,', '    "toy": _toy,')
     tree.add("conf/source/toy.yaml", "kind: toy\n")
     tree.add("tests/config/golden/source.toy.yaml", "source:\n  kind: toy\n  count: 2\n")
     tree.check_goldens("source.toy")
@@ -172,44 +171,45 @@ def test_a_format_is_a_folder_a_line_an_option_and_its_golden(tree: Tree) -> Non
         "stages/export/toy/section.py",
         '''"""Configuration of the toy writer."""
 
-from linkwright.stages.robot.section import Section, Text
+from linkwright.stages.export.configuration.format_section import FormatSection
+from linkwright.stages.robot.section import Text
 
 
-class ToySection(Section):
+class ToySection(FormatSection):
     """The list."""
 
     title: Text = "Links"
     """The first line."""
-
-
-SECTION = ToySection
 ''',
     )
     tree.add(
         "stages/export/toy/writer.py",
         '''"""The toy writer."""
 
+from linkwright.stages.export.toy.section import ToySection
 from linkwright.stages.export.writer import FormatFiles, WriterInput
 
 
 class ToyWriter:
+    section = ToySection
     reads = ("urdf",)
     modules = ()
 
-    def paths(self, robot):
-        return (f"{robot}.txt",)
-
     def write(self, given: WriterInput) -> FormatFiles:
         robot = given.written.robot
-        (path,) = self.paths(robot.name)
+        (path,) = self.section.paths(robot.name)
         lines = [given.keys.export.toy.title, *(link.name for link in robot.links), *given.files]
         return FormatFiles({path: "\\n".join(lines).encode()})
-
-
-WRITER = ToyWriter()
 ''',
     )
-    tree.add_line("stages/export/__init__.py", '    "mjcf",', '    "toy",')
+    table = "stages/export/writers.py"
+    before = "from linkwright.stages.export.urdf.writer import UrdfWriter"
+    tree.add_line(table, before, "from linkwright.stages.export.toy.writer import ToyWriter")
+    tree.add_line(table, '    "mjcf": MjcfWriter(),', '    "toy": ToyWriter(),')
+    table = "stages/export/section.py"
+    before = "from linkwright.stages.export.urdf.section import UrdfFormatSection"
+    tree.add_line(table, before, "from linkwright.stages.export.toy.section import ToySection")
+    tree.add_line(table, '    "mjcf": MjcfFormatSection,', '    "toy": ToySection,')
     tree.add("conf/export/toy.yaml", "# @package export.toy\ntitle: Links\n")
     tree.add("tests/config/golden/export.toy.yaml", "export:\n  toy:\n    title: Links\n")
     tree.check_goldens("export.toy")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from linkwright.stages.export.mjcf.contact.filters import filters
 from linkwright.stages.export.mjcf.extras import extras_of
-from linkwright.stages.export.sensor_mounts import loaded_links
+from linkwright.stages.export.sensors.mounts import loaded_links
 from linkwright.stages.formats.mjcf.form import MjcfForm
 from linkwright.stages.formats.mjcf.written import form_with
 from linkwright.stages.formats.written import Written

@@ -2,11 +2,13 @@
 
 from typing import Literal
 
-from linkwright.stages.robot.section import Section
+from linkwright.stages.export.configuration.format_section import FormatSection
 
 
-class MjcfFormatSection(Section):
+class MjcfFormatSection(FormatSection):
     """The MJCF and its scene."""
+
+    files = ("<name>.xml", "scene.xml")
 
     fixed_joints: Literal["auto", "merge", "keep"] = "auto"
     """Links on fixed joints. merge: each is part of the body above it, with its mass, inertia and shapes, and
@@ -14,6 +16,3 @@ class MjcfFormatSection(Section):
     bodies, and other links are merged. MuJoCo's own `fusestatic` would drop the names and frames. What is
     fixed to a link `world` has a body always, and so has a link that needs one: for a sensor or exclude of an
     MJCF source, a loop, or contacts that MuJoCo could not tell apart."""
-
-
-SECTION = MjcfFormatSection

@@ -6,7 +6,8 @@ from typing import Annotated
 
 from pydantic import AfterValidator
 
-from linkwright.stages.robot.section import Section, Text, example, invalid
+from linkwright.stages.export.configuration.format_section import FormatSection
+from linkwright.stages.robot.section import Text, example, invalid
 
 
 def _as_package(name: str) -> str:
@@ -29,8 +30,10 @@ def module_of(package: str) -> str:
     return re.sub("[.-]", "_", package)
 
 
-class PythonFormatSection(Section):
+class PythonFormatSection(FormatSection):
     """The Python package."""
+
+    files = ("python/*",)
 
     package: Annotated[Text, AfterValidator(_as_package), example("my-arm-description")] | None = None
     """Its name for pip; it is imported by that with `_` for `-`. null: `<name>_description`."""
@@ -43,7 +46,3 @@ class PythonFormatSection(Section):
 
     license: Annotated[Text, example("Apache-2.0")] | None = None
     """Its license."""
-
-
-SECTION = PythonFormatSection
-"""The section of the configuration."""

@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+from linkwright.stages.export.python.section import PythonFormatSection, module_of
 from linkwright.stages.export.writer import FormatFiles, WriterInput
 
 if TYPE_CHECKING:
@@ -14,16 +15,13 @@ FOLDER = "python"
 class PythonWriter:
     """`python/`."""
 
+    section = PythonFormatSection
     reads: tuple[str, ...] = ("urdf", "mjcf")
     modules: tuple[str, ...] = ("linkwright.stages.export.python.package",)
-
-    def paths(self, robot: str) -> tuple[str, ...]:
-        return (f"{FOLDER}/*",)
 
     def write(self, given: WriterInput) -> FormatFiles:
         """Its files, with copies of all that the other formats have, and of robot.json."""
         from linkwright.stages.export.python.package import text_files
-        from linkwright.stages.export.python.section import PythonFormatSection, module_of
 
         robot = given.written.robot.name
         keys = given.keys.export.python or PythonFormatSection()
@@ -41,7 +39,6 @@ class PythonWriter:
 def package_record(given: WriterInput) -> "dict[str, PackageRecord]":
     """What robot.json tells of the package, which holds it."""
     from linkwright.stages.export import VERSION
-    from linkwright.stages.export.python.section import module_of
     from linkwright.stages.formats.robot_json.files import PackageRecord
 
     package, folder = _names(given)
@@ -52,7 +49,6 @@ def package_record(given: WriterInput) -> "dict[str, PackageRecord]":
 def _names(given: WriterInput) -> tuple[str, str]:
     """The name of the package, and that of the folder of the robot's files in its module."""
     from linkwright.stages.export.package_names import package_of
-    from linkwright.stages.export.python.section import PythonFormatSection
 
     robot, urdf = given.written.robot.name, given.keys.export.urdf
     keys = given.keys.export.python or PythonFormatSection()
@@ -60,6 +56,3 @@ def _names(given: WriterInput) -> tuple[str, str]:
     in_package = urdf is not None and urdf.meshes == "package"
     folder = (urdf.package if urdf is not None and in_package else None) or robot
     return keys.package or package_of(robot), folder
-
-
-WRITER = PythonWriter()

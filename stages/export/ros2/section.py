@@ -5,7 +5,8 @@ from typing import Annotated
 
 from pydantic import AfterValidator
 
-from linkwright.stages.robot.section import Section, Text, example, invalid
+from linkwright.stages.export.configuration.format_section import FormatSection
+from linkwright.stages.robot.section import Text, example, invalid
 
 
 def _as_package(name: str) -> str:
@@ -27,8 +28,10 @@ def _as_address(text: str) -> str:
     return text
 
 
-class Ros2FormatSection(Section):
+class Ros2FormatSection(FormatSection):
     """The ROS 2 package."""
+
+    files = ("ros2/*",)
 
     package: Annotated[Text, AfterValidator(_as_package), example("my_arm_description")] | None = None
     """Its name, and that of its folder in `ros2/`; null: `<name>_description`."""
@@ -47,7 +50,3 @@ class Ros2FormatSection(Section):
 
     moveit: bool = True
     """Whether there is a second package beside it, `<name>_moveit_config`, for MoveIt, with the SRDF."""
-
-
-SECTION = Ros2FormatSection
-"""The section of the configuration."""

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from linkwright.stages.export.ros2.section import Ros2FormatSection
 from linkwright.stages.export.writer import Case, FormatFiles, WriterInput
 
 if TYPE_CHECKING:
@@ -28,15 +29,13 @@ class Driven:
 class Ros2Writer:
     """`ros2/<package>/`, and MoveIt's package beside it."""
 
+    section = Ros2FormatSection
     reads: tuple[str, ...] = ("urdf",)
     modules: tuple[str, ...] = (
         "linkwright.stages.export.ros2.xacro_files",
         "linkwright.stages.export.ros2.files",
         "linkwright.stages.export.ros2.moveit",
     )
-
-    def paths(self, robot: str) -> tuple[str, ...]:
-        return (f"{FOLDER}/*",)
 
     def write(self, given: WriterInput) -> FormatFiles:
         """Its files, with copies of the meshes, and those of MoveIt's package beside it."""
@@ -46,7 +45,6 @@ class Ros2Writer:
         from linkwright.stages.export.ros2.controllers import controllers_of
         from linkwright.stages.export.ros2.description import described
         from linkwright.stages.export.ros2.moveit import semantics_of
-        from linkwright.stages.export.ros2.section import Ros2FormatSection
         from linkwright.stages.export.ros2.trajectories import trajectories_of
         from linkwright.stages.formats.robot_json.files import PackageRecord, RenamedRecord
 
@@ -112,7 +110,6 @@ def _manifests(
     """What makes a folder with files at these paths a package of ROS. `what`: its description; `needs`: the
     packages that it runs with."""
     from linkwright.stages.export.ros2.files import cmake_lists, filled
-    from linkwright.stages.export.ros2.section import Ros2FormatSection
 
     keys, needs = given.keys.export.ros2 or Ros2FormatSection(), sorted(set(needs))
     about = filled("package.xml", package=package, what=what, keys=keys, needs=needs)
@@ -126,7 +123,6 @@ def _beside(
     from linkwright.stages.export.ros2.files import MOVEIT, filled
     from linkwright.stages.export.ros2.moveit import semantic_files
     from linkwright.stages.export.ros2.names import moveit_package_of
-    from linkwright.stages.export.ros2.section import Ros2FormatSection
 
     name, keys = given.written.robot.name, given.keys.export.ros2 or Ros2FormatSection()
     if not keys.moveit or not semantics.groups:
@@ -146,6 +142,3 @@ def _beside(
     what = f"MoveIt for the robot {name}: groups, poses, kinematics, limits, controllers and a launch file."
     files += _manifests(given, own, what, [*MOVEIT, package], [path for path, _ in files])
     return {f"{FOLDER}/{own}/{path}": data for path, data in files}
-
-
-WRITER = Ros2Writer()

@@ -2,16 +2,14 @@
 
 from typing import Literal
 
-from linkwright.stages.robot.section import Section
+from linkwright.stages.export.configuration.format_section import FormatSection
 
 
-class SdfFormatSection(Section):
+class SdfFormatSection(FormatSection):
     """The SDF."""
+
+    files = ("<name>.sdf", "model.config")
 
     meshes: Literal["relative", "model"] = "relative"
     """How the SDF names mesh files. relative: by paths relative to its own folder, wherever that lies; model:
     as `model://<name>/assets/...`, for readers that look models up by the names of their folders."""
-
-
-SECTION = SdfFormatSection
-"""The section of the configuration."""

@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+from linkwright.stages.export.sdf.section import SdfFormatSection
 from linkwright.stages.export.writer import Case, FormatFiles, WriterInput
 
 if TYPE_CHECKING:
@@ -12,18 +13,15 @@ if TYPE_CHECKING:
 class SdfWriter:
     """`<name>.sdf` and `model.config`."""
 
+    section = SdfFormatSection
     reads: tuple[str, ...] = ()
     modules: tuple[str, ...] = ("linkwright.stages.export.sdf.model",)
 
-    def paths(self, robot: str) -> tuple[str, ...]:
-        return (f"{robot}.sdf", "model.config")
-
     def write(self, given: WriterInput) -> FormatFiles:
         from linkwright.stages.export.sdf.model import write_config, write_sdf
-        from linkwright.stages.export.sdf.section import SdfFormatSection
 
         written, plan = given.written, _plan(given)
-        model, config = self.paths(written.robot.name)
+        model, config = self.section.paths(written.robot.name)
         keys = given.keys.export.sdf or SdfFormatSection()
         files = {
             model: write_sdf(written.robot, written.shapes, keys, plan),
@@ -65,6 +63,3 @@ def _plan(given: WriterInput) -> "SdfPlan":
         sdf_contacts(geometry, joined),
         given.standing.placed(lowered.stands),
     )
-
-
-WRITER = SdfWriter()

@@ -8,7 +8,7 @@ import numpy as np
 
 from linkwright.stages.export.configuration.sensor_section import MEASURES
 from linkwright.stages.export.ground.extents import Extents
-from linkwright.stages.export.sensor_mounts import Mount, mounts_of, report_unknown
+from linkwright.stages.export.sensors.mounts import Mount, mounts_of, report_unknown
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.robot.model.poses import from_parts, inverse, rotation_from_rpy

@@ -4,7 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator
 
-from linkwright.stages.robot.section import Section, Text, example, invalid
+from linkwright.stages.export.configuration.format_section import FormatSection
+from linkwright.stages.robot.section import Text, example, invalid
 
 
 def _as_package(name: str) -> str:
@@ -13,8 +14,10 @@ def _as_package(name: str) -> str:
     return name
 
 
-class UrdfFormatSection(Section):
+class UrdfFormatSection(FormatSection):
     """The URDF."""
+
+    files = ("<name>.urdf", "<name>.srdf")
 
     meshes: Literal["relative", "package"] = "relative"
     """How the URDF names mesh files and textures. relative: by paths relative to its own folder; package: as
@@ -30,6 +33,3 @@ class UrdfFormatSection(Section):
     frame_inertia: Literal["none", "tiny"] = "none"
     """The inertial of links without mass: of frames, and of both sides of a loop. none: they have none; tiny:
     1e-12 kg and 1e-12 kg m², for readers that take 1 kg instead of none, as PyBullet does."""
-
-
-SECTION = UrdfFormatSection

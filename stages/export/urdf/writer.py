@@ -1,26 +1,25 @@
 """URDF: the tree of links and joints, in one file, and beside it the SRDF for MoveIt."""
 
+from linkwright.stages.export.urdf.section import UrdfFormatSection
 from linkwright.stages.export.writer import Case, FormatFiles, WriterInput
 
 
 class UrdfWriter:
     """`<name>.urdf` and `<name>.srdf`."""
 
+    section = UrdfFormatSection
     reads: tuple[str, ...] = ()
     modules: tuple[str, ...] = (
         "linkwright.stages.export.urdf.model",
         "linkwright.stages.export.urdf.srdf.model",
     )
 
-    def paths(self, robot: str) -> tuple[str, ...]:
-        return (f"{robot}.urdf", f"{robot}.srdf")
-
     def write(self, given: WriterInput) -> FormatFiles:
         from linkwright.stages.export.urdf.model import write_urdf
         from linkwright.stages.export.urdf.srdf import model as srdf
 
         written = given.written
-        urdf_path, srdf_path = self.paths(written.robot.name)
+        urdf_path, srdf_path = self.section.paths(written.robot.name)
         plan = srdf.plan_of(written)
         files = {
             urdf_path: write_urdf(written, given.keys.export.urdf),
@@ -31,6 +30,3 @@ class UrdfWriter:
             Case("srdf", written, written.robot, srdf_path, plan),
         )
         return FormatFiles(files, cases, record={"srdf": plan.record})
-
-
-WRITER = UrdfWriter()

@@ -2,16 +2,14 @@
 
 from typing import Literal
 
-from linkwright.stages.robot.section import Section
+from linkwright.stages.export.configuration.format_section import FormatSection
 
 
-class UsdFormatSection(Section):
+class UsdFormatSection(FormatSection):
     """The USD."""
+
+    files = ("<name>.usda", "<name>_meshes.usd")
 
     geometry: Literal["binary", "text"] = "binary"
     """Encoding of the layer `<name>_meshes.usd`, which has the points of all meshes. binary: small, and quick
     to load; text: for reading and comparing, five times as large."""
-
-
-SECTION = UsdFormatSection
-"""The section of the configuration."""

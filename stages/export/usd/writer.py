@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+from linkwright.stages.export.usd.section import UsdFormatSection
 from linkwright.stages.export.writer import Case, FormatFiles, WriterInput
 
 if TYPE_CHECKING:
@@ -12,20 +13,17 @@ if TYPE_CHECKING:
 class UsdWriter:
     """`<name>.usda`, and `<name>_meshes.usd`, the layer that it refers to."""
 
+    section = UsdFormatSection
     reads: tuple[str, ...] = ()
     modules: tuple[str, ...] = ()
 
-    def paths(self, robot: str) -> tuple[str, ...]:
-        return (f"{robot}.usda", f"{robot}_meshes.usd")
-
     def write(self, given: WriterInput) -> FormatFiles:
         from linkwright.stages.export.usd.model import write_usd
-        from linkwright.stages.export.usd.section import UsdFormatSection
         from linkwright.stages.export.usd.shapes import meshes_layer
 
         robot, geometry, plan = given.written.robot, given.written.shapes, _plan(given)
         keys = given.keys.export.usd or UsdFormatSection()
-        model, meshes = self.paths(robot.name)
+        model, meshes = self.section.paths(robot.name)
         layer, places = meshes_layer(geometry)
         files = {
             model: write_usd(robot, geometry, plan, places, meshes).bytes(),
@@ -65,6 +63,3 @@ def _plan(given: WriterInput) -> "UsdPlan":
         zeros,
         given.standing.world_from_root,
     )
-
-
-WRITER = UsdWriter()

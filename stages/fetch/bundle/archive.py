@@ -46,7 +46,7 @@ from pydantic import (
     model_validator,
 )
 
-from linkwright.stages.fetch import ROOMS, source_class
+from linkwright.stages.fetch import SOURCES, source_class
 from linkwright.stages.fetch.recording import LARGEST, Recording
 from linkwright.stages.robot.bundle import Bundle, FileBundle, OnshapeBundle
 from linkwright.stages.robot.errors import SourceError
@@ -80,7 +80,7 @@ _MaybeText = Annotated[str, StringConstraints(strict=True, min_length=0)]
 
 
 def _recorded(kind: str) -> str:
-    if kind in ROOMS and source_class(kind).recorded:
+    if kind in SOURCES and source_class(kind).recorded:
         return kind
     msg = f"there are no bundles of the kind {kind!r}"
     raise ValueError(msg)

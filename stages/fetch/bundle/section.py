@@ -14,6 +14,3 @@ class BundleSourceSection(SourceSection):
 
     path: Annotated[Text, example("arm.zip")]
     """The zip file, relative to the working directory."""
-
-
-SECTION = BundleSourceSection

@@ -47,6 +47,3 @@ class BundleSource(FileSource):
     def read(self) -> bytes:
         """The bytes of the zip; errors as the system raises them."""
         return regular_files.content(Path(self._keys.path), LARGEST)
-
-
-SOURCE = BundleSource

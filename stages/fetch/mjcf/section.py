@@ -14,6 +14,3 @@ class MjcfSourceSection(SourceSection):
 
     path: Annotated[Text, example("arm.xml")]
     """The file, relative to the working directory."""
-
-
-SECTION = MjcfSourceSection

@@ -30,6 +30,3 @@ class MjcfSource(RobotFileSource):
 
         bundle, found = gather(self._keys, context.while_waiting)
         return Fetched(bundle, diagnostics=found)
-
-
-SOURCE = MjcfSource

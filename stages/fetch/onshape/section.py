@@ -101,6 +101,3 @@ class OnshapeSourceSection(SourceSection):
         if info.data.get("variables") and not value:
             raise invalid("source.variables writes to the document: set true to allow it")
         return value
-
-
-SECTION = OnshapeSourceSection

@@ -106,6 +106,3 @@ class OnshapeSource(Source):
         assert isinstance(bundle, OnshapeBundle)
         replies, studios = len(bundle.blobs), len(bundle.studios)
         return f"{count(replies, 'reply', 'replies')} about {count(studios, 'part studio')}"
-
-
-SOURCE = OnshapeSource

@@ -43,6 +43,3 @@ class UrdfSourceSection(SourceSection):
     bad_inertia: Literal["refuse", "recompute", "project"] = "refuse"
     """Inertias that no solid body can have. refuse: an error; recompute: from the link's mass and shapes, as
     a solid of even density; project: the nearest inertia that a solid body can have."""
-
-
-SECTION = UrdfSourceSection

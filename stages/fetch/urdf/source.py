@@ -43,6 +43,3 @@ class UrdfSource(RobotFileSource):
 
         bundle, found = gather(self._keys, context.environ)
         return Fetched(bundle, diagnostics=found)
-
-
-SOURCE = UrdfSource

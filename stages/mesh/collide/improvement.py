@@ -8,12 +8,12 @@ import struct
 import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib import import_module
 
 from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.collide import collision
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.configuration.collider_settings import ColliderSettings
+from linkwright.stages.mesh.makers import MAKERS
 from linkwright.stages.robot.errors import DecompositionFailed
 from linkwright.stages.robot.system.guest import ONE_THREAD, Bounds, Ended, Guest
 
@@ -35,8 +35,7 @@ class Improvement:
 
     def reply(self) -> bytes:
         """The improved collider, as bytes."""
-        maker = import_module(f"linkwright.stages.mesh.colliders.{self.maker}")
-        return collision.encode(maker.improve(self.surfaces, self.settings, self.made))
+        return collision.encode(MAKERS[self.maker].improve(self.surfaces, self.settings, self.made))
 
 
 def helper(halt: threading.Event | None = None, module: str = TASKS, bounds: Bounds = BOUNDS) -> Guest:

@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from hashlib import sha256
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,6 +23,7 @@ from linkwright.stages.mesh.collide.side_by_side import Making, side_by_side
 from linkwright.stages.mesh.configuration.collider_settings import LadderSettings
 from linkwright.stages.mesh.library import MeshLibrary
 from linkwright.stages.mesh.link_mesh import Use
+from linkwright.stages.mesh.makers import MAKERS
 from linkwright.stages.mesh.surfaces.pieces import placed
 from linkwright.stages.robot.errors import DecompositionFailed
 from linkwright.stages.robot.model.robot import Array, frozen
@@ -118,7 +118,7 @@ class _Made:
         surfaces = self._surfaces(job)
         if not surfaces:
             return Collision(note="it has no mesh")
-        made: Collision = getattr(_maker(job), how)(surfaces, job.choice.settings)
+        made: Collision = getattr(MAKERS[job.choice.maker], how)(surfaces, job.choice.settings)
         return made
 
     def _surfaces(self, job: ColliderJob) -> list[Surface]:
@@ -208,10 +208,6 @@ def _whole(group: Sequence[Collided]) -> ColliderJob:
     uses = tuple(use for job in jobs for use in job.uses)
     parts = tuple(part for job in jobs for part in job.parts)
     return replace(jobs[0], name=jobs[0].link, uses=uses, parts=parts)
-
-
-def _maker(job: ColliderJob) -> Any:
-    return import_module(f"linkwright.stages.mesh.colliders.{job.choice.maker}")
 
 
 def _off(made: Collision) -> float:

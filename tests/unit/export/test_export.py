@@ -1,7 +1,6 @@
 """What the files say, read back by the engines that will use them."""
 
 import math
-import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -9,8 +8,10 @@ import mujoco
 import numpy as np
 import pytest
 
-import linkwright.stages.export
-from linkwright.stages.export import WRITERS, FormatFiles, WriterInput, export, writer_of
+from linkwright.stages.export import export
+from linkwright.stages.export.section import FORMATS, expected_paths
+from linkwright.stages.export.writer import FormatFiles, WriterInput
+from linkwright.stages.export.writers import WRITERS
 from linkwright.stages.formats.xml import parse
 from linkwright.stages.robot.motion.kinematics import saved_configuration
 from linkwright.stages.robot.motion.start_pose import starting_point
@@ -141,9 +142,9 @@ def test_a_writer_has_a_folder_and_an_option_and_reads_only_writers_before_it() 
     for name in WRITERS:
         assert (PROJECT / "stages/export" / name / "section.py").is_file()
         assert (PROJECT / "conf/export" / f"{name}.yaml").is_file()
-        assert set(writer_of(name).reads) <= set(before)
+        assert set(WRITERS[name].reads) <= set(before)
         before.append(name)
-    assert len(before) == len(set(before))
+    assert before == list(FORMATS)
 
 
 def test_a_writer_is_given_the_files_that_it_reads_also_of_formats_that_are_not_chosen(
@@ -153,8 +154,7 @@ def test_a_writer_is_given_the_files_that_it_reads_also_of_formats_that_are_not_
         return FormatFiles({"seen.txt": " ".join(given.files).encode()})
 
     reader = SimpleNamespace(reads=("urdf",), write=write)
-    monkeypatch.setattr(linkwright.stages.export, "WRITERS", (*WRITERS, "reader"))
-    monkeypatch.setitem(sys.modules, "linkwright.stages.export.reader.writer", SimpleNamespace(WRITER=reader))
+    monkeypatch.setattr("linkwright.stages.export.build.WRITERS", {**WRITERS, "reader": reader})
     two_links(kit)
     robot, plan = robot_of(kit.document), plan_of()
     for chosen in (("reader",), ("urdf", "reader")):
@@ -173,5 +173,5 @@ def test_every_file_that_is_written_is_expected(kit: Kit, tmp_path: Path) -> Non
     two_links(kit)
     plan = plan_of()
     exported = write(robot_of(kit.document), tmp_path, plan)
-    expected = linkwright.stages.export.expected_paths(plan, "robot")
+    expected = expected_paths(plan, "robot")
     assert sorted(exported.files) == sorted(path for path in expected if path != "assets/*")

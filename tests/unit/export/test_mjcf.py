@@ -8,12 +8,12 @@ import mujoco
 import numpy as np
 import pytest
 
-from linkwright.stages.export import writer_of
 from linkwright.stages.export.ground.standing import stand
 from linkwright.stages.export.losses import losses
 from linkwright.stages.export.mjcf.contact.filters import filters
 from linkwright.stages.export.settled import settled
 from linkwright.stages.export.writer import Case, WriterInput
+from linkwright.stages.export.writers import WRITERS
 from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.model.geometry import Geometry, Shape
 from linkwright.stages.robot.model.poses import (
@@ -51,7 +51,7 @@ NUMBERS = 1e-10
 def compiled(robot: Robot, geometry: Geometry = NO_MESHES, **keys: object) -> mujoco.MjModel:
     plan = settled(plan_of(**keys), robot)
     given = WriterInput(Written(robot, geometry=geometry), plan, stand(robot, geometry, plan))
-    files = writer_of("mjcf").write(given).files
+    files = WRITERS["mjcf"].write(given).files
     return mujoco.MjModel.from_xml_string(files[f"{robot.name}.xml"].decode())
 
 

@@ -6,8 +6,9 @@ from dataclasses import replace
 import pytest
 
 from linkwright.pipeline.page.readers import SHOWN, readers
-from linkwright.stages.export import WRITERS, export
+from linkwright.stages.export import export
 from linkwright.stages.export.readers import READERS, dropped
+from linkwright.stages.export.writers import WRITERS
 from linkwright.stages.robot.model.geometry import Geometry, Shape
 from linkwright.stages.robot.model.robot import Dynamics, Frame, Limits, Relation, frozen
 from tests.support import drake

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from linkwright.stages.fetch import ROOMS, source_class
+from linkwright.stages.fetch import sources
 from linkwright.stages.fetch.section import SOURCES
 from tests.support.places import PROJECT
 
@@ -20,8 +20,6 @@ from linkwright.stages.robot.section import Text
 class ToySourceSection(SourceSection):
     kind: Literal["toy"] = "toy"
     path: Text
-
-SECTION = ToySourceSection
 """
 TOY_SOURCE = """
 from linkwright.stages.fetch.robot_file import RobotFileSource
@@ -36,12 +34,12 @@ class ToySource(RobotFileSource):
 
     def fetch(self, context):
         return Fetched(FileBundle("toy", {"document": "arm.toy"}, "d", {"model": "d"}, {"d": b"toy"}))
-
-SOURCE = ToySource
 """
 TOY_BUILD = """
 import linkwright.stages.fetch as stage
-stage.ROOMS["toy"] = "toyroom"
+from linkwright.stages.fetch import sources
+from toyroom.source import ToySource
+sources.SOURCES["toy"] = lambda: ToySource
 from linkwright.pipeline.config.plan import Plan
 from linkwright.stages.fetch.source import FetchContext
 
@@ -72,12 +70,12 @@ def test_a_new_source_is_one_folder_and_one_line(tmp_path):
 
 
 def test_each_source_has_its_keys_and_its_preset():
-    assert list(SOURCES) == list(ROOMS)
+    assert list(SOURCES) == list(sources.SOURCES)
     presets = {path.stem for path in (PROJECT / "conf" / "source").glob("*.yaml")}
-    assert presets == set(ROOMS)
+    assert presets == set(SOURCES)
     for kind, keys in SOURCES.items():
         assert keys.model_fields["kind"].default == kind
-        assert source_class(kind).__module__ == f"{ROOMS[kind]}.source"
+        assert sources.source_class(kind).__module__ == keys.__module__.replace(".section", ".source")
 
 
 @pytest.mark.parametrize("room", ["onshape", "urdf", "mjcf", "bundle"])

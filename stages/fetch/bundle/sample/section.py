@@ -10,6 +10,3 @@ class SampleSourceSection(SourceSection):
 
     kind: Literal["sample"] = "sample"
     """Kind of the source; `source=KIND` chooses it."""
-
-
-SECTION = SampleSourceSection

@@ -22,6 +22,3 @@ class SampleSource(BundleSource):
 
     def read(self) -> bytes:
         return files("linkwright.stages.fetch").joinpath("sample.zip").read_bytes()
-
-
-SOURCE = SampleSource
