@@ -40,10 +40,11 @@ import linkwright.stages.fetch as stage
 from linkwright.stages.fetch import sources
 from toyroom.source import ToySource
 sources.SOURCES["toy"] = lambda: ToySource
-from linkwright.pipeline.config.plan import Plan
+from types import SimpleNamespace
+from toyroom.section import ToySourceSection
 from linkwright.stages.fetch.source import FetchContext
 
-plan = Plan.parse({"name": "arm", "source": {"kind": "toy", "path": "arm.toy"}})
+plan = SimpleNamespace(source=ToySourceSection(path="arm.toy"))
 stage.preflight(plan, {})
 fetched = stage.fetch(plan, FetchContext({}, {}))
 print(stage.pinned(plan), stage.spends(plan), stage.describe(plan), stage.summary(fetched.bundle))
