@@ -178,6 +178,8 @@ from linkwright.stages.robot.section import Text
 class ToySection(FormatSection):
     """The list."""
 
+    files = ("<name>.txt",)
+
     title: Text = "Links"
     """The first line."""
 ''',
@@ -470,7 +472,7 @@ def test_a_fact_of_the_robot_is_a_field_and_a_line_of_each_writer(tree: Tree) ->
         '        body.set("user", number(link.density))',
     )
     tree.add_line(
-        "stages/graph/view/tables.py",
+        "stages/show/graph_view/tables.py",
         "            _share(link.inertial.mass, total),",
         '            f"{link.density:g} kg/m³, " +',
     )
