@@ -20,11 +20,10 @@ from linkwright.stages.robot.model.robot import Array, Link
 from linkwright.stages.robot.motion.pose_batch import count_of
 from linkwright.stages.robot.motion.pose_samples import sampled_poses
 from linkwright.stages.robot.motion.start_pose import home
-from linkwright.stages.validate.checks.contact.bare_links import asked_bare
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.model.coordinates import pose_of, set_values
 from linkwright.stages.validate.model.seen_surfaces import SeenSurfaces
-from linkwright.stages.validate.model.shapes import seen_and_solid
+from linkwright.stages.validate.model.shapes import asked_bare, seen_and_solid
 
 DEEP = 2e-3
 """Colliders that are in each other by less [m] are no false contact, and what is seen is near within it."""

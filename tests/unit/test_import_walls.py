@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.imports import imported, modules
+from tests.support.imports import imported, modules, name_of
 from tests.support.places import PROJECT, ROOMS
 
 HOMES = {
@@ -176,3 +176,25 @@ def test_tests_import_the_product_by_the_names_that_are_installed():
     bare = re.compile(rf"^\s*(from|import) ({'|'.join(ROOMS)})\b", re.MULTILINE)
     tests = (PROJECT / "tests").rglob("*.py")
     assert [str(path) for path in tests if bare.search(path.read_text(encoding="utf-8"))] == []
+
+
+@pytest.mark.slow
+def test_each_module_can_be_the_first_that_is_imported():
+    """Circles of imports that work only in the order of a build."""
+    own = ("guestmain.py", "__main__.py")
+    names = sorted(f"linkwright.{name_of(path)}" for path in modules() if path.name not in own)
+    code = (
+        "import os, sys\n"
+        "import mujoco, numpy, scipy.spatial, networkx, lxml.etree, pydantic, omegaconf, hydra\n"
+        "for name in sys.argv[1:]:\n"
+        "    child = os.fork()\n"
+        "    if not child:\n"
+        "        try:\n"
+        "            __import__(name)\n"
+        "        except BaseException as error:\n"
+        "            print(name, error, flush=True)\n"
+        "        os._exit(0)\n"
+        "    os.waitpid(child, 0)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code, *names], capture_output=True, text=True, check=True)
+    assert done.stdout == ""

@@ -12,12 +12,16 @@ import numpy as np
 import numpy.typing as npt
 
 from linkwright.stages.robot.model.robot import Array
+from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.model.poses import placed
 
 GEOM = mujoco.mjtGeom
 SPHERE, CAPSULE, CYLINDER = int(GEOM.mjGEOM_SPHERE), int(GEOM.mjGEOM_CAPSULE), int(GEOM.mjGEOM_CYLINDER)
 BOX, ELLIPSOID, MESH = int(GEOM.mjGEOM_BOX), int(GEOM.mjGEOM_ELLIPSOID), int(GEOM.mjGEOM_MESH)
+
+NO_COLLIDER = ("none", "visual")
+"""Makers of colliders that make none."""
 
 MEASURED = (SPHERE, CAPSULE, CYLINDER, BOX, ELLIPSOID, MESH)
 """The kinds of geoms that are measured: not planes, height fields and fields of distances."""
@@ -183,3 +187,11 @@ def area(model: Any, geom: int) -> float:
         0, 1
     )
     return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()) / 2.0
+
+
+def asked_bare(compiled: CompiledModel, body: str) -> bool:
+    """Whether the configuration gives the links of a body no collider; where that is known."""
+    names = {name for name, (holder, _) in compiled.held.items() if holder == body} or {body}
+    figures = compiled.geometry.colliders if compiled.geometry else ()
+    own = [one for one in figures if one.link in names]
+    return bool(own) and all(one.maker in NO_COLLIDER for one in own)

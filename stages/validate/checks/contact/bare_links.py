@@ -6,10 +6,7 @@ from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import named
-from linkwright.stages.validate.model.shapes import seen_and_solid
-
-ASKED = ("none", "visual")
-"""Makers of colliders that make none."""
+from linkwright.stages.validate.model.shapes import asked_bare, seen_and_solid
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
@@ -27,11 +24,3 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         detail = f"without a collider, so that they pass through everything: {', '.join(bare)}"
     value = float(len(bare))
     yield compiled.result("links that collide", not bare, detail, value, 0.0, findings, "warning")
-
-
-def asked_bare(compiled: CompiledModel, body: str) -> bool:
-    """Whether the configuration gives the links of a body no collider; where that is known."""
-    names = {name for name, (holder, _) in compiled.held.items() if holder == body} or {body}
-    figures = compiled.geometry.colliders if compiled.geometry else ()
-    own = [one for one in figures if one.link in names]
-    return bool(own) and all(one.maker in ASKED for one in own)
