@@ -49,14 +49,14 @@ def _farthest(points: Points, count: int) -> npt.NDArray[np.int64]:
     A point is seldom farther from a larger hull: those that were near to a smaller hull are not looked at
     while another one is farther than they were.
     """
-    from scipy.spatial import ConvexHull, QhullError
+    from scipy.spatial import ConvexHull
 
     chosen = _start(points)
     known = np.full(len(points), np.inf)
     known[chosen] = 0.0
-    hull = ConvexHull(points[chosen], incremental=True)
     while len(chosen) < count:
-        planes, before = hull.equations, known.copy()
+        # Anew each time: a hull to which Qhull adds points gets wide faces where many are nearly in one.
+        planes, before = ConvexHull(points[chosen]).equations, known.copy()
         order = _largest(before, _LOOKED_AT)
         begin, end, farthest = 0, _LOOKED_AT, 0.0
         while begin < len(order) and before[order[begin]] > farthest:
@@ -70,10 +70,6 @@ def _farthest(points: Points, count: int) -> npt.NDArray[np.int64]:
             break
         chosen.append(int(known.argmax()))
         known[chosen[-1]] = 0.0
-        try:
-            hull.add_points(points[chosen[-1:]])
-        except QhullError:  # of a corner that is all but in a face, where it does not start with it
-            hull = ConvexHull(points[chosen], incremental=True)
     return np.array(sorted(chosen), dtype=np.int64)
 
 
