@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from linkwright.stages.robot.model.geometry import Geometry
     from linkwright.stages.robot.model.robot import Robot
 
-VERSION = 52
+VERSION = 53
 """Grows with every change of what this stage makes of the same input."""
 
 

@@ -9,7 +9,7 @@ from linkwright.stages.mesh.visuals.budget import Decimator
 from linkwright.stages.robot.bundle import Bundle
 from linkwright.stages.robot.model.robot import Link, MeshRef, Part
 
-MOVED = 5e-5
+MOVED = 1e-4
 """How far the surface of a part with too many triangles may be moved, to make colliders of it [m]."""
 
 

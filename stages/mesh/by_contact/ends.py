@@ -92,7 +92,8 @@ def _fitted(
 def _cut(
     chunks: Sequence[Chunk], outside: Outside, tolerance: float, max_vertices: int, measured: int
 ) -> _State:
-    """Pieces, and how far they stand out. The piece that stands out most is cut, again and again."""
+    """Pieces, and how far they stand out. The piece with most area out of the tolerance is cut, again and
+    again."""
     tried: list[_State] = []
     sampled: dict[Chunk, Sampled] = {}
     faces = planes.flat_faces(joined([chunk.surface for chunk in chunks]))
@@ -100,7 +101,7 @@ def _cut(
     def halves(chunk: Chunk) -> list[Chunk]:
         return [] if chunk.stays else _halves(chunk, faces, outside, max_vertices, measured)
 
-    for now in cuts(chunks, lambda _: tried[-1][0].volumes, halves):
+    for now in cuts(chunks, lambda _: tried[-1][0].far, halves):
         for chunk in now:
             if chunk not in sampled:
                 sampled[chunk] = outside.sampled(chunk.piece)
@@ -143,7 +144,7 @@ def _halves(
         if len(made) < len(sides):
             continue  # a flat side would be bare
         measured -= 1
-        out = round(sum(sum(outside.standing_out([outside.sampled(hull)]).volumes) for _, hull in made), 15)
+        out = round(sum(outside.sampled(hull).volume for _, hull in made), 15)
         if out < best[0]:
             best = out, made
     halves = [Chunk.around(*both, max_vertices, chunk.group) for both in best[1]]

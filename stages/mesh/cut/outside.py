@@ -38,15 +38,20 @@ class Sampled:
     distances: Numbers
     area: float
 
+    @property
+    def volume(self) -> float:
+        """Its area times how far that is out of the link [m³]."""
+        return self.area * float(self.distances.sum())
+
 
 @dataclass(frozen=True, slots=True)
 class StandingOut:
     """What 95 % of the outer surface of a collider stay within, and all of it [m]; and of each piece the area
-    of its outer surface times how far it is out there [m³]."""
+    [m²] of its outer surface that is out by more than the radius of the ball."""
 
     p95: float
     most: float
-    volumes: tuple[float, ...]
+    far: tuple[float, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,6 +64,7 @@ class Outside:
     """
 
     nearest: Nearest
+    radius: float
     hidden: Flags
     low: Points
     cell: float
@@ -84,7 +90,7 @@ class Outside:
         parts, _ = label(free)
         reached = parts == parts[0, 0, 0]
         hidden = distance_transform_edt(~reached) * cell > radius + cell
-        return Outside(Nearest.of(tree), hidden, start, cell, diagonal)
+        return Outside(Nearest.of(tree), radius, hidden, start, cell, diagonal)
 
     def distances(self, points: Points) -> Numbers:
         """(n,): how far [m] points (n, 3) are from the surface, 0 where the ball does not get."""
@@ -117,5 +123,6 @@ class Outside:
         order = np.argsort(every)
         share = np.cumsum(weights[order])
         p95 = float(every[order][np.searchsorted(share, 0.95 * share[-1])]) if len(every) else 0.0
-        volumes = [one.area * float(found.sum()) for one, found in zip(pieces, distances, strict=True)]
-        return StandingOut(p95, float(every.max(initial=0.0)), tuple(volumes))
+        far = [np.count_nonzero(found > self.radius) for found in distances]
+        areas = tuple(one.area * number for one, number in zip(pieces, far, strict=True))
+        return StandingOut(p95, float(every.max(initial=0.0)), areas)

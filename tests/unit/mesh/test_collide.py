@@ -258,8 +258,8 @@ def test_the_files_are_those_of_the_pieces() -> None:
 
 @pytest.mark.parametrize("most", [5_000, 50_000])
 def test_of_very_many_triangles_a_collider_is_made_of_fewer(most: int) -> None:
-    """As near as it was: the figures are against the part itself within three hundredths of the tolerance."""
-    assert MOVED < 0.035 * 0.0016
+    """As near as it was: the figures are against the part itself within seven hundredths of the tolerance."""
+    assert MOVED < 0.07 * 0.0016
     ball = trimesh.creation.icosphere(6, 0.03)
     reply = bodies_of({"Ball": ball})
     digest = sha256(reply).hexdigest()
