@@ -89,7 +89,7 @@ def _against(truth: "Truth", folder: Path, level: str) -> tuple[Check, ...]:
 
 def _bare(path: Path, asked: str, level: str) -> Verdict:
     """The checks of a file, or of all in a folder, that nothing is known of but what they say."""
-    from linkwright.stages.validate.bare import check_bare
+    from linkwright.stages.validate.bare.run import check_bare
 
     folder = path if path.is_dir() else path.parent
     note = f"there is no {TRUTH} of this robot beside it: nothing is compared with CAD"

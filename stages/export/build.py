@@ -13,7 +13,7 @@ from linkwright.stages.export.losses import losses
 from linkwright.stages.export.losses.mjcf_only import mjcf_only
 from linkwright.stages.export.mjcf.form import form_of as mjcf_form_of
 from linkwright.stages.export.order_tables import order_of
-from linkwright.stages.export.python.writer import package_record
+from linkwright.stages.export.python.build import package_record
 from linkwright.stages.export.readers import dropped
 from linkwright.stages.export.robot_json import describe
 from linkwright.stages.export.scene import scene_of

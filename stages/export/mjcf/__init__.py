@@ -3,6 +3,7 @@
 - actuators: MJCF's actuators, by the shortcuts of MuJoCo's XML reference where they have one, and its
   sensors.
 - bodies: The bodies of an MJCF: links with their joints, inertials, geoms and sites.
+- build: Writes all files of the format, from what the other modules of this room make of the robot.
 - extras: What an MJCF source alone has, as far as the MJCF that is written can carry it.
 - form: The form of a robot's MJCF, as the configuration wants it.
 - joints: MJCF's joints: the dofs between a body and its parent.

@@ -1,7 +1,7 @@
 """MJCF: the robot, and a scene around it, for MuJoCo."""
 
 from linkwright.stages.export.mjcf.section import MjcfFormatSection
-from linkwright.stages.export.writer import Case, FormatFiles, WriterInput
+from linkwright.stages.export.writer import FormatFiles, WriterInput
 
 
 class MjcfWriter:
@@ -12,16 +12,8 @@ class MjcfWriter:
     modules: tuple[str, ...] = ("linkwright.stages.export.mjcf.model", "linkwright.stages.export.mjcf.scene")
 
     def write(self, given: WriterInput) -> FormatFiles:
-        from linkwright.stages.export.mjcf.contact.filters import filters
-        from linkwright.stages.export.mjcf.extras import lost
-        from linkwright.stages.export.mjcf.model import write_mjcf
-        from linkwright.stages.export.mjcf.reset import reset
-        from linkwright.stages.export.mjcf.scene import write_scene
+        from linkwright.stages.export.mjcf.build import (
+            write,  # where the format is written, not for each plan
+        )
 
-        written = given.written
-        model, scene = self.section.paths(written.robot.name)
-        kept_apart = filters(written.as_mjcf.robot, written.mjcf_shapes)
-        text = write_mjcf(given, kept_apart)
-        files = {model: text, scene: write_scene(given, text)}
-        case = Case("mjcf", written, written.robot, model, kept_apart)
-        return FormatFiles(files, (case,), (*lost(written), *reset(written)))
+        return write(given)

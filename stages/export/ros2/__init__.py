@@ -1,5 +1,6 @@
 """A ROS 2 package: description, ros2_control, controllers and launch files of a robot.
 
+- build: Writes all files of the format, from what the other modules of this room make of the robot.
 - control: What ros2_control commands and measures: interfaces of joints, sensors, and the hardware.
 - controllers: The controllers of a robot.
 - description: The URDF of a ROS 2 package: the robot's own, with paths and names for ROS.

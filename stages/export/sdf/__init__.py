@@ -1,6 +1,7 @@
 """SDF: links, joints, frames and sensors of a model for Gazebo, with loops as joints.
 
 - bodies: Links of an SDF: their inertia, what is seen of them, and what they collide with.
+- build: Writes all files of the format, from what the other modules of this room make of the robot.
 - contacts: Which colliders of an SDF collide, by `collide_bitmask`: two do whose masks have a bit in common.
 - joints: Joints of an SDF: their place, axis, limits and damping, and what they follow.
 - lowering: Lowering: joints and loops of several degrees of freedom as SDF joints of one each, with links of

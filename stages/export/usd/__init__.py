@@ -1,6 +1,7 @@
 """USD: an articulation of UsdPhysics for Isaac Sim, Isaac Lab and Newton, with attributes of both engines.
 
 - bodies: Rigid bodies of a USD: where their links stand, and their mass properties in single precision.
+- build: Writes all files of the format, from what the other modules of this room make of the robot.
 - joint_prims: Joints of a USD as prims: frames, limits, and what `joint_facts` has.
 - joints: Joints and loops as joints of UsdPhysics: which type, and where their frames are on both bodies.
 - layer: Layers of USD, written prim by prim: the only module that imports `pxr`.

@@ -1,13 +1,7 @@
 """USD: the robot, and the meshes that it refers to."""
 
-from typing import TYPE_CHECKING
-
 from linkwright.stages.export.usd.section import UsdFormatSection
-from linkwright.stages.export.writer import Case, FormatFiles, WriterInput
-
-if TYPE_CHECKING:
-    from linkwright.stages.export.usd.model import UsdPlan
-    from linkwright.stages.formats.robot_json.files import FormatRecord
+from linkwright.stages.export.writer import FormatFiles, WriterInput
 
 
 class UsdWriter:
@@ -18,48 +12,6 @@ class UsdWriter:
     modules: tuple[str, ...] = ()
 
     def write(self, given: WriterInput) -> FormatFiles:
-        from linkwright.stages.export.usd.model import write_usd
-        from linkwright.stages.export.usd.shapes import meshes_layer
+        from linkwright.stages.export.usd.build import write  # where the format is written, not for each plan
 
-        robot, geometry, plan = given.written.robot, given.written.shapes, _plan(given)
-        keys = given.keys.export.usd or UsdFormatSection()
-        model, meshes = self.section.paths(robot.name)
-        layer, places = meshes_layer(geometry)
-        files = {
-            model: write_usd(robot, geometry, plan, places, meshes).bytes(),
-            meshes: layer.bytes(keys.geometry),
-        }
-        case = Case("usd", given.written, robot, model, plan)
-        return FormatFiles(files, (case,), record=_record(plan))
-
-
-def _record(plan: "UsdPlan") -> "dict[str, FormatRecord]":
-    """What `robot.json` tells of the USD: names and zeros that are not the robot's."""
-    from linkwright.stages.formats.robot_json.files import FormatRecord, RenamedRecord
-
-    renamed = RenamedRecord.from_model(plan.names) if any(plan.names.changed) else None
-    told = FormatRecord(renamed, plan.zeros or None)
-    return {} if told == FormatRecord() else {"usd": told}
-
-
-def _plan(given: WriterInput) -> "UsdPlan":
-    from linkwright.stages.export.usd.joints import usd_joints
-    from linkwright.stages.export.usd.model import UsdPlan
-    from linkwright.stages.formats.usd.drives import drives_of
-    from linkwright.stages.formats.usd.names import usd_names
-    from linkwright.stages.formats.usd.zeros import ball_zeros
-    from linkwright.stages.robot.motion.start_pose import home
-
-    robot = given.written.robot
-    names = usd_names(robot)
-    at_home = home(robot)
-    zeros = ball_zeros(robot, at_home)
-    return UsdPlan(
-        names,
-        usd_joints(robot, names, zeros),
-        drives_of(robot, given.written.actuation, at_home),
-        given.written.sensing,
-        at_home,
-        zeros,
-        given.standing.world_from_root,
-    )
+        return write(given)

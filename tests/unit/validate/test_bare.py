@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from linkwright.stages.robot.check import Check
-from linkwright.stages.validate.bare import check_bare
+from linkwright.stages.validate.bare.run import check_bare
 from tests.support.other_robots import FILES, is_here
 
 
