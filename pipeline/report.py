@@ -2,6 +2,7 @@
 
 import json
 import os
+import platform
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -138,6 +139,4 @@ def failure_lines(report: Report, folder: Path | None) -> list[str]:
 
 def versions(libraries: Mapping[str, str]) -> dict[str, str]:
     """Versions of linkwright, of Python and of the libraries that made the result."""
-    import platform
-
     return {"linkwright": installed("linkwright"), "python": platform.python_version(), **libraries}

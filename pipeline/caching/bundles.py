@@ -9,7 +9,8 @@ import json
 from typing import TYPE_CHECKING
 
 from linkwright.pipeline.caching.actions import Action, Cache, Files
-from linkwright.stages.robot.codec import REPLIES
+from linkwright.stages.robot.bundle import FileBundle
+from linkwright.stages.robot.codec import REPLIES, decode_bundle
 
 if TYPE_CHECKING:
     from linkwright.stages.robot.bundle import Bundle
@@ -30,15 +31,12 @@ def recall(cache: Cache, digest: str) -> "Bundle | None":
     files = cache.find(_action(digest).key)
     if files is None:
         return None
-    from linkwright.stages.robot.codec import decode_bundle
 
     return decode_bundle(files)
 
 
 def named(bundle: "Bundle") -> dict[str, bytes]:
     """The content of a bundle by readable names: the robot's file, or the request of a reply."""
-    from linkwright.stages.robot.bundle import FileBundle
-
     names = {digest: request for request, digest in bundle.requests.items()}
     about = {"root": dict(bundle.root), "requests": dict(bundle.requests)}
     if isinstance(bundle, FileBundle):

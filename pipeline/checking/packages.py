@@ -5,9 +5,13 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+from linkwright.stages.export import VERSION
+from linkwright.stages.export.again import package_again
 from linkwright.stages.formats.described import Truth
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.system.regular_files import is_file
+from linkwright.stages.validate.reading.guarded import guarded
+from linkwright.stages.validate.rewritten.check import rewritten
 
 CODES = {"ros2": "C-ROS2", "python": "C-PYTHON"}
 """By format."""
@@ -17,8 +21,6 @@ TRUTH = "robot.json"
 
 def check_packages(folder: Path, truth: Truth) -> Iterator[Check]:
     """That each says what a build would write again, and that copies are those of the files as they are."""
-    from linkwright.stages.validate.reading.guarded import guarded
-
     if truth.packages:
         files = _beside(folder, truth)
         for name in truth.packages:
@@ -27,10 +29,6 @@ def check_packages(folder: Path, truth: Truth) -> Iterator[Check]:
 
 
 def _package(folder: Path, truth: Truth, name: str, files: dict[str, bytes]) -> Iterator[Check]:
-    from linkwright.stages.export import VERSION
-    from linkwright.stages.export.again import package_again
-    from linkwright.stages.validate.rewritten.check import rewritten
-
     expected = package_again(truth, name, files)
     place = truth.packages[name].folder
     copies = {path: data for path, data in expected.items() if place and path.startswith(f"{place}/")}

@@ -3,9 +3,15 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from linkwright.pipeline.checking.packages import check_packages
 from linkwright.pipeline.checking.verdict import Verdict, file_of
 from linkwright.pipeline.errors import OutputError, reason
+from linkwright.stages.formats.described import described
+from linkwright.stages.formats.robot_json.codec import RobotJsonError
 from linkwright.stages.robot.check import Check
+from linkwright.stages.validate.bare.run import check_bare
+from linkwright.stages.validate.reading.present import present
+from linkwright.stages.validate.section import ValidateSections
 
 if TYPE_CHECKING:
     from linkwright.stages.formats.described import Truth
@@ -60,9 +66,6 @@ def _files_of(robot: str) -> tuple[str, ...]:
 
 def _truth(folder: Path) -> "Truth | None":
     """What the robot.json of a folder says; None where it has none."""
-    from linkwright.stages.formats.described import described
-    from linkwright.stages.formats.robot_json.codec import RobotJsonError
-
     file = folder / TRUTH
     if not file.is_file():
         return None
@@ -77,10 +80,7 @@ def _truth(folder: Path) -> "Truth | None":
 
 def _against(truth: "Truth", folder: Path, level: str) -> tuple[Check, ...]:
     """The checks of a build, of its files as they are."""
-    from linkwright.pipeline.checking.packages import check_packages
     from linkwright.stages.validate import validate
-    from linkwright.stages.validate.reading.present import present
-    from linkwright.stages.validate.section import ValidateSections
 
     keys = ValidateSections.model_validate({"validate": {"level": level}})
     checks = validate(folder, truth.written, keys)
@@ -89,8 +89,6 @@ def _against(truth: "Truth", folder: Path, level: str) -> tuple[Check, ...]:
 
 def _bare(path: Path, asked: str, level: str) -> Verdict:
     """The checks of a file, or of all in a folder, that nothing is known of but what they say."""
-    from linkwright.stages.validate.bare.run import check_bare
-
     folder = path if path.is_dir() else path.parent
     note = f"there is no {TRUTH} of this robot beside it: nothing is compared with CAD"
     return Verdict(asked, str(folder), "", level, check_bare(path), (note,))

@@ -4,6 +4,7 @@ import hashlib
 import json
 from pathlib import Path, PurePath
 from typing import Any
+from urllib.parse import quote
 
 from linkwright.pipeline.checking.lines import ElementLines
 from linkwright.pipeline.checking.verdict import Verdict, file_of, issues, told
@@ -69,6 +70,4 @@ def _result(
 
 def _uri(path: PurePath) -> str:
     """Of a relative path as it is; of an absolute one with its scheme."""
-    from urllib.parse import quote
-
     return path.as_uri() if path.is_absolute() else quote(path.as_posix())

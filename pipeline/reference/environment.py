@@ -1,5 +1,6 @@
 """The variables of the environment that Linkwright reads."""
 
+from textwrap import fill
 from typing import NamedTuple
 
 
@@ -32,8 +33,6 @@ VARIABLES = (
 
 def text() -> str:
     """The variables as `--help-all` shows them."""
-    from textwrap import fill
-
     shown = [(f"{one.name}={one.value}" if one.value else one.name, one.meaning) for one in VARIABLES]
     width = max(len(name) for name, _ in shown)
     return "\n".join(

@@ -13,6 +13,7 @@ from linkwright.pipeline.output.manifest import DOCUMENTS
 from linkwright.pipeline.show.live import ENGINE_FILE
 from linkwright.pipeline.show.preview import require
 from linkwright.pipeline.stages.stage import STAGES, Stage, stages_until
+from linkwright.stages.fetch import writes
 from linkwright.stages.show.graph_view.views import PICTURE
 from linkwright.stages.show.preview import names
 
@@ -73,8 +74,6 @@ def _of_page(plan: Plan) -> list[str]:
 
 def sweep_problems(plan: Plan) -> list[Diagnostic]:
     """The problems of one job of a sweep: those of a build, and conflicts between jobs."""
-    from linkwright.stages.fetch import writes
-
     found = plan_problems(plan)
     if writes(plan):
         text = "a sweep must not change the document: its jobs would disturb each other"

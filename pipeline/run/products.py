@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.stages.context import FILES, ROBOT, BuildContext
 from linkwright.pipeline.stages.stage import STAGES, libraries
+from linkwright.stages.export import VERSION
 from linkwright.stages.show.graph_view.views import PICTURE
 
 
@@ -34,7 +35,6 @@ def digests(context: BuildContext, files: Mapping[str, bytes]) -> dict[str, str]
 def described(context: BuildContext) -> bytes:
     """`robot.json` as the export stage writes it of a robot that nothing drives and only its source measures,
     since the trial run needs its meshes; cached, since writing it needs slow imports."""
-    from linkwright.stages.export import VERSION
 
     def make() -> bytes:
         from linkwright.stages.export.mjcf.form import form_of as mjcf_form_of

@@ -17,6 +17,7 @@ from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.documents import documents
 from linkwright.pipeline.errors import LinkwrightError, SecretFound, exit_status
 from linkwright.pipeline.mesh_details import kept
+from linkwright.pipeline.page.document import frame
 from linkwright.pipeline.page.hero import with_view
 from linkwright.pipeline.report import Report, StageReport, Status
 from linkwright.pipeline.run.products import digests
@@ -185,8 +186,6 @@ class Run:
 
     def page(self, done: Report, files: Mapping[str, bytes], changes: Since | None) -> str:
         """The page about the build, without the live view."""
-        from linkwright.pipeline.page.document import frame
-
         sizes = {path: len(data) for path, data in files.items()}
         moves, secrets = self.seen.pack is not None, self.log.secrets
         return frame(done, self.shown, sizes, secrets, moves=moves, pictures=self.pictures, changes=changes)

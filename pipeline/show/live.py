@@ -16,6 +16,7 @@ from linkwright.pipeline.stages.context import FILES, ROBOT
 from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.system.install import installed
 from linkwright.stages.show.live import NEVER_READ, VERSION, source_of
+from linkwright.stages.show.live.viewer import engine_script
 
 if TYPE_CHECKING:
     from linkwright.pipeline.stages.context import BuildContext
@@ -107,8 +108,6 @@ def view_of(pack: bytes | None, engine: Engine) -> Live:
 
 def engine_file() -> bytes:
     """The content of the engine's file."""
-    from linkwright.stages.show.live.viewer import engine_script
-
     return engine_script()
 
 

@@ -2,15 +2,14 @@
 
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.errors import as_problems
+from linkwright.stages.export.unknown_names import unknown_names
 from linkwright.stages.robot.errors import AssemblyError, ConfigError
 from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.validate.asked import known_payload
 
 
 def require_names(robot: Robot, plan: Plan) -> None:
     """AssemblyError with all that the stages after the meshes would refuse by the robot's names alone."""
-    from linkwright.stages.export.unknown_names import unknown_names
-    from linkwright.stages.validate.asked import known_payload
-
     problems = unknown_names(robot, plan) if plan.until in ("export", "validate") else []
     try:
         known_payload(robot, plan.validate.payload if plan.until == "validate" else {})

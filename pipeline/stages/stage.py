@@ -25,11 +25,20 @@ from linkwright.pipeline.plugins.plugins import named, own, with_sources
 from linkwright.pipeline.stages.context import FILES, NOTES, ROBOT, WRITTEN, BuildContext, notes, spent
 from linkwright.pipeline.stages.stage_base import Stage as Stage
 from linkwright.pipeline.stages.stage_base import StageBase
+from linkwright.stages.export import export
+from linkwright.stages.export.section import ExportSections
+from linkwright.stages.fetch import fetch, force, pinned, preflight, spends, summary, writes
+from linkwright.stages.fetch.source import Calls, FetchContext
+from linkwright.stages.graph import build_robot
+from linkwright.stages.graph.section import GraphSections
+from linkwright.stages.mesh.section import MeshSections
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.errors import ConfigError
 from linkwright.stages.robot.system.install import installed
 from linkwright.stages.robot.text.plural import count
+from linkwright.stages.show.graph_view.views import views
 from linkwright.stages.validate import external
+from linkwright.stages.validate.section import ValidateSections
 
 
 class FetchStage(StageBase):
@@ -38,31 +47,22 @@ class FetchStage(StageBase):
     modules = ("linkwright.stages.fetch.onshape.triangles.faces",)
 
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
-        from linkwright.stages.fetch import preflight, writes
-
         preflight(plan, environ)
         if writes(plan) and plan.cache.mode == "bypass":
             msg = "variables cannot be set without the cache, which stores their original values"
             raise ConfigError(msg, "source.variables", "leave out cache.mode=bypass")
 
     def config(self, context: BuildContext) -> Any:
-        from linkwright.stages.fetch import pinned
-
         identity = pinned(context.plan, context.environ)
         return None if identity is None else {"pinned": identity}
 
     def force(self, context: BuildContext) -> bool:
-        from linkwright.stages.fetch import force
-
         return force(context.plan)
 
     def inputs(self, context: BuildContext) -> Mapping[str, str]:
         return {}
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
-        from linkwright.stages.fetch import fetch, spends, summary
-        from linkwright.stages.fetch.source import Calls, FetchContext
-
         if spends(context.plan):
             context.require_room()
         calls = Calls()
@@ -107,8 +107,6 @@ class GraphStage(StageBase):
     modules = ("linkwright.stages.graph.build", "linkwright.stages.show.graph_view.views")
 
     def config(self, context: BuildContext) -> Any:
-        from linkwright.stages.graph.section import GraphSections
-
         return section(context.plan, GraphSections)
 
     def inputs(self, context: BuildContext) -> Mapping[str, str]:
@@ -116,9 +114,6 @@ class GraphStage(StageBase):
         return {"manifest": context.files["fetch"].digests["manifest.json"]}
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
-        from linkwright.stages.graph import build_robot
-        from linkwright.stages.show.graph_view.views import views
-
         robot = build_robot(context.bundle, context.plan)
         figures = {
             "links": len(robot.links),
@@ -147,8 +142,6 @@ class MeshStage(StageBase):
     modules = ("linkwright.stages.mesh.geometry", "scipy.spatial", "scipy.sparse.csgraph")
 
     def config(self, context: BuildContext) -> Any:
-        from linkwright.stages.mesh.section import MeshSections
-
         return section(context.plan, MeshSections)
 
     def inputs(self, context: BuildContext) -> Mapping[str, str]:
@@ -192,8 +185,6 @@ class ExportStage(StageBase):
         require_entries(plan)
 
     def config(self, context: BuildContext) -> Any:
-        from linkwright.stages.export.section import ExportSections
-
         return section(context.plan, ExportSections)
 
     def inputs(self, context: BuildContext) -> Mapping[str, str]:
@@ -204,7 +195,6 @@ class ExportStage(StageBase):
         return {**context.digests("graph"), **context.digests("mesh"), **texts, **of}
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
-        from linkwright.stages.export import export
         from linkwright.stages.formats.written import encode
 
         exported = export(context.robot, context.geometry, context.plan, context.element_texts)
@@ -231,8 +221,6 @@ class ValidateStage(StageBase):
         external.require(plan.validate.external, environ)
 
     def config(self, context: BuildContext) -> Any:
-        from linkwright.stages.validate.section import ValidateSections
-
         return with_sources(section(context.plan, ValidateSections), context.plan)
 
     def inputs(self, context: BuildContext) -> Mapping[str, str]:

@@ -15,6 +15,7 @@ from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.output import conflicts, manifest
 from linkwright.pipeline.output.folder import move_aside, named
 from linkwright.pipeline.output.location import ELSEWHERE, absolute, require_free
+from linkwright.pipeline.page.sweep.document import page
 from linkwright.pipeline.secrets import Secrets
 from linkwright.pipeline.show.live import ENGINE_FILE, engine_file, is_plain
 from linkwright.stages.robot.text.printable import printable_lines
@@ -96,8 +97,6 @@ def _write(root: Path, runs: Sequence[Mapping[str, Any]]) -> None:
 
 def _page(root: Path, jobs: Sequence[Mapping[str, Any]]) -> bytes:
     """The page about the last run."""
-    from linkwright.pipeline.page.sweep.document import page
-
     inside = [{**job, "folder": Path(os.path.relpath(job["folder"], root)).as_posix()} for job in jobs]
     beside = [name for name in (SUMMARY, ACCOUNT) if (root / name).is_file()]
     secrets = Secrets(os.environ)

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from linkwright.pipeline.checking.as_json import as_json, baseline
+from linkwright.pipeline.checking.show import as_text
 from linkwright.pipeline.errors import ConfigError, OutputError, reason
 from linkwright.pipeline.terminal.terminal import say
 
@@ -61,9 +63,7 @@ def run(arguments: Sequence[str]) -> int:
     """Prints the verdict; the exit status. ConfigError for wrong usage, OutputError where something cannot be
     read or written."""
     asked = _parsed(arguments)
-    from linkwright.pipeline.checking.as_json import as_json, baseline
     from linkwright.pipeline.checking.ask import checked
-    from linkwright.pipeline.checking.show import as_text
 
     known = baseline(asked.values["--baseline"]) if "--baseline" in asked.values else None
     verdict = replace(checked(asked.place, asked.values.get("--level", "standard")), known=known)

@@ -2,6 +2,9 @@
 
 from collections.abc import Sequence
 
+from linkwright.pipeline.changes import show
+from linkwright.pipeline.changes.compare import compare
+from linkwright.pipeline.changes.read import described
 from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.terminal.terminal import say
 
@@ -54,9 +57,6 @@ def run(arguments: Sequence[str]) -> int:
     if len(places) != 2:
         msg = f"expected two robots, got {len(places)}"
         raise ConfigError(msg, "diff", _USAGE)
-    from linkwright.pipeline.changes import show
-    from linkwright.pipeline.changes.compare import compare
-    from linkwright.pipeline.changes.read import described
 
     before, after = map(described, places)
     changes = compare(before.robot, after.robot)

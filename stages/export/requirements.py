@@ -4,6 +4,7 @@ import importlib.util
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from linkwright.stages.export.actuators import versions
 from linkwright.stages.robot.errors import ConfigError
 from linkwright.stages.robot.system.install import install
 
@@ -22,8 +23,6 @@ def packages(keys: "ExportSections") -> tuple[str, ...]:
 def require(keys: "ExportSections") -> None:
     """ConfigError where the optional package of a format is not installed, or an actuator needs a newer
     MuJoCo."""
-    from linkwright.stages.export.actuators import versions
-
     versions.require(keys.actuators)
     for name, (module, package) in NEEDS.items():
         if name in keys.export.chosen and importlib.util.find_spec(module) is None:

@@ -28,6 +28,10 @@ VARIANT = {"source.py", "reader.py", "writer.py"}
 
 PARAMETERS = 8
 
+LATE = 266
+"""Imports inside functions, which a reader expects at the top. This number may only fall: what few runs need,
+and is slow to import, is imported late."""
+
 SPEAKS_REST = ("/assemblies/", "/partstudios/", "tessellatedfaces", "massproperties", "/api/v")
 """What only a client of Onshape's REST API writes."""
 
@@ -139,6 +143,31 @@ def test_no_function_has_more_parameters_than_can_be_told_apart():
                 every = [*given.posonlyargs, *given.args, *given.kwonlyargs, given.vararg, given.kwarg]
                 found[f"{name_of(path)}.{node.name}"] = len([one for one in every if one is not None])
     assert {name: number for name, number in found.items() if number > PARAMETERS} == {}
+
+
+def test_no_more_imports_stand_inside_of_functions():
+    functions = [
+        node
+        for path in modules()
+        for node in ast.walk(parsed(path))
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+    ]
+    late = {id(node): node for function in functions for node in ast.walk(function)}
+    found = [node for node in late.values() if isinstance(node, ast.Import | ast.ImportFrom)]
+    assert len(found) <= LATE
+
+
+def test_no_module_is_imported_by_a_name_that_is_put_together():
+    """An editor cannot follow it."""
+    found = [
+        f"{name_of(path)}:{node.lineno}"
+        for path in modules()
+        for node in ast.walk(parsed(path))
+        if isinstance(node, ast.Call)
+        and "import_module" in ast.unparse(node.func)
+        and any(isinstance(argument, ast.JoinedStr | ast.BinOp) for argument in node.args)
+    ]
+    assert found == []
 
 
 def test_no_two_classes_have_one_name():

@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from linkwright.stages.export.configuration.actuator_section import fields_of
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import Dof, Robot
 from linkwright.stages.robot.motion.couplings import nearest_first
@@ -126,8 +127,6 @@ def _judge(
     wanted: Wanted, dof: Dof, matched: str, motors: Mapping[str, MotorSection], log: Diagnostics
 ) -> None:
     """E-ACTUATOR for parameters that the type does not have, and for those that need others."""
-    from linkwright.stages.export.configuration.actuator_section import fields_of
-
     allowed = fields_of(wanted.type)
     for name in wanted.parameters:
         if name not in allowed:

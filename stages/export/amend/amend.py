@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from linkwright.stages.export.amend.documents import Documents, Refused
 from linkwright.stages.export.amend.entries import Entry, entries
 from linkwright.stages.formats.xml import Element
+from linkwright.stages.mujoco.compile import NotCompiled
 from linkwright.stages.robot.errors import Diagnostic, ExportError
 from linkwright.stages.robot.model.amendments import UNCHANGED, Amendment, Amendments, Surplus
 from linkwright.stages.robot.text.globs import listed
@@ -98,7 +99,6 @@ class _FormatWork:
 
     def _of_mjcf(self) -> list[Surplus]:
         from linkwright.stages.export.amend.compiled import fit, likely
-        from linkwright.stages.mujoco.compile import NotCompiled
 
         meshes = {path: data for path, data in self._files.items() if path.startswith("assets/")}
         try:
@@ -116,7 +116,6 @@ class _FormatWork:
     def _culprit(self, meshes: Mapping[str, bytes]) -> str:
         """The key of the last entry without which the file compiles; "" where it never did."""
         from linkwright.stages.export.amend.compiled import compiled
-        from linkwright.stages.mujoco.compile import NotCompiled
 
         for count in reversed(range(len(self.entries))):
             documents = self._read()

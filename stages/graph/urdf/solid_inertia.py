@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 import numpy.typing as npt
+from scipy.spatial import ConvexHull, QhullError
 
 from linkwright.stages.formats import triangles
 from linkwright.stages.formats.urdf.model import UrdfShape, mesh_key
@@ -53,8 +54,6 @@ def _closed(corners: npt.NDArray[np.int64]) -> bool:
 
 def _hull(points: Array) -> tuple[Array, npt.NDArray[np.int64]]:
     """The convex hull's points and triangles, facing outwards; ValueError where the points are flat."""
-    from scipy.spatial import ConvexHull, QhullError
-
     try:
         hull = ConvexHull(points)
     except QhullError as error:
