@@ -164,36 +164,9 @@ def _plan(command: Command) -> "Plan":
 
 
 def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
-    import functools
-    import time
+    from linkwright.pipeline.sweep.command import sweep  # a single build needs none of it
 
-    from linkwright.pipeline.config.compose import session
-    from linkwright.pipeline.output.folder import named
-    from linkwright.pipeline.run.build import build as build_robot
-    from linkwright.pipeline.run.preflight import sweep_problems
-    from linkwright.pipeline.sweep.folder import keep, prepare
-    from linkwright.pipeline.sweep.launch import Account, launch
-    from linkwright.pipeline.sweep.outcome import Outcome, sweep_status, table
-    from linkwright.pipeline.sweep.run import Task, jobs_of, judge_folders
-    from linkwright.pipeline.terminal.terminal import say
-
-    began = time.time()
-    with session(command.config_dirs, judge=sweep_problems) as composer:
-        asked = composer.with_params(*composer.read(command.overrides, multirun=True))
-        sweep = jobs_of(composer, asked, sweep_problems)
-        judge_folders(sweep.jobs)
-        prepare(sweep.root, sweep.jobs[0].plan, command.overrides)
-        account = Account(asked.tree, command.overrides, sweep.overrides)
-        build = build or functools.partial(build_robot, began=began, sweep=sweep.root)
-        ours, numbers = composer.ours(sweep.sweeping.launcher), sweep.sweeping.numbers
-        with named(sweep.root):
-            task = Task(sweep.jobs, build, is_quiet=command.detail == "errors")
-            outcomes: list[Outcome] = launch(ours, numbers, task, sweep.root, account)
-    status = sweep_status(outcomes)
-    if status or command.detail != "errors":
-        say(table(outcomes, sweep.root))
-    keep(outcomes, sweep.root)
-    return status
+    return sweep(command, build)
 
 
 def _report(error: BaseException, detail: Detail) -> int:

@@ -1,6 +1,7 @@
 """A run of a build: its stages in order, what it observed, and whether all of it is unchanged.
 
 - build: One build: five stages in order; a stage whose inputs did not change comes from the cache.
+- description: `robot.json` of a build that stops before the export.
 - early_imports: Imports the modules of later stages in a thread while the fetch stage waits for the network.
 - preflight: Checks of a plan before its first stage runs.
 - products: The robot's files in the output folder.

@@ -37,22 +37,9 @@ def described(context: BuildContext) -> bytes:
     since the trial run needs its meshes; cached, since writing it needs slow imports."""
 
     def make() -> bytes:
-        from linkwright.stages.export.mjcf.form import form_of as mjcf_form_of
-        from linkwright.stages.export.robot_json import describe
-        from linkwright.stages.export.urdf.form import form_of
-        from linkwright.stages.formats.written import NO_SHAPES, Written
-        from linkwright.stages.robot.dynamics.measuring import measuring
-        from linkwright.stages.robot.model.actuation import NONE
-        from linkwright.stages.robot.model.sensing import Sensing
+        from linkwright.pipeline.run.description import description  # slow, and a cached build has it already
 
-        robot, plan = context.robot, context.plan
-        written = Written(
-            robot,
-            urdf_form=form_of(robot, plan, NONE),
-            mjcf_form=mjcf_form_of(robot, NO_SHAPES, plan),
-            sensing=Sensing(measuring(robot, NONE)),
-        )
-        return describe(written)
+        return description(context.robot, context.plan)
 
     export = next(stage for stage in STAGES if stage.name == "export")
     memo = context.cache.memo("export", VERSION, libraries(export))

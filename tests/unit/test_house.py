@@ -28,7 +28,7 @@ VARIANT = {"source.py", "reader.py", "writer.py"}
 
 PARAMETERS = 8
 
-LATE = 266
+LATE = 244
 """Imports inside functions, which a reader expects at the top. This number may only fall: what few runs need,
 and is slow to import, is imported late."""
 
