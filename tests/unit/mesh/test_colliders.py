@@ -2,7 +2,6 @@
 
 import json
 import math
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -31,6 +30,7 @@ from linkwright.stages.mesh.configuration.collider_settings import (
 from linkwright.stages.mesh.files import stl
 from linkwright.stages.mesh.files.mesh_file import MeshFile
 from linkwright.stages.mesh.link_mesh import Use
+from linkwright.stages.mesh.makers import MAKERS
 from linkwright.stages.mesh.section import MeshSection
 from linkwright.stages.mesh.surfaces import pieces
 from linkwright.stages.robot import codec
@@ -157,9 +157,7 @@ def test_a_link_with_several_colliders_has_them_all_in_every_file(
 ) -> None:
     base, arm = kit.place("Base", fixed=True), kit.place("Arm")
     kit.root.revolute("Elbow", (arm, TOP), (base, SIDE), value=0.3, limits=(-1, 1))
-    monkeypatch.setitem(
-        sys.modules, "linkwright.stages.mesh.colliders.hull", SimpleNamespace(make=three_pieces)
-    )
+    monkeypatch.setitem(MAKERS, "hull", SimpleNamespace(make=three_pieces))
     robot, plan = robot_of(kit.document), plan_of()
     geometry = make_geometry(robot, bundle_of(kit.document), plan, lambda kind, key, make: make())
     assert [shape.file for shape in geometry.of("arm", "collision")] == [
@@ -190,7 +188,7 @@ def test_fitted_primitives_are_in_the_mjcf_and_the_urdf_where_they_were_fitted(
 ) -> None:
     base, arm = kit.place("Base", fixed=True), kit.place("Arm")
     kit.root.revolute("Elbow", (arm, TOP), (base, SIDE), limits=(-1, 1))
-    monkeypatch.setitem(sys.modules, "linkwright.stages.mesh.colliders.hull", SimpleNamespace(make=skewed))
+    monkeypatch.setitem(MAKERS, "hull", SimpleNamespace(make=skewed))
     robot, plan = robot_of(kit.document), plan_of(ground={"kind": "none"})
     geometry = make_geometry(robot, bundle_of(kit.document), plan, lambda kind, key, make: make())
     write(robot, tmp_path, plan, geometry)

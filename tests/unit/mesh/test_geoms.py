@@ -1,6 +1,5 @@
 """`geoms`: properties of contact reach every geom of the MJCF; what the URDF loses is reported."""
 
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,6 +14,7 @@ from linkwright.stages.mesh import make_geometry
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.colliders import hull
 from linkwright.stages.mesh.configuration.collider_settings import HullSettings
+from linkwright.stages.mesh.makers import MAKERS
 from linkwright.stages.mesh.part_choices import part_choices, with_properties
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.diagnostics import Diagnostics
@@ -45,9 +45,7 @@ def ball_and_hull(surfaces: Sequence[Surface], settings: HullSettings) -> Collis
 def test_every_collider_of_a_link_has_its_properties(
     kit: Kit, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(
-        sys.modules, "linkwright.stages.mesh.colliders.hull", SimpleNamespace(make=ball_and_hull)
-    )
+    monkeypatch.setitem(MAKERS, "hull", SimpleNamespace(make=ball_and_hull))
     robot, geometry = built(kit, {"*": {"collision": SOFT}, "ar*": {"collision": RUBBER}})
     exported = write(robot, tmp_path, geometry=geometry)
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
