@@ -37,7 +37,7 @@ def run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None" = Non
         return _complete("".join(arguments[1:2]))
     if {"-h", *HELP}.intersection(arguments):
         return _run(arguments, build)  # prints only our own text, which needs no cleaning
-    from linkwright.pipeline.terminal.terminal import clean_streams
+    from linkwright.pipeline.terminal.output import clean_streams
 
     with clean_streams():
         return _run(arguments, build)
@@ -61,7 +61,7 @@ def _run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None") -> 
             return _sweep(command, build)
         return _single(command, build)
     except UsageError as error:
-        from linkwright.pipeline.terminal.terminal import say
+        from linkwright.pipeline.terminal.output import say
 
         say(f"error: {error}", sys.stderr)
         return 2
@@ -173,7 +173,7 @@ def _report(error: BaseException, detail: Detail) -> int:
     """Prints an error as one message; returns the exit status."""
     from linkwright.pipeline.errors import exit_status, render
     from linkwright.pipeline.interrupt import behind
-    from linkwright.pipeline.terminal.terminal import say
+    from linkwright.pipeline.terminal.output import say
 
     error = KeyboardInterrupt() if behind(error) else error
     if os.environ.get("LINKWRIGHT_TRACEBACK", "") not in ("", "0"):

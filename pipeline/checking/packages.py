@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 
 from linkwright.stages.export import VERSION
-from linkwright.stages.export.again import package_again
+from linkwright.stages.export.rewrite_packages import package_again
 from linkwright.stages.formats.described import Truth
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.system.regular_files import is_file

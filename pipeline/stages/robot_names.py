@@ -5,7 +5,7 @@ from linkwright.pipeline.errors import as_problems
 from linkwright.stages.export.unknown_names import unknown_names
 from linkwright.stages.robot.errors import AssemblyError, ConfigError
 from linkwright.stages.robot.model.robot import Robot
-from linkwright.stages.validate.asked import known_payload
+from linkwright.stages.validate.check_options import known_payload
 
 
 def require_names(robot: Robot, plan: Plan) -> None:

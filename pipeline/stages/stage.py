@@ -21,7 +21,7 @@ from linkwright.pipeline.config.plan import Plan, section
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.element_files import require_entries
 from linkwright.pipeline.mesh_details import noted, shown
-from linkwright.pipeline.plugins.plugins import named, own, with_sources
+from linkwright.pipeline.plugins.loader import named, own, with_sources
 from linkwright.pipeline.stages.context import FILES, NOTES, ROBOT, WRITTEN, BuildContext, notes, spent
 from linkwright.pipeline.stages.stage_base import Stage as Stage
 from linkwright.pipeline.stages.stage_base import StageBase

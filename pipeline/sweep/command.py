@@ -15,7 +15,7 @@ from linkwright.pipeline.sweep.folder import keep, prepare
 from linkwright.pipeline.sweep.launch import Account, launch
 from linkwright.pipeline.sweep.outcome import Outcome, sweep_status, table
 from linkwright.pipeline.sweep.run import Task, jobs_of, judge_folders
-from linkwright.pipeline.terminal.terminal import say
+from linkwright.pipeline.terminal.output import say
 
 
 def sweep(command: Command, build: Callable[[Plan], Report] | None) -> int:

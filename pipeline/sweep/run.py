@@ -18,7 +18,7 @@ from linkwright.pipeline.errors import as_problems, refusal
 from linkwright.pipeline.interrupt import behind, check
 from linkwright.pipeline.run.preflight import destination
 from linkwright.pipeline.sweep.outcome import Outcome, built, failed
-from linkwright.pipeline.terminal.terminal import clean, width_of
+from linkwright.pipeline.terminal.output import clean, width_of
 from linkwright.pipeline.terminal.wrapping import wrapped
 from linkwright.stages.robot.errors import ConfigError, Diagnostic
 from linkwright.stages.robot.text.printable import sentence

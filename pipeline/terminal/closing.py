@@ -9,7 +9,7 @@ from linkwright.pipeline.options import Detail
 from linkwright.pipeline.report import Report, spent
 from linkwright.pipeline.terminal.check_text import check_lines, tally
 from linkwright.pipeline.terminal.finding_lines import Style, finding_lines
-from linkwright.pipeline.terminal.terminal import clean, width_of
+from linkwright.pipeline.terminal.output import clean, width_of
 from linkwright.pipeline.terminal.wrapping import wrapped
 from linkwright.stages.robot.text.printable import printable
 

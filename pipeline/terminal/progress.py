@@ -6,7 +6,7 @@ from typing import Any, Protocol, TextIO
 
 from linkwright.pipeline.report import StageReport
 from linkwright.pipeline.secrets import Secrets
-from linkwright.pipeline.terminal.terminal import clean, width_of
+from linkwright.pipeline.terminal.output import clean, width_of
 from linkwright.pipeline.terminal.wrapping import wrapped
 from linkwright.stages.robot.text.printable import printable
 

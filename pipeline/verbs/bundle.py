@@ -12,7 +12,7 @@ from typing import Any
 from linkwright.pipeline.errors import CacheError, ConfigError, OutputError
 from linkwright.pipeline.output import access
 from linkwright.pipeline.terminal import pasted
-from linkwright.pipeline.terminal.terminal import say
+from linkwright.pipeline.terminal.output import say
 from linkwright.stages.robot.text.plural import count
 
 HELP = """\

@@ -9,7 +9,7 @@ from linkwright.pipeline.caching import maintenance
 from linkwright.pipeline.caching.actions import folder
 from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.lock import FOLDER as LOCKS
-from linkwright.pipeline.terminal.terminal import say
+from linkwright.pipeline.terminal.output import say
 from linkwright.stages.fetch.onshape.api import ledger
 from linkwright.stages.robot.text.plural import count
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from linkwright.pipeline.checking.as_json import as_json, baseline
 from linkwright.pipeline.checking.show import as_text
 from linkwright.pipeline.errors import ConfigError, OutputError, reason
-from linkwright.pipeline.terminal.terminal import say
+from linkwright.pipeline.terminal.output import say
 
 HELP = """\
 linkwright check: whether the files of a robot are right, as they are now.

@@ -6,7 +6,7 @@ from linkwright.pipeline.changes import show
 from linkwright.pipeline.changes.compare import compare
 from linkwright.pipeline.changes.read import described
 from linkwright.pipeline.errors import ConfigError
-from linkwright.pipeline.terminal.terminal import say
+from linkwright.pipeline.terminal.output import say
 
 HELP = """\
 linkwright diff: what is different between two robots.

@@ -11,7 +11,7 @@ from linkwright.pipeline.reference import SCHEMA
 from linkwright.pipeline.reference.codes import explanations, level, remedy
 from linkwright.pipeline.reference.environment import VARIABLES
 from linkwright.pipeline.reference.key_entries import KeyEntry, entries, matching, nearest
-from linkwright.pipeline.terminal.terminal import say
+from linkwright.pipeline.terminal.output import say
 
 HELP = """\
 linkwright explain: the meaning of a code, a key, a motor or an environment

@@ -1,7 +1,7 @@
 """The export stage: a robot and its geometry become files, and the same input gives the same bytes.
 
-- again: The packages of a finished build, written again from its robot.json and from the files beside them.
-- build: The main flow of the export stage.
+- build: The main flow of the export stage: what drives, measures and shows the robot, then writer after
+  writer.
 - driven: What drives the robot that is written, and the armatures with which its simulation holds.
 - order_tables: The order of things in the files of a robot, as robot.json and the report have it.
 - package_names: The names of packages that hold a robot.
@@ -10,6 +10,8 @@
 - readers: What other readers drop from our files: one table, for the documentation and for the report of a
   build.
 - requirements: What the installed packages must have for an export.
+- rewrite_packages: The packages of a finished build, written again from its robot.json and from the files
+  beside them.
 - robot_json: robot.json: writes what `stages.formats.robot_json` says that it has.
 - scene: The scene of the configuration.
 - section: Configuration of the export stage: formats, ground, scene.

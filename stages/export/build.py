@@ -18,7 +18,7 @@ from linkwright.stages.export.readers import dropped
 from linkwright.stages.export.robot_json import describe
 from linkwright.stages.export.scene import scene_of
 from linkwright.stages.export.section import FORMATS, ExportSections
-from linkwright.stages.export.sensors.resolve import sensing_of
+from linkwright.stages.export.sensors.measure import sensing_of
 from linkwright.stages.export.settled import settled
 from linkwright.stages.export.urdf.form import form_of
 from linkwright.stages.export.writer import Exported, FormatFiles, WriterInput

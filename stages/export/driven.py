@@ -3,8 +3,8 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from linkwright.stages.export.actuators.actuate import actuate
 from linkwright.stages.export.actuators.gravity import gravity_of
-from linkwright.stages.export.actuators.resolve import actuate
 from linkwright.stages.export.ground.footing import supports
 from linkwright.stages.export.writer import WriterInput
 from linkwright.stages.export.writers import WRITERS

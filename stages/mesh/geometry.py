@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from linkwright.stages.mesh.assets import written
-from linkwright.stages.mesh.by_contact.made import by_contact, false_contacts
+from linkwright.stages.mesh.by_contact.build import by_contact, false_contacts
 from linkwright.stages.mesh.by_contact.meeting import wanted
 from linkwright.stages.mesh.by_contact.request import ContactRequest, FalsePair
 from linkwright.stages.mesh.collide import primitives
@@ -20,7 +20,7 @@ from linkwright.stages.mesh.com_check import unbalanced
 from linkwright.stages.mesh.contact_parts import reported as too_small_reported
 from linkwright.stages.mesh.contact_parts import with_basis
 from linkwright.stages.mesh.contacts.analysis import self_contacts
-from linkwright.stages.mesh.contacts.apart import apart, chosen_pairs
+from linkwright.stages.mesh.contacts.excluded_pairs import apart, chosen_pairs
 from linkwright.stages.mesh.diagnostics import diagnostics
 from linkwright.stages.mesh.files import mesh_file
 from linkwright.stages.mesh.files.mesh_file import MeshFile

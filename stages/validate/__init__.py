@@ -1,15 +1,15 @@
 """The validate stage: an engine reads the files that were written, and checks compare them with the robot.
 
-- asked: What a configuration asks of the checks.
+- check_options: What a configuration asks of the checks.
 - compiled: A model file as an engine compiled it: what an engine returns, and what a check works with.
 - contact_errors: Where the contact of a robot with itself is not that of what is seen of it, over poses
   within its limits.
 - findings: What a check says of what it does not accept: element of the file, attribute, found and expected.
 - format_checks: The checks of the files that no engine reads.
-- own: The user's own checks: functions that are called with a compiled model, and what they find.
 - rows: The rows of the tables of checks.
 - run: The run of a validation: every engine reads its files, and every check looks at what it compiled.
 - section: Configuration of the validate stage: how much is checked.
+- user_checks: The user's own checks: functions that are called with a compiled model, and what they find.
 """
 
 from pathlib import Path
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
     from linkwright.stages.formats.written import Written
     from linkwright.stages.robot.check import Check
-    from linkwright.stages.validate.own import OwnCheck
     from linkwright.stages.validate.rows import ModelCheck
     from linkwright.stages.validate.section import ValidateSections
+    from linkwright.stages.validate.user_checks import OwnCheck
 
 VERSION = 52
 """Grows with every change of what this stage makes of the same input."""
@@ -33,7 +33,7 @@ def validate(
 ) -> "tuple[Check, ...]":
     """The checks of every model file in `folder`; with `validate=quick` only of its text, and that it
     compiles. A check that fails does not stop the others. `own`: the user's checks."""
-    from linkwright.stages.validate.asked import Asked, known_payload
+    from linkwright.stages.validate.check_options import Asked, known_payload
     from linkwright.stages.validate.run import check_files, check_formats, check_texts, readiness
 
     checks: Sequence[ModelCheck] = ()

@@ -10,7 +10,7 @@ from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.model.amendments import Amendment
 from linkwright.stages.robot.text.globs import listed
-from linkwright.stages.validate.asked import AS_STANDARD, Asked
+from linkwright.stages.validate.check_options import AS_STANDARD, Asked
 from linkwright.stages.validate.compiled import (
     SCENE,
     CompiledModel,
@@ -23,11 +23,11 @@ from linkwright.stages.validate.files.model_config import model_config
 from linkwright.stages.validate.files.run import check_folder
 from linkwright.stages.validate.format_checks import FORMAT_CHECKS
 from linkwright.stages.validate.model.coordinates import missing_names
-from linkwright.stages.validate.own import OwnCheck
 from linkwright.stages.validate.readiness.finished import Finished
 from linkwright.stages.validate.readiness.score import score
 from linkwright.stages.validate.reading.guarded import guarded
 from linkwright.stages.validate.rows import ModelCheck
+from linkwright.stages.validate.user_checks import OwnCheck
 
 OTHERS = (".sdf", ".srdf", ".usda")
 """Endings of files of a build that no engine reads, and that may name assets."""

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
-from linkwright.stages.export.actuators import estimates
+from linkwright.stages.export.actuators import gains
 from linkwright.stages.export.actuators.choices import Wanted
 from linkwright.stages.export.actuators.holding import Holds
 from linkwright.stages.export.actuators.loads import Load
@@ -124,28 +124,28 @@ class ActuatorMaker:
         """At the dof: as given, else as estimated."""
         coupled = dof.name in self._coupled
         kp = given.get("kp")
-        if load is None or dof.kind not in estimates.SAG:
+        if load is None or dof.kind not in gains.SAG:
             return 1.0 if kp is None else float(kp) * gear**2
         most = strongest(dof, given.get("forcerange"), gear)
         effort = None if math.isinf(most) else most
-        asked = estimates.stiffness(dof.kind, load, effort) or 1.0
+        asked = gains.stiffness(dof.kind, load, effort) or 1.0
         stiff = asked if kp is None else float(kp) * gear**2
         if dof.dynamics.armature is not None:
             return stiff
-        bearable = estimates.bearable(load, self._timestep, coupled) or 1.0
+        bearable = gains.bearable(load, self._timestep, coupled) or 1.0
         if stiff <= bearable:
             return stiff
-        softer = estimates.rounded(bearable) if kp is None else stiff
-        if kp is not None or min(load.most, most) / softer > estimates.SAG[dof.kind]:
+        softer = gains.rounded(bearable) if kp is None else stiff
+        if kp is not None or min(load.most, most) / softer > gains.SAG[dof.kind]:
             wanted = max(asked, stiff)
-            step = estimates.longest_step(wanted, load, coupled)
+            step = gains.longest_step(wanted, load, coupled)
             self.too_stiff.append(TooStiff(dof.name, softer, wanted, step))
         return softer
 
     def _armature(self, dof: Dof, load: Load | None, stiff: float) -> float:
         if dof.dynamics.armature is not None:
             return dof.dynamics.armature
-        value = estimates.armature(stiff, load, self._timestep, dof.name in self._coupled)
+        value = gains.armature(stiff, load, self._timestep, dof.name in self._coupled)
         self.armatures.append(Armature(dof.name, value, "driven"))
         return value
 
@@ -159,15 +159,15 @@ class ActuatorMaker:
         inertia = (load.inertia if load else 0.0) + own
         if made.type in SERVOS:
             if kp is None:
-                kp = estimates.rounded(stiff / made.gear**2)
+                kp = gains.rounded(stiff / made.gear**2)
                 estimated.append("kp")
             if kv is None:
                 ratio = given.get("dampratio", 1.0)
-                kv = estimates.rounded(estimates.damping(stiff, ratio, inertia) / made.gear**2)
+                kv = gains.rounded(gains.damping(stiff, ratio, inertia) / made.gear**2)
                 estimated.append("kv")
         elif made.type in ("velocity", "damper") and kv is None:
-            drag = 1.0 if load is None else estimates.drag(dof.kind, load, own, dof.dynamics.effort)
-            kv = estimates.rounded(drag / made.gear**2)
+            drag = 1.0 if load is None else gains.drag(dof.kind, load, own, dof.dynamics.effort)
+            kv = gains.rounded(drag / made.gear**2)
             estimated.append("kv")
         else:
             kp = None

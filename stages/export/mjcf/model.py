@@ -17,7 +17,7 @@ from linkwright.stages.export.mjcf.keyframes import write_keyframes
 from linkwright.stages.export.mjcf.loops import STIFF, Closures, held
 from linkwright.stages.export.mjcf.sections import ordered, write_sections
 from linkwright.stages.export.mjcf.sensing.cameras import carried_cameras, write_camera
-from linkwright.stages.export.mjcf.sensing.sensing import write_mounted
+from linkwright.stages.export.mjcf.sensing.sites import write_mounted
 from linkwright.stages.export.mjcf.settings import text
 from linkwright.stages.export.paints import Paint, materials
 from linkwright.stages.formats.numbers import TURN, number, spaced

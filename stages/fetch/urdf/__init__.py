@@ -3,8 +3,8 @@
 - expand: Expands trusted xacro files with ROS's own `xacro` package, in a guest process.
 - expand_guest: Guest process that expands a xacro file with ROS's own `xacro` package.
 - gather: A URDF and its meshes as a bundle.
+- mesh_paths: Resolves the names of meshes in a URDF to files.
 - plain: Checks that a URDF is not a xacro file under another name.
-- resolve: Resolves the names of meshes in a URDF to files.
 - ros_packages: Finds the folders of ROS packages.
 - section: Configuration of the source `urdf`.
 - source: The source `urdf`: a URDF, or a xacro file that makes one, and the meshes that it names.

@@ -9,11 +9,11 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 from linkwright.stages.fetch.robot_file import IMAGE
+from linkwright.stages.fetch.urdf.mesh_paths import MeshPlace
 from linkwright.stages.fetch.urdf.meshes.companions import companions
 from linkwright.stages.fetch.urdf.meshes.loose_mesh import LooseMesh, body
 from linkwright.stages.fetch.urdf.meshes.mesh_file import Unreadable, read
 from linkwright.stages.fetch.urdf.meshes.textures import NO_COORDINATES, Texture, texture
-from linkwright.stages.fetch.urdf.resolve import MeshPlace
 from linkwright.stages.fetch.urdf.srdf_file import NAME, SRDF, SrdfFile, is_asked
 from linkwright.stages.fetch.urdf.survey import LARGEST_MESH, Survey, survey
 from linkwright.stages.formats import png, triangles

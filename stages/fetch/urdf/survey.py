@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from linkwright.stages.fetch.urdf import expand, plain, srdf_file, text
+from linkwright.stages.fetch.urdf.mesh_paths import MeshPlace, MeshPlaces
 from linkwright.stages.fetch.urdf.meshes.companions import NAMING_FILES, companions
-from linkwright.stages.fetch.urdf.resolve import MeshPlace, MeshPlaces
 from linkwright.stages.fetch.urdf.ros_packages import Packages
 from linkwright.stages.fetch.urdf.srdf_file import SrdfFile
 from linkwright.stages.robot.errors import SourceError

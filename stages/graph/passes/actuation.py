@@ -6,7 +6,7 @@ from dataclasses import replace
 from linkwright.stages.formats.urdf.transmission_counts import with_counts
 from linkwright.stages.formats.urdf.transmissions import with_joints
 from linkwright.stages.graph.mechanism import Mechanism
-from linkwright.stages.graph.passes.actuator_counts import recounted
+from linkwright.stages.graph.passes.recount_actuators import recounted
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import Robot, Sensor, Transmission
 from linkwright.stages.robot.text.globs import listed

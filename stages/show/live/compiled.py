@@ -11,7 +11,7 @@ from linkwright.stages.mujoco.compile import compiled_file, compiled_heard, comp
 from linkwright.stages.mujoco.names import name_of
 from linkwright.stages.mujoco.state import at_key, keyframe_of
 from linkwright.stages.mujoco.warnings import listening
-from linkwright.stages.show.live import flat
+from linkwright.stages.show.live import includes
 from linkwright.stages.show.preview.model_text import urdf_text
 
 
@@ -30,7 +30,7 @@ class LiveModel:
     def name(self, kind: Any, index: int) -> str:
         """The name of one of the model's objects; "" where its file gives it none."""
         found = name_of(self.model, kind, index)
-        return "" if found.startswith(flat.OWN) else found
+        return "" if found.startswith(includes.OWN) else found
 
 
 def compiled(folder: Path, source: str) -> LiveModel:
@@ -40,10 +40,10 @@ def compiled(folder: Path, source: str) -> LiveModel:
         if source.endswith(".urdf"):
             model = _of_urdf(folder, source)
         else:
-            document = flat.with_names(flat.flat(folder, source))
+            document = includes.with_names(includes.flat(folder, source))
             model, _ = compiled_heard(lambda: spec_of_text(to_bytes(document), folder))
         closed = _closed(model)
-    tags = () if document is None else flat.actuator_tags(document)
+    tags = () if document is None else includes.actuator_tags(document)
     return LiveModel(source, model, closed, document, tags)
 
 

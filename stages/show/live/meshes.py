@@ -5,9 +5,9 @@ from collections import Counter
 from typing import Any
 
 from linkwright.stages.show.live import triangles
+from linkwright.stages.show.live.decimate import fitted
 from linkwright.stages.show.live.geoms import Source
 from linkwright.stages.show.live.pack import Buffers
-from linkwright.stages.show.live.thin import fitted
 from linkwright.stages.show.live.triangles import Facets
 
 Shown = tuple[dict[str, Any], Source | None]

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from linkwright.stages.export import Exported, export
-from linkwright.stages.export.actuators.resolve import actuate
+from linkwright.stages.export.actuators.actuate import actuate
 from linkwright.stages.robot.errors import ExportError
 from linkwright.stages.robot.model.actuation import Actuation
 from linkwright.stages.robot.model.robot import Dynamics, Inertial, Limits, Relation, Robot, frozen

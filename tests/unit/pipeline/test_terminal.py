@@ -17,8 +17,8 @@ from linkwright.pipeline.report import Report, StageReport
 from linkwright.pipeline.secrets import Secrets
 from linkwright.pipeline.sweep.run import Job, Task
 from linkwright.pipeline.terminal.closing import show
+from linkwright.pipeline.terminal.output import clean, clean_streams
 from linkwright.pipeline.terminal.progress import Lines, Log, Terminal
-from linkwright.pipeline.terminal.terminal import clean, clean_streams
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.errors import AssemblyError, Diagnostic
 from tests.support.building import plan_of

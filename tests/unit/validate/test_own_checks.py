@@ -10,10 +10,10 @@ import pytest
 
 from linkwright.pipeline.config.files.trust import covered, targets
 from linkwright.pipeline.errors import ConfigError
-from linkwright.pipeline.plugins.plugins import sources, target
+from linkwright.pipeline.plugins.loader import sources, target
 from linkwright.pipeline.plugins.trusted_modules import NotTrusted, trust
 from linkwright.stages.robot.check import Check
-from linkwright.stages.validate.own import OwnCheck
+from linkwright.stages.validate.user_checks import OwnCheck
 from tests.support.command import COMMAND
 from tests.support.places import PROJECT
 from tests.support.written import compiled_of

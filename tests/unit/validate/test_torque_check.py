@@ -15,7 +15,7 @@ from linkwright.stages.robot.model.poses import from_parts
 from linkwright.stages.robot.model.robot import Dynamics, Frame, Limits, Relation, Robot, frozen
 from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.validate import validate
-from linkwright.stages.validate.asked import Asked
+from linkwright.stages.validate.check_options import Asked
 from linkwright.stages.validate.checks.simulation.torque import check
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.simulate.holding import holding

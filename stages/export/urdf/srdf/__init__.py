@@ -1,9 +1,9 @@
 """SRDF: what MoveIt has to know of a robot beside its URDF.
 
-- apart: Which links never meet: apart in every one of many seeded poses, and by so much that what the poses
-  cannot have seen is apart too.
 - convex: How far apart convex bodies are at least, at many poses at once.
 - disabled: The pairs of links that MoveIt does not check for collisions.
+- distant_links: Which links never meet: apart in every one of many seeded poses, and by so much that what the
+  poses cannot have seen is apart too.
 - groups: The groups of joints that MoveIt plans for: chains to named frames and to ends of the robot,
   grippers, and all joints.
 - model: SRDF: groups, poses, and pairs of links that are not checked for collisions.

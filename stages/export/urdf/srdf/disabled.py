@@ -3,8 +3,8 @@
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 
-from linkwright.stages.export.urdf.srdf.apart import apart
 from linkwright.stages.export.urdf.srdf.convex import bodies_of
+from linkwright.stages.export.urdf.srdf.distant_links import apart
 from linkwright.stages.formats.urdf.contacts import Reason, known_pairs
 from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.dynamics.fusing import members

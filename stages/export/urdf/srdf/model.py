@@ -6,8 +6,8 @@ Element rules are those of srdfdom, MoveIt's own reader; names are those of the 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from linkwright.stages.export.urdf.srdf.apart import POSES
 from linkwright.stages.export.urdf.srdf.disabled import Disabled, disabled_pairs
+from linkwright.stages.export.urdf.srdf.distant_links import POSES
 from linkwright.stages.export.urdf.srdf.groups import Groups, groups_of
 from linkwright.stages.export.urdf.srdf.source_groups import source_groups
 from linkwright.stages.export.urdf.srdf.states import states_of

@@ -15,7 +15,7 @@ import numpy as np
 from linkwright.stages.formats.xml import Element, element, tag, to_bytes
 from linkwright.stages.mujoco.compile import NotCompiled, compiled_text
 from linkwright.stages.mujoco.names import index_of
-from linkwright.stages.show.live import flat
+from linkwright.stages.show.live import includes
 from linkwright.stages.show.live.compiled import LiveModel
 from linkwright.stages.show.live.engine.assets import with_assets
 from linkwright.stages.show.live.engine.version import without_newer
@@ -63,7 +63,7 @@ def engine_copy(live: LiveModel, folder: Path) -> EngineCopy:
             del compiler.attrib["inertiafromgeom"]
     lacks += without_newer(root)
     for node in root.iter():
-        if (node.get("name") or "").startswith(flat.OWN):
+        if (node.get("name") or "").startswith(includes.OWN):
             del node.attrib["name"]
     text = to_bytes(root).decode()
     _require_same(live.model, text, files)

@@ -7,9 +7,9 @@ from scipy.spatial import cKDTree
 
 from linkwright.stages.show.decimate import Simplifiable
 from linkwright.stages.show.live import pack, scene
+from linkwright.stages.show.live.decimate import Thinnable, clustered, fitted
 from linkwright.stages.show.live.pack import Buffers
 from linkwright.stages.show.live.scene import pack_of
-from linkwright.stages.show.live.thin import Thinnable, clustered, fitted
 from linkwright.stages.show.live.triangles import STEPS, Facets, stored
 from tests.support.live_robots import INCLUDED, bumpy, stl, triangles, write
 from tests.support.robots import robot_with

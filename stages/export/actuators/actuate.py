@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from linkwright.stages.export.actuators.alike import shared
 from linkwright.stages.export.actuators.choices import Wanted, driven_order, wanted_of
 from linkwright.stages.export.actuators.holding import GroundSupports, holding, standing_nowhere
 from linkwright.stages.export.actuators.loads import bounds_of, lighter, loads, postures
 from linkwright.stages.export.actuators.make import ActuatorMaker
 from linkwright.stages.export.actuators.motors import Motors, report_overruled, supplied
 from linkwright.stages.export.actuators.remarks import remark, remark_couplings, remark_passive, remark_servos
+from linkwright.stages.export.actuators.symmetric_dofs import shared
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.dynamics.driven import with_motors
 from linkwright.stages.robot.dynamics.statics import GRAVITY

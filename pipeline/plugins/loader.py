@@ -16,7 +16,7 @@ from linkwright.pipeline.terminal import pasted
 from linkwright.stages.robot.text.globs import listed
 
 if TYPE_CHECKING:
-    from linkwright.stages.validate.own import OwnCheck
+    from linkwright.stages.validate.user_checks import OwnCheck
 
 
 NOW_IN = "a check imports these from linkwright: from linkwright import Check, Finding, CompiledModel"
@@ -74,7 +74,7 @@ def own(plan: Plan) -> "tuple[OwnCheck, ...]":
     """The user's own checks of a build, each with its keys. ConfigError where one cannot be found."""
     if not plan.validate.checks:
         return ()
-    from linkwright.stages.validate.own import OwnCheck
+    from linkwright.stages.validate.user_checks import OwnCheck
 
     return tuple(
         OwnCheck(
