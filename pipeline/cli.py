@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING
 
+from linkwright.pipeline.interrupt import behind
 from linkwright.pipeline.options import HELP, Command, Detail, UsageError, parse
 from linkwright.pipeline.terminal import streams
 from linkwright.pipeline.verbs import VERBS
@@ -37,6 +38,7 @@ def run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None" = Non
         return _complete("".join(arguments[1:2]))
     if {"-h", *HELP}.intersection(arguments):
         return _run(arguments, build)  # prints only our own text, which needs no cleaning
+    # Late: few commands need it, and `--help` does not.
     from linkwright.pipeline.terminal.output import clean_streams
 
     with clean_streams():
@@ -61,15 +63,14 @@ def _run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None") -> 
             return _sweep(command, build)
         return _single(command, build)
     except UsageError as error:
-        from linkwright.pipeline.terminal.output import say
-
-        say(f"error: {error}", sys.stderr)
+        _say(f"error: {error}")
         return 2
     except (Exception, KeyboardInterrupt) as error:
         return _report(error, detail)
 
 
 def _own_text(option: str) -> str:
+    # Late: few commands need it, and `--help` does not.
     from linkwright.pipeline import help_text
 
     if option == "version":
@@ -78,6 +79,7 @@ def _own_text(option: str) -> str:
 
 
 def _version() -> str:
+    # Late: few commands need it, and `--help` does not.
     from importlib.metadata import PackageNotFoundError, version
 
     try:
@@ -100,6 +102,7 @@ def _shown(command: Command) -> Iterable[str]:
     """The output of a command that builds nothing."""
     if command.show == "install-completion":
         return [_install_completion(command.what)]
+    # Late: few commands need it, and `--help` does not.
     from linkwright.pipeline.config.looking import configuration, information
 
     return [configuration(command)] if command.show == "cfg" else information(command)
@@ -107,6 +110,7 @@ def _shown(command: Command) -> Iterable[str]:
 
 def _complete(argument: str) -> int:
     """Answers a shell's request for completions; a failed query prints nothing."""
+    # Late: few commands need it, and `--help` does not.
     from linkwright.pipeline import completion
 
     text = completion.run(argument)
@@ -120,6 +124,7 @@ def _complete(argument: str) -> int:
 
 
 def _install_completion(shell: str) -> str:
+    # Late: few commands need it, and `--help` does not.
     from linkwright.pipeline.completion import SHELLS, install
 
     try:
@@ -131,36 +136,9 @@ def _install_completion(shell: str) -> str:
 
 
 def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:
-    if build is not None:
-        return build(_plan(command)).exit_status
-    from linkwright.pipeline import observed
-    from linkwright.pipeline.run import unchanged
-    from linkwright.pipeline.terminal.closing import show
-    from linkwright.pipeline.terminal.progress import Quiet, progress_for
+    from linkwright.pipeline.run.single import single  # `--help` and the verbs need none of it
 
-    progress = Quiet() if command.detail == "errors" else progress_for(sys.stderr)
-    action = unchanged.action_of(command)
-    report = unchanged.again(action, command, progress)
-    if report is None:
-        from linkwright.pipeline.run.build import build_files
-
-        with observed.recording(action.key) as seen:
-            plan = _plan(command)
-            if not (plan.plugins or plan.validate.external):
-                # Nothing here draws with MuJoCo, which else starts a process to look for a window library.
-                os.environ.setdefault("MUJOCO_GL", "disable")
-            built = build_files(plan, progress)
-        unchanged.remember(action, command, seen, built)
-        report = built.report
-    show(report, sys.stdout, command.detail)
-    return report.exit_status
-
-
-def _plan(command: Command) -> "Plan":
-    from linkwright.pipeline.config.compose import compose_plan
-    from linkwright.pipeline.run.preflight import plan_problems
-
-    return compose_plan(command.overrides, command.config_dirs, judge=plan_problems).plan
+    return single(command, build)
 
 
 def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
@@ -171,14 +149,21 @@ def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
 
 def _report(error: BaseException, detail: Detail) -> int:
     """Prints an error as one message; returns the exit status."""
+    # Late: few commands need it, and `--help` does not.
     from linkwright.pipeline.errors import exit_status, render
-    from linkwright.pipeline.interrupt import behind
-    from linkwright.pipeline.terminal.output import say
 
     error = KeyboardInterrupt() if behind(error) else error
     if os.environ.get("LINKWRIGHT_TRACEBACK", "") not in ("", "0"):
+        # Late: few commands need it, and `--help` does not.
         import traceback
 
         traceback.print_exception(error)
-    say(render(error, whole=detail == "all"), sys.stderr)
+    _say(render(error, whole=detail == "all"))
     return exit_status(error)
+
+
+def _say(text: str) -> None:
+    # Late: few commands need it, and `--help` does not.
+    from linkwright.pipeline.terminal.output import say
+
+    say(text, sys.stderr)

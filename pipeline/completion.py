@@ -13,6 +13,7 @@ from pathlib import Path
 
 from linkwright.pipeline.motor_files import is_motor, library
 from linkwright.pipeline.reference.key_entries import entries, is_any, matching
+from linkwright.pipeline.verbs import VERBS
 
 CONF = Path(__file__).resolve().parents[1] / "conf"
 
@@ -188,12 +189,11 @@ def _starting(words: Iterable[str], start: str) -> list[str]:
 
 
 def _verbs() -> Iterable[str]:
-    from linkwright.pipeline.verbs import VERBS
-
     return VERBS
 
 
 def _explained(word: str) -> list[str]:
+    # Late: only where values of this key are asked for.
     from linkwright.pipeline.verbs.explain import names
 
     return _starting(sorted(set(names())), word)

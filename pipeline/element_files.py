@@ -35,6 +35,7 @@ def require_entries(plan: "Plan") -> None:
     """ConfigError where `elements` has XML of no format, or names a file that cannot be read."""
     if not plan.elements:
         return
+    # Late: most robots have no element of their own, and these import lxml.
     from linkwright.stages.export.amend.documents import Refused
     from linkwright.stages.export.amend.entries import entries
 
@@ -46,6 +47,7 @@ def require_entries(plan: "Plan") -> None:
 
 
 def _text(path: str, key: str) -> str:
+    # Late: most robots have no element of their own, and these import lxml.
     from linkwright.stages.formats.xml import Malformed, fragment
 
     regular_files.require(path, key, "XML is in a file", "mount.xml")

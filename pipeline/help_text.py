@@ -111,6 +111,7 @@ exit status:
 
 def whole() -> str:
     """The text of `--help-all`; its list of keys is generated from the schema."""
+    # Late: `--help` needs none of the reference.
     from linkwright.pipeline.reference import HELP, environment
 
     keys = HELP.read_text(encoding="utf-8").rstrip()

@@ -12,6 +12,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import filelock
+
 if TYPE_CHECKING:
     from filelock import BaseFileLock
 
@@ -28,8 +30,6 @@ def acquired(path: Path, waiting: Callable[[], None]) -> Iterator[None]:
 
     OSError where the file cannot be made or written, is a link, or where its file system has no locks.
     """
-    import filelock
-
     lock, patience = None, PATIENCE
     while lock is None:
         try:
@@ -60,8 +60,6 @@ def beside(target: Path) -> Path:
 
 def drop(path: Path) -> bool:
     """Removes a lock file if no process owns it; returns whether it did."""
-    import filelock
-
     try:
         if not stat.S_ISREG(path.lstat().st_mode):
             return False
@@ -84,8 +82,6 @@ def _acquire(path: Path, patience: float) -> "BaseFileLock | None":
 
     filelock.Timeout where it is not free within `patience` [s]; below zero it is waited for.
     """
-    import filelock
-
     seen = _opened(path)
     try:
         status = os.fstat(seen)
@@ -111,6 +107,7 @@ def _opened(path: Path) -> int:
     cannot be created, is a link, or its file system has no locks."""
     handle = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o666)
     try:
+        # Late: POSIX only.
         import fcntl
     except ImportError:
         return handle

@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from linkwright.pipeline.errors import Diagnostic, SecretFound
+from linkwright.pipeline.key_path import key_of
+from linkwright.stages.fetch.onshape.api.credentials import known
 
 SHORTEST = 8
 """Least length of a secret: a shorter text may occur in ordinary words, which must not be blanked."""
@@ -21,8 +23,6 @@ class Secrets:
 
     def __init__(self, environ: Mapping[str, str], folder: Path | None = None) -> None:
         """`folder` holds `.env`; default: the working folder."""
-        from linkwright.stages.fetch.onshape.api.credentials import known
-
         found = {text: name for text, name in known(environ, folder).items() if len(text) >= SHORTEST}
         # The longest first: a secret may contain another.
         self._forms = sorted(found, key=lambda text: (-len(text), text))
@@ -51,8 +51,6 @@ class Secrets:
 
     def problems(self, tree: Mapping[str, Any]) -> list[Diagnostic]:
         """One problem for each key of a configuration that holds a secret."""
-        from linkwright.pipeline.key_path import key_of
-
         return [self._problem(name, self.blanked(key_of(place))) for place, name in self._leaks(tree)]
 
     def typed(self, arguments: Iterable[str]) -> tuple[list[str], list[Diagnostic]]:
@@ -110,8 +108,6 @@ class Secrets:
     def _spot(self, data: bytes) -> str:
         """The place of a secret in a file: the key in JSON, else the line; "" where it is in the path."""
         with contextlib.suppress(ValueError, RecursionError):
-            from linkwright.pipeline.key_path import key_of
-
             place = next((place for place, _ in self._leaks(json.loads(data))), ())
             if place:
                 return f", {key_of(place)}"

@@ -9,9 +9,13 @@ from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING, Any
 
+from linkwright.pipeline.api.arguments import plan_of
 from linkwright.pipeline.errors import LinkwrightError
 from linkwright.pipeline.report import Report
+from linkwright.pipeline.run.build import build_files
 from linkwright.pipeline.terminal.check_text import tally
+from linkwright.pipeline.terminal.progress import progress_for
+from linkwright.stages.robot.codec import decode_robot
 from linkwright.stages.show.graph_view.views import PICTURE
 
 if TYPE_CHECKING:
@@ -38,8 +42,8 @@ class Build:
             raise LinkwrightError(
                 "there is no robot: the build ended before the graph stage", "until", "until=graph"
             )
+        # Late: it imports numpy, which a build that is only reported on needs not.
         from linkwright.pipeline.api.robot import Robot
-        from linkwright.stages.robot.codec import decode_robot
 
         return Robot(decode_robot(self.encoded))
 
@@ -109,14 +113,9 @@ def build(
     Raises ConfigError for problems found before the first stage, and another LinkwrightError for later
     errors. A failed check does not raise: see `report.status` and `report.failed_checks`.
     """
-    from linkwright.pipeline.api.arguments import plan_of
-    from linkwright.pipeline.run.build import build_files
-
     plan = plan_of(what, trust, plugins, output, config_dirs)
     shown = None
     if progress:
-        from linkwright.pipeline.terminal.progress import progress_for
-
         shown = progress_for(sys.stderr)
     built = build_files(plan, shown, in_memory=plan.output is None)
     return Build(built.report, built.files, built.robot)

@@ -280,6 +280,7 @@ def folder(configured: str | None, environ: Mapping[str, str]) -> Path:
             msg = f"{chosen} names the home folder of an unknown user"
             where = "cache.dir" if configured else "LINKWRIGHT_CACHE"
             raise ConfigError(msg, where, "name a folder, or leave it out") from error
+    # Late: a cache in a folder that is named needs none.
     import platformdirs
 
     return Path(platformdirs.user_cache_dir("linkwright", appauthor=False))

@@ -72,6 +72,7 @@ def since(
 
 def _compared(before: Mapping[str, Any], after: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
     """The differences of two robots, a thing and what is said of it each."""
+    # Late: a first build, and one without changes, compares nothing.
     from linkwright.pipeline.changes.compare import compare
     from linkwright.pipeline.changes.show import moved_source, sentence
 

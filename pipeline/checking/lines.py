@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from linkwright.stages.formats.mjcf.bounds import LARGEST_TEXT
+from linkwright.stages.formats.xml import Malformed, parse
 from linkwright.stages.robot.system.regular_files import FileTooLarge, content
 
 _LABEL = re.compile(r'(?P<tag>[\w:.-]+)(?: "(?P<name>.*)")?')
@@ -69,8 +70,6 @@ class ElementLines:
         return self._read[file]
 
     def _root(self, file: str) -> Any:
-        from linkwright.stages.formats.xml import Malformed, parse
-
         data = self._data(file)
         try:
             return None if data is None else parse(data, large=True)

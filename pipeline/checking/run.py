@@ -9,6 +9,7 @@ from linkwright.pipeline.errors import OutputError, reason
 from linkwright.stages.formats.described import described
 from linkwright.stages.formats.robot_json.codec import RobotJsonError
 from linkwright.stages.robot.check import Check
+from linkwright.stages.validate import validate
 from linkwright.stages.validate.bare.run import check_bare
 from linkwright.stages.validate.reading.present import present
 from linkwright.stages.validate.section import ValidateSections
@@ -80,8 +81,6 @@ def _truth(folder: Path) -> "Truth | None":
 
 def _against(truth: "Truth", folder: Path, level: str) -> tuple[Check, ...]:
     """The checks of a build, of its files as they are."""
-    from linkwright.stages.validate import validate
-
     keys = ValidateSections.model_validate({"validate": {"level": level}})
     checks = validate(folder, truth.written, keys)
     return (*present(folder, truth.files), *checks, *check_packages(folder, truth))

@@ -107,12 +107,14 @@ if not TYPE_CHECKING:  # a type checker would believe in any name at all
 
     def __getattr__(name: str) -> object:
         if name == "__version__":
+            # Late: the package has only the names that users see.
             from importlib.metadata import version
 
             return version("linkwright")
         if name not in __all__:
             msg = f"module 'linkwright' has no attribute {name!r}"
             raise AttributeError(msg)
+        # Late: the package has only the names that users see.
         from importlib import import_module
 
         module = import_module(_PLACES.get(name, "linkwright.pipeline.errors"))

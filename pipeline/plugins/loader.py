@@ -74,6 +74,7 @@ def own(plan: Plan) -> "tuple[OwnCheck, ...]":
     """The user's own checks of a build, each with its keys. ConfigError where one cannot be found."""
     if not plan.validate.checks:
         return ()
+    # Late: most robots have no plug-in.
     from linkwright.stages.validate.user_checks import OwnCheck
 
     return tuple(

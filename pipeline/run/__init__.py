@@ -7,6 +7,7 @@
 - products: The robot's files in the output folder.
 - program: The identity of the program that runs: of its own code, and of all that Python may import beside
   it.
+- single: One build by the command line: again where nothing changed, else anew.
 - state: The state of a running build, from which its report and its documents are made.
 - strictness: `validate.level: strict`: a warning is a failure.
 - unchanged: Recognises an unchanged build as a whole: nothing is composed, and no stage is asked.

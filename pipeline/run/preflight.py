@@ -13,6 +13,7 @@ from linkwright.pipeline.output.manifest import DOCUMENTS
 from linkwright.pipeline.show.live import ENGINE_FILE
 from linkwright.pipeline.show.preview import require
 from linkwright.pipeline.stages.stage import STAGES, Stage, stages_until
+from linkwright.stages.export.section import expected_paths
 from linkwright.stages.fetch import writes
 from linkwright.stages.show.graph_view.views import PICTURE
 from linkwright.stages.show.preview import names
@@ -62,8 +63,6 @@ def expected_files(plan: Plan) -> list[str]:
     if plan.until != "fetch":
         files += ["robot.json", PICTURE]
     if not suffix_of(plan):
-        from linkwright.stages.export.section import expected_paths
-
         files += [*expected_paths(plan, plan.name), *_of_page(plan), *names(plan.page.preview)]
     return files
 

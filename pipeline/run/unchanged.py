@@ -26,6 +26,7 @@ from linkwright.pipeline.changes.since import Since, since
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.documents import documents
 from linkwright.pipeline.errors import LinkwrightError
+from linkwright.pipeline.mesh_details import kept
 from linkwright.pipeline.observed import Answer, Observed
 from linkwright.pipeline.options import Command
 from linkwright.pipeline.output.folder import FAILED, Output
@@ -117,7 +118,7 @@ def _is_known_by_its_answers(built: "Built", cache: str | None) -> bool:
 
 
 def _kept(built: "Built", answers: tuple[Answer, ...]) -> Kept:
-    from linkwright.pipeline.mesh_details import kept
+    # Late: an unchanged build remembers nothing.
     from linkwright.pipeline.run.preflight import suffix_of
 
     run, report = built.run, built.report

@@ -120,6 +120,7 @@ def _made(
     faces = context.plan.page.faces
 
     def make() -> dict[str, bytes]:
+        # Late: what was made before is not made again.
         from linkwright.stages.show.live.pack import unpacked
         from linkwright.stages.show.live.scene import pack_of
 

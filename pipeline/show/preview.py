@@ -95,6 +95,7 @@ def _made(
 ) -> tuple[Make, Callable[[], None]]:
     """What waits for the pictures of a look, which are drawn beside the build unless they were made before,
     and what gives them up."""
+    # Late: what was drawn before is not drawn again.
     from linkwright.stages.show.preview.ask import Painting
     from linkwright.stages.show.preview.compiled import look_of_files
 

@@ -79,6 +79,7 @@ class BuildContext:
     @property
     def written(self) -> "Written":
         """The robot as it is in the exported files, with its shapes but without the files of the meshes."""
+        # Late: a stage whose inputs did not change decodes nothing.
         from linkwright.stages.formats.written import decode
 
         shapes = codec.decode_geometry(self.files["mesh"], meshes=False)

@@ -26,18 +26,22 @@ from linkwright.pipeline.stages.context import FILES, NOTES, ROBOT, WRITTEN, Bui
 from linkwright.pipeline.stages.stage_base import Stage as Stage
 from linkwright.pipeline.stages.stage_base import StageBase
 from linkwright.stages.export import export
+from linkwright.stages.export.requirements import packages, require
 from linkwright.stages.export.section import ExportSections
+from linkwright.stages.export.writers import WRITERS
 from linkwright.stages.fetch import fetch, force, pinned, preflight, spends, summary, writes
 from linkwright.stages.fetch.source import Calls, FetchContext
 from linkwright.stages.graph import build_robot
 from linkwright.stages.graph.section import GraphSections
+from linkwright.stages.mesh import make_geometry
 from linkwright.stages.mesh.section import MeshSections
+from linkwright.stages.mesh.view.views import views as mesh_views
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.errors import ConfigError
 from linkwright.stages.robot.system.install import installed
 from linkwright.stages.robot.text.plural import count
-from linkwright.stages.show.graph_view.views import views
-from linkwright.stages.validate import external
+from linkwright.stages.show.graph_view.views import views as graph_views
+from linkwright.stages.validate import external, measured, validate
 from linkwright.stages.validate.section import ValidateSections
 
 
@@ -130,7 +134,7 @@ class GraphStage(StageBase):
         summary = ", ".join(count(len(items), kind) for kind, items in kinds.items())
         return {
             ROBOT: codec.encode_robot(robot),
-            **views(robot),
+            **graph_views(robot),
             NOTES: notes(summary, robot.diagnostics, figures),
         }
 
@@ -150,9 +154,8 @@ class MeshStage(StageBase):
         return context.digests("graph")
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
+        # Late: a stage whose inputs did not change needs none of it.
         from linkwright.pipeline.stages.robot_names import require_names
-        from linkwright.stages.mesh import make_geometry
-        from linkwright.stages.mesh.view.views import views
 
         require_names(context.robot, context.plan)
         # MuJoCo makes no mesh: what it decides has its version in the key.
@@ -162,7 +165,7 @@ class MeshStage(StageBase):
         geometry = make_geometry(context.robot, context.bundle, context.plan, memo, shown(context))
         return {
             **codec.encode_geometry(geometry),
-            **views(geometry, memo),
+            **mesh_views(geometry, memo),
             NOTES: noted(geometry, made),
         }
 
@@ -174,13 +177,9 @@ class ExportStage(StageBase):
 
     @property
     def modules(self) -> tuple[str, ...]:
-        from linkwright.stages.export.writers import WRITERS
-
         return tuple(module for writer in WRITERS.values() for module in writer.modules)
 
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
-        from linkwright.stages.export.requirements import require
-
         require(plan)
         require_entries(plan)
 
@@ -188,13 +187,12 @@ class ExportStage(StageBase):
         return section(context.plan, ExportSections)
 
     def inputs(self, context: BuildContext) -> Mapping[str, str]:
-        from linkwright.stages.export.requirements import packages
-
         texts = {f"elements/{name}": sha256(text.encode()) for name, text in context.element_texts.items()}
         of = {f"libraries/{name}": sha256(installed(name).encode()) for name in packages(context.plan)}
         return {**context.digests("graph"), **context.digests("mesh"), **texts, **of}
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
+        # Late: a stage whose inputs did not change needs none of it.
         from linkwright.stages.formats.written import encode
 
         exported = export(context.robot, context.geometry, context.plan, context.element_texts)
@@ -230,8 +228,6 @@ class ValidateStage(StageBase):
         return {**context.digests("graph"), **context.digests("export"), "mesh/geometry.json": shapes, **said}
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
-        from linkwright.stages.validate import measured, validate
-
         tools = context.plan.validate.external
         with context.cache.store.scratch(context.files["export"].below(FILES)) as folder:
             checks = validate(folder, context.written, context.plan, own(context.plan))

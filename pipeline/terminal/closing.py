@@ -83,6 +83,7 @@ def show(report: Report, stream: TextIO, detail: Detail = "usual") -> None:
     if width is None:
         out.write(fitting(render(report, detail), stream.encoding))
         return
+    # Late: Rich takes a while to import, and plain output needs none of it.
     from rich.console import Console
     from rich.text import Text
 

@@ -75,14 +75,18 @@ class Terminal(Quiet):
     """A spinner that names the running stage and how long it runs, below the finished stages."""
 
     def __init__(self, stream: TextIO) -> None:
+        # Late: Rich takes a while to import, and plain output needs none of it.
         from rich.console import Console
+        from rich.text import Text
 
+        self._text = Text
         self._clean = clean(stream).clean
         self._console = Console(file=clean(stream).raw, highlight=False, width=width_of(stream))
         self._live: Any = None
         self._stage, self._detail, self._transient, self._start = "", "", "", 0.0
 
     def start(self, stage: str) -> None:
+        # Late: Rich takes a while to import, and plain output needs none of it.
         from rich.live import Live
         from rich.spinner import Spinner
 
@@ -106,12 +110,10 @@ class Terminal(Quiet):
 
     def _drawn(self, spinner: Any) -> Any:
         """The line of the running stage: one, however long its texts are."""
-        from rich.text import Text
-
         seconds = time.monotonic() - self._start
         running = f" {seconds:.0f} s" if seconds >= _LONG else ""
         said = f": {self._detail}{self._transient}" if self._detail else self._transient
-        spinner.update(text=Text(f"{self._stage}{running}{said}", no_wrap=True, overflow="ellipsis"))
+        spinner.update(text=self._text(f"{self._stage}{running}{said}", no_wrap=True, overflow="ellipsis"))
         return spinner
 
     def done(self, stage: StageReport) -> None:
@@ -119,9 +121,7 @@ class Terminal(Quiet):
         self._print(self._clean(sentence(stage)), "dim" if stage.cached else "")
 
     def _print(self, line: str, style: str = "") -> None:
-        from rich.text import Text
-
-        self._console.print(Text(wrapped(line, self._console.width), style=style), soft_wrap=True)
+        self._console.print(self._text(wrapped(line, self._console.width), style=style), soft_wrap=True)
 
     def close(self) -> None:
         if self._live is not None:

@@ -62,6 +62,7 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> in
     the build; OutputError where the build read nothing or the file cannot be written; SecretFound where
     the inputs hold an API key.
     """
+    # Late: the help of the verb needs none of it.
     from linkwright.pipeline.output.builds import find
 
     asked = parse(arguments)
@@ -104,6 +105,7 @@ def _check_place(out: Path) -> None:
 
 
 def _is_older_bundle(out: Path) -> bool:
+    # Late: the help of the verb needs none of it.
     from linkwright.stages.fetch.bundle.archive import is_bundle
 
     return out.is_file() and is_bundle(out)
@@ -122,6 +124,7 @@ def _manifest(folder: Path) -> str:
 
 def _packed(folder: Path, manifest: str, asked: Request, environ: Mapping[str, str]) -> tuple[bytes, int]:
     """The zip's bytes and how many replies it holds."""
+    # Late: the help of the verb needs none of it.
     from linkwright.pipeline.caching.actions import Cache
     from linkwright.pipeline.caching.bundles import named, recall
     from linkwright.pipeline.caching.store import Store
@@ -146,6 +149,7 @@ def _packed(folder: Path, manifest: str, asked: Request, environ: Mapping[str, s
 
 def _caches(folder: Path, named: str | None, environ: Mapping[str, str]) -> list[Path]:
     """The cache folders to search: the given folder, else the build's, then the default folder."""
+    # Late: the help of the verb needs none of it.
     from linkwright.pipeline.caching.actions import folder as cache_folder
 
     wanted = [named] if named else [_configured(folder), None]
@@ -154,6 +158,7 @@ def _caches(folder: Path, named: str | None, environ: Mapping[str, str]) -> list
 
 def _configured(folder: Path) -> str | None:
     """The key `cache.dir` of the build, if it had one."""
+    # Late: the help of the verb needs none of it.
     import yaml
 
     from linkwright.pipeline.config.files import yaml_file

@@ -5,6 +5,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from linkwright.pipeline.checking.as_json import as_json, baseline
+from linkwright.pipeline.checking.ask import checked
+from linkwright.pipeline.checking.junit import as_junit
+from linkwright.pipeline.checking.sarif import as_sarif
 from linkwright.pipeline.checking.show import as_text
 from linkwright.pipeline.errors import ConfigError, OutputError, reason
 from linkwright.pipeline.terminal.output import say
@@ -63,17 +66,11 @@ def run(arguments: Sequence[str]) -> int:
     """Prints the verdict; the exit status. ConfigError for wrong usage, OutputError where something cannot be
     read or written."""
     asked = _parsed(arguments)
-    from linkwright.pipeline.checking.ask import checked
-
     known = baseline(asked.values["--baseline"]) if "--baseline" in asked.values else None
     verdict = replace(checked(asked.place, asked.values.get("--level", "standard")), known=known)
     if "--sarif" in asked.values:
-        from linkwright.pipeline.checking.sarif import as_sarif
-
         _write(asked.values["--sarif"], as_sarif(verdict).encode())
     if "--junit" in asked.values:
-        from linkwright.pipeline.checking.junit import as_junit
-
         _write(asked.values["--junit"], as_junit(verdict))
     if asked.json:
         print(as_json(verdict))

@@ -86,6 +86,7 @@ def _code(code: str) -> str:
 
 def _motor(name: str, file: Path) -> str:
     """The entry of a motor; ConfigError where its file is wrong."""
+    # Late: only values of motors need the plan, which imports pydantic.
     from linkwright.pipeline.config.plan import Plan
     from linkwright.stages.export.configuration.motor_section import QUANTITIES
 

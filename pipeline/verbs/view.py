@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from linkwright.pipeline.errors import ConfigError, OutputError
+from linkwright.pipeline.output.builds import find
 from linkwright.stages.robot.system.programs import program
 
 HELP = """\
@@ -39,8 +40,6 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ, syste
     if len(arguments) != 1 or arguments[0].startswith("-"):
         msg = f"expected one build, got {' '.join(arguments) or 'nothing'}"
         raise ConfigError(msg, "view", _USAGE)
-    from linkwright.pipeline.output.builds import find
-
     folder = find(arguments[0], "view")
     scene = folder / SCENE
     if not scene.is_file():
@@ -52,6 +51,7 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ, syste
         raise OutputError("there is no display (DISPLAY and WAYLAND_DISPLAY are not set)", "view", page)
     if system == "darwin":
         return _by_mjpython(scene, page)
+    # Late: it imports MuJoCo, and wrong usage is told at once.
     from linkwright.stages.mujoco.viewer import NoViewer, NoWindow, show
 
     try:

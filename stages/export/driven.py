@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 from linkwright.stages.export.actuators.actuate import actuate
 from linkwright.stages.export.actuators.gravity import gravity_of
 from linkwright.stages.export.ground.footing import supports
+from linkwright.stages.export.stability.compiled_trial import compiled_trial
+from linkwright.stages.export.stability.steadied import steadied
 from linkwright.stages.export.writer import WriterInput
 from linkwright.stages.export.writers import WRITERS
 from linkwright.stages.formats.written import Written
@@ -47,9 +49,6 @@ def driven(
     as_it_is = robot.mjcf is not None and not keys.actuators
     if FORMAT not in keys.export.chosen or as_it_is or not _worth_a_trial(robot):
         return actuation, found
-    from linkwright.stages.export.stability.compiled_trial import compiled_trial
-    from linkwright.stages.export.stability.steadied import steadied
-
     solid = _solid(geometry)
 
     def run(built: Robot, with_what: Actuation, margin: float) -> "Trial | None":

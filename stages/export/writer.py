@@ -34,6 +34,7 @@ class Exported:
     @property
     def details(self) -> dict[str, Any]:
         """What the report tells of the files."""
+        # Late: the table of writers is read by builds that write nothing.
         from linkwright.stages.formats.robot_json.codec import write
 
         tables = {"order": self.order and write(self.order), "readers": list(self.readers)}

@@ -32,6 +32,7 @@ class RobotFileSource(FileSource):
     @staticmethod
     def replay(recording: Recording, where: str) -> Bundle:
         """The bundle of a recorded robot file; SourceError where a mesh or an image is not readable."""
+        # Late: an unchanged source is not read again.
         from linkwright.stages.formats import png, triangles
         from linkwright.stages.robot.bundle import FileBundle
         from linkwright.stages.robot.errors import ProtocolError, SourceError
@@ -62,6 +63,7 @@ class RobotFileSource(FileSource):
     @staticmethod
     def largest_reply(request: str) -> int:
         if request.startswith(IMAGE):
+            # Late: an unchanged source is not read again.
             from linkwright.stages.formats import png
 
             return png.LARGEST

@@ -75,6 +75,7 @@ def pixels(head: bytes) -> int:
 def encode(pixels: npt.NDArray[np.uint8]) -> bytes:
     """The file of an image (height, width, 1, 3 or 4 channels), its first row at the top. Each row is stored
     as its difference from the one above (filter 2), which halves the size of photos."""
+    # Late: an unchanged build needs no numpy.
     import numpy as np
 
     height, width, channels = pixels.shape

@@ -62,6 +62,7 @@ class Body:
 
 def encode(bodies: Sequence[Body]) -> bytes:
     """The compact form of bodies, in their order; ValueError for more than 65536 colours in one."""
+    # Late: an unchanged build needs no numpy.
     import numpy as np
 
     records, arrays = [], []
@@ -91,6 +92,7 @@ def decode(data: bytes, wanted: Collection[str] | None = None) -> dict[str, Body
 
     ProtocolError where `data` is not the compact form. Of two bodies with one id the first counts.
     """
+    # Late: an unchanged build needs no numpy.
     import numpy as np
 
     bodies: dict[str, Body] = {}
@@ -138,6 +140,7 @@ def distinct(points: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], 
 
     −0 counts as 0.
     """
+    # Late: an unchanged build needs no numpy.
     import numpy as np
 
     # NumPy takes rows much slower than columns.
@@ -167,6 +170,7 @@ def merged(
     `corners` (m, 3) index the points (n, 3), `which` (m,) the colours. `textures`: the digest of each
     colour's image, "" for none; with any, `texcoords` (m, 3, 2) are the (u, v) of the corners.
     """
+    # Late: an unchanged build needs no numpy.
     import numpy as np
 
     paints = list(zip(colours, textures or [""] * len(colours), strict=True))
@@ -199,6 +203,7 @@ def textures(data: bytes) -> frozenset[str]:
 
 def _only(texcoords: npt.NDArray[np.float32], textured: npt.NDArray[np.bool_]) -> npt.NDArray[np.float32]:
     """Texture coordinates, 0 where no texture is; −0 becomes 0."""
+    # Late: an unchanged build needs no numpy.
     import numpy as np
 
     return np.where(textured[:, None, None], texcoords, np.float32(0)).astype(np.float32) + np.float32(0)
@@ -245,6 +250,7 @@ def _is_channel(value: Any) -> bool:
 
 def _require_within(body: Body) -> None:
     """ProtocolError where a triangle names a point or a colour that is not there."""
+    # Late: an unchanged build needs no numpy.
     import numpy as np
 
     if not len(body.triangles):

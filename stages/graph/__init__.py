@@ -15,6 +15,7 @@
 - tree: The kinematic tree: which connections are in the tree, which close loops, and the order of the bodies.
 """
 
+import gc
 from typing import TYPE_CHECKING, Any
 
 from linkwright.stages.robot.errors import ProtocolError
@@ -30,8 +31,7 @@ VERSION = 26
 
 def build_robot(bundle: "Bundle", keys: "GraphSections") -> "Robot":
     """The robot in a bundle, with its diagnostics. AssemblyError names all problems at once."""
-    import gc
-
+    # Late: a build has one source, and the configuration reads this package and builds nothing.
     from linkwright.stages.graph.build import assemble
 
     # The stage makes values by the hundred thousand and next to no cycles: to look for those each time
@@ -51,10 +51,13 @@ def reader_of(kind: str) -> "MechanismReader":
     # Each reader is imported where a robot has its kind of bundle: they take 35 to 80 ms.
     match kind:
         case "onshape":
+            # Late: a build has one source, and the configuration reads this package and builds nothing.
             from linkwright.stages.graph.onshape.reader import read_mechanism as reader
         case "urdf":
+            # Late: a build has one source, and the configuration reads this package and builds nothing.
             from linkwright.stages.graph.urdf.reader import read_mechanism as reader
         case "mjcf":
+            # Late: a build has one source, and the configuration reads this package and builds nothing.
             from linkwright.stages.graph.mjcf.reader import read_mechanism as reader
         case _:
             msg = f"unknown kind of bundle {kind!r}: expected one of onshape, urdf, mjcf"

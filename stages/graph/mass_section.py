@@ -1,5 +1,6 @@
 """Configuration of the graph stage: masses."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import AfterValidator, Field, model_validator
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
 
 def tensor(values: tuple[float, ...]) -> "Array":
     """The symmetric (3, 3) tensor of [ixx, iyy, izz] or [ixx, iyy, izz, ixy, ixz, iyz]."""
+    # Late: they import numpy, and most configurations give no mass.
     from linkwright.stages.robot.model.robot import frozen
 
     xx, yy, zz, xy, xz, yz = (*values, 0.0, 0.0, 0.0)[:6]
@@ -20,12 +22,12 @@ def tensor(values: tuple[float, ...]) -> "Array":
 
 
 def _of_a_solid(values: tuple[float, ...]) -> tuple[float, ...]:
-    from linkwright.stages.robot.dynamics.inertia import is_physical
-    from linkwright.stages.robot.model.robot import Inertial, frozen
+    # Late: they import numpy, and most configurations give no mass.
+    from linkwright.stages.robot.dynamics.inertia import SPECK, is_physical
 
     if len(values) not in (3, 6):
         raise invalid("must be [ixx, iyy, izz] or [ixx, iyy, izz, ixy, ixz, iyz]")
-    if not is_physical(Inertial(1.0, frozen([0.0, 0.0, 0.0]), tensor(values))):
+    if not is_physical(replace(SPECK, mass=1.0, inertia=tensor(values))):
         raise invalid("must be what a solid can have: positive moments, none above the sum of the other two")
     return values
 

@@ -106,6 +106,7 @@ def make_geometry(
     Each link's visual meshes and each part's collider are made through `memo`, by content: renaming one
     makes nothing again.
     """
+    # Late: the configuration reads this package and makes nothing.
     from linkwright.stages.mesh.geometry import geometry
 
     return geometry(robot, bundle, keys, memo, shown)

@@ -6,11 +6,11 @@ from typing import Any
 
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.model.robot import Dof, Robot
+from linkwright.stages.robot.motion.start_pose import HOME
 
 
 def motion_digest(robot: Robot) -> str:
     """A digest of all that decides where links are: not of masses, dynamics or the origins in CAD."""
-    from linkwright.stages.robot.motion.start_pose import HOME
 
     def dofs(every: Sequence[Dof]) -> list[Any]:
         return [[dof.name, dof.kind, dof.axis, dof.origin, dof.limits, dof.saved] for dof in every]

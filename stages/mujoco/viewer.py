@@ -15,6 +15,7 @@ def show(scene: str) -> None:
     """Opens the viewer with a scene, and returns when it is closed. NoViewer or NoWindow where it cannot be
     opened, with MuJoCo's words."""
     try:
+        # Late: it needs a library of windows, which may not be there.
         import mujoco.viewer
     except ImportError as error:
         raise NoViewer(str(error)) from None

@@ -50,6 +50,13 @@ def plain(value: Any) -> Any:
     return value
 
 
+def _model() -> Any:
+    # Late: it imports numpy, and a cached build reads values without an array.
+    from linkwright.stages.robot.model import robot
+
+    return robot
+
+
 @functools.cache
 def hints(kind: type) -> dict[str, Any]:
     """The types of a dataclass's fields. A module that must not import numpy names the model's classes
@@ -57,9 +64,7 @@ def hints(kind: type) -> dict[str, Any]:
     try:
         return get_type_hints(kind)
     except NameError:
-        from linkwright.stages.robot.model import robot as model
-
-        return get_type_hints(kind, localns=vars(model))
+        return get_type_hints(kind, localns=vars(_model()))
 
 
 def typed(kind: Any, data: Any) -> Any:
@@ -83,10 +88,8 @@ def typed(kind: Any, data: Any) -> Any:
         return typed(_unaliased(kind), data)
     if origin is not None and issubclass(origin, Mapping):
         return data
-    from linkwright.stages.robot.model.robot import frozen
-
     # An array's type is that of its shape and, with its numbers, that of its entries.
-    return frozen(data, *(number for entries in get_args(kind)[-1:] for number in get_args(entries)))
+    return _model().frozen(data, *(number for entries in get_args(kind)[-1:] for number in get_args(entries)))
 
 
 def _is_alias(kind: Any) -> bool:
@@ -120,9 +123,8 @@ def encode_robot(robot: "Robot") -> bytes:
 
 
 def decode_robot(data: bytes) -> "Robot":
-    from linkwright.stages.robot.model.robot import Robot
-
-    return load(Robot, data)
+    robot: Robot = load(_model().Robot, data)
+    return robot
 
 
 def encode_geometry(geometry: Geometry) -> dict[str, bytes]:

@@ -6,7 +6,9 @@ completion, the reference of keys and the JSON Schema are generated from the sec
 decided but has no function yet is refused by name, never ignored (`not_yet`).
 """
 
+import ast
 import functools
+import inspect
 import itertools
 import sys
 from collections.abc import Mapping
@@ -79,9 +81,6 @@ Solref = Annotated[tuple[Number, Number], AfterValidator(_of_one_form)]
 @functools.cache
 def _documentation(module: str) -> Mapping[str, Mapping[str, str]]:
     """Class in the source of a module → field → the text under it; none where there is no source."""
-    import ast
-    import inspect
-
     try:
         source = ast.parse(inspect.getsource(sys.modules[module]))
     except (KeyError, OSError, TypeError):

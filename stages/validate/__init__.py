@@ -33,6 +33,7 @@ def validate(
 ) -> "tuple[Check, ...]":
     """The checks of every model file in `folder`; with `validate=quick` only of its text, and that it
     compiles. A check that fails does not stop the others. `own`: the user's checks."""
+    # Late: the configuration reads this package and checks nothing.
     from linkwright.stages.validate.check_options import Asked, known_payload
     from linkwright.stages.validate.run import check_files, check_formats, check_texts, readiness
 
@@ -55,6 +56,7 @@ def measured(folder: Path, robot: str, level: str) -> dict[str, float]:
     """Figures of the finished files, with `validate=strict`: the machine's as much as the robot's."""
     if level != "strict":
         return {}
+    # Late: it imports MuJoCo.
     from linkwright.stages.validate.simulate.speed import steps_per_second
 
     speed = steps_per_second(folder, robot)

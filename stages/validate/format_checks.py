@@ -7,11 +7,10 @@ from pathlib import Path
 from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.check import Check
 from linkwright.stages.validate.rows import FormatCheck
+from linkwright.stages.validate.srdf.read_back import check_file
 
 
 def _srdf(path: Path, written: Written, quick: bool) -> Iterable[Check]:
-    from linkwright.stages.validate.srdf.read_back import check_file  # read where there is an SRDF
-
     return check_file(path, written, quick=quick)
 
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from linkwright.stages.export.amend.compiled import compiled, fit, likely
 from linkwright.stages.export.amend.documents import Documents, Refused
 from linkwright.stages.export.amend.entries import Entry, entries
 from linkwright.stages.formats.xml import Element
@@ -98,8 +99,6 @@ class _FormatWork:
         return Documents(self.form, self._paths, self._files)
 
     def _of_mjcf(self) -> list[Surplus]:
-        from linkwright.stages.export.amend.compiled import fit, likely
-
         meshes = {path: data for path, data in self._files.items() if path.startswith("assets/")}
         try:
             return fit(self.documents, self._read(), self.changes, meshes)
@@ -115,8 +114,6 @@ class _FormatWork:
 
     def _culprit(self, meshes: Mapping[str, bytes]) -> str:
         """The key of the last entry without which the file compiles; "" where it never did."""
-        from linkwright.stages.export.amend.compiled import compiled
-
         for count in reversed(range(len(self.entries))):
             documents = self._read()
             for entry in self.entries[:count]:

@@ -34,6 +34,7 @@ def _amendable(formats: Any) -> Any:
 
 
 def _well_formed(text: str) -> str:
+    # Late: most robots have no element of their own, and it imports lxml.
     from linkwright.stages.formats.xml import Malformed, fragment
 
     try:

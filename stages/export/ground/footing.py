@@ -65,6 +65,7 @@ def balanced(points: Array, center: Array, up: Array) -> Array:
     Hanson, "Solving Least Squares Problems", chapter 23), in which the balance counts `_STRONG` times as
     much, and then exactly by the points that it chooses.
     """
+    # Late: only robots that stand need it, and it takes a while to import.
     from scipy.optimize import nnls
 
     flat = (points - center) @ _across(up).T

@@ -12,6 +12,7 @@ class MjcfWriter:
     modules: tuple[str, ...] = ("linkwright.stages.export.mjcf.model", "linkwright.stages.export.mjcf.scene")
 
     def write(self, given: WriterInput) -> FormatFiles:
+        # Late: the table of writers is read by builds that write nothing.
         from linkwright.stages.export.mjcf.build import (
             write,  # where the format is written, not for each plan
         )

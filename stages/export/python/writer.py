@@ -12,6 +12,7 @@ class PythonWriter:
     modules: tuple[str, ...] = ("linkwright.stages.export.python.package",)
 
     def write(self, given: WriterInput) -> FormatFiles:
+        # Late: the table of writers is read by builds that write nothing.
         from linkwright.stages.export.python.build import (
             write,  # where the format is written, not for each plan
         )

@@ -27,6 +27,7 @@ class BundleSource(FileSource):
         return {"kind": "recording", "sha256": sha256(self.content()).hexdigest()}
 
     def fetch(self, context: FetchContext) -> Fetched:
+        # Late: an unchanged source is not read again.
         from linkwright.stages.fetch.bundle.archive import read
 
         recording = read(self.content(), self.label())

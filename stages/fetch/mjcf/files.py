@@ -115,6 +115,7 @@ def _own_text(path: Path) -> str:
 
 def _is_xml(text: str) -> bool:
     """Whether a text without its comments is XML, so that a message may quote it."""
+    # Late: an unchanged source is not read again.
     from linkwright.stages.formats import xml
 
     try:

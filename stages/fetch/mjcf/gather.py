@@ -55,6 +55,7 @@ def gather(
     SourceError where the file is not an MJCF, a file is missing, or MuJoCo cannot compile it within its
     limits.
     """
+    # Late: an unchanged source is not read again.
     from linkwright.stages.fetch.mjcf.files import survey
 
     path = Path(source.path)
@@ -87,6 +88,7 @@ def gather(
 
 def identity(source: MjcfSourceSection) -> dict[str, Any]:
     """What identifies the source, by content, as plain data."""
+    # Late: an unchanged source is not read again.
     from linkwright.stages.fetch.mjcf.files import survey
 
     path = Path(source.path)
@@ -105,6 +107,7 @@ def _read(reply: bytes) -> tuple[list[str], bytes, dict[str, bytes], dict[str, b
 
     The guest may run any code by then, so its reply is not trusted; the reader checks the model.
     """
+    # Late: an unchanged source is not read again.
     from linkwright.stages.formats import png, triangles
 
     head, _, body = reply.partition(b"\n")

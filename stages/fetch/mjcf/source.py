@@ -21,11 +21,13 @@ class MjcfSource(RobotFileSource):
     _keys: MjcfSourceSection
 
     def pinned(self, environ: Mapping[str, str]) -> dict[str, Any]:
+        # Late: an unchanged source is not read again.
         from linkwright.stages.fetch.mjcf.gather import identity
 
         return identity(self._keys)
 
     def fetch(self, context: FetchContext) -> Fetched:
+        # Late: an unchanged source is not read again.
         from linkwright.stages.fetch.mjcf.gather import gather
 
         bundle, found = gather(self._keys, context.while_waiting)

@@ -45,6 +45,7 @@ class OnshapeSource(Source):
             hint = "give the address of a workspace (…/w/…), or set the variables in Onshape"
             raise ConfigError(msg, "source.variables", hint)
         if not url.pinned and not keys.offline:
+            # Late: an unchanged source is not read again.
             from linkwright.stages.fetch.onshape.api import network_settings
             from linkwright.stages.fetch.onshape.api.credentials import find
 
@@ -52,6 +53,7 @@ class OnshapeSource(Source):
             network_settings.require(environ, proxies=not url.loopback)
 
     def pinned(self, environ: Mapping[str, str]) -> dict[str, Any] | None:
+        # Late: an unchanged source is not read again.
         from linkwright.stages.fetch.onshape.requests import API, definition
 
         url, quality = self._keys.url, self._keys.tessellation
@@ -66,6 +68,7 @@ class OnshapeSource(Source):
         }
 
     def fetch(self, context: FetchContext) -> Fetched:
+        # Late: an unchanged source is not read again.
         from linkwright.stages.fetch.onshape.asking.online import fetch
 
         return fetch(self._keys, context)
@@ -83,6 +86,7 @@ class OnshapeSource(Source):
         return self._keys.refresh
 
     def remarks(self) -> tuple[Diagnostic, ...]:
+        # Late: an unchanged source is not read again.
         from linkwright.stages.fetch.onshape.api import credentials
 
         return credentials.remarks()
@@ -92,6 +96,7 @@ class OnshapeSource(Source):
 
     @staticmethod
     def replay(recording: Recording, where: str) -> OnshapeBundle:
+        # Late: an unchanged source is not read again.
         from linkwright.stages.fetch.onshape.gather import gather
         from linkwright.stages.fetch.onshape.replies.recorded import Recorded
 

@@ -22,6 +22,7 @@ def require(text: str, where: str) -> None:
     Elements for Gazebo are not read, and may contain anything."""
     if not _MAYBE.search(text):
         return
+    # Late: an unchanged source is not read again.
     from linkwright.stages.formats import xml
 
     try:

@@ -23,6 +23,7 @@ class UrdfSource(RobotFileSource):
     _keys: UrdfSourceSection
 
     def preflight(self, environ: Mapping[str, str]) -> None:
+        # Late: an unchanged source is not read again.
         from linkwright.stages.fetch.urdf import expand, srdf_file
 
         super().preflight(environ)
@@ -34,11 +35,13 @@ class UrdfSource(RobotFileSource):
         srdf_file.require(self._keys)
 
     def pinned(self, environ: Mapping[str, str]) -> dict[str, Any]:
+        # Late: an unchanged source is not read again.
         from linkwright.stages.fetch.urdf.survey import identity
 
         return identity(self._keys, environ)
 
     def fetch(self, context: FetchContext) -> Fetched:
+        # Late: an unchanged source is not read again.
         from linkwright.stages.fetch.urdf.gather import gather
 
         bundle, found = gather(self._keys, context.environ)

@@ -7,6 +7,7 @@ from linkwright.stages.formats.urdf.form import UrdfForm
 from linkwright.stages.formats.urdf.transmissions import with_joints
 from linkwright.stages.robot.dynamics.fusing import Holders, fused
 from linkwright.stages.robot.model.robot import Relation, Robot
+from linkwright.stages.robot.motion.loop_lines import closed_loops, linear_couplings
 from linkwright.stages.robot.motion.start_pose import home
 from linkwright.stages.robot.text.names import free
 
@@ -15,8 +16,6 @@ def form_with(robot: Robot, merged: bool = False, first: Sequence[str] = ()) -> 
     """The form of a robot's URDF. `first`: the dofs that drive others in closed loops, where they can."""
     if not robot.loops:
         return UrdfForm(merged)
-    from linkwright.stages.robot.motion.loop_lines import closed_loops, linear_couplings
-
     couplings = linear_couplings(robot, home(robot), first)
     return UrdfForm(merged, couplings, closed_loops(robot, couplings))
 

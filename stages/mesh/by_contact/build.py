@@ -11,7 +11,9 @@ import numpy as np
 import orjson
 
 from linkwright.stages.formats.meshes.surface import Surface
+from linkwright.stages.mesh.by_contact.links import Touchable
 from linkwright.stages.mesh.by_contact.request import ContactRequest, FalsePair
+from linkwright.stages.mesh.by_contact.robot import solved
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.surfaces.pieces import Piece
 from linkwright.stages.robot import codec
@@ -41,9 +43,6 @@ def by_contact(request: ContactRequest, library: MeshLibrary, memo: Memo) -> Mad
 
 
 def _made(request: ContactRequest, library: MeshLibrary) -> Made:
-    from linkwright.stages.mesh.by_contact.links import Touchable
-    from linkwright.stages.mesh.by_contact.robot import solved
-
     of_link: dict[str, list[int]] = {link: [] for link in request.fixed}
     for number, job in enumerate(request.jobs):
         of_link.setdefault(job.link, []).append(number)

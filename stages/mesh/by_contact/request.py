@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from linkwright.stages.mesh.collide import collision
+from linkwright.stages.mesh.motion_digest import motion_digest
 from linkwright.stages.mesh.surfaces.pieces import Piece
 from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.robot.motion.adjacency import Pair
@@ -37,8 +38,6 @@ class ContactRequest:
 
     def key(self) -> dict[str, Any]:
         """All that the colliders depend on, as plain data."""
-        from linkwright.stages.mesh.motion_digest import motion_digest
-
         frames = sorted([frame.name, frame.link] for frame in self.robot.frames)
         return {
             "jobs": [[job.link, job.key()] for job in self.jobs],

@@ -24,6 +24,10 @@ from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.pieces import Piece, surface_of
 from linkwright.stages.robot.contact.clearance import engine
 from linkwright.stages.robot.model.robot import Array, Primitive, Robot
+from linkwright.stages.robot.motion.kinematics import link_poses
+from linkwright.stages.robot.motion.pose_batch import many_link_poses, repeated
+from linkwright.stages.robot.motion.pose_samples import sampled_poses
+from linkwright.stages.robot.motion.start_pose import home
 
 MARGIN = 0.002
 """How deep [m] colliders of two links may be in each other that are this far apart."""
@@ -142,11 +146,6 @@ def _content(surface: Surface, starts: Sequence[Sequence[Chunk]]) -> bytes:
 
 def _poses(robot: Robot, bodies: Sequence[Touchable], surfaces: Sequence[Surface]) -> list[Array]:
     """root_from_link (n, 4, 4) of each body, at `home` first."""
-    from linkwright.stages.robot.motion.kinematics import link_poses
-    from linkwright.stages.robot.motion.pose_batch import many_link_poses, repeated
-    from linkwright.stages.robot.motion.pose_samples import sampled_poses
-    from linkwright.stages.robot.motion.start_pose import home
-
     start = home(robot)
     placed = link_poses(robot, start)
     corners = [

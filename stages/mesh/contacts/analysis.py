@@ -11,6 +11,7 @@ import numpy as np
 import orjson
 
 from linkwright.stages.mesh.contacts.by_source import source_excludes
+from linkwright.stages.mesh.contacts.colliders import Colliders
 from linkwright.stages.mesh.contacts.narrow import Mask, narrowed
 from linkwright.stages.mesh.motion_digest import motion_digest
 from linkwright.stages.robot import codec
@@ -19,6 +20,10 @@ from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.model.geometry import ColliderFigures, Exclude, ExcludeReason, Shape, Touch
 from linkwright.stages.robot.model.robot import Array, Configuration, Robot
 from linkwright.stages.robot.motion.adjacency import Pair, adjacent_pairs
+from linkwright.stages.robot.motion.kinematics import link_poses
+from linkwright.stages.robot.motion.pose_batch import count_of, many_link_poses
+from linkwright.stages.robot.motion.pose_samples import sampled_poses
+from linkwright.stages.robot.motion.start_pose import home
 from linkwright.stages.robot.text.globs import as_key, listed
 from linkwright.stages.robot.text.plural import count
 
@@ -115,10 +120,6 @@ def _found(
     """As plain data. `held`: the given pairs that touch at `home`, with the depth [m]; `always`: the excludes
     of those others that touch in every sampled pose too; `free`: the rest of what touches at `home`.
     Without a `search` nothing is excluded that is not given."""
-    from linkwright.stages.mesh.contacts.colliders import Colliders
-    from linkwright.stages.robot.motion.kinematics import link_poses
-    from linkwright.stages.robot.motion.start_pose import home
-
     colliders = Colliders(shapes, files)
     start = home(robot)
     poses = link_poses(robot, start)
@@ -158,9 +159,6 @@ def _always(
     `depths`: of the pairs that touch at `start`, there."""
     if not depths:
         return
-    from linkwright.stages.robot.motion.pose_batch import count_of, many_link_poses
-    from linkwright.stages.robot.motion.pose_samples import sampled_poses
-
     values = sampled_poses(robot, POSES, colliders.span(), start)
     poses = many_link_poses(robot, values)
     labels: dict[str, list[Hashable]] = {}

@@ -54,6 +54,7 @@ def _pieces(body: Surface, tolerance: float, arguments: dict[str, Any]) -> list[
         return []
     if body.diagonal < tolerance or hull.volume() <= _CONVEX * body.volume():
         return [hull.vertices]
+    # Late: only what planes do not cut needs CoACD.
     import coacd
 
     coacd.set_log_level("error")

@@ -20,6 +20,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Literal
 
+from linkwright.stages.mesh.fit import balls, capped, kinds
+from linkwright.stages.mesh.fit.kinds import best_within, subject_of
+from linkwright.stages.mesh.fit.outline import outline_of
+
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
@@ -50,8 +54,6 @@ def fits(
     The error [m] is the least tolerance that the fit meets, as some hundred points of its surface tell:
     of a narrow deep hole they may miss the depth.
     """
-    from linkwright.stages.mesh.fit.kinds import best_within, subject_of
-
     subject = subject_of(surface)
     if subject is not None:
         found = (best_within(kind, subject, within) for kind in kinds)
@@ -61,8 +63,6 @@ def fits(
 def fittest(surface: Surface, target: Engine = "mujoco") -> Primitive | None:
     """Of the best fits of all kinds the one with the least error, of equal ones the cheapest; None of what
     lies in a plane."""
-    from linkwright.stages.mesh.fit import kinds
-
     subject = kinds.subject_of(surface)
     if subject is None:
         return None
@@ -77,8 +77,6 @@ def fit_one(
     `size`: lengths as a `Primitive` has them, where the user says them; None among them is free. A box of
     given lengths stands along x, y and z.
     """
-    from linkwright.stages.mesh.fit import kinds
-
     subject = kinds.subject_of(surface)
     if subject is None:
         return None
@@ -88,15 +86,10 @@ def fit_one(
 def spheres(surface: Surface, tolerance: float, most: int = 64) -> tuple[Primitive, ...]:
     """At most `most` spheres whose union neither stands out of a part nor leaves it bare by more than
     `tolerance` [m], or by as little more as so many can; none of what lies in a plane."""
-    from linkwright.stages.mesh.fit import balls
-    from linkwright.stages.mesh.fit.outline import outline_of
-
     outline = outline_of(surface)
     return balls.spheres(outline, surface.closed(), tolerance, most) if outline else ()
 
 
 def capped_hull(surface: Surface, max_vertices: int = 64) -> Surface | None:
     """The convex hull with at most `max_vertices` (≥ 4) vertices, of least error; None where it is flat."""
-    from linkwright.stages.mesh.fit import capped
-
     return capped.capped_hull(surface, max_vertices)

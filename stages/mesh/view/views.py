@@ -13,6 +13,7 @@ PICTURES = "pictures.json"
 
 def views(geometry: Geometry, memo: Memo) -> dict[str, bytes]:
     """The pictures of links whose colliders were judged, by file name; no file where none was."""
+    # Late: only a page that shows colliders needs it.
     from linkwright.stages.mesh.view.pictures import pictures
 
     drawn = pictures(geometry, memo)

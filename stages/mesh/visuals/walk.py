@@ -39,6 +39,7 @@ class WalkedSurface:
 
     @staticmethod
     def of(surface: Surface) -> "WalkedSurface":
+        # Late: a part that was made before is not made again, and needs no library that makes.
         from scipy.spatial import cKDTree
 
         corners = surface.corners

@@ -61,6 +61,7 @@ def engine() -> DistanceEngine:
 
 class _Coal:
     def __init__(self) -> None:
+        # Late: one of the two is installed.
         import coal
 
         self._coal = coal
@@ -107,6 +108,7 @@ class _Coal:
 
 class _Fcl:
     def __init__(self) -> None:
+        # Late: one of the two is installed.
         import fcl
 
         self._fcl = fcl

@@ -2,6 +2,9 @@
 
 from linkwright.stages.robot.model.actuation import Actuation
 from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.robot.motion.couplings import Couplings, nearest_first
+from linkwright.stages.robot.motion.pose_batch import repeated
+from linkwright.stages.robot.motion.start_pose import home
 
 
 def passive_dofs(robot: Robot, written: Robot, actuation: Actuation) -> tuple[str, ...]:
@@ -15,10 +18,6 @@ def passive_dofs(robot: Robot, written: Robot, actuation: Actuation) -> tuple[st
     said = {*robot.semantics.passive} - followers
     if not robot.loops:
         return tuple(one.name for one in robot.dofs if one.name in said)
-    from linkwright.stages.robot.motion.couplings import Couplings, nearest_first
-    from linkwright.stages.robot.motion.pose_batch import repeated
-    from linkwright.stages.robot.motion.start_pose import home
-
     couplings = Couplings(robot, repeated(home(robot), 1))
     rest = couplings.in_loops - followers - set(couplings.independent(nearest_first(robot)))
     return tuple(one.name for one in robot.dofs if one.name in rest | said)

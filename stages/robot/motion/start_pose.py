@@ -7,9 +7,11 @@ import numpy as np
 
 from linkwright.stages.robot.model.poses import at_rest, from_parts, rotation_from_quat
 from linkwright.stages.robot.model.robot import Array, Configuration, Robot, Value
+from linkwright.stages.robot.motion.closing import Closer
 from linkwright.stages.robot.motion.dof_ranges import ranges
 from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
 from linkwright.stages.robot.motion.loops import CLOSED, across, closing, gap
+from linkwright.stages.robot.motion.pose_batch import repeated
 
 _ROUNDING = 1e-12
 """A value that is outside its limits by less, or by that share of it, is within them."""
@@ -116,9 +118,6 @@ def nearest_closed(
     robot: Robot, start: Configuration, near: Configuration, given: Mapping[str, float]
 ) -> dict[str, Value]:
     """The configuration with closed loops that is nearest to `near`; `start` where there is none."""
-    from linkwright.stages.robot.motion.closing import Closer
-    from linkwright.stages.robot.motion.pose_batch import repeated
-
     closer = Closer(robot, held=given)
     values = closer.nearest(repeated(start, 1), repeated(near, 1))
     values, closed = closer.settled(values)

@@ -58,10 +58,12 @@ def _end_with(parent: int) -> None:
     """The kernel ends this process with the `parent` process (Linux), whatever code runs in it by then; a
     crash leaves no file."""
     if hasattr(signal, "setitimer"):
+        # Late: POSIX only.
         import resource
 
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     if sys.platform == "linux":
+        # Late: POSIX only.
         import ctypes
 
         ctypes.CDLL(None).prctl(1, int(signal.SIGKILL))  # PR_SET_PDEATHSIG

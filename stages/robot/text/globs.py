@@ -3,6 +3,7 @@
 import json
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from difflib import get_close_matches
 from fnmatch import fnmatchcase
 
 _SHOWN = 20
@@ -30,8 +31,6 @@ def fits(name: str, glob: str) -> bool:
 
 def did_you_mean(name: str, known: Iterable[str], most: int = 1) -> str:
     """A question with the nearest of the known names, the nearest first; "" where none is near."""
-    from difflib import get_close_matches
-
     near = get_close_matches(name, list(known), most)
     return f"did you mean {' or '.join(near)}?" if near else ""
 

@@ -14,6 +14,7 @@ VIEWS = (PICTURE, OUTLINE, NARROW_OUTLINE, TABLES)
 
 def views(robot: "Robot") -> dict[str, bytes]:
     """The picture, the outlines and the tables, by file name."""
+    # Late: what was drawn before is not drawn again.
     from linkwright.stages.show.graph_view.outline import NARROW, outline
     from linkwright.stages.show.graph_view.picture import draw
     from linkwright.stages.show.graph_view.tables import tables

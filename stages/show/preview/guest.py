@@ -64,6 +64,7 @@ def _small(large: Pixels) -> bytes:
 
 def _turn(scene: LitRobot) -> bytes:
     """The robot as it turns once, and again."""
+    # Late: only a turn needs it.
     from linkwright.stages.show.preview.webp import encode
 
     framed = swept(scene)

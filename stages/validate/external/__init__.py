@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from linkwright.stages.robot.errors import ConfigError
 from linkwright.stages.validate.external.tool import Tool
 
 if TYPE_CHECKING:
@@ -26,8 +27,6 @@ TOOLS = {
 
 def require(names: Sequence[str], environ: Mapping[str, str]) -> None:
     """ConfigError for a checker that is asked for and is not installed."""
-    from linkwright.stages.robot.errors import ConfigError
-
     absent = [TOOLS[name] for name in names if TOOLS[name].command(environ) is None]
     if absent:
         commands = " and ".join(one.program for one in absent)
@@ -53,6 +52,7 @@ def check_externally(
     """The verdict of each checker on each file in `folder` that it reads; `robot` is the robot's name."""
     if not names:
         return ()
+    # Late: most builds ask no other checker.
     from linkwright.stages.validate.external.run import checks
 
     return tuple(checks(folder, robot, [TOOLS[name] for name in names], environ))

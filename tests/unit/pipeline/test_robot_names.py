@@ -2,7 +2,6 @@
 
 import pytest
 
-import linkwright.stages.mesh
 from linkwright.pipeline.run.build import build
 from linkwright.stages.robot.errors import LinkwrightError, MeshError
 from tests.support.building import plan_of
@@ -39,7 +38,7 @@ def test_unknown_names_are_told_together_before_the_meshes(tmp_path, monkeypatch
     def made(*_):
         raise MeshError("the meshes are made")
 
-    monkeypatch.setattr(linkwright.stages.mesh, "make_geometry", made)
+    monkeypatch.setattr("linkwright.pipeline.stages.stage.make_geometry", made)
     plan = plan_of(**ASKED, until=until, output=str(tmp_path / "arm"), cache={"dir": str(tmp_path / "cache")})
     with pytest.raises(LinkwrightError) as caught:
         build(plan, environ={})
@@ -52,7 +51,7 @@ def test_names_that_the_robot_has_reach_the_meshes(tmp_path, monkeypatch):
     def made(*_):
         raise MeshError("the meshes are made")
 
-    monkeypatch.setattr(linkwright.stages.mesh, "make_geometry", made)
+    monkeypatch.setattr("linkwright.pipeline.stages.stage.make_geometry", made)
     keys = {
         "actuators": {"elbow": "position"},
         "sensors": {"angles": {"type": "joint", "joints": "el*"}, "tool": "imu", "a": {"type": "actuator"}},

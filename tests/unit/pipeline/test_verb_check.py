@@ -128,7 +128,7 @@ def test_what_a_check_breaks_over_is_one_check_that_fails(
 
     broken = [replace(check, function=breaks) if check.title == "joints" else check for check in MODEL_CHECKS]
     monkeypatch.setattr("linkwright.stages.validate.checks.MODEL_CHECKS", broken)
-    monkeypatch.setattr("linkwright.pipeline.checking.ask.checked", checked)
+    monkeypatch.setattr("linkwright.pipeline.verbs.check.checked", checked)
     found = table([str(folder / "robot.urdf")], capsys, 3)
     assert [one["name"] for one in found["checks"] if not one["passed"]] == ["robot.urdf: joints"]
     (broken,) = [one for one in found["checks"] if not one["passed"]]

@@ -8,8 +8,9 @@ import pytest
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.mujoco.trial import Trial
 from linkwright.stages.robot.check import Check
-from linkwright.stages.validate.bare import check_bare, start
+from linkwright.stages.validate.bare import start
 from linkwright.stages.validate.bare.mjcf_figures import figures
+from linkwright.stages.validate.bare.run import check_bare
 from linkwright.stages.validate.dynamics.mujoco_abilities import reads_mimic
 from tests.support.building import plan_of, write
 from tests.support.checked import checked

@@ -167,6 +167,7 @@ def _dotenv(path: Path) -> dict[str, str]:
     # A pipe or a device of that name is nobody's: it may block, or never end.
     if not regular_files.is_file(path):
         return {}
+    # Late: only where there is such a file.
     from dotenv import dotenv_values
 
     try:

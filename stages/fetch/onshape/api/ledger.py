@@ -145,6 +145,7 @@ def _append(path: Path, line: bytes) -> None:
         with contextlib.suppress(OSError, AttributeError):  # not on every system
             _close_to_others(handle, path.parent.parent)
         with contextlib.suppress(ImportError, OSError):
+            # Late: POSIX only.
             import fcntl
 
             fcntl.flock(handle, fcntl.LOCK_EX)

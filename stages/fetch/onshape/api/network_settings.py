@@ -60,6 +60,7 @@ def _require_certificates(environ: Mapping[str, str]) -> None:
     file, folder = environ.get(CERTIFICATES, ""), environ.get(FOLDER, "")
     hint = "name a file of PEM certificates, or unset it: those that come with Python packages count then"
     if file:
+        # Late: an unchanged source is not read again.
         import ssl
 
         why = "" if Path(file).is_file() else f"{file} is not a file"

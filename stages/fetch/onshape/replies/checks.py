@@ -29,10 +29,12 @@ def accepted(request: str, body: bytes) -> bytes:
         compact.check(body)
         return body
     if is_triangles(request):
+        # Late: an unchanged source is not read again.
         from linkwright.stages.fetch.onshape.triangles import faces
 
         return faces.compact(body)
     if is_gltf(request):
+        # Late: an unchanged source is not read again.
         from linkwright.stages.formats.meshes import gltf
 
         gltf.read(body)
@@ -47,6 +49,7 @@ def compacted(request: str, body: bytes, mass: bytes) -> bytes:
     `mass`: the reply with the mass properties of the part studio, which identifies the bodies of a glTF.
     """
     if is_gltf(request) and not compact.is_compact(body):
+        # Late: an unchanged source is not read again.
         from linkwright.stages.fetch.onshape.triangles import gltf_parts
 
         return gltf_parts.compact(body, mass)

@@ -99,6 +99,7 @@ def _apart(ones: Sequence[float], others: Sequence[float]) -> _Array:
 
 def _pairs(costs: _Array) -> tuple[list[tuple[int, int]], float]:
     """The unambiguous pairs (mesh, part) of the best assignment, and its total cost."""
+    # Late: an unchanged source is not read again.
     from scipy.optimize import linear_sum_assignment
 
     if not costs.size:

@@ -131,6 +131,7 @@ _PREPARED = {"stl": _whole, "obj": _utf8, "dae": cleaned}
 
 
 def _scene(data: bytes, kind: str, files: Mapping[str, bytes]) -> Any:
+    # Late: only formats that are not STL need trimesh, which takes a while to import.
     import trimesh
     from trimesh.resolvers import Resolver
 
@@ -154,6 +155,7 @@ def _scene(data: bytes, kind: str, files: Mapping[str, bytes]) -> Any:
             raise NotImplementedError
 
     if kind == "dae":
+        # Late: only formats that are not STL need trimesh, which takes a while to import.
         from trimesh.exchange import dae
 
         load: Any = dae.load_collada

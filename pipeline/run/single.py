@@ -1,0 +1,48 @@
+"""One build by the command line: again where nothing changed, else anew."""
+
+import os
+import sys
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from linkwright.pipeline import observed
+from linkwright.pipeline.options import Command
+from linkwright.pipeline.report import Report
+from linkwright.pipeline.run import unchanged
+from linkwright.pipeline.terminal.closing import show
+from linkwright.pipeline.terminal.progress import Quiet, progress_for
+
+if TYPE_CHECKING:
+    from linkwright.pipeline.config.plan import Plan
+
+
+def single(command: Command, build: "Callable[[Plan], Report] | None" = None) -> int:
+    """Builds what a command line says, prints what came of it, and returns the exit status. `build` replaces
+    the real build in tests."""
+    if build is not None:
+        return build(_plan(command)).exit_status
+    progress = Quiet() if command.detail == "errors" else progress_for(sys.stderr)
+    action = unchanged.action_of(command)
+    report = unchanged.again(action, command, progress)
+    if report is None:
+        # Late: an unchanged build needs none of it.
+        from linkwright.pipeline.run.build import build_files
+
+        with observed.recording(action.key) as seen:
+            plan = _plan(command)
+            if not (plan.plugins or plan.validate.external):
+                # Nothing here draws with MuJoCo, which else starts a process to look for a window library.
+                os.environ.setdefault("MUJOCO_GL", "disable")
+            built = build_files(plan, progress)
+        unchanged.remember(action, command, seen, built)
+        report = built.report
+    show(report, sys.stdout, command.detail)
+    return report.exit_status
+
+
+def _plan(command: Command) -> "Plan":
+    # Late: they import Hydra and pydantic.
+    from linkwright.pipeline.config.compose import compose_plan
+    from linkwright.pipeline.run.preflight import plan_problems
+
+    return compose_plan(command.overrides, command.config_dirs, judge=plan_problems).plan
