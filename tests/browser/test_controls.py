@@ -8,6 +8,8 @@ from tests.browser.conftest import SIZE, write_page
 from tests.browser.models import ALL_JOINTS, CARRIED, FOUR_BAR, HELD, chain, model_of, renamed, small_pack
 from tests.browser.words import complaints, opened, shown, word
 
+pytestmark = pytest.mark.slow
+
 HOSTILE = '</script><img src=x onerror="window.broken=1">&amp;\'"'
 
 

@@ -8,6 +8,8 @@ from tests.browser.packs import pack_of, packed
 from tests.browser.webdriver import Browser
 from tests.browser.words import complaints, shown, word
 
+pytestmark = pytest.mark.slow
+
 
 def test_without_webassembly_the_sliders_pose_the_robot(page_of):
     with Browser("--js-flags=--jitless") as browser:

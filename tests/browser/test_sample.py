@@ -9,6 +9,8 @@ import pytest
 from tests.browser.words import complaints, opened, word
 from tests.support.command import environment, linkwright
 
+pytestmark = pytest.mark.slow
+
 LARGEST = 5e6
 """Bytes of the sample's page."""
 

@@ -81,6 +81,7 @@ def test_globs_of_a_preset_match_nothing_with_a_word_and_no_error(tmp_path: Path
     assert places == set(GLOB_KEYS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "key", ["joints", "mass.parts", "geoms", "contact.exclude", "actuators", "sensors", "names.links"]
 )

@@ -215,6 +215,7 @@ def test_the_yaml_of_a_row_is_taken(tmp_path: Path, one: Row) -> None:
     assert holds(composed(tmp_path, one.yaml).tree(), yaml.safe_load(one.yaml))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", EFFECTS)
 def test_a_row_has_the_effect_that_it_claims(tmp_path: Path, cache: Path, name: str) -> None:
     (one,) = (one for one in EVERY if one.theirs[0] == name)

@@ -80,6 +80,7 @@ OUTSIDE = [
 
 
 # One judge looks at all files, so the robot's has every place, and the others have a few.
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "place"),
     [*(("robot", place) for place in OUTSIDE), *product(KINDS[1:], ("/etc", "../out", "${vars.at}/arm"))],

@@ -51,6 +51,7 @@ ENTRIES = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("file", "entry"),
     [

@@ -18,6 +18,8 @@ from tests.support.checklist import Built, Point, compiled, simulated, text
 from tests.support.command import called, environment
 from tests.support.other_robots import FILES, is_here, source_of
 
+pytestmark = pytest.mark.slow
+
 STILL = (*text.POINTS, *compiled.POINTS)
 """Points for any robot, also for one that cannot hold itself."""
 

@@ -11,6 +11,8 @@ from tests.support.command import COMMAND, environment, linkwright
 from tests.support.terminal import Terminal
 from tests.support.users import MY_ARM, write
 
+pytestmark = pytest.mark.slow
+
 START = {
     "bash": ["bash", "-i"],
     "zsh": ["zsh", "-i"],

@@ -43,6 +43,7 @@ def test_a_hostile_robot_is_refused_and_leaves_nothing(tmp_path: Path, name: str
     assert tree(tmp_path) == before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("file", ["hydra_plugins/evil.py", "conf/__init__.py", "pipeline/__init__.py"])
 def test_modules_in_the_working_folder_are_not_imported(tmp_path: Path, file: str) -> None:
     (tmp_path / file).parent.mkdir()

@@ -37,6 +37,7 @@ def session(here: Path, *arguments: str) -> Terminal:
     return Terminal([str(COMMAND), *arguments], here, environment(here, REACH="0.03"))
 
 
+@pytest.mark.slow
 def test_a_sweep_shows_its_jobs_and_a_table_with_figures(here: Path) -> None:
     with session(here, "-m", "+experiment=wide", "depth=flexible,rigid", "until=graph") as terminal:
         shown = terminal.until("4 of 4 jobs built and valid: outputs/my_arm_wide.sweep")

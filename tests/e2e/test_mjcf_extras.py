@@ -16,7 +16,7 @@ from tests.support.building import plan_of
 from tests.support.command import called
 from tests.support.mjcfs import built, model, written
 
-pytestmark = pytest.mark.usefixtures("guests_at_home", "no_score")
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("guests_at_home", "no_score")]
 
 
 def scene(folder: Path, world: str, more: str = "", **keys: Any) -> Any:

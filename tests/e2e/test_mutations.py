@@ -58,6 +58,7 @@ def called(one: Kind) -> str:
     return f"{one.file}: {one.name}"
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("fewer_checks", "no_score")
 @pytest.mark.parametrize("one", KINDS, ids=called)
 def test_a_planted_fault_is_found_and_named(one: Kind, builds: Builds, tmp_path: Path) -> None:

@@ -9,6 +9,8 @@ import yaml
 from linkwright.pipeline.checking.run import checked
 from tests.support.command import called
 
+pytestmark = pytest.mark.slow
+
 ELEMENTS = {
     "mark": {"into": {"tag": "body", "name": "wrist"}, "xml": "<site name='mark' pos='0 0 0.1'/>"},
     "lamp": {

@@ -15,6 +15,8 @@ from tests.fake_onshape.server import OnshapeServer
 from tests.support.command import COMMAND, environment, linkwright
 from tests.support.places import PROJECT
 
+pytestmark = pytest.mark.slow
+
 GIT = ("git", "-c", "user.name=a", "-c", "user.email=a@b.c")
 LONGER = 0.004
 """m: how much further out the hand is on the wrist."""

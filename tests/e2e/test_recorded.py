@@ -28,7 +28,7 @@ from tests.support.recorded import (
     needs_data,
 )
 
-pytestmark = needs_data
+pytestmark = [pytest.mark.slow, needs_data]
 
 TOLERANCE = 1e-9
 

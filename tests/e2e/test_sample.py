@@ -93,6 +93,7 @@ def test_hash_seed_process_and_bypass_change_no_byte(built: Path, tmp_path: Path
     assert robot_files(tmp_path / "outputs" / "sample") == robot_files(built / "outputs" / "sample")
 
 
+@pytest.mark.slow
 def test_hash_seed_and_bypass_change_no_byte_of_the_rest(plain: dict[str, bytes], tmp_path: Path) -> None:
     arguments = [*PLAIN, "cache.mode=bypass"]
     done = linkwright(tmp_path, *arguments, environ=environment(tmp_path, PYTHONHASHSEED="0"))

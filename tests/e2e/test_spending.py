@@ -17,6 +17,7 @@ from tests.support.command import COMMAND, called, environment, linkwright
 STUDIOS = 4
 
 
+@pytest.mark.slow
 def test_ctrl_c_ends_a_build_whose_server_does_not_answer(tmp_path: Path) -> None:
     """Within seconds, though the triangles would take half a minute; what arrived is not paid again."""
     slow, asked = threading.Event(), threading.Event()

@@ -13,6 +13,8 @@ import pytest
 from tests.support.command import COMMAND, environment, linkwright
 from tests.support.terminal import ESCAPES
 
+pytestmark = pytest.mark.slow
+
 COLUMNS = 80
 
 

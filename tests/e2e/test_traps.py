@@ -14,6 +14,8 @@ from linkwright.stages.validate.external import TOOLS
 from tests.support.command import environment
 from tests.support.places import PROJECT
 
+pytestmark = pytest.mark.slow
+
 AUDITED = """
 import os, sys
 log = open({log!r}, "a", encoding="utf-8")

@@ -14,6 +14,8 @@ import pytest
 from tests.support.command import COMMAND, environment
 from tests.support.places import PROJECT
 
+pytestmark = pytest.mark.slow
+
 OURS = {"conf", "pipeline", "stages", "linkwright", "tests"}
 NAMED = re.compile("import_module$|find_spec$")
 IMPORT = re.compile(r"^\s*(?:import|from)\s+([A-Za-z_]\w*)", re.MULTILINE)

@@ -71,6 +71,7 @@ def test_the_sample_is_one_robot_in_three_files() -> None:
     assert compare(robot_of(sample_document(), plan), plan, 1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "saved", "onto_root"),
     [*((kind, True, kind in ("ball", "pin_slot")) for kind in LOOPS), ("planar", False, True)],

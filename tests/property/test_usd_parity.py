@@ -54,6 +54,7 @@ def test_the_usd_is_the_document(document: Document, root: int, seed: int) -> No
     agree(document, root, seed)
 
 
+@pytest.mark.slow
 @settings(max_examples=3, **SLOWLY)
 @given(documents(everything=True, loops=True), PLACES, PLACES)
 def test_the_usd_has_the_loops_of_the_document(document: Document, root: int, seed: int) -> None:

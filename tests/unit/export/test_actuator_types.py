@@ -81,6 +81,7 @@ GIVEN = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("entry", "field", "index", "value"), GIVEN)
 def test_what_is_given_is_in_the_compiled_model_and_passes_the_checks(
     entry: dict, field: str, index: int, value: float, tmp_path: Path

@@ -123,6 +123,7 @@ def mixed(fixed: bool) -> Robot:
     return robot_with([*joints[:4], *loose, *joints[4:]] if fixed else joints, loops=loops, fixed=fixed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fixed", [True, False])
 @pytest.mark.parametrize("form", ["merge", "keep"])
 def test_of_joints_of_every_type_with_loops_and_fixed_links(fixed: bool, form: str) -> None:
@@ -145,6 +146,7 @@ slowly = {
 }
 
 
+@pytest.mark.slow
 @settings(max_examples=5, **slowly)
 @given(documents(loops=True, max_bodies=8, everything=True), st.sampled_from(["auto", "free"]))
 def test_of_a_few_random_documents(document: Document, base: str) -> None:

@@ -84,6 +84,7 @@ def test_links_are_where_the_robots_own_kinematics_have_them_and_weigh_the_same(
             assert np.abs(mass - by_urdf.mass_matrix(q, own)).max() < TOLERANCE * scale
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", LOOPS)
 def test_a_loop_of_any_type_is_a_joint_that_closes_it_where_the_links_stand(kind) -> None:
     # The saved pose closes the loop, and mate zero does not.

@@ -105,6 +105,7 @@ def test_an_axis_of_any_direction_is_one_of_the_frames(kind, axis, tmp_path) -> 
         assert np.abs(usd.poses({"one_joint": q})["one"] - expected).max() < TOLERANCE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shifted", [False, True])
 @pytest.mark.parametrize("kind", LOOPS)
 def test_a_loop_of_any_type_is_one_joint_that_holds_what_the_mate_holds(kind, shifted, tmp_path) -> None:

@@ -213,6 +213,7 @@ def leaves(value: Any, path: tuple[Any, ...] = ()) -> Any:
         yield path
 
 
+@pytest.mark.slow
 def test_no_value_of_a_wrong_type_is_anything_but_a_named_error() -> None:
     """Each value in its turn as a text, a table, or nothing: it is refused with its name, or not read."""
     table = json.loads(text(whole(0)))

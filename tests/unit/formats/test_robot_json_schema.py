@@ -78,6 +78,7 @@ def test_a_robot_of_an_mjcf_is_as_the_schema_says(case: str, tmp_path: Path) -> 
     assert holds((tmp_path / "out/robot.json").read_bytes())["mjcf"]["bodies"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "place"),
     [

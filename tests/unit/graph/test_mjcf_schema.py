@@ -403,6 +403,7 @@ def base() -> Robot:
     return robot_of(etree.fromstring(BASE))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("where", "attributes"), walked(), ids=["/".join(where) for where, _ in walked()])
 def test_each_attribute_is_carried_over_or_named(where: Where, attributes: list[str], base: Robot) -> None:
     assert lost(where, attributes, base) == []

@@ -102,6 +102,7 @@ def test_a_bracket_is_two_boxes() -> None:
     assert np.min([signed_distance(one, points) for one in boxes], axis=0).max() <= made.tolerance
 
 
+@pytest.mark.slow
 def test_what_is_hollow_is_decomposed_and_stays_hollow() -> None:
     tube = trimesh.creation.annulus(0.02, 0.03, 0.04, sections=48)
     made = climbed(surface_of(tube))
@@ -117,6 +118,7 @@ def test_what_is_hollow_is_decomposed_and_stays_hollow() -> None:
                 assert (normals @ [0, 0, height] - heights).max() > 0.017
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("most", "rung"), [(2, "hull"), (6, "pieces")])
 def test_pieces_that_miss_are_taken_where_they_are_much_nearer_than_the_hull(
     monkeypatch: pytest.MonkeyPatch, most: int, rung: str

@@ -86,6 +86,7 @@ def cases() -> list[Any]:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "collider"), cases())
 def test_a_poisoned_mesh_ends_in_a_collider_or_a_diagnostic(name: str, collider: str) -> None:
     mesh = POISONED[name]()

@@ -24,6 +24,8 @@ from tests.support.places import PROJECT
 from tests.support.processes import gone
 from tests.unit.mesh.test_decompose import BRACKET, CLAMP, RING
 
+pytestmark = pytest.mark.slow
+
 
 def made(surface):
     return lambda guest: improved(task(surface), guest)

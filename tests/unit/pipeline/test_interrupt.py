@@ -105,6 +105,7 @@ def test_a_second_signal_while_the_first_is_reported_changes_nothing():
     assert (done.returncode, done.stderr) == (130, "error: interrupted\n")
 
 
+@pytest.mark.slow
 def test_it_waits_until_the_import_of_a_compiled_module_ends():
     code = """
 def heard(event, arguments):

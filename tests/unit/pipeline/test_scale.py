@@ -125,6 +125,7 @@ pytestmark = pytest.mark.usefixtures("guests_at_home")
 FILES = [fixed_chain, dummy_chain, dummy_star, carrier_chain, mimic_chain, mjcf_star]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("make", "size"),
     [

@@ -97,6 +97,7 @@ def test_a_robot_is_like_itself(robot):
     assert compare(robot, copy.deepcopy(robot)) == ()
 
 
+@pytest.mark.slow
 def test_no_change_of_any_value_is_lost(robot):
     """Each value of robot.json in its turn, but those that only say where it comes from."""
     paths = [path for path in leaves(robot) if path[0] != "order"]

@@ -167,6 +167,7 @@ def test_one_that_grew_died_or_talked_since_is_asked_no_more(counted, word):
     assert processes.gone([first])
 
 
+@pytest.mark.slow
 def test_the_time_is_that_of_each_request(asked, monkeypatch):
     """The kernel's limit too."""
     monkeypatch.setattr(guest, "_PATIENCE", 0.2)

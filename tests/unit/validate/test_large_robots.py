@@ -29,7 +29,7 @@ from tests.support.checked import checked
 from tests.support.robots import at, joint, robot_with
 from tests.support.touching import ball, geometry_of, model_of
 
-pytestmark = pytest.mark.usefixtures("no_score")
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("no_score")]
 
 MANY = WHOLE + 20
 

@@ -261,6 +261,7 @@ def every_kind(root: str = "base", fixed: bool = True) -> Robot:
 PLACED = {"pose": {"xyz": [1, 2, 3], "rpy": [0.1, 0.2, 0.3]}}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("root", "fixed"), [("base", True), ("base", False), ("world", True)])
 def test_every_type_of_joint_and_loop_passes_every_check(root: str, fixed: bool, tmp_path: Path) -> None:
     robot = every_kind(root, fixed)

@@ -100,6 +100,7 @@ def test_what_does_not_pass_is_reported_and_what_arrived_is_kept(fetching, right
     assert_resumes(fetching, right, met)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize("fault", {**PASSING, **SLOW})
 def test_what_never_passes_is_reported_after_a_few_attempts(fetching, right, fault, place):

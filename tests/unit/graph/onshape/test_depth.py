@@ -322,6 +322,7 @@ def test_hidden_instances_are_reported_by_name_up_to_ten(kit: Kit) -> None:
     assert log.found[0].message.count("Bolt") == 10
 
 
+@pytest.mark.slow
 def test_large_assemblies_are_merged_in_time_linear_in_their_size() -> None:
     """Counted, not timed: looking up the root of an occurrence, the unit of all the work."""
     import networkx as nx

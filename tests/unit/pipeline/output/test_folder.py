@@ -126,6 +126,7 @@ def test_siblings_lie_beside_and_are_removed_only_if_ours(tmp_path):
     assert content(output.target) == build(b"1")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 def test_a_kill_at_every_step_leaves_the_old_or_the_new_build_whole(tmp_path):
     Output(tmp_path / "warm" / "arm").publish(build(b"0"))  # so that late imports are no steps

@@ -166,6 +166,7 @@ def test_a_new_an_empty_and_our_own_folder_is_replaced(tmp_path, put, overwrite)
     assert (tmp_path / "arm" / "arm.xml").read_bytes() == b"1"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 def test_a_swap_that_was_cut_short_is_mended_at_each_step(tmp_path):
     Output(tmp_path / "warm").publish(BUILD)  # so that late imports are no steps
