@@ -99,7 +99,7 @@ def test_it_is_drawn_beside_the_checks_and_ends_with_the_build(make, monkeypatch
         raise end
 
     monkeypatch.setattr(ask, "drawn", slowly)
-    monkeypatch.setattr("linkwright.stages.validate.validate", checks)
+    monkeypatch.setattr("linkwright.pipeline.stages.stage.validate", checks)
     with pytest.raises(type(end) if isinstance(end, Exception) else end):
         make(until="validate")
     assert halted.is_set()
