@@ -28,7 +28,7 @@ _LARGE = "look for large counts or sizes, models in models, or a file that inclu
 def answer(request: bytes) -> bytes:
     """To {"place", "level"}: the verdict, as `wire` has it. SourceError where the files cannot be read, or
     need more time or memory than their sizes explain."""
-    # Late: after the limits of this process are set.
+    # Late: it takes a while, and only a guest that checks needs it.
     from linkwright.pipeline.checking.run import checked
     from linkwright.stages.validate.reading.admission import admitted
 
@@ -55,7 +55,7 @@ def _limit(seconds: float, memory: int) -> None:
     addresses for each of its threads. Not on Windows, where the guest's own bounds hold."""
     if not hasattr(signal, "setitimer"):
         return
-    # Late: after the limits of this process are set.
+    # Late: POSIX only.
     import resource
 
     signal.setitimer(signal.ITIMER_PROF, seconds)

@@ -51,14 +51,11 @@ def reader_of(kind: str) -> "MechanismReader":
     # Each reader is imported where a robot has its kind of bundle: they take 35 to 80 ms.
     match kind:
         case "onshape":
-            # Late: a build has one source, and the configuration reads this package and builds nothing.
-            from linkwright.stages.graph.onshape.reader import read_mechanism as reader
+            from linkwright.stages.graph.onshape.reader import read_mechanism as reader  # late, as said
         case "urdf":
-            # Late: a build has one source, and the configuration reads this package and builds nothing.
-            from linkwright.stages.graph.urdf.reader import read_mechanism as reader
+            from linkwright.stages.graph.urdf.reader import read_mechanism as reader  # late, as said
         case "mjcf":
-            # Late: a build has one source, and the configuration reads this package and builds nothing.
-            from linkwright.stages.graph.mjcf.reader import read_mechanism as reader
+            from linkwright.stages.graph.mjcf.reader import read_mechanism as reader  # late, as said
         case _:
             msg = f"unknown kind of bundle {kind!r}: expected one of onshape, urdf, mjcf"
             raise ProtocolError(msg, hint="make the bundle again")

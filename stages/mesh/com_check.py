@@ -101,7 +101,7 @@ def outside(points: Points, point: Array) -> float:
 
     Points may lie in a plane, on a line or in one place: then the distance from that counts too.
     """
-    # Late: a part that was made before is not made again, and needs no library that makes.
+    # Late: a part from the cache needs no library that makes colliders or decimates.
     from scipy.spatial import ConvexHull
 
     if len(points) > _MANY and not outside(points[:: len(points) * 2 // _MANY], point):

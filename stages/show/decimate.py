@@ -43,7 +43,7 @@ class Simplifiable:
     @staticmethod
     def of(surface: Surface, colour_of: npt.NDArray[np.int64], colours: int = 1) -> "Simplifiable":
         """`colour_of` (m,): the colour of each triangle, below `colours`."""
-        # Late: a part that was made before is not made again, and needs no library that makes.
+        # Late: a part from the cache needs no library that makes colliders or decimates.
         from manifold3d import Error, Manifold, Mesh64
 
         points, triangles, sources = _closed(surface)
@@ -115,7 +115,7 @@ def _cut(surface: Surface) -> tuple[Triangles, Triangles]:
     """The triangles with a vertex of its own for each fan of triangles around a point, and the edges (k, 2)
     of its border: a triangle goes on across an edge only where exactly one other one runs through it the
     other way."""
-    # Late: a part that was made before is not made again, and needs no library that makes.
+    # Late: a part from the cache needs no library that makes colliders or decimates.
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -144,7 +144,7 @@ def _cut(surface: Surface) -> tuple[Triangles, Triangles]:
 
 def _apexes(points: Points, border: Triangles, surface: Surface) -> tuple[Points, npt.NDArray[np.int64]]:
     """A point beside each loop of the border, as far away as the surface is large; the loop of each edge."""
-    # Late: a part that was made before is not made again, and needs no library that makes.
+    # Late: a part from the cache needs no library that makes colliders or decimates.
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 

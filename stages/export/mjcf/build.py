@@ -10,7 +10,7 @@ from linkwright.stages.export.writer import Case, FormatFiles, WriterInput
 
 
 def write(given: WriterInput) -> FormatFiles:
-
+    """The files of the format, with what they lose of the robot."""
     written = given.written
     model, scene = MjcfFormatSection.paths(written.robot.name)
     kept_apart = filters(written.as_mjcf.robot, written.mjcf_shapes)

@@ -13,7 +13,6 @@ FOLDER = "python"
 
 def write(given: WriterInput) -> FormatFiles:
     """Its files, with copies of all that the other formats have, and of robot.json."""
-
     robot = given.written.robot.name
     keys = given.keys.export.python or PythonFormatSection()
     package, folder = _names(given)
@@ -29,7 +28,6 @@ def write(given: WriterInput) -> FormatFiles:
 
 def package_record(given: WriterInput) -> dict[str, PackageRecord]:
     """What robot.json tells of the package, which holds it."""
-
     package, folder = _names(given)
     place = f"{FOLDER}/{module_of(package)}/{folder}"
     return {"python": PackageRecord(package, VERSION, place)}
@@ -37,7 +35,6 @@ def package_record(given: WriterInput) -> dict[str, PackageRecord]:
 
 def _names(given: WriterInput) -> tuple[str, str]:
     """The name of the package, and that of the folder of the robot's files in its module."""
-
     robot, urdf = given.written.robot.name, given.keys.export.urdf
     keys = given.keys.export.python or PythonFormatSection()
     # Who looks for package:// looks for a folder of that name.

@@ -13,8 +13,6 @@ class PythonWriter:
 
     def write(self, given: WriterInput) -> FormatFiles:
         # Late: the table of writers is read by builds that write nothing.
-        from linkwright.stages.export.python.build import (
-            write,  # where the format is written, not for each plan
-        )
+        from linkwright.stages.export.python.build import write
 
         return write(given)

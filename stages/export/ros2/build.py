@@ -35,7 +35,6 @@ class Driven:
 
 def write(given: WriterInput) -> FormatFiles:
     """Its files, with copies of the meshes, and those of MoveIt's package beside it."""
-
     robot = given.written.robot
     keys = given.keys.export.ros2 or Ros2FormatSection()
     package = keys.package or package_of(robot.name)
@@ -58,7 +57,6 @@ def _files(
     given: WriterInput, package: str, description: Description, driven: Driven
 ) -> list[tuple[str, bytes]]:
     """(path in the package, bytes)."""
-
     name = given.written.robot.name
     own = macro_of(name)
     parts = f"{name}_macro.xacro", f"{name}.ros2_control.xacro"
@@ -101,7 +99,6 @@ def _beside(
     given: WriterInput, package: str, description: Description, semantics: Semantics, driven: Driven
 ) -> dict[str, bytes]:
     """The files of MoveIt's package by path: none where the configuration wants none, or nothing moves."""
-
     name, keys = given.written.robot.name, given.keys.export.ros2 or Ros2FormatSection()
     if not keys.moveit or not semantics.groups:
         return {}

@@ -17,8 +17,6 @@ class Ros2Writer:
 
     def write(self, given: WriterInput) -> FormatFiles:
         # Late: the table of writers is read by builds that write nothing.
-        from linkwright.stages.export.ros2.build import (
-            write,  # where the format is written, not for each plan
-        )
+        from linkwright.stages.export.ros2.build import write
 
         return write(given)

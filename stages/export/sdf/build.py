@@ -12,7 +12,7 @@ from linkwright.stages.formats.sdf.names import sdf_names
 
 
 def write(given: WriterInput) -> FormatFiles:
-
+    """The files of the format, with what they lose of the robot."""
     written, plan = given.written, _plan(given)
     model, config = SdfFormatSection.paths(written.robot.name)
     keys = given.keys.export.sdf or SdfFormatSection()
@@ -26,13 +26,11 @@ def write(given: WriterInput) -> FormatFiles:
 
 def _record(plan: SdfPlan) -> FormatRecord:
     """What robot.json tells of the SDF."""
-
     zeros = {name: as_value(value) for name, value in plan.lowered.moved.items()}
     return FormatRecord(RenamedRecord.from_model(plan.names), zeros)
 
 
 def _plan(given: WriterInput) -> SdfPlan:
-
     robot, geometry = given.written.robot, given.written.shapes
     names = sdf_names(robot)
     lowered = lower(robot, given.written.start, names)

@@ -12,6 +12,7 @@ class SdfWriter:
     modules: tuple[str, ...] = ("linkwright.stages.export.sdf.model",)
 
     def write(self, given: WriterInput) -> FormatFiles:
-        from linkwright.stages.export.sdf.build import write  # where the format is written, not for each plan
+        # Late: the table of writers is read by builds that write nothing.
+        from linkwright.stages.export.sdf.build import write
 
         return write(given)

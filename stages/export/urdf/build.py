@@ -7,7 +7,7 @@ from linkwright.stages.export.writer import Case, FormatFiles, WriterInput
 
 
 def write(given: WriterInput) -> FormatFiles:
-
+    """The files of the format, with what they lose of the robot."""
     written = given.written
     urdf_path, srdf_path = UrdfFormatSection.paths(written.robot.name)
     plan = srdf.plan_of(written)

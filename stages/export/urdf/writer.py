@@ -16,8 +16,6 @@ class UrdfWriter:
 
     def write(self, given: WriterInput) -> FormatFiles:
         # Late: the table of writers is read by builds that write nothing.
-        from linkwright.stages.export.urdf.build import (
-            write,  # where the format is written, not for each plan
-        )
+        from linkwright.stages.export.urdf.build import write
 
         return write(given)

@@ -13,7 +13,7 @@ from linkwright.stages.robot.motion.start_pose import home
 
 
 def write(given: WriterInput) -> FormatFiles:
-
+    """The files of the format, with what they lose of the robot."""
     robot, geometry, plan = given.written.robot, given.written.shapes, _plan(given)
     keys = given.keys.export.usd or UsdFormatSection()
     model, meshes = UsdFormatSection.paths(robot.name)
@@ -28,14 +28,12 @@ def write(given: WriterInput) -> FormatFiles:
 
 def _record(plan: UsdPlan) -> dict[str, FormatRecord]:
     """What `robot.json` tells of the USD: names and zeros that are not the robot's."""
-
     renamed = RenamedRecord.from_model(plan.names) if any(plan.names.changed) else None
     told = FormatRecord(renamed, plan.zeros or None)
     return {} if told == FormatRecord() else {"usd": told}
 
 
 def _plan(given: WriterInput) -> UsdPlan:
-
     robot = given.written.robot
     names = usd_names(robot)
     at_home = home(robot)

@@ -12,6 +12,7 @@ class UsdWriter:
     modules: tuple[str, ...] = ()
 
     def write(self, given: WriterInput) -> FormatFiles:
-        from linkwright.stages.export.usd.build import write  # where the format is written, not for each plan
+        # Late: the table of writers is read by builds that write nothing.
+        from linkwright.stages.export.usd.build import write
 
         return write(given)

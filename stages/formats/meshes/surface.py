@@ -189,7 +189,7 @@ def _nearly_distinct(points: Points) -> tuple[Points, npt.NDArray[np.int64]]:
     pairs = _near_pairs(vertices, _tolerance(size))
     if not len(pairs):
         return vertices, index
-    # Late: a part that was made before is not made again, and needs no library that makes.
+    # Late: a part from the cache needs no library that makes colliders or decimates.
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -220,7 +220,7 @@ def _near_pairs(points: Points, reach: float) -> npt.NDArray[np.int64]:
         if not len(first):
             break
         if step > _MOST_STEPS:
-            # Late: a part that was made before is not made again, and needs no library that makes.
+            # Late: a part from the cache needs no library that makes colliders or decimates.
             from scipy.spatial import cKDTree
 
             pairs = cKDTree(points).query_pairs(reach, output_type="ndarray")

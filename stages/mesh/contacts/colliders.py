@@ -34,7 +34,7 @@ class Colliders:
 
     def __init__(self, shapes: Sequence[Shape], files: Mapping[str, bytes]) -> None:
         """MeshError where MuJoCo refuses one."""
-        # Late: a part that was made before is not made again, and needs no library that makes.
+        # Late: a part from the cache needs no library that makes colliders or decimates.
         import mujoco
 
         self._distance = mujoco.mj_geomDistance
@@ -141,7 +141,7 @@ _OVERLAP = """<mujoco><worldbody><geom type="cylinder" size=".1 .1"/>
 def measures_overlaps() -> bool:
     """Whether MuJoCo finds how deep convex shapes are in each other. Versions 3.3.3 and 3.3.4 do so only
     with their older method, whose depths are up to a half too large."""
-    # Late: a part that was made before is not made again, and needs no library that makes.
+    # Late: a part from the cache needs no library that makes colliders or decimates.
     import mujoco
 
     from linkwright.stages.mujoco.compile import compiled_text
@@ -154,7 +154,7 @@ def measures_overlaps() -> bool:
 
 def _compiled(shapes: Sequence[Shape], files: Mapping[str, bytes]) -> Any:
     """The model of the colliders, each where it is in its link's frame."""
-    # Late: a part that was made before is not made again, and needs no library that makes.
+    # Late: a part from the cache needs no library that makes colliders or decimates.
     from linkwright.stages.mujoco.compile import NotCompiled, compiled_text
 
     root = element(None, "mujoco")

@@ -73,7 +73,7 @@ class Outside:
     @staticmethod
     def of(surface: Surface, radius: float) -> Outside:
         """Of a surface, closed or not, for a ball of this radius [m]."""
-        # Late: a part that was made before is not made again, and needs no library that makes.
+        # Late: a part from the cache needs no library that makes colliders or decimates.
         from scipy.ndimage import distance_transform_edt, label
 
         tree = BoxTree.of(surface)

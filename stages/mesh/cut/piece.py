@@ -73,7 +73,7 @@ class Chunk:
 
 def hull_of(points: Points) -> Any | None:
     """Qhull's hull of points (n, 3); None where it is flat."""
-    # Late: a part that was made before is not made again, and needs no library that makes.
+    # Late: a part from the cache needs no library that makes colliders or decimates.
     from scipy.spatial import ConvexHull, QhullError
 
     if len(points) < 4:

@@ -25,7 +25,7 @@ def spheres(outline: Outline, closed: bool, tolerance: float, most: int) -> tupl
     tolerance, so that it stands out by no more than that. Chosen is always the one that covers most of what
     is still bare. In a surface that is not `closed` they are centred on it.
     """
-    # Late: a part that was made before is not made again, and needs no library that makes.
+    # Late: a part from the cache needs no library that makes colliders or decimates.
     from scipy.spatial.distance import cdist
 
     spots, owners = _spots(outline)

@@ -49,7 +49,7 @@ def _farthest(points: Points, count: int) -> npt.NDArray[np.int64]:
     A point is seldom farther from a larger hull: those that were near to a smaller hull are not looked at
     while another one is farther than they were.
     """
-    # Late: a part that was made before is not made again, and needs no library that makes.
+    # Late: a part from the cache needs no library that makes colliders or decimates.
     from scipy.spatial import ConvexHull
 
     chosen = _start(points)

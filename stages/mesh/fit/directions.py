@@ -68,7 +68,7 @@ class Silhouette:
 
 def silhouettes(outline: Outline) -> list[Silhouette]:
     """A part along each of its directions, but where it is too close to a line."""
-    # Late: a part that was made before is not made again, and needs no library that makes.
+    # Late: a part from the cache needs no library that makes colliders or decimates.
     from scipy.spatial import ConvexHull, QhullError
 
     found = []

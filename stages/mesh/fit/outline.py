@@ -73,7 +73,7 @@ class Outline:
 
 def outline_of(surface: Surface) -> Outline | None:
     """The outline of a surface; None where it lies in a plane."""
-    # Late: a part that was made before is not made again, and needs no library that makes.
+    # Late: a part from the cache needs no library that makes colliders or decimates.
     from scipy.spatial import cKDTree
 
     hull = convex_hull(surface.vertices)

@@ -47,7 +47,7 @@ class Field:
     @staticmethod
     def of(target: Target, tolerance: float) -> Field:
         """Of a part, for distances of some times the tolerance [m], to about a tenth of it."""
-        # Late: a part that was made before is not made again, and needs no library that makes.
+        # Late: a part from the cache needs no library that makes colliders or decimates.
         from scipy.ndimage import distance_transform_edt
 
         pitch = _PITCH * tolerance
@@ -76,7 +76,7 @@ class Field:
         if self.values is None:
             far, exact = outside_part(self.target, points, self.tolerance / 2)
             return np.minimum(np.where(exact, far, 0.0) / self.tolerance, _FARTHEST)
-        # Late: a part that was made before is not made again, and needs no library that makes.
+        # Late: a part from the cache needs no library that makes colliders or decimates.
         from scipy.ndimage import map_coordinates
 
         places = ((points - self.low) / self.pitch).T
@@ -86,7 +86,7 @@ class Field:
 
 def _within(free: npt.NDArray[np.bool_], nodes: Points, target: Target) -> npt.NDArray[np.bool_]:
     """Which of the nodes that are `free` of the surface are inside: all of a region are, or none."""
-    # Late: a part that was made before is not made again, and needs no library that makes.
+    # Late: a part from the cache needs no library that makes colliders or decimates.
     from scipy.ndimage import label
 
     regions, count = label(free)

@@ -121,7 +121,7 @@ class Nearest:
 
     @staticmethod
     def of(tree: BoxTree) -> "Nearest":
-        # Late: a part that was made before is not made again, and needs no library that makes.
+        # Late: a part from the cache needs no library that makes colliders or decimates.
         from scipy.spatial import cKDTree
 
         return Nearest(tree, cKDTree(tree.corners.mean(axis=1)), 2e-5 * tree.diagonal)

@@ -99,7 +99,7 @@ class Cloud:
 
 
 def _together(bodies: Sequence[Any]) -> Any:
-    # Late: a part that was made before is not made again, and needs no library that makes.
+    # Late: a part from the cache needs no library that makes colliders or decimates.
     import manifold3d
 
     if len(bodies) == 1:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 def body_of(surface: Surface) -> Manifold | None:
     """A surface as a body, inside out as it is; None where the library takes it for no manifold, or as
     empty."""
-    # Late: a part that was made before is not made again, and needs no library that makes.
+    # Late: a part from the cache needs no library that makes colliders or decimates.
     from manifold3d import Error, Manifold, Mesh64
 
     points = np.ascontiguousarray(surface.vertices, dtype=np.float64)

@@ -93,7 +93,7 @@ def _without_doubled(surface: Surface) -> Surface:
 
 def _without_cracks(surface: Surface) -> Surface:
     """The surface with the sides of narrow cracks joined, where that leaves fewer edges open."""
-    # Late: a part that was made before is not made again, and needs no library that makes.
+    # Late: a part from the cache needs no library that makes colliders or decimates.
     from scipy.spatial import cKDTree
 
     edges = Edges.of(surface)

@@ -18,7 +18,7 @@ def convex_hull(points: Points) -> Surface | None:
     Points and faces are sorted, and Qhull sees the points sorted, so that their order in the input
     does not matter.
     """
-    # Late: a part that was made before is not made again, and needs no library that makes.
+    # Late: a part from the cache needs no library that makes colliders or decimates.
     from scipy.spatial import ConvexHull, QhullError
 
     corners, _ = distinct(points)

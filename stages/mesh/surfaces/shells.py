@@ -55,7 +55,7 @@ class Edges:
 
 def components(count: int, first: Indices, second: Indices) -> Indices:
     """(count,): which component each node is in, numbered by their first nodes."""
-    # Late: a part that was made before is not made again, and needs no library that makes.
+    # Late: a part from the cache needs no library that makes colliders or decimates.
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 

@@ -39,7 +39,7 @@ class WalkedSurface:
 
     @staticmethod
     def of(surface: Surface) -> "WalkedSurface":
-        # Late: a part that was made before is not made again, and needs no library that makes.
+        # Late: a part from the cache needs no library that makes colliders or decimates.
         from scipy.spatial import cKDTree
 
         corners = surface.corners
