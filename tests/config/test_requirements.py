@@ -2,7 +2,6 @@
 
 import re
 import runpy
-from pathlib import Path
 
 import pytest
 
@@ -16,48 +15,60 @@ PAIRED = ("hydra-core", "omegaconf")
 """Two of their minor versions belong together, so that each next one is a step of its own."""
 
 
-def name_of(requirement: str) -> str:
+def name_of(requirement):
     return re.split(r"[^\w.-]", requirement)[0]
 
 
 @pytest.mark.parametrize("requirement", REQUIREMENTS)
-def test_each_has_a_floor_and_ends_before_a_major_version(requirement: str) -> None:
-    found = BOUNDED.fullmatch(requirement)
-    assert found
-    floor, _, major, minor = found.groups()
+def test_each_has_a_floor_and_ends_before_a_major_version(requirement):
+    bounds = BOUNDED.fullmatch(requirement)
+    assert bounds
+    floor, _, major, minor = bounds.groups()
     assert int(major) > int(floor) or minor
     assert (minor is not None) == (name_of(requirement) in PAIRED)
 
 
-def test_ci_installs_the_floor_of_each() -> None:
+def test_ci_installs_the_floor_of_each():
     floors = FLOORS["floors"]()
-    assert set(floors) == {name_of(one) for one in REQUIREMENTS}
+    assert set(floors) == {name_of(requirement) for requirement in REQUIREMENTS}
     assert all(f"{name}>={floor}," in " ".join(REQUIREMENTS) for name, floor in floors.items())
 
 
-def test_hints_install_what_the_extras_do() -> None:
-    wanted = {name_of(one): one for one in REQUIREMENTS if name_of(one) in OPTIONAL}
+def test_hints_install_what_the_extras_do():
+    wanted = {
+        name_of(requirement): requirement for requirement in REQUIREMENTS if name_of(requirement) in OPTIONAL
+    }
     assert {name: name + bound for name, bound in OPTIONAL.items()} == wanted
     assert install("xacro") == "pip install 'xacro>=2.1,<3'"
 
 
-def test_nothing_that_a_user_reads_asks_for_an_extra_by_our_name() -> None:
+def test_nothing_that_a_user_reads_asks_for_an_extra_by_our_name():
     """pip finds `linkwright[urdf]` on an index alone; a wheel or a checkout in hand is none."""
-    ours = [PROJECT / "README.md", *(one for room in ROOMS for one in texts(room))]
-    assert [one for one in ours if "linkwright[" in one.read_text()] == []
+    ours = [PROJECT / "README.md", *(text for room in ROOMS for text in texts(room))]
+    assert [our for our in ours if "linkwright[" in our.read_text()] == []
 
 
-def texts(room: str) -> list[Path]:
-    return [one for one in (PROJECT / room).rglob("*") if one.suffix in (".py", ".yaml", ".md")]
+def texts(room):
+    return [path for path in (PROJECT / room).rglob("*") if path.suffix in (".py", ".yaml", ".md")]
 
 
-def test_shown_commands_install_what_the_extras_do() -> None:
-    shown = re.findall(r"pip install (?:'[^']+'\s?)+", "".join(one.read_text() for one in texts("conf")))
-    assert [one.strip(" ") for one in shown] == [install("hydra-joblib-launcher", "joblib")]
+def test_shown_commands_install_what_the_extras_do():
+    shown = re.findall(r"pip install (?:'[^']+'\s?)+", "".join(text.read_text() for text in texts("conf")))
+    plug_ins = [("hydra-joblib-launcher", "joblib"), ("hydra-submitit-launcher", "submitit")]
+    plug_ins.append(("hydra-ray-launcher", "ray"))
+    assert {text.strip() for text in shown} == {install(*packages) for packages in plug_ins}
 
 
-def test_no_test_fails_where_pinocchio_is_not_installed() -> None:
+def test_no_test_fails_where_pinocchio_is_not_installed():
     """Not every Python has a wheel of it: `tests.support.pinocchio` skips tests there."""
-    files = [one for one in (PROJECT / "tests").rglob("*.py") if "benchmarks" not in one.parts]
+    apart = {"benchmarks", "engines"}
+    files = [path for path in (PROJECT / "tests").rglob("*.py") if not apart & {*path.parts}]
     imports = re.compile(r"^\s*(import|from) pinocchio\b", re.MULTILINE)
-    assert [one.name for one in files if imports.search(one.read_text())] == []
+    assert [file.name for file in files if imports.search(file.read_text())] == []
+
+
+@pytest.mark.parametrize("script", ["run", "engines"])
+def test_every_test_that_a_script_of_ci_names_exists(script):
+    """A folder or module that was renamed ends the script an hour later, with no test run."""
+    named = set(re.findall(r"\btests/[\w/]+(?:\.py)?(?![\w$*])", (PROJECT / ".ci" / script).read_text()))
+    assert [path for path in sorted(named) if not (PROJECT / path).exists()] == []
