@@ -1,0 +1,122 @@
+"""What `linkwright doctor` says of a computer, row by row."""
+
+import json
+
+import pytest
+
+from linkwright.pipeline.doctor import access, installation, places
+from linkwright.pipeline.verbs import doctor
+from tests.fake_onshape.faults import Fault
+from tests.fake_onshape.sample import sample_document
+from tests.fake_onshape.server import OnshapeServer
+
+ALLOWED = Fault(body=b'{"items": []}')
+
+
+def rows(capsys, *arguments, environ=None):
+    status = doctor.run([*arguments, "--json"], environ or {})
+    told = json.loads(capsys.readouterr().out)
+    assert told["works"] == (status == 0)
+    return {row["subject"]: row for row in told["examined"]}
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def test_a_sound_computer_works(capsys, tmp_path):
+    assert doctor.run([f"cache.dir={tmp_path / 'cache'}"], {}) == 0
+    text = capsys.readouterr().out
+    assert text.splitlines()[-1] == "builds can work here"
+    assert str(tmp_path / "cache") in text
+    assert not (tmp_path / "cache").exists()
+
+
+def test_each_extra_has_a_row_and_a_purpose():
+    extras = {
+        extra for text in installation.requires("linkwright") for extra in installation._EXTRA.findall(text)
+    }
+    assert extras - set(installation.EXTRAS) <= {"suite", "test", "dev"}
+
+
+def test_a_missing_package_is_wrong_and_a_missing_extra_a_note(monkeypatch):
+    real, other = installation.installed, {"trimesh": "absent", "usd-core": "absent", "numpy": "1.0"}
+    monkeypatch.setattr(installation, "installed", lambda name: other.get(name) or real(name))
+    told = {row.subject: row for row in installation.examined()}
+    assert told["packages"].state == "wrong"
+    assert "trimesh is not installed" in told["packages"].detail
+    assert "numpy is 1.0, accepted is >=2.0,<3" in told["packages"].detail
+    assert (told["extra usd"].state, told["extra usd"].hint) == ("note", "pip install 'usd-core>=26.3,<27'")
+
+
+def test_a_mujoco_that_does_not_run_is_wrong(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "broken.py").write_text("raise ImportError('no libGL')")
+    monkeypatch.setattr(installation, "_PROBE", "broken")
+    (row,) = (row for row in installation.examined() if row.subject == "mujoco")
+    assert (row.state, row.detail) == ("wrong", "it does not run: ImportError: no libGL")
+
+
+@pytest.mark.parametrize(
+    ("environ", "subject", "state", "part"),
+    [
+        ({}, "key", "note", "ONSHAPE_ACCESS_KEY and ONSHAPE_SECRET_KEY not set"),
+        ({"ONSHAPE_ACCESS_KEY": "a" * 24}, "key", "wrong", "ONSHAPE_SECRET_KEY not set"),
+        ({"ONSHAPE_ACCESS_KEY": "a" * 24, "ONSHAPE_SECRET_KEY": "b" * 48}, "key", "ok", "0 calls counted"),
+        ({"HTTPS_PROXY": "ftp://me:secret-word@there"}, "network", "wrong", "not the address of a proxy"),
+        ({"HTTPS_PROXY": "http://me:secret-word@there:80"}, "network", "ok", "a proxy, from HTTPS_PROXY"),
+        ({"SSL_CERT_FILE": "lost.pem"}, "network", "wrong", "lost.pem is not a file"),
+    ],
+)
+def test_settings_of_the_access(environ, subject, state, part, capsys):
+    row = rows(capsys, environ=environ)[subject]
+    assert row["state"] == state
+    assert part in row["detail"]
+    assert not any(secret in json.dumps(row) for secret in ("secret-word", "a" * 24, "b" * 48))
+
+
+@pytest.mark.parametrize(
+    ("fault", "state", "part"),
+    [
+        (ALLOWED, "ok", "the key may read documents"),
+        (Fault(status=403, body=b"{}"), "wrong", ""),
+        (None, "wrong", ""),
+    ],
+)
+def test_onshape_is_asked_by_a_single_call(fault, state, part, capsys, tmp_path):
+    with OnshapeServer(sample_document(), fault=lambda *_: fault) as server:
+        environ = server.environ if fault else server.environ | {"ONSHAPE_SECRET_KEY": "wrong" * 10}
+        url = f"source.url={server.document_url()}"
+        assert rows(capsys, url, environ=environ)["onshape"]["state"] == "note"
+        assert server.calls == []
+        row = rows(capsys, "--online", url, f"cache.dir={tmp_path}", environ=environ)["onshape"]
+        assert len(server.calls) == 1
+    assert row["state"] == state
+    assert part in row["detail"]
+    if fault is ALLOWED:
+        assert "1 call counted" in rows(capsys, f"cache.dir={tmp_path}", environ=environ)["key"]["detail"]
+
+
+def test_a_folder_that_cannot_be_written_to_is_wrong(tmp_path):
+    (tmp_path / "file").write_text("")
+    cache, *_ = places.examined({}, tmp_path / "file" / "cache")
+    assert cache.state == "wrong"
+    assert "cannot be written to" in cache.detail
+
+
+@pytest.mark.parametrize("system", ["linux", "darwin"])
+def test_only_linux_needs_a_display_to_be_named(system):
+    assert places.has_display({}, system) == (system == "darwin")
+    assert places.has_display({"WAYLAND_DISPLAY": "wayland-0"}, system)
+
+
+@pytest.mark.parametrize("argument", ["--offline", "key=1", "cache.dir="])
+def test_another_argument_is_an_error(argument):
+    with pytest.raises(doctor.ConfigError, match="there is no"):
+        doctor.run([argument], {})
+
+
+def test_the_host_of_no_onshape_gets_no_key():
+    with pytest.raises(doctor.ConfigError, match="no key is sent elsewhere"):
+        list(access.examined({}, places.Path(), "https://example.org/documents/" + "a" * 24, online=True))
