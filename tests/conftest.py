@@ -6,7 +6,6 @@ Examples are the same in every run; `HYPOTHESIS_PROFILE=explore` draws new ones,
 import gc
 import os
 import signal
-from pathlib import Path
 
 import pytest
 from filelock import FileLock
@@ -49,11 +48,14 @@ often = gc.get_threshold()
 gc.set_threshold(100_000, 50, 100)
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(items):
+    for item in items:
+        if "e2e" in item.path.parts:
+            item.add_marker("e2e")
     items.sort(key=lambda item: item.get_closest_marker("first") is None)
 
 
-def pytest_collection_finish() -> None:
+def pytest_collection_finish():
     """Leaves all that is there now, which stays until the end, out of the garbage collector's rounds."""
     gc.collect()
     gc.freeze()
@@ -61,17 +63,23 @@ def pytest_collection_finish() -> None:
 
 
 @pytest.fixture
-def whole_page(monkeypatch: pytest.MonkeyPatch) -> None:
+def whole_page(monkeypatch):
     """The builds of the test have the view of the robot in their pages, and its picture."""
     monkeypatch.setenv("LINKWRIGHT_PAGE", "whole")
 
 
 @pytest.fixture(scope="session")
-def shared_cache(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Path:
+def run_folder(tmp_path_factory, worker_id):
+    """A folder that all processes of this run share."""
+    base = tmp_path_factory.getbasetemp()
+    return base if worker_id == "master" else base.parent
+
+
+@pytest.fixture(scope="session")
+def shared_cache(run_folder):
     """A cache that builds of real robots share, in all processes of this run: for tests of anything but how
     they are made."""
-    base = tmp_path_factory.getbasetemp()
-    folder = (base if worker_id == "master" else base.parent) / "cache"
+    folder = run_folder / "cache"
     with FileLock(folder.with_suffix(".lock")):
         if not folder.exists():
             kept_colliders.seed(folder)
@@ -79,7 +87,7 @@ def shared_cache(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Pa
 
 
 @pytest.fixture
-def guests_at_home(monkeypatch: pytest.MonkeyPatch) -> None:
+def guests_at_home(monkeypatch):
     """What reads or checks files of others does so in this process, without a guest and its limits: for the
     many tests of what is read, where tests of the guests show the rest."""
     from tests.support.mjcfs import at_home
@@ -89,12 +97,18 @@ def guests_at_home(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def no_score(monkeypatch: pytest.MonkeyPatch) -> None:
+def no_thumbnails(monkeypatch):
+    """USD files without their picture, which a process of its own draws and which takes most of the time."""
+    monkeypatch.setattr("linkwright.stages.export.usd.build.thumbnail", lambda look: b"picture")
+
+
+@pytest.fixture
+def no_score(monkeypatch):
     """Checks without the score of readiness, which compiles the model three times and passes whatever it
     finds: for tests of what does not pass."""
     monkeypatch.setattr("linkwright.stages.validate.run.readiness", lambda *_: ())
 
 
 @pytest.fixture
-def kit() -> Kit:
+def kit():
     return Kit()

@@ -5,7 +5,6 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 from tests.support.command import COMMAND, environment
@@ -13,7 +12,7 @@ from tests.support.command import COMMAND, environment
 GOALS = {"linkwright --help": 0.25, "a fully cached build": 1.5}
 
 
-def seconds(run: Callable[[], object], times: int = 5) -> float:
+def seconds(run, times=5):
     """The median wall time of `run` [s]."""
     taken = []
     for _ in range(times):
@@ -23,28 +22,28 @@ def seconds(run: Callable[[], object], times: int = 5) -> float:
     return statistics.median(taken)
 
 
-def main() -> None:
+def main():
     with tempfile.TemporaryDirectory() as folder:
         here = Path(folder)
 
-        def command(*arguments: str) -> Callable[[], object]:
+        def command(*arguments):
             line = [str(COMMAND), *arguments]
             return lambda: subprocess.run(
                 line, cwd=here, env=environment(here), capture_output=True, check=True
             )
 
         bare = seconds(lambda: subprocess.run([sys.executable, "-c", ""], check=True))
-        found = {
+        times = {
             "the bare interpreter": bare,
             "linkwright --help": seconds(command("--help")),
             "a first build of the sample": seconds(command("cache.mode=bypass"), times=3),
         }
         command()()
-        found["a fully cached build"] = seconds(command())
+        times["a fully cached build"] = seconds(command())
     print(f"{'what':30} {'seconds':>8} {'× bare':>7}  goal")
-    for what, taken in found.items():
-        goal = f"< {GOALS[what]} s" if what in GOALS else ""
-        print(f"{what:30} {taken:8.3f} {taken / bare:7.1f}  {goal}")
+    for title, taken in times.items():
+        goal = f"< {GOALS[title]} s" if title in GOALS else ""
+        print(f"{title:30} {taken:8.3f} {taken / bare:7.1f}  {goal}")
 
 
 if __name__ == "__main__":

@@ -32,7 +32,7 @@ class Taken:
     wall: float
 
 
-def run(command: Path, here: Path, arguments: Sequence[str]) -> Taken:
+def run(command, here, arguments):
     start = time.perf_counter()
     process = subprocess.Popen(
         [str(command), *arguments],
@@ -46,7 +46,7 @@ def run(command: Path, here: Path, arguments: Sequence[str]) -> Taken:
     return Taken(used.ru_utime + used.ru_stime, time.perf_counter() - start)
 
 
-def compared(commands: Sequence[Path], arguments: Sequence[str], times: int) -> list[Taken]:
+def compared(commands, arguments, times):
     """The medians of each command; each has a folder and a cache of its own."""
     with tempfile.TemporaryDirectory() as above:
         folders = [Path(above) / str(number) for number in range(len(commands))]
@@ -54,26 +54,29 @@ def compared(commands: Sequence[Path], arguments: Sequence[str], times: int) -> 
         for folder in folders:
             folder.mkdir()
         for turn in range(times + 1):
-            for command, folder, found in zip(commands, folders, taken, strict=True):
-                one = run(command, folder, arguments)
+            for command, folder, measurements in zip(commands, folders, taken, strict=True):
+                measured = run(command, folder, arguments)
                 if turn:  # the first fills caches
-                    found.append(one)
+                    measurements.append(measured)
     return [
-        Taken(statistics.median(one.processor for one in found), statistics.median(one.wall for one in found))
-        for found in taken
+        Taken(
+            statistics.median(measured.processor for measured in measurements),
+            statistics.median(measured.wall for measured in measurements),
+        )
+        for measurements in taken
     ]
 
 
-def main(checkout: str, times: str = str(TIMES)) -> None:
+def main(checkout, times=str(TIMES)):
     other = Path(checkout).resolve() / ".venv" / "bin" / "linkwright"
     if not other.is_file():
         raise SystemExit(f"there is no {other}")
     print(f"{'':22}{'processor [s]':>25}  {'wall [s]':>25}")
     print(f"{'':22}" + "  ".join(f" {'there':>8}{'here':>8}{'ratio':>8}" for _ in range(2)))
-    for what, arguments in COMMANDS.items():
+    for title, arguments in COMMANDS.items():
         there, here = compared([other, COMMAND], arguments, int(times))
         pairs = (there.processor, here.processor), (there.wall, here.wall)
-        print(f"{what:22}" + "  ".join(f" {old:8.3f}{new:8.3f}{new / old:8.2f}" for old, new in pairs))
+        print(f"{title:22}" + "  ".join(f" {old:8.3f}{new:8.3f}{new / old:8.2f}" for old, new in pairs))
 
 
 if __name__ == "__main__":

@@ -1,7 +1,5 @@
 """An arm of 11 finely tessellated parts: a base, six hinges, and a hand with two jaws."""
 
-from pathlib import Path
-
 from tests.fake_onshape import outlines, solids
 from tests.fake_onshape.bundle import write_robot
 from tests.fake_onshape.document import Document
@@ -21,7 +19,7 @@ def _rod(radius, height):
     return solids.cylinder(radius, height, 0.002, ROUND)
 
 
-def arm_document() -> Document:
+def arm_document():
     document = Document("Arm")
     studio = document.studio("Arm")
     arm = document.assembly("Arm")
@@ -54,11 +52,11 @@ def arm_document() -> Document:
         "Jaw", solids.extrude(outlines.rounded_rectangle(0.012, 0.03, 0.004, segments=300), 0.06), ALUMINIUM
     )
     for name, side in (("Left", 1), ("Right", -1)):
-        one = arm.add(jaw, name=f"{name} jaw")
+        jaw_body = arm.add(jaw, name=f"{name} jaw")
         here, there = (
             frame((x, 0, z), x=(0, 1, 0), z=(side, 0, 0)) for x, z in ((0, 0), (side * 0.01, 0.033))
         )
-        arm.slider(f"{name} slide", (one, here), (palm, there), 0.015, (0.0, 0.035))
+        arm.slider(f"{name} slide", (jaw_body, here), (palm, there), 0.015, (0.0, 0.035))
     document.truth.check()
     return document
 
@@ -74,6 +72,6 @@ joints:
 """
 
 
-def write_arm(folder: Path) -> None:
+def write_arm(folder):
     """Writes the document's bundle and the robot `arm`, as a user has them."""
     write_robot(folder, "arm", arm_document(), YAML)

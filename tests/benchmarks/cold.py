@@ -11,7 +11,6 @@ largest resident size of a whole build of 40 parts with 430,000 triangles.
 import argparse
 import resource
 import statistics
-import subprocess
 import sys
 import tempfile
 import time
@@ -26,7 +25,7 @@ from tests.fake_onshape import solids
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.frames import frame
 from tests.fake_onshape.server import OnshapeServer
-from tests.support.command import COMMAND, environment
+from tests.support.command import COMMAND, environment, run_in
 
 PARTS, STUDIOS, LINKS, LATENCY_S = 160, 8, 40, 0.1
 TIME_GOAL, MEMORY_GOAL_GB = 1.7, 0.6
@@ -35,7 +34,7 @@ AT_ONCE = 4
 HEAVY_PARTS, HEAVY_STUDIOS, HEAVY_TRIANGLES = 40, 8, 11_000
 
 
-def main() -> None:
+def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--times", type=int, default=5, help="how often both run; the medians count")
     parser.add_argument("--only", choices=["time", "memory"])
@@ -48,7 +47,7 @@ def main() -> None:
             _memory(server)
 
 
-def heavy() -> Document:
+def heavy():
     """A chain of balls of many triangles."""
     document = Document("Heavy")
     homes = [document.studio(f"Studio {number}") for number in range(HEAVY_STUDIOS)]
@@ -66,7 +65,7 @@ def heavy() -> Document:
     return document
 
 
-def _time(server: OnshapeServer, times: int) -> None:
+def _time(server, times):
     _build(server, "export")  # so that the server has made its replies, and Python its byte code
     requests = [target for method, target, _ in server.calls if method == "GET"]
     server.latency_s = LATENCY_S
@@ -82,18 +81,18 @@ def _time(server: OnshapeServer, times: int) -> None:
     print(f"cold build {build:.2f} s ({min(busy):.2f} s busy), bare transfer {bare:.2f} s: {ratio}")
 
 
-def _busy() -> float:
+def _busy():
     """Processor time [s] of all builds so far."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 
 
-def transfer(server: OnshapeServer, requests: list[str]) -> float:
+def transfer(server, requests):
     """Seconds until all replies are there, unpacked: the first alone, the others four at a time."""
     limits = httpx.Limits(max_connections=AT_ONCE)
     with httpx.Client(base_url=server.url, auth=server.keys, limits=limits, timeout=60) as client:
 
-        def get(target: str) -> int:
+        def get(target):
             return len(client.get(target).raise_for_status().content)
 
         start = time.perf_counter()
@@ -103,7 +102,7 @@ def transfer(server: OnshapeServer, requests: list[str]) -> float:
         return time.perf_counter() - start
 
 
-def _memory(server: OnshapeServer) -> None:
+def _memory(server):
     _build(server, "validate")
     largest = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1e6
     targets = {target for _, target, _ in server.calls if "tessellatedfaces" in target}
@@ -112,7 +111,7 @@ def _memory(server: OnshapeServer) -> None:
     print(f"{size / 1e6:.0f} MB of triangles: at most {largest:.2f} GB resident (goal {MEMORY_GOAL_GB})")
 
 
-def _build(server: OnshapeServer, until: str) -> float:
+def _build(server, until):
     server.reset()
     with tempfile.TemporaryDirectory() as folder:
         here = Path(folder)
@@ -120,14 +119,7 @@ def _build(server: OnshapeServer, until: str) -> float:
         plain = ["mesh=hull", "contact.self=none"]  # what other colliders cost has benchmarks of its own
         line = [str(COMMAND), *source, *plain, "name=robot", "root=fixed", f"until={until}"]
         start = time.perf_counter()
-        done = subprocess.run(
-            line,
-            cwd=here,
-            env=environment(here, **server.environ),
-            capture_output=True,
-            text=True,
-            check=False,
-        )
+        done = run_in(here, *line, environ=environment(here, **server.environ))
         seconds = time.perf_counter() - start
         if done.returncode not in (0, 3):
             sys.exit(f"the build ended with {done.returncode}:\n{done.stderr}")

@@ -10,23 +10,21 @@ import argparse
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import mujoco
 
 from linkwright.stages.formats.described import described
-from linkwright.stages.validate.checks.contact.false_contact import GIVEN
+from linkwright.stages.validate.checks.contact.false_contact import REASONS_BY_CHOICE
 from linkwright.stages.validate.compiled import CompiledModel
-from linkwright.stages.validate.contact_errors import PairErrors, contact_errors
+from linkwright.stages.validate.contact_errors import contact_errors
 from linkwright.stages.validate.model.shapes import seen_and_solid
 from tests.benchmarks.arm import write_arm
 from tests.benchmarks.dropped import DROPS, STEPS, forward, models, stepped
 from tests.benchmarks.walker import write_walker
 from tests.support.command import COMMAND, environment
-from tests.support.measured import Done, measured
+from tests.support.measured import measured
 from tests.support.other_robots import FILES, ROBOTS, is_here, source_of
 
 POSES, SALT = 1000, "poses of the benchmark"
@@ -36,7 +34,7 @@ NAMED, MOST = 0.01, 0.05
 `MOST`."""
 
 SHOWN = 5
-"""So many pairs are named."""
+"""The number of pairs that are named."""
 
 HARD = ("duck", "reachy2")
 """Robots that may have three bad pairs."""
@@ -46,20 +44,20 @@ HARD = ("duck", "reachy2")
 class Figure:
     """What was found, and what it must be: at most, or at least, so much; None where there is no goal."""
 
-    what: str
+    quantity: str
     found: float
     goal: float | None = None
     least: bool = False
     note: str = ""
 
     @property
-    def met(self) -> bool:
+    def met(self):
         return self.goal is None or (self.found >= self.goal if self.least else self.found <= self.goal)
 
-    def __str__(self) -> str:
+    def __str__(self):
         goal = "" if self.goal is None else f"{'≥' if self.least else '≤'} {self.goal:g}"
         missed = "" if self.met else "MISSED"
-        return f"{self.what:44} {self.found:9.4g} {goal:>8} {missed:6} {self.note}".rstrip()
+        return f"{self.quantity:44} {self.found:9.4g} {goal:>8} {missed:6} {self.note}".rstrip()
 
 
 CLOCK = {"sample": 9.0, "walker": 10.0}
@@ -68,12 +66,12 @@ FORWARD = {"sample": 0.9, "reachy2": 0.9, "walker": 1.8}
 STEPPED = {"walker": 1.35}
 
 
-def built(here: Path, cache: Path, name: str, *more: str) -> tuple[Path, float, Done]:
+def built(here, cache, name, *more):
     """The folder of a build, and its seconds by the clock."""
     source = source_of(name)
-    others = ["mesh.basis=visual", "contact.self=auto"] if name in FILES else []
-    folder = here / "_".join((name, *(one.rpartition("=")[2] for one in more)))
-    command = [str(COMMAND), *source, *others, *more, f"output={folder.name}"]
+    choices = ["mesh.basis=visual", "contact.self=auto"] if name in FILES else []
+    folder = here / "_".join((name, *(option.rpartition("=")[2] for option in more)))
+    command = [str(COMMAND), *source, *choices, *more, f"output={folder.name}"]
     start = time.perf_counter()
     done = measured(command, here, environment(here, seeded=False, LINKWRIGHT_CACHE=str(cache)), 3600)
     clock = time.perf_counter() - start
@@ -82,23 +80,23 @@ def built(here: Path, cache: Path, name: str, *more: str) -> tuple[Path, float, 
     return folder, clock, done
 
 
-def compiled(folder: Path) -> CompiledModel:
+def compiled_model(folder):
     """The MJCF of a build, as a check gets it."""
     truth = described((folder / "robot.json").read_bytes())
     path = folder / f"{truth.written.robot.name}.xml"
     return CompiledModel(path, mujoco.MjModel.from_xml_path(str(path)), truth.written)
 
 
-def counts(model: Any) -> tuple[int, int, float]:
+def counts(model):
     """Colliders; those of ends, on which no body hangs; and how many a link has of the others."""
     solid = {body: len(pair[1]) for body, pair in seen_and_solid(model).items() if pair[1]}
     ends = solid.keys() - set(model.body_parentid.tolist())
-    others = [number for body, number in solid.items() if body not in ends]
+    solids = [number for body, number in solid.items() if body not in ends]
     every, of_ends = sum(solid.values()), sum(solid[body] for body in ends)
-    return every, of_ends, sum(others) / max(1, len(others))
+    return every, of_ends, sum(solids) / max(1, len(solids))
 
 
-def figures(here: Path, cache: Path, name: str, *, cold: bool) -> Iterator[Figure]:
+def figures(here, cache, name, *, cold):
     """The measurements of a robot."""
     if cold:
         _, clock, done = built(here, cache / "hull", name, "mesh=hull")
@@ -108,55 +106,55 @@ def figures(here: Path, cache: Path, name: str, *, cold: bool) -> Iterator[Figur
     if cold:
         yield Figure("default, cold, s by the clock", clock, CLOCK.get(name))
         yield Figure("default, cold, s of the processor", done.seconds, SECONDS.get(name))
-    robot = compiled(folder)
+    robot = compiled_model(folder)
     every, ends, each = counts(robot.model)
     yield Figure("colliders", every, note=f"{ends} of them of links on which none hangs")
     yield Figure("colliders a link, without those", each, 4.0)
-    found = contact_errors(robot, POSES, SALT)
-    pairs = [pair for pair in found.pairs if pair.reason not in GIVEN]
-    shares = {pair: max(pair.false, pair.missed) / max(1, found.poses) for pair in pairs}
+    errors = contact_errors(robot, POSES, SALT)
+    pairs = [pair for pair in errors.pairs if pair.reason not in REASONS_BY_CHOICE]
+    shares = {pair: max(pair.false, pair.missed) / max(1, errors.poses) for pair in pairs}
     bad = sorted((pair for pair in pairs if shares[pair] > NAMED), key=lambda pair: -shares[pair])
     note = "; ".join(f"{_names(robot.model, pair)} {shares[pair]:.1%}" for pair in bad[:SHOWN])
     most = 3 if name in HARD else 0
-    yield Figure(f"pairs false or missed in > 1 % of {found.poses}", len(bad), most, note=note)
+    yield Figure(f"pairs false or missed in > 1 % of {errors.poses}", len(bad), most, note=note)
     worst = 100.0 * max(shares.values(), default=0.0)
     yield Figure("the worst pair, % of poses", worst, 100.0 * (MOST if name in HARD else NAMED))
-    yield Figure("false contacts a pose", sum(pair.false for pair in pairs) / max(1, found.poses))
+    yield Figure("false contacts a pose", sum(pair.false for pair in pairs) / max(1, errors.poses))
     home = [_names(robot.model, pair) for pair in pairs if pair.at_home]
     yield Figure("pairs that touch at home and stand apart", len(home), 0, note="; ".join(home[:SHOWN]))
     variants = models(folder)
     took = forward(variants)
-    note = ", ".join(f"{one} {1e6 * seconds:.0f} µs" for one, seconds in took.items())
+    note = ", ".join(f"{variant} {1e6 * seconds:.0f} µs" for variant, seconds in took.items())
     goal = FORWARD.get(name, 1.0)
     yield Figure("mj_forward, times the raw visuals' speed", took["raw"] / took["made"], goal, True, note)
     yield Figure("mj_forward, times one hull a link's", took["hulls"] / took["made"], 0.8, True)
-    rates = {one: DROPS * STEPS / each.seconds for one, each in stepped(variants).items()}
-    note = ", ".join(f"{one} {rate:.0f}" for one, rate in rates.items())
+    rates = {variant: DROPS * STEPS / each.seconds for variant, each in stepped(variants).items()}
+    note = ", ".join(f"{variant} {rate:.0f}" for variant, rate in rates.items())
     goal = STEPPED.get(name, 0.85)
     yield Figure("steps/s dropped, times the raw visuals'", rates["made"] / rates["raw"], goal, True, note)
 
 
-def _names(model: Any, pair: PairErrors) -> str:
+def _names(model, pair):
     return " and ".join(model.body(body).name for body in pair.bodies)
 
 
-def main() -> None:
+def main():
     every = [*filter(is_here, ROBOTS), "walker", "arm"]
     options = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     options.add_argument("--cache", type=Path)
     options.add_argument("robots", nargs="*", default=every, metavar="ROBOT")
-    given = options.parse_args()
+    parsed = options.parse_args()
     met = True
     with tempfile.TemporaryDirectory() as folder:
         here = Path(folder)
         write_walker(here)
         write_arm(here)
         print(f"{'robot':10} {'what':44} {'found':>9} {'goal':>8}")
-        for name in given.robots:
-            cache = given.cache.resolve() if given.cache else here / "caches" / name
-            for one in figures(here, cache, name, cold=given.cache is None):
-                print(f"{name:10} {one}", flush=True)
-                met &= one.met
+        for name in parsed.robots:
+            cache = parsed.cache.resolve() if parsed.cache else here / "caches" / name
+            for figure in figures(here, cache, name, cold=parsed.cache is None):
+                print(f"{name:10} {figure}", flush=True)
+                met &= figure.met
     sys.exit(0 if met else 1)
 
 

@@ -2,9 +2,7 @@
 link: how long MuJoCo takes for each, on the same states and dropped."""
 
 import time
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import mujoco
@@ -27,10 +25,10 @@ RECORDED, EVERY, ROUNDS = 50, 60, 25
 CONTACT = ("friction", "solref", "solimp", "condim", "margin", "gap", "solmix", "priority")
 
 
-def models(folder: Path) -> dict[str, Any]:
+def models(folder):
     """The scene of a build with each kind of colliders, without the pairs that the build leaves out."""
     made = mujoco.MjModel.from_xml_path(str(folder / "scene.xml"))
-    found = {"made": made}
+    models = {"made": made}
     shapes = {made.body(body).name: pair for body, pair in seen_and_solid(made).items() if all(pair)}
     for variant in VARIANTS[1:]:
         spec = mujoco.MjSpec.from_file(str(folder / "scene.xml"))
@@ -39,15 +37,15 @@ def models(folder: Path) -> dict[str, Any]:
         for body in list(spec.bodies):
             if body.name in shapes:
                 _replace(spec, body, made, shapes[body.name][0], variant)
-        found[variant] = spec.compile()
-    return found
+        models[variant] = spec.compile()
+    return models
 
 
-def _replace(spec: Any, body: Any, made: Any, seen: Sequence[int], variant: str) -> None:
+def _replace(spec, body, made, seen, variant):
     """Gives a body other colliders, with the properties of contact of its own."""
-    own = [one for one in body.geoms if one.type != mujoco.mjtGeom.mjGEOM_PLANE]
-    solid = [one for one in own if one.contype or one.conaffinity]
-    drawn = [one for one in own if not (one.contype or one.conaffinity)]
+    own = [geom for geom in body.geoms if geom.type != mujoco.mjtGeom.mjGEOM_PLANE]
+    solid = [geom for geom in own if geom.contype or geom.conaffinity]
+    drawn = [geom for geom in own if not (geom.contype or geom.conaffinity)]
     bits = {"contype": solid[0].contype, "conaffinity": solid[0].conaffinity}
     kept = {key: np.copy(getattr(solid[0], key)) for key in CONTACT} | bits
     if variant == "hulls":
@@ -57,11 +55,11 @@ def _replace(spec: Any, body: Any, made: Any, seen: Sequence[int], variant: str)
         convex = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX
         spec.add_mesh(name=name, uservert=corners.ravel(), maxhullvert=64, inertia=convex)
         drawn = [body.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, mass=0.0)]
-    for one in solid:
-        spec.delete(one)
-    for one in drawn:
+    for geom in solid:
+        spec.delete(geom)
+    for geom in drawn:
         for key, value in kept.items():
-            setattr(one, key, value)
+            setattr(geom, key, value)
 
 
 @dataclass
@@ -73,7 +71,7 @@ class Dropped:
     seconds: float = 0.0
     contacts: tuple[int, ...] = ()
 
-    def drop(self, number: int) -> None:
+    def drop(self, number):
         """Starts anew in a pose of its joints."""
         model, data = self.model, self.data
         mujoco.mj_resetData(model, data)
@@ -85,43 +83,43 @@ class Dropped:
             at = model.jnt_qposadr[joint]
             data.qpos[at] += (random.uniform(low, high) - data.qpos[at]) * (0.3 if number else 0.0)
 
-    def step(self, count: int) -> None:
+    def step(self, count):
         start = time.process_time()
         mujoco.mj_step(self.model, self.data, count)
         self.seconds += time.process_time() - start
         self.contacts += (self.data.ncon,)
 
 
-def stepped(every: Mapping[str, Any]) -> dict[str, Dropped]:
+def stepped(every):
     """Models after all their steps on the ground, taken in turns, so that a machine that slows down meanwhile
     slows all."""
-    found = {name: Dropped(model, mujoco.MjData(model)) for name, model in every.items()}
+    stepped_models = {name: Dropped(model, mujoco.MjData(model)) for name, model in every.items()}
     for number in range(DROPS):
-        for one in found.values():
-            one.drop(number)
-            mujoco.mj_step(one.model, one.data, SETTLED)
+        for dropped in stepped_models.values():
+            dropped.drop(number)
+            mujoco.mj_step(dropped.model, dropped.data, SETTLED)
         for _ in range(STEPS // TURN):
-            for one in found.values():
-                one.step(TURN)
-    return found
+            for dropped in stepped_models.values():
+                dropped.step(TURN)
+    return stepped_models
 
 
 State = tuple[Array, Array, Array]
 """Positions, speeds and controls."""
 
 
-def recorded(model: Any) -> list[State]:
+def recorded(model):
     """States of a model's own drops, on the way down and at rest."""
-    one, states = Dropped(model, mujoco.MjData(model)), []
+    dropped, states = Dropped(model, mujoco.MjData(model)), []
     for number in range(DROPS):
-        one.drop(number)
+        dropped.drop(number)
         for _ in range(RECORDED // DROPS):
-            mujoco.mj_step(model, one.data, EVERY)
-            states.append((one.data.qpos.copy(), one.data.qvel.copy(), one.data.ctrl.copy()))
+            mujoco.mj_step(model, dropped.data, EVERY)
+            states.append((dropped.data.qpos.copy(), dropped.data.qvel.copy(), dropped.data.ctrl.copy()))
     return states
 
 
-def forward(every: Mapping[str, Any]) -> dict[str, float]:
+def forward(every):
     """Processor time [s] of `mj_forward` on the states that all the models recorded, of each its quickest
     round. No model has its own states alone, which would favour it."""
     states = [state for model in every.values() for state in recorded(model)]
@@ -136,7 +134,7 @@ def forward(every: Mapping[str, Any]) -> dict[str, float]:
     return {name: seconds / len(states) for name, seconds in best.items()}
 
 
-def _forward(model: Any, data: Any, qpos: Array, qvel: Array, ctrl: Array) -> None:
+def _forward(model, data, qpos, qvel, ctrl):
     data.qpos[:], data.qvel[:], data.ctrl[:] = qpos, qvel, ctrl
     data.qacc_warmstart[:] = 0.0
     mujoco.mj_forward(model, data)

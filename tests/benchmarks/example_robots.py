@@ -18,13 +18,12 @@ from pathlib import Path
 import mujoco
 
 from linkwright.pipeline.config.plan import Plan
-from linkwright.stages.export import export
 from linkwright.stages.fetch.urdf.gather import gather
 from linkwright.stages.graph import build_robot
 from linkwright.stages.mesh import make_geometry
-from linkwright.stages.mujoco.warnings import listening
+from linkwright.stages.mujoco.warnings import collected_warnings
 from linkwright.stages.robot.errors import LinkwrightError
-from tests.support.building import plan_of
+from tests.support.building import plan_of, write
 from tests.support.checked import checked
 from tests.support.urdfs import lost_names, parity, same_bounds
 
@@ -40,11 +39,11 @@ SETTLES = {
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """What became of one file. `told`: settings, with the codes that made them necessary."""
+    """What became of one file. `settings`: those tried, with the codes that made them necessary."""
 
     name: str
     plain: bool
-    told: str = ""
+    settings: str = ""
     passed: str = ""
     failed: str = ""
     apart: float = 0.0
@@ -54,18 +53,18 @@ class Row:
     refused: str = ""
 
     @property
-    def good(self) -> bool:
+    def good(self):
         return not (self.refused or self.failed or self.bounds or self.lost) and self.apart < CLOSE
 
-    def __str__(self) -> str:
+    def __str__(self):
         start = f"{self.name:48} {'loads' if self.plain else '-':6}"
         if self.refused:
             return f"{start} refused: {self.refused}"
-        end = "; ".join(filter(None, (self.told, self.failed, self.bounds)))
+        end = "; ".join(filter(None, (self.settings, self.failed, self.bounds)))
         return f"{start} {self.passed:7} {self.apart:8.1e} {self.lost:4} {self.seconds:6.1f} s  {end}"
 
 
-def main() -> int:
+def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("folder", nargs="?", type=Path, help="where example-robot-data lies")
     parser.add_argument("--only", default="", help="files whose path has this in it")
@@ -81,20 +80,20 @@ def main() -> int:
     good = [row for row in made if row.good]
     print(
         f"{len(rows)} files: plain MuJoCo loads {sum(row.plain for row in rows)}; {len(made)} convert, "
-        f"{sum(not row.told for row in made)} of them as they are; {len(good)} with all checks and parity "
-        f"(the worst {max((row.apart for row in made), default=0.0):.1e}), "
+        f"{sum(not row.settings for row in made)} of them as they are; {len(good)} with all checks "
+        f"and parity (the worst {max((row.apart for row in made), default=0.0):.1e}), "
         f"{sum(not row.lost for row in made)} with all names; {len(rows) - len(made)} refused"
     )
     return 0 if len(good) >= min(GOAL, len(rows)) and len(good) == len(made) else 1
 
 
-def installed() -> Path:
+def installed():
     import example_robot_data
 
     return Path(example_robot_data.robots_loader.getModelPath("."))
 
 
-def _row(path: Path, share: Path) -> Row:
+def _row(path, share):
     name = str(path.relative_to(share).with_suffix("")).removeprefix("robots/").replace("_description", "")
     row = {"name": name, "plain": _loads(path)}
     begin = time.perf_counter()
@@ -106,22 +105,22 @@ def _row(path: Path, share: Path) -> Row:
             break
         except LinkwrightError as error:
             codes = Counter(problem.code for problem in error.problems)
-            found = {SETTLES[start] for code in codes for start in SETTLES if code.startswith(start)}
-            if not codes or set(found) <= set(settings.items()):
+            remedies = {SETTLES[start] for code in codes for start in SETTLES if code.startswith(start)}
+            if not codes or set(remedies) <= set(settings.items()):
                 first = error.problems[0] if error.problems else error
                 text = f"{first.where}: {first.message}".splitlines()[0]
                 counted = ", ".join(f"{count} {code}" for code, count in sorted(codes.items()))
                 return Row(**row, refused=f"{counted or type(error).__name__}: {text[:110]}")
-            settings |= dict(found)
+            settings |= dict(remedies)
             reasons |= codes
-    told = ", ".join(f"{key}={value}" for key, value in sorted(settings.items()))
-    if told:
-        told += f" ({', '.join(f'{count} {code}' for code, count in sorted(reasons.items()))})"
-    return Row(**row, told=told, **made, seconds=time.perf_counter() - begin)
+    settings_text = ", ".join(f"{key}={value}" for key, value in sorted(settings.items()))
+    if settings_text:
+        settings_text += f" ({', '.join(f'{count} {code}' for code, count in sorted(reasons.items()))})"
+    return Row(**row, settings=settings_text, **made, seconds=time.perf_counter() - begin)
 
 
-def _loads(path: Path) -> bool:
-    with listening():
+def _loads(path):
+    with collected_warnings():
         try:
             mujoco.MjModel.from_xml_path(str(path))
         except ValueError:
@@ -129,7 +128,7 @@ def _loads(path: Path) -> bool:
     return True
 
 
-def _made(path: Path, settings: dict[str, str]) -> dict[str, object]:
+def _made(path, settings):
     """All stages but the cache, and what they are worth; AssemblyError or SourceError where it is refused."""
     plan: Plan = plan_of(source={"kind": "urdf", "path": str(path), **settings})
     with tempfile.TemporaryDirectory() as scratch:
@@ -137,10 +136,7 @@ def _made(path: Path, settings: dict[str, str]) -> dict[str, object]:
         bundle, _ = gather(plan.source, {})
         robot = build_robot(bundle, plan)
         geometry = make_geometry(robot, bundle, plan, lambda kind, key, make: make())
-        files = export(robot, geometry, plan).files
-        for name, data in files.items():
-            (here / name).parent.mkdir(parents=True, exist_ok=True)
-            (here / name).write_bytes(data)
+        files = write(robot, here, plan, geometry).files
         checks = checked(here, robot, plan)
         text = bundle.body(bundle.definition)
         apart = parity(text, robot, files, here).worst

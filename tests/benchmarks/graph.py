@@ -9,7 +9,6 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 from linkwright.stages.export import export
@@ -23,18 +22,18 @@ from tests.support.checked import checked
 
 MODULES = 34
 GOALS = {"seconds": 2.0, "MiB": 500.0, "ratio": 12.0}
-"""Of the graph stage at 1,000 parts, and of its time at ten times that."""
+"""Goals of the graph stage at 1,000 parts; `ratio`: its time at ten times that, by its time at 1,000."""
 
 MAKERS = {"modules": large, **SHAPES}
 
 
-def measure(name: str, size: int) -> None:
+def measure(name, size):
     """Prints "<step> <seconds>" for each step, the best of three by processor time, and "peak <MiB>" of
     the process after the graph stage."""
     bundle, plan = MAKERS[name](size), plan_of()
     build_robot(MAKERS[name](2), plan)  # imports
 
-    def timed(step: str, work: Callable[[], object]) -> object:
+    def timed(step, work):
         taken = []
         for _ in range(3):
             start = time.process_time()
@@ -56,19 +55,19 @@ def measure(name: str, size: int) -> None:
         timed("validate", lambda: checked(Path(folder), robot, plan))
 
 
-def peak() -> float:
+def peak():
     """The most memory that this process has had [MiB]."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
-def measured(name: str, size: int) -> dict[str, float]:
+def measured(name, size):
     """What `measure` prints, of a process of its own."""
     line = [sys.executable, "-m", __spec__.name, name, str(size)]
-    told = subprocess.run(line, capture_output=True, text=True, check=True).stdout
-    return {what: float(number) for what, number in map(str.split, told.splitlines())}
+    output = subprocess.run(line, capture_output=True, text=True, check=True).stdout
+    return {name: float(number) for name, number in map(str.split, output.splitlines())}
 
 
-def main() -> None:
+def main():
     small, big = measured("modules", MODULES), measured("modules", 10 * MODULES)
     print(f"{MODULES * PARTS:,} parts and ten times that   goals of graph: {GOALS}")
     for step in small:

@@ -9,12 +9,10 @@ stage grows faster than it should.
 import argparse
 import json
 import math
-import resource
-import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -23,10 +21,11 @@ from linkwright.pipeline.config.compose import compose_plan
 from linkwright.pipeline.run.build import build_files
 from linkwright.pipeline.terminal.progress import Quiet
 from linkwright.stages.fetch.bundle.archive import pack
+from tests.benchmarks.graph import peak
 from tests.benchmarks.large import PARTS, large
 from tests.benchmarks.many_parts import many_parts
 from tests.fake_onshape.bundle import bundle_bytes
-from tests.support.command import environment
+from tests.support.command import environment, run_in
 from tests.support.places import PROJECT
 
 GOAL = 1.1
@@ -36,7 +35,7 @@ LEAST = 0.2
 """A stage that takes less at the larger size [s] is not judged."""
 
 
-def modules(parts: int) -> tuple[str, bytes]:
+def modules(parts):
     """Like sub-assemblies on hinges, with loops and relations, as a bundle."""
     bundle = large(max(2, round(parts / PARTS)))
     old = next(iter(set(bundle.requests.values()) - set(bundle.blobs)), None)
@@ -45,12 +44,12 @@ def modules(parts: int) -> tuple[str, bytes]:
     return "bundle", pack(replace(bundle, requests=named, blobs=kept))
 
 
-def discs(parts: int) -> tuple[str, bytes]:
+def discs(parts):
     """Parts that all differ, four to a link, as a bundle."""
     return "bundle", bundle_bytes(many_parts(parts, links=parts // 4))
 
 
-def urdf(links: int) -> tuple[str, bytes]:
+def urdf(links):
     """A tree of hinged boxes, eight on each, side by side."""
     said = ['<robot name="tree">']
     shape = '<geometry><box size="0.02 0.02 0.08"/></geometry>'
@@ -86,26 +85,21 @@ ROBOTS: Mapping[str, tuple[Maker, tuple[int, int], Sequence[str]]] = {
 class Clock(Quiet):
     """The processor time [s] at the beginning of each stage, and the largest memory [MiB] until then."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         self._began: list[tuple[str, float, float]] = []
         self.start("compose")
 
-    def start(self, stage: str) -> None:
-        self._began.append((stage, time.process_time(), memory()))
+    def start(self, stage):
+        self._began.append((stage, time.process_time(), peak()))
 
-    def table(self) -> Iterable[tuple[str, float, float]]:
-        """Of each step the processor time [s], and the largest memory at its end [MiB]."""
+    def table(self):
+        """Yields each step, its processor time [s], and the largest memory at its end [MiB]."""
         self.start("")
         for (step, begun, _), (_, ended, most) in pairwise(self._began):
             yield step, ended - begun, most
 
 
-def memory() -> float:
-    """The most memory that this process has had [MiB]."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-
-
-def measure(kind: str, path: str, more: Sequence[str]) -> None:
+def measure(kind, path, more):
     """Builds the robot in `path`, and prints a line of JSON for each step."""
     clock = Clock()
     robot = [f"source={kind}", f"source.path={path}", "name=robot", "root=fixed", "mesh=hull"]
@@ -114,7 +108,7 @@ def measure(kind: str, path: str, more: Sequence[str]) -> None:
         print(json.dumps(row))
 
 
-def measured(name: str, size: int, more: Sequence[str]) -> dict[str, tuple[float, float]]:
+def measured(name, size, more):
     """What `measure` prints, of a process of its own."""
     maker, _, own = ROBOTS[name]
     kind, content = maker(size)
@@ -123,25 +117,26 @@ def measured(name: str, size: int, more: Sequence[str]) -> dict[str, tuple[float
         path.write_bytes(content)
         line = [sys.executable, "-m", __spec__.name, "--measure", kind, str(path), *own, *more]
         environ = environment(Path(folder), seeded=False, PYTHONPATH=str(PROJECT))
-        done = subprocess.run(line, cwd=folder, env=environ, capture_output=True, text=True, check=False)
+        done = run_in(Path(folder), *line, environ=environ, timeout=3600)
     if done.returncode:
         sys.exit(f"{name} of {size} parts:\n{done.stderr[-4000:]}")
     return {step: (busy, most) for step, busy, most in map(json.loads, done.stdout.splitlines())}
 
 
-def report(name: str, sizes: Sequence[int], more: Sequence[str]) -> bool:
+def report(name, sizes, more):
     """Prints the table of a robot; whether all grows as it should."""
     small, big = (measured(name, size, more) for size in sizes)
     print(f"{name}, {sizes[0]:,} and {sizes[1]:,} parts")
     print(f"  {'':10}{'seconds':>16}{'ms a part':>18}{'MiB':>14}{'KiB a part':>18}  exponent")
     good = True
-    for step, (two, high) in big.items():
-        one, low = small[step]
-        exponent = math.log(max(two, 1e-3) / max(one, 1e-3)) / math.log(sizes[1] / sizes[0])
-        steep = two >= LEAST and exponent > GOAL
+    for step, (large_s, high) in big.items():
+        small_s, low = small[step]
+        exponent = math.log(max(large_s, 1e-3) / max(small_s, 1e-3)) / math.log(sizes[1] / sizes[0])
+        steep = large_s >= LEAST and exponent > GOAL
         good &= not steep
         print(
-            f"  {step:10}{one:8.2f}{two:8.2f}{1e3 * one / sizes[0]:10.2f}{1e3 * two / sizes[1]:8.2f}"
+            f"  {step:10}{small_s:8.2f}{large_s:8.2f}"
+            f"{1e3 * small_s / sizes[0]:10.2f}{1e3 * large_s / sizes[1]:8.2f}"
             f"{low:7.0f}{high:7.0f}{1024 * low / sizes[0]:11.0f}{1024 * high / sizes[1]:7.0f}"
             f"  {exponent:5.2f}{'  too steep' if steep else ''}",
             flush=True,
@@ -149,7 +144,7 @@ def report(name: str, sizes: Sequence[int], more: Sequence[str]) -> bool:
     return good
 
 
-def main() -> int:
+def main():
     if sys.argv[1:2] == ["--measure"]:
         measure(sys.argv[2], sys.argv[3], sys.argv[4:])
         return 0
@@ -160,8 +155,8 @@ def main() -> int:
     asked = parser.parse_args()
     more = [f"validate.level={asked.level}"]
     names = asked.robots or list(ROBOTS)
-    found = [report(name, asked.sizes or ROBOTS[name][1], more) for name in names]
-    return 0 if all(found) else 1
+    within_goals = [report(name, asked.sizes or ROBOTS[name][1], more) for name in names]
+    return 0 if all(within_goals) else 1
 
 
 if __name__ == "__main__":

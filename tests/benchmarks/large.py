@@ -7,21 +7,20 @@ from hashlib import sha256
 
 import numpy as np
 
-from linkwright.stages.robot.bundle import Bundle
 from tests.fake_onshape import solids
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.frames import frame, turn
 from tests.support.building import bundle_of
 
 PARTS = 30
-"""Of each module."""
+"""The number of parts of each module."""
 
 _SIDE = turn((1, 0, 0), math.pi / 2)
 _HERE = np.eye(4)
 _HINGE = frame((0.1, 0, 0)) @ _SIDE
 
 
-def large(modules: int) -> Bundle:
+def large(modules):
     """A tree of so many modules, two hung on each: every one is a use of one sub-assembly.
 
     The author's own kinematics would take minutes: two modules are drawn, and the rest is written like
@@ -31,7 +30,7 @@ def large(modules: int) -> Bundle:
     definition = json.loads(drawn.body(drawn.definition))
     root = definition["rootAssembly"]
     seed, swing = root["instances"][1], root["features"][0]
-    of_seed = [one for one in root["occurrences"] if one["path"][0] == seed["id"]]
+    of_seed = [occurrence for occurrence in root["occurrences"] if occurrence["path"][0] == seed["id"]]
     first = root["instances"][0]["id"]
     ids = [first, *(f"Module{number:05d}" for number in range(1, modules))]
     depths = [0]
@@ -39,24 +38,26 @@ def large(modules: int) -> Bundle:
         depths.append(depths[(number - 1) // 2] + 1)
         above = ids[(number - 1) // 2]
         root["instances"].append(seed | {"id": ids[number], "name": f"Module <{number + 1}>"})
-        root["occurrences"] += [_placed(one, ids[number], depths[number]) for one in of_seed]
+        root["occurrences"] += [_placed(seed, ids[number], depths[number]) for seed in of_seed]
         root["features"].append(_swing(swing, number, ids[number], above))
     root["instances"].remove(seed)
     root["features"].remove(swing)
-    root["occurrences"] = [one for one in root["occurrences"] if one["path"][0] != seed["id"]]
+    root["occurrences"] = [
+        occurrence for occurrence in root["occurrences"] if occurrence["path"][0] != seed["id"]
+    ]
     body = json.dumps(definition).encode()
     name = sha256(body).hexdigest()
     return replace(drawn, definition=name, blobs={**drawn.blobs, name: body})
 
 
-def _placed(occurrence, ident: str, depth: int):
+def _placed(occurrence, ident, depth):
     """The seed's occurrence, which is one hinge away from the origin, in the module `ident`."""
     transform = np.reshape(occurrence["transform"], (4, 4)).copy()
     transform[:3, 3] += (depth - 1) * _HINGE[:3, 3]
     return occurrence | {"path": [ident, *occurrence["path"][1:]], "transform": transform.ravel().tolist()}
 
 
-def _swing(mate, number: int, ident: str, above: str):
+def _swing(mate, number, ident, above):
     data = mate["featureData"]
     entities = [
         entity | {"matedOccurrence": [module, *entity["matedOccurrence"][1:]]}
@@ -68,7 +69,7 @@ def _swing(mate, number: int, ident: str, above: str):
     }
 
 
-def _two_modules() -> Document:
+def _two_modules():
     """A module: a plate; a motor that swings a crank, a coupler and a rocker that close a loop; a motor
     whose pinion moves a carriage; patterned screws on all of these; a sub-assembly inside, the motor."""
     document = Document("Large")
@@ -108,7 +109,7 @@ def _two_modules() -> Document:
     return document
 
 
-def _screwed(assembly, name: str, screw, onto, copies: int) -> None:
+def _screwed(assembly, name, screw, onto, copies):
     """A screw fastened to a part, and a row of copies of it."""
     seed = assembly.add(screw, name=name)
     assembly.fasten(f"{name} seat", (seed, _HERE), (onto, frame((0, 0.005, 0.01))))

@@ -10,13 +10,13 @@ from tests.fake_onshape.frames import frame, turn
 
 PARTS, STUDIOS, LINKS = 120, 8, 30
 TRIANGLES = 600
-"""Of each part, about."""
+"""The number of triangles of each part, about."""
 
 _SEGMENTS = TRIANGLES // 8
 _HINGE = turn((1, 0, 0), math.pi / 2)
 
 
-def many_parts(parts: int = PARTS, studios: int = STUDIOS, links: int = LINKS) -> Document:
+def many_parts(parts=PARTS, studios=STUDIOS, links=LINKS):
     """A fixed base and legs of hinges `dof_<n>`, each link of some chamfered discs fastened together.
 
     Part studios hold parts of all over the robot. Any two parts differ.

@@ -13,14 +13,12 @@ import argparse
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import mujoco
 
-from linkwright.stages.mujoco.warnings import listening
+from linkwright.stages.mujoco.warnings import collected_warnings
 from linkwright.stages.robot.errors import LinkwrightError
 from tests.support.mjcfs import built
 from tests.support.same_motion import LIMIT, Apart, farthest
@@ -45,10 +43,10 @@ class Row:
     refused: str = ""
 
     @property
-    def good(self) -> bool:
+    def good(self):
         return not self.refused and (self.apart.same or self.apart.chaotic or bool(self.losses))
 
-    def __str__(self) -> str:
+    def __str__(self):
         if self.refused:
             return f"{self.name:44} refused: {self.refused}"
         off, where = self.apart.off, "" if self.apart.same else f"from {self.apart.start}"
@@ -58,7 +56,7 @@ class Row:
         return "  ".join(filter(None, (start, where, *self.losses, *self.failed)))
 
 
-def main() -> int:
+def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("folders", nargs="+", type=Path, help="where MJCFs lie")
     parser.add_argument("--only", default="", help="files whose path has this in it")
@@ -79,7 +77,7 @@ def main() -> int:
     return 0 if all(row.good for row in rows) else 1
 
 
-def _files(folders: list[Path], only: str) -> Iterator[tuple[Path, Path]]:
+def _files(folders, only):
     """The MJCFs in which something moves, each with its folder."""
     for folder in folders:
         for path in sorted(folder.rglob("*.xml")):
@@ -89,15 +87,15 @@ def _files(folders: list[Path], only: str) -> Iterator[tuple[Path, Path]]:
                     yield folder, path
 
 
-def _loaded(path: Path) -> Any:
-    with listening():
+def _loaded(path):
+    with collected_warnings():
         try:
             return mujoco.MjModel.from_xml_path(str(path))
         except ValueError:
             return None
 
 
-def _row(folder: Path, path: Path) -> Row:
+def _row(folder, path):
     name = str(path.relative_to(folder).with_suffix(""))
     begin = time.perf_counter()
     try:
@@ -107,7 +105,7 @@ def _row(folder: Path, path: Path) -> Row:
     except LinkwrightError as error:
         first = error.problems[0] if error.problems else error
         return Row(name, refused=f"{error.message}: {first.where}: {first.message}"[:200])
-    losses = tuple(f"{one.code}: {one.message}" for one in found if one.code in LOSSES)
+    losses = tuple(f"{problem.code}: {problem.message}" for problem in found if problem.code in LOSSES)
     return Row(name, apart, losses, failed, time.perf_counter() - begin)
 
 

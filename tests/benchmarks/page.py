@@ -31,7 +31,7 @@ return found;
 """
 
 
-def main() -> None:
+def main():
     if missing():
         raise SystemExit(f"needs a browser: {missing()} not found")
     models = {f"{links} links": small_pack(chain(links)) for links in LINKS}
@@ -40,7 +40,7 @@ def main() -> None:
     print(f"{'model':18} {'opens, s':>9} {'script, ms':>11} {'steps, ms':>10} {'draw calls':>11}")
     with tempfile.TemporaryDirectory() as folder, Browser() as browser:
         page = Path(folder) / "page.html"
-        for what, pack in models.items():
+        for title, pack in models.items():
             made = view(pack, "whole")
             text = PAGE.format(style=made.style, body=made.body, scripts=made.scripts)
             page.write_text(text, encoding="utf-8")
@@ -51,7 +51,7 @@ def main() -> None:
             script = statistics.median(whole - steps for whole, steps in frames)
             stepped = statistics.median(steps for _, steps in frames)
             calls = browser.run("return linkwright.info().calls")
-            print(f"{what:18} {opened:9.2f} {script:11.2f} {stepped:10.2f} {calls:11}  {word(browser)}")
+            print(f"{title:18} {opened:9.2f} {script:11.2f} {stepped:10.2f} {calls:11}  {word(browser)}")
 
 
 if __name__ == "__main__":

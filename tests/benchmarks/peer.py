@@ -27,7 +27,7 @@ from pathlib import Path
 
 from tests.benchmarks.many_parts import LINKS, PARTS, STUDIOS, many_parts
 from tests.fake_onshape.server import OnshapeServer
-from tests.support.command import COMMAND, environment
+from tests.support.command import COMMAND, environment, run_in
 
 PEER = "onshape-to-robot==1.8.3"
 LATENCY_S = 0.1
@@ -50,7 +50,7 @@ Build = Callable[[OnshapeServer, Path], tuple[list[str], Mapping[str, str], Path
 """From a server and an empty folder to the command, its environment, and the URDF that it makes."""
 
 
-def main() -> int:
+def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--peer", default=os.environ.get("ONSHAPE_TO_ROBOT", ""), help="the peer's command")
     parser.add_argument("--times", type=int, default=5, help="how often we build; the median counts")
@@ -77,22 +77,22 @@ def main() -> int:
     return 0 if time_ratio >= TIME_GOAL and calls_ratio >= CALLS_GOAL else 1
 
 
-def measure(server: OnshapeServer, build: Build, times: int) -> Made:
+def measure(server, build, times):
     """The median of some cold builds, after one that is not measured."""
     server.latency_s = 0.0
     _run(server, build)
     server.latency_s = LATENCY_S
-    made = sorted((_run(server, build) for _ in range(times)), key=lambda one: one.seconds)
+    made = sorted((_run(server, build) for _ in range(times)), key=lambda measured: measured.seconds)
     return made[len(made) // 2]
 
 
-def _run(server: OnshapeServer, build: Build) -> Made:
+def _run(server, build):
     server.reset()
     with tempfile.TemporaryDirectory() as folder:
         here = Path(folder)
         command, environ, urdf = build(server, here)
         start = time.perf_counter()
-        done = subprocess.run(command, cwd=here, env=environ, capture_output=True, text=True, check=False)
+        done = run_in(here, *command, environ=environ, timeout=3600)
         seconds = time.perf_counter() - start
         if done.returncode or not urdf.is_file():
             msg = f"{command[0]} failed ({done.returncode}):\n{done.stdout[-2000:]}{done.stderr[-2000:]}"
@@ -108,7 +108,7 @@ def _run(server: OnshapeServer, build: Build) -> Made:
         )
 
 
-def linkwright(server: OnshapeServer, here: Path) -> tuple[list[str], Mapping[str, str], Path]:
+def linkwright(server, here):
     """The command, its environment, and the URDF that it makes."""
     source = ["source=onshape", f"source.url='{server.document_url()}'"]
     command = [str(COMMAND), *source, "name=robot", "export=[urdf,mjcf]", "until=export"]
@@ -116,10 +116,10 @@ def linkwright(server: OnshapeServer, here: Path) -> tuple[list[str], Mapping[st
     return command, environment(here, **server.environ), here / "outputs" / "robot" / "robot.urdf"
 
 
-def onshape_to_robot(command: str) -> Build:
+def onshape_to_robot(command):
     """The same of the peer."""
 
-    def build(server: OnshapeServer, here: Path) -> tuple[list[str], Mapping[str, str], Path]:
+    def build(server, here):
         home = server.document
         config = {
             "document_id": home.id,
@@ -135,7 +135,7 @@ def onshape_to_robot(command: str) -> Build:
     return build
 
 
-def install(folder: Path) -> Path:
+def install(folder):
     """The peer, from the package index, in an environment of its own; its command."""
     venv.create(folder, with_pip=True)
     subprocess.run([str(folder / "bin" / "pip"), "install", "--quiet", PEER], check=True)

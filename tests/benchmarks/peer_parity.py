@@ -31,7 +31,7 @@ CLOSE = 1e-5
 """What six printed digits leave of a length below 1 m, or of a number relative to itself."""
 
 
-def main() -> int:
+def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--peer", default=os.environ.get("ONSHAPE_TO_ROBOT", ""), help="the peer's command")
     parser.add_argument("--keep", action="store_true", help=f"write its files to {KEPT.name}")
@@ -50,15 +50,15 @@ def main() -> int:
         seen = ours(robot, q)
         seen.links = {LIKE_THEIRS.get(name, name): link for name, link in seen.links.items()}
         for kind, read in (("urdf", of_urdf), ("mujoco", of_mjcf)):
-            for what, off in differences(seen, read(made[kind], q)).items():
-                worst[what] = max(off, worst.get(what, 0.0))
-    for what, off in sorted(worst.items(), key=lambda item: -item[1])[:10]:
-        print(f"{off:.1e}  {what}")
+            for quantity, off in differences(seen, read(made[kind], q)).items():
+                worst[quantity] = max(off, worst.get(quantity, 0.0))
+    for quantity, off in sorted(worst.items(), key=lambda item: -item[1])[:10]:
+        print(f"{off:.1e}  {quantity}")
     print(f"{len(worst)} quantities at 20 configurations, the worst {max(worst.values()):.1e} apart")
     return 0 if max(worst.values()) < CLOSE else 1
 
 
-def theirs(command: str, kind: str, here: Path) -> str:
+def theirs(command, kind, here):
     """What the peer writes in one format."""
     document = prefixed()
     (here / "robot").mkdir(parents=True)

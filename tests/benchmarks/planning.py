@@ -14,7 +14,7 @@ GOAL = 0.03
 """CPU seconds of a job of a sweep."""
 
 
-def seconds(plan: Callable[[int], object]) -> tuple[float, float]:
+def seconds(plan):
     """CPU time of the first plan, and the median of later ones [s]."""
     taken = []
     for number in range(TIMES + 1):
@@ -24,7 +24,7 @@ def seconds(plan: Callable[[int], object]) -> tuple[float, float]:
     return taken[0], statistics.median(taken[1:])
 
 
-def main() -> None:
+def main():
     with tempfile.TemporaryDirectory() as folder:
         here = write(Path(folder), my_arm=MY_ARM, other=MY_ARM)
         plans: dict[str, Callable[[int], object]] = {
@@ -33,8 +33,8 @@ def main() -> None:
             "a robot's file": lambda _: compose_plan(["robot=my_arm"], cwd=here),
         }
         print(f"{'plan':30} {'first, s':>9} {'later, s':>9}")
-        for what, plan in plans.items():
-            print(f"{what:30} {{:9.4f}} {{:9.4f}}".format(*seconds(plan)))
+        for title, plan in plans.items():
+            print(f"{title:30} {{:9.4f}} {{:9.4f}}".format(*seconds(plan)))
         with session(cwd=here) as composer:
             jobs: dict[str, Callable[[int], object]] = {
                 "a job, other values": lambda number: composer.compose(
@@ -45,8 +45,8 @@ def main() -> None:
                     job=(number, f"{number}"),
                 ),
             }
-            for what, job in jobs.items():
-                print(f"{what:30} {{:9.4f}} {{:9.4f}}  goal < {GOAL} s".format(*seconds(job)))
+            for title, job in jobs.items():
+                print(f"{title:30} {{:9.4f}} {{:9.4f}}  goal < {GOAL} s".format(*seconds(job)))
 
 
 if __name__ == "__main__":

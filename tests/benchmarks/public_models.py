@@ -15,7 +15,6 @@ import re
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,7 +22,7 @@ import linkwright
 from linkwright.pipeline.checking.ask import checked
 from linkwright.pipeline.errors import OutputError
 from linkwright.stages.robot.check import Check
-from tests.benchmarks.judged import Judgement, judged, judgements, level_of, lines_of
+from tests.benchmarks.judged import judged, judgements, level_of, lines_of
 from tests.support.urdfs import lost_names
 
 _MODEL = re.compile(r"<(mujoco|robot)[\s>]")
@@ -35,10 +34,10 @@ _INCLUDE = re.compile(r"""<include\s[^>]*file=["']([^"']+)["']""")
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """What is known of one model. `checks`: those that do not pass; `unread`: why there is no verdict;
-    `refused`: the codes of the errors for which the build ended, `failed`: of the checks of the build that
-    failed; `built`: whether a build was tried; `lost`: names of links and joints that the new URDF lacks.
-    `alarms`: findings that are false alarms, or were not looked at."""
+    """The outcome for a model. `checks`: those that do not pass; `unread`: why there is no verdict;
+    `refused`: the codes of the errors for which the build ended, `failed`: those of the checks of the build
+    that failed; `built`: whether a build was tried; `lost`: names of links and joints that the new URDF
+    lacks. `alarms`: findings that are false alarms, or were not looked at."""
 
     name: str
     checks: tuple[Check, ...] = ()
@@ -50,15 +49,15 @@ class Row:
     alarms: tuple[str, ...] = ()
 
     @property
-    def codes(self) -> Counter[tuple[str, bool]]:
+    def codes(self):
         """The number of findings by code, and whether it is an error."""
-        found: Counter[tuple[str, bool]] = Counter()
+        numbers: Counter[tuple[str, bool]] = Counter()
         for check in self.checks:
-            found[check.code, check.fails] += max(1, len(check.findings))
-        return found
+            numbers[check.code, check.fails] += max(1, len(check.findings))
+        return numbers
 
     @property
-    def agrees(self) -> bool:
+    def agrees(self):
         """Whether a build and a check both have errors, or neither; of what is no robot a build says
         nothing."""
         return (
@@ -67,7 +66,7 @@ class Row:
             or bool(self.refused or self.failed) == any(check.fails for check in self.checks)
         )
 
-    def __str__(self) -> str:
+    def __str__(self):
         words = self.unread or " ".join(
             f"{code if wrong else code.lower()}×{count}"
             for (code, wrong), count in sorted(self.codes.items())
@@ -79,19 +78,19 @@ class Row:
         return f"{line} | lost: {', '.join(self.lost)}" if self.lost else line
 
 
-def main() -> int:
+def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("folders", nargs="+", type=Path, metavar="DIR")
     parser.add_argument("--only", default="", help="models whose path has this in it")
     parser.add_argument("--build", action="store_true", help="also builds each")
     parser.add_argument("--findings", action="store_true", help="prints each finding")
     asked = parser.parse_args()
-    known, rows = judgements(), []
+    rulings, rows = judgements(), []
     with tempfile.TemporaryDirectory() as scratch:
         for name, path in models(asked.folders):
             if asked.only not in str(path):
                 continue
-            rows.append(_row(name, path, Path(scratch), asked.build, known))
+            rows.append(_row(name, path, Path(scratch), asked.build, rulings))
             print(rows[-1], flush=True)
             if asked.findings:
                 for check in rows[-1].checks:
@@ -101,7 +100,7 @@ def main() -> int:
     return _summary(rows)
 
 
-def models(folders: Sequence[Path]) -> Iterator[tuple[str, Path]]:
+def models(folders):
     """The models below the folders, each with its name, without the parts that others include."""
     for folder in folders:
         texts = {
@@ -117,24 +116,24 @@ def models(folders: Sequence[Path]) -> Iterator[tuple[str, Path]]:
                 yield str(path.relative_to(folder)), path
 
 
-def _row(name: str, path: Path, scratch: Path, build: bool, known: Sequence[Judgement]) -> Row:
+def _row(name, path, scratch, build, rulings):
     try:
         verdict = checked(str(path), "standard")
     except OutputError as error:
         return Row(name, unread=f"{error.message}: {error.hint}")
     checks = tuple(check for check in verdict.checks if not check.passed)
-    alarms = tuple(line for check in checks for line in _alarms(name, check, known))
+    alarms = tuple(line for check in checks for line in _alarms(name, check, rulings))
     return Row(name, checks, built=build, alarms=alarms, **(_built(path, scratch) if build else {}))
 
 
-def _alarms(model: str, check: Check, known: Sequence[Judgement]) -> Iterator[str]:
-    for line, judgement in judged(known, model, check):
+def _alarms(model, check, rulings):
+    for line, judgement in judged(rulings, model, check):
         if judgement is None or not judgement.true:
             why = "NOT LOOKED AT" if judgement is None else f"FALSE ALARM ({judgement.why})"
             yield f"{why}: {check.code} {level_of(check)}: {line}"
 
 
-def _built(path: Path, scratch: Path) -> dict[str, tuple[str, ...]]:
+def _built(path, scratch):
     urdf = path.suffix == ".urdf"
     tree = {
         "name": "robot",
@@ -156,11 +155,11 @@ def _built(path: Path, scratch: Path) -> dict[str, tuple[str, ...]]:
     return {"failed": failed, "lost": lost}
 
 
-def _lines(check: Check) -> Iterator[str]:
+def _lines(check):
     return (f"{check.code} {level_of(check)}: {line}" for line in lines_of(check))
 
 
-def _summary(rows: Sequence[Row]) -> int:
+def _summary(rows):
     total: Counter[tuple[str, bool]] = Counter()
     where: Counter[tuple[str, bool]] = Counter()
     for row in rows:

@@ -1,7 +1,7 @@
 """Machines of one assembly that go on and on in one direction, to see what grows faster than they do."""
 
 import json
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from itertools import pairwise
@@ -24,12 +24,12 @@ class Machine:
     parts: list[Point] = field(default_factory=list)
     features: list[dict] = field(default_factory=list)
 
-    def part(self, x: float, y: float = 0.0, z: float = 0.0) -> int:
+    def part(self, x, y=0.0, z=0.0):
         """The number of a new part."""
         self.parts.append((x, y, z))
         return len(self.parts) - 1
 
-    def mate(self, kind: str, first: int, second: int, at: Sequence[float]) -> str:
+    def mate(self, kind, first, second, at):
         """The id of a new mate whose two frames are at one point of the assembly [m]."""
         return self._feature(
             "mate",
@@ -44,19 +44,19 @@ class Machine:
             ],
         )
 
-    def gear(self, first: str, second: str, ratio: float) -> None:
+    def gear(self, first, second, ratio):
         mates = [{"featureId": mate, "occurrence": []} for mate in (first, second)]
         self._feature(
             "mateRelation", relationType="GEAR", relationRatio=ratio, reverseDirection=False, mates=mates
         )
 
-    def _feature(self, kind: str, **data: object) -> str:
+    def _feature(self, kind, **data):
         ident = f"F{len(self.features)}"
         data = {"name": f"{kind} {len(self.features)}", **data}
         self.features.append({"id": ident, "featureType": kind, "suppressed": False, "featureData": data})
         return ident
 
-    def bundle(self) -> Bundle:
+    def bundle(self):
         document = Document("Machine")
         block = document.studio("Parts").part("Block", solids.box(0.02, 0.01, 0.01), density=2700)
         document.assembly("Machine").add(block)
@@ -77,13 +77,13 @@ class Machine:
         return replace(drawn, definition=name, blobs={**drawn.blobs, name: body})
 
 
-def _pose(at: Iterable[float]) -> list[float]:
+def _pose(at):
     pose = np.eye(4)
     pose[:3, 3] = tuple(at)
     return [float(number) for number in pose.ravel()]
 
 
-def chain(count: int) -> Bundle:
+def chain(count):
     """Hinges one after another."""
     machine = Machine([(0.0, 0.0, 0.0)])
     for number in range(count):
@@ -92,7 +92,7 @@ def chain(count: int) -> Bundle:
     return machine.bundle()
 
 
-def star(count: int) -> Bundle:
+def star(count):
     """Sliders all on one part."""
     machine = Machine([(0.0, 0.0, 0.0)])
     for number in range(count):
@@ -100,7 +100,7 @@ def star(count: int) -> Bundle:
     return machine.bundle()
 
 
-def screws(count: int) -> Bundle:
+def screws(count):
     """Parts fastened in a row: one link."""
     machine = Machine([(0.0, 0.0, 0.0)])
     for number in range(count):
@@ -108,7 +108,7 @@ def screws(count: int) -> Bundle:
     return machine.bundle()
 
 
-def ladder(count: int) -> Bundle:
+def ladder(count):
     """Parallelograms one upon another: each loop shares a joint with the one before."""
     machine = Machine([(0.0, 0.0, 0.0)])
     left = right = 0
@@ -124,7 +124,7 @@ def ladder(count: int) -> Bundle:
     return machine.bundle()
 
 
-def lattice(count: int) -> Bundle:
+def lattice(count):
     """Posts hinged to each other top to foot, and rungs between them: loops that all hang together."""
     machine = Machine([(0.0, 0.0, 0.0)])
     left = right = 0
@@ -140,7 +140,7 @@ def lattice(count: int) -> Bundle:
     return machine.bundle()
 
 
-def gears(count: int) -> Bundle:
+def gears(count):
     """Wheels in a row, each driven by the one before."""
     machine = Machine([(0.0, 0.0, 0.0)])
     mates = []

@@ -4,7 +4,6 @@ import ast
 import io
 import tokenize
 from collections import Counter
-from pathlib import Path
 
 from tests.support.places import PROJECT, ROOMS
 
@@ -15,7 +14,7 @@ LAYOUT = {
 }  # fmt: skip
 
 
-def code_lines(text: str) -> int:
+def code_lines(text):
     """The number of lines with code."""
     documented: set[int] = set()
     for node in ast.walk(ast.parse(text)):
@@ -29,12 +28,12 @@ def code_lines(text: str) -> int:
     return len(lines - documented)
 
 
-def room(path: Path) -> str:
+def room(path):
     parts = path.relative_to(PROJECT).parts[:-1]
     return "/".join(parts[:3])
 
 
-def main() -> None:
+def main():
     rooms: Counter[str] = Counter()
     for top in ROOMS:
         for path in sorted((PROJECT / top).rglob("*.py")):

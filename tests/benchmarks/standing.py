@@ -10,29 +10,22 @@ Ends with exit status 1 where one that can does not.
 import argparse
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import mujoco
 import numpy as np
 from lxml import etree
 
-from linkwright.pipeline.config.plan import Plan
-from linkwright.stages.export import Exported, export
 from linkwright.stages.export.ground.footing import balanced, mass_and_center, touching
 from linkwright.stages.export.ground.standing import stand
 from linkwright.stages.fetch.urdf.gather import gather
 from linkwright.stages.graph import build_robot
 from linkwright.stages.mesh import make_geometry
-from linkwright.stages.robot.bundle import Bundle
 from linkwright.stages.robot.errors import LinkwrightError
-from linkwright.stages.robot.model.geometry import Geometry
-from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.robot.motion.start_pose import home
 from tests.benchmarks.example_robots import SETTLES, installed
-from tests.support.building import plan_of
+from tests.support.building import plan_of, write
 
 SECONDS = 10.0
 
@@ -97,7 +90,7 @@ class Stand:
     moved: str
 
 
-def main() -> int:
+def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("folder", nargs="?", type=Path, help="where example-robot-data lies")
     parser.add_argument("--only", default="", help="robots whose name has this in it")
@@ -122,7 +115,7 @@ def main() -> int:
     return 1 if fell else 0
 
 
-def _line(name: str, pose: str, stand: Stand) -> str:
+def _line(name, pose, stand):
     figures = f"{name:36} {pose:20} {stand.mass:6.1f} {_span(stand.gains):>12} {_span(stand.armatures):>16}"
     if stand.cannot:
         return f"{figures} cannot stand: {stand.cannot}"
@@ -130,11 +123,11 @@ def _line(name: str, pose: str, stand: Stand) -> str:
     return f"{figures} {1e3 * stand.base:6.1f} mm {1e3 * stand.joint:9.2f} {end}"
 
 
-def _span(ends: tuple[float, float]) -> str:
+def _span(ends):
     return f"{ends[0]:.2g}..{ends[1]:.2g}"
 
 
-def _best(share: Path, urdf: str, state: str) -> tuple[str, Stand | str]:
+def _best(share, urdf, state):
     """The first pose in which the robot stands, else the last, with what became of it."""
     place = next(share.rglob(f"{urdf}.urdf"))
     pose, outcome = "", None
@@ -149,7 +142,7 @@ def _best(share: Path, urdf: str, state: str) -> tuple[str, Stand | str]:
     return pose, outcome
 
 
-def _poses(share: Path, state: str) -> Iterator[tuple[str, dict[str, float]]]:
+def _poses(share, state):
     """(name, values by joint): that of the SRDF, and zero."""
     if state:
         srdf, name = state.split()
@@ -164,7 +157,7 @@ def _poses(share: Path, state: str) -> Iterator[tuple[str, dict[str, float]]]:
     yield "zero", {}
 
 
-def _tried(urdf: Path, values: dict[str, float]) -> Stand:
+def _tried(urdf, values):
     robot, bundle, source = _read(urdf, KEYS)
     limits = {dof.name: dof.limits for dof in robot.dofs}
     home = {name: limits[name].clip(value) for name, value in values.items() if name in limits}
@@ -172,11 +165,13 @@ def _tried(urdf: Path, values: dict[str, float]) -> Stand:
         robot, bundle, source = _read(urdf, {**KEYS, "keyframes": {"home": home}})
     plan = plan_of(source=source, **KEYS)
     geometry = make_geometry(robot, bundle, plan, lambda kind, key, make: make())
-    exported = export(robot, geometry, plan)
-    return _stand(robot, exported, _unsteady(robot, geometry, plan) or _weak(robot, exported))
+    with tempfile.TemporaryDirectory() as folder:
+        exported = write(robot, Path(folder), plan, geometry)
+        model = mujoco.MjModel.from_xml_path(f"{folder}/scene.xml")
+    return _stand(robot, exported, model, _unsteady(robot, geometry, plan) or _weak(robot, exported))
 
 
-def _read(urdf: Path, keys: Mapping[str, Any]) -> tuple[Robot, Bundle, dict[str, str]]:
+def _read(urdf, keys):
     """The robot, its bundle, and the settings of the source that it takes."""
     source = {"kind": "urdf", "path": str(urdf)}
     while True:
@@ -192,9 +187,8 @@ def _read(urdf: Path, keys: Mapping[str, Any]) -> tuple[Robot, Bundle, dict[str,
             source |= settings
 
 
-def _stand(robot: Robot, exported: Exported, cannot: str) -> Stand:
+def _stand(robot, exported, model, cannot):
     assert exported.written.actuation is not None
-    model = _scene(exported)
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
     home = data.qpos.copy()
@@ -225,7 +219,7 @@ def _stand(robot: Robot, exported: Exported, cannot: str) -> Stand:
     )
 
 
-def _unsteady(robot: Robot, geometry: Geometry, plan: Plan) -> str:
+def _unsteady(robot, geometry, plan):
     """Why forces of the ground do not hold the robot at home, and a little beside it; "" where they do."""
     if not geometry.shapes or all(shape.role != "collision" for shape in geometry.shapes):
         return "it has no colliders"
@@ -246,7 +240,7 @@ def _unsteady(robot: Robot, geometry: Geometry, plan: Plan) -> str:
     return ""
 
 
-def _weak(robot: Robot, exported: Exported) -> str:
+def _weak(robot, exported):
     """The joints that need all of their effort, or more, at home."""
     assert exported.written.actuation is not None
     effort = {dof.name: dof.dynamics.effort for dof in robot.dofs}
@@ -257,15 +251,6 @@ def _weak(robot: Robot, exported: Exported) -> str:
         and abs(actuator.force_at("home")) >= max(limit * (1.0 - 1e-9), 1e-6)
     ]
     return ", ".join(weak[:3])
-
-
-def _scene(exported: Exported) -> mujoco.MjModel:
-    with tempfile.TemporaryDirectory() as folder:
-        for name, data in exported.files.items():
-            path = Path(folder) / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(data)
-        return mujoco.MjModel.from_xml_path(str(Path(folder) / "scene.xml"))
 
 
 if __name__ == "__main__":

@@ -33,7 +33,7 @@ KINDS = {
 GOAL_MB, GOAL_S, GOAL_TIMES = 16.0, 1.5, 3.0
 
 
-def replies(parts: int, triangles: int) -> dict[str, bytes]:
+def replies(parts, triangles):
     """All kinds of triangles of a studio of balls, and their mass properties."""
     document = Document(f"Balls {parts}")
     studio = document.studio("Balls")
@@ -49,10 +49,11 @@ def replies(parts: int, triangles: int) -> dict[str, bytes]:
     return bodies | {"mass": served.answer(f"{path}/massproperties", "massAsGroup=false").body}
 
 
-def read(folder: Path, kind: str, traced: bool) -> dict[str, float]:
+def read(folder, kind, traced):
     """What reading the reply of this kind takes; run in a process of its own."""
     from linkwright.stages.fetch.onshape.triangles import faces, gltf_parts
     from linkwright.stages.formats import triangles as codec
+    from linkwright.stages.formats.meshes import body_arrays
 
     mass = (folder / "mass").read_bytes()
     small = replies(2, 60)  # so that imports are not measured
@@ -71,31 +72,31 @@ def read(folder: Path, kind: str, traced: bool) -> dict[str, float]:
         "resident": 1024 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - resident),
         "traced": traced_peak,
         "bodies": len(codec.names(compact)),
-        "volume": sum(_volume(body) for body in codec.decode(compact).values()),
+        "volume": sum(_volume(body) for body in body_arrays.decode(compact).values()),
     }
 
 
-def _volume(body) -> float:
+def _volume(body):
     a, b, c = np.moveaxis((body.points - body.points.mean(axis=0))[body.triangles], 1, 0)
     return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
 
 
-def main() -> None:
+def main():
     head = f"{'studio':18} {'kind':18} {'MB':>7} {'gzip':>7} {'kept':>7} {'B/tri':>6} {'CPU s':>6}"
     print(f"{head} {'memory':>7} {'resident':>8} {'bodies':>6} {'volume off':>10}")
     for name, (parts, triangles) in SIZES.items():
         with tempfile.TemporaryDirectory() as folder:
-            found = replies(parts, triangles)
-            for kind, body in found.items():
+            bodies = replies(parts, triangles)
+            for kind, body in bodies.items():
                 (Path(folder) / kind).write_bytes(body)
-            volumes = json.loads(found["mass"])["bodies"].values()
+            volumes = json.loads(bodies["mass"])["bodies"].values()
             true = sum(record["volume"][0] for record in volumes)
-            count = found["faces, point table"].count(b'"indices"')
+            count = bodies["faces, point table"].count(b'"indices"')
             for kind in KINDS:
-                size = len(found[kind])
+                size = len(bodies[kind])
                 measured, traced = (_apart(folder, kind, flag) for flag in ("", "traced"))
                 print(
-                    f"{name:18} {kind:18} {size / 1e6:7.2f} {len(gzip.compress(found[kind], 1)) / 1e6:7.2f} "
+                    f"{name:18} {kind:18} {size / 1e6:7.2f} {len(gzip.compress(bodies[kind], 1)) / 1e6:7.2f} "
                     f"{measured['compact'] / 1e6:7.2f} {size / count:6.0f} {measured['seconds']:6.2f} "
                     f"{traced['traced'] / size:6.1f}× {measured['resident'] / size:7.1f}× "
                     f"{measured['bodies']:6.0f} {abs(measured['volume'] / true - 1):10.1e}"
@@ -103,7 +104,7 @@ def main() -> None:
     print(f"goal: a reply of {GOAL_MB:.0f} MB in {GOAL_S} s of CPU and {GOAL_TIMES:.0f}× its size of memory")
 
 
-def _apart(folder: str, kind: str, traced: str) -> dict[str, float]:
+def _apart(folder, kind, traced):
     line = [sys.executable, "-m", "tests.benchmarks.tessellation", folder, kind, traced]
     done = subprocess.run(line, capture_output=True, check=True, text=True)
     measured: dict[str, float] = json.loads(done.stdout)

@@ -5,7 +5,6 @@ Each leg is three sub-assemblies, of a hip, a thigh and a shank, on three hinges
 """
 
 import math
-from pathlib import Path
 
 from tests.fake_onshape import outlines, solids
 from tests.fake_onshape.bundle import write_robot
@@ -19,7 +18,7 @@ THIGH, SHANK, FOOT = 0.16, 0.15, 0.02
 PARTS = 58
 
 
-def walker_document() -> Document:
+def walker_document():
     document = Document("Walker")
     trunk = _trunk(document)
     hip, thigh, shank = _hip(document), _thigh(document), _shank(document)
@@ -27,11 +26,13 @@ def walker_document() -> Document:
     document.root = walker
     body = walker.add(trunk, pose=frame((0, 0, 0.45)))
     for name, (ahead, left) in LEGS.items():
-        one, upper, lower = (walker.add(part, name=f"{name} {part.name}") for part in (hip, thigh, shank))
+        hip_body, upper, lower = (
+            walker.add(part, name=f"{name} {part.name}") for part in (hip, thigh, shank)
+        )
         at, side, knee = roll(0.13 * ahead, 0.055 * left, 0), pitch(0, 0.055 * left, 0), pitch(0, 0, -THIGH)
-        ends = (one / hip.holds, roll()), (body / trunk.holds, at)
+        ends = (hip_body / hip.holds, roll()), (body / trunk.holds, at)
         walker.revolute(f"{name} abduction", *ends, 0.0, (-0.7, 0.7))
-        ends = (upper / thigh.holds, pitch()), (one / hip.holds, side)
+        ends = (upper / thigh.holds, pitch()), (hip_body / hip.holds, side)
         walker.revolute(f"{name} hip", *ends, BEND, (-1.0, 2.0))
         ends = (lower / shank.holds, pitch()), (upper / thigh.holds, knee)
         walker.revolute(f"{name} knee", *ends, -2 * BEND, (-2.5, -0.3))
@@ -50,10 +51,10 @@ def _trunk(document):
         plate = trunk.add(studio.part(f"{name} plate", across, ALUMINIUM))
         trunk.fasten(f"{name} plate on", (plate, frame()), (trunk.holds, frame((x, 0, 0))))
         for side, y in (("left", 0.055), ("right", -0.055)):
-            one = trunk.add(motor, name=f"{name} {side} motor")
+            motor_body = trunk.add(motor, name=f"{name} {side} motor")
             ahead = math.copysign(1.0, x)
             at = frame((x - 0.041 * ahead, y, 0.0), x=(0, 1, 0), z=(ahead, 0, 0))
-            trunk.fasten(f"{name} {side} motor on", (one, frame()), (trunk.holds, at))
+            trunk.fasten(f"{name} {side} motor on", (motor_body, frame()), (trunk.holds, at))
     for name, shape, z in (
         ("Lid", solids.box(0.30, 0.05, 0.006), 0.028),
         ("Battery", solids.box(0.16, 0.05, 0.03), -0.04),
@@ -87,8 +88,8 @@ def _thigh(document):
     thigh.holds = thigh.add(spacer, name="Upper spacer")
     # The outline's y is the thigh's z, and it is drawn across, from y on.
     for name, y in (("Inner", -0.015), ("Outer", 0.011)):
-        one = thigh.add(plate, name=f"{name} plate")
-        thigh.fasten(f"{name} plate on", (one, frame()), (thigh.holds, _drawn(y)))
+        plate_body = thigh.add(plate, name=f"{name} plate")
+        thigh.fasten(f"{name} plate on", (plate_body, frame()), (thigh.holds, _drawn(y)))
     lower = thigh.add(spacer, name="Lower spacer")
     thigh.fasten("Lower spacer on", (lower, frame()), (thigh.holds, frame((0, 0, -0.12))))
     knee = thigh.add(motor)
@@ -127,6 +128,6 @@ joints:
 """
 
 
-def write_walker(folder: Path) -> None:
+def write_walker(folder):
     """Writes the document's bundle and the robot `walker`, as a user has them."""
     write_robot(folder, "walker", walker_document(), YAML)

@@ -1,9 +1,6 @@
 """Browsers for the tests, one for the whole run where its flags are the usual ones."""
 
-from collections.abc import Callable, Iterator
 from functools import partial
-from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -26,26 +23,26 @@ PREVIEW = '<img class="preview" alt="preview" src="data:image/gif;base64,R0lGODl
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _installed() -> None:
+def _installed():
     if missing():
         pytest.skip(f"tests of the page need a browser: {missing()} not found on PATH")
 
 
 @pytest.fixture(scope="session")
-def shared_browser(_installed: None) -> Iterator[Browser]:
+def shared_browser(_installed):
     with Browser(ratio=0.5) as browser:
         yield browser
 
 
 @pytest.fixture(scope="module", autouse=True)
-def _no_page_is_left(shared_browser: Browser) -> Iterator[None]:
+def _no_page_is_left(shared_browser):
     """A robot that runs is drawn for as long as its page is open, which takes a core from all later tests."""
     yield
     shared_browser.leave()
 
 
 @pytest.fixture
-def browser(shared_browser: Browser) -> Browser:
+def browser(shared_browser):
     """A browser with a small page of few pixels, which is drawn in less time; its logs are empty."""
     shared_browser.size(*SIZE)
     shared_browser.console()
@@ -54,15 +51,15 @@ def browser(shared_browser: Browser) -> Browser:
 
 
 @pytest.fixture
-def page_of(tmp_path: Path) -> Callable[..., Path]:
+def page_of(tmp_path):
     """Writes a page around the view of a pack."""
     return partial(write_page, tmp_path)
 
 
-def write_page(folder: Path, pack: bytes, engine: Any = "whole", shared_path: str = "") -> Path:
+def write_page(folder, pack, engine="whole", shared_path=""):
     """A page around the view of a pack, in a folder."""
-    found = view(pack, engine, shared_path)
-    body = found.body.replace("<!-- preview -->", PREVIEW)
+    page = view(pack, engine, shared_path)
+    body = page.body.replace("<!-- preview -->", PREVIEW)
     path = folder / "page.html"
-    path.write_text(PAGE.format(style=found.style, body=body, scripts=found.scripts), encoding="utf-8")
+    path.write_text(PAGE.format(style=page.style, body=body, scripts=page.scripts), encoding="utf-8")
     return path

@@ -1,4 +1,4 @@
-"""What a visitor does: run, pause, toggles, keyframes, keys, clicks and pulls; and what the page tells."""
+"""The visitor's actions: run, pause, toggles, keyframes, keys, clicks and pulls; and the page's messages."""
 
 import mujoco
 import numpy as np
@@ -6,9 +6,11 @@ import pytest
 
 from tests.browser.conftest import SIZE, write_page
 from tests.browser.models import ALL_JOINTS, CARRIED, FOUR_BAR, HELD, chain, model_of, renamed, small_pack
-from tests.browser.words import complaints, opened, shown, word
+from tests.browser.words import complaints, opened, shown, slide, text, word
 
 pytestmark = pytest.mark.slow
+
+CLICK = [{"type": "pointerDown", "button": 0}, {"type": "pointerUp", "button": 0}]
 
 HOSTILE = '</script><img src=x onerror="window.broken=1">&amp;\'"'
 
@@ -39,10 +41,9 @@ def at(browser, body):
 
 def test_it_runs_at_home_at_once(browser, held_page):
     browser.open(held_page)
-    held = browser
-    assert word(held) == "Simulating in MuJoCo 3.14.0"
-    assert held.run("return linkwright.info().running")
-    assert held.run("return document.querySelector('.live-toggle span').textContent") == "Pause"
+    assert word(browser) == "Simulating in MuJoCo 3.14.0"
+    assert browser.run("return linkwright.info().running")
+    assert text(browser, ".live-toggle span") == "Pause"
 
 
 def test_less_motion_means_paused(browser, page_of):
@@ -73,14 +74,13 @@ def test_space_pauses_and_arrows_turn_the_camera(held):
 
 
 def test_a_control_moves_its_joint(held):
-    model = model_of(HELD)
-    joint = model.joint("shoulder").qposadr[0]
+    joint = model_of(HELD).joint("shoulder").qposadr[0]
     before = held.run("linkwright.view.pause(); return linkwright.qpos()")[joint]
     held.run(
         "const input = document.querySelector('.live-fold .live-slider input');"
         "input.value = 0.5; input.dispatchEvent(new Event('input'))"
     )
-    assert held.run("return document.querySelector('.live-slider label').textContent") == "shoulder"
+    assert text(held, ".live-slider label") == "shoulder"
     after = held.run("return linkwright.step(2)")[joint]
     assert abs(before - 0.2) < 0.02
     assert abs(after - 0.5) < 0.02
@@ -89,8 +89,7 @@ def test_a_control_moves_its_joint(held):
 def test_a_posed_robot_stays_there_when_it_runs(held):
     posed = held.run("return linkwright.pose('shoulder', 0.6)")
     assert word(held) == "Paused"
-    after = held.run("return linkwright.step(2)")
-    np.testing.assert_allclose(after, posed, atol=0.03)
+    np.testing.assert_allclose(held.run("return linkwright.step(2)"), posed, atol=0.03)
 
 
 def test_targets_that_are_states_go_along_with_keyframes_and_poses(browser, page_of):
@@ -103,13 +102,11 @@ def test_targets_that_are_states_go_along_with_keyframes_and_poses(browser, page
 
 
 def test_a_ball_is_posed_from_where_it_is_while_it_runs(browser, page_of):
-    """One slider of three: the other two keep what the simulation made of them."""
-    model = model_of(ALL_JOINTS)
+    """A single slider of three: the other two keep their values of the simulation."""
     browser.open(page_of(small_pack(ALL_JOINTS)))
-    vector = [0.5, -0.4, 0.3]
-    quat = np.zeros(4)
-    mujoco.mju_axisAngle2Quat(quat, np.array(vector) / np.linalg.norm(vector), np.linalg.norm(vector))
-    place = model.joint("shoulder").qposadr[0]
+    vector, quat = np.array([0.5, -0.4, 0.3]), np.zeros(4)
+    mujoco.mju_axisAngle2Quat(quat, vector / np.linalg.norm(vector), np.linalg.norm(vector))
+    place = int(model_of(ALL_JOINTS).joint("shoulder").qposadr[0])
     qpos = browser.run(
         "linkwright.view.pause(); linkwright.view.reset(); linkwright.view.run();"
         "const [place, quat] = arguments; linkwright.view.engine.views.qpos.set(quat, place);"
@@ -117,23 +114,18 @@ def test_a_ball_is_posed_from_where_it_is_while_it_runs(browser, page_of):
         " row.querySelector('label').textContent === 'shoulder x');"
         "const input = row.querySelector('input'); input.value = 0.2;"
         "input.dispatchEvent(new Event('input')); return linkwright.qpos()",
-        int(place),
+        place,
         quat.tolist(),
     )
     wanted = np.array([0.2, *vector[1:]])
     turn = np.linalg.norm(wanted)
-    np.testing.assert_allclose(
-        qpos[place : place + 4],
-        [np.cos(turn / 2), *(np.sin(turn / 2) * wanted / turn)],
-        atol=1e-6,
-    )
+    expected = [np.cos(turn / 2), *(np.sin(turn / 2) * wanted / turn)]
+    np.testing.assert_allclose(qpos[place : place + 4], expected, atol=1e-6)
 
 
 def test_keyframes_and_reset(held):
-    held.run("linkwright.view.pause()")
-    held.run(
-        "const s = document.querySelector('select'); s.value = '1'; s.dispatchEvent(new Event('change'))"
-    )
+    choose = "const s = document.querySelector('select'); s.value = '1'; s.dispatchEvent(new Event('change'))"
+    held.run(f"linkwright.view.pause(); {choose}")
     assert held.run("return linkwright.qpos()") == model_of(HELD).key_qpos[1].tolist()
     held.run("document.querySelector('.live-reset').click()")
     assert held.run("return linkwright.qpos()") == model_of(HELD).key_qpos[0].tolist()
@@ -153,13 +145,13 @@ def test_a_toggle_shows_and_hides(held, layer):
 
 
 def test_contacts_are_those_of_mujoco(held):
-    model, data = model_of(HELD), None
-    found = held.run("linkwright.view.pause(); linkwright.view.reset(); return linkwright.view.contactsNow()")
-    data = mujoco.MjData(model)
+    model, data = model_of(HELD), mujoco.MjData(model_of(HELD))
+    read = "linkwright.view.pause(); linkwright.view.reset(); return linkwright.view.contactsNow()"
+    places = sorted(contact[:3] for contact in held.run(read))
     mujoco.mj_resetDataKeyframe(model, data, 0)
     mujoco.mj_forward(model, data)
-    assert len(found) == data.ncon > 0
-    np.testing.assert_allclose(sorted(one[:3] for one in found), sorted(data.contact.pos.tolist()), atol=1e-6)
+    assert len(places) == data.ncon > 0
+    np.testing.assert_allclose(places, sorted(data.contact.pos.tolist()), atol=1e-6)
 
 
 def test_boxes_of_inertia_have_the_bodies_inertia(held):
@@ -174,23 +166,18 @@ def test_boxes_of_inertia_have_the_bodies_inertia(held):
 
 def test_a_click_picks_a_link_and_another_lets_it_go(held):
     held.run("linkwright.view.pause()")
-    body = model_of(HELD).body("forearm").id
-    spot = at(held, body)
-    click = [{"type": "pointerDown", "button": 0}, {"type": "pointerUp", "button": 0}]
-    held.act({"type": "pointerMove", "duration": 0, **spot}, *click)
-    assert held.run("return document.querySelector('.live-card h3').textContent") == "forearm"
-    assert held.run("return document.querySelector('.live-parts').textContent") == "part of forearm0.3 kg"
+    held.act({"type": "pointerMove", "duration": 0, **at(held, model_of(HELD).body("forearm").id)}, *CLICK)
+    assert (text(held, ".live-card h3"), text(held, ".live-parts")) == ("forearm", "part of forearm0.3 kg")
     box = held.run("return document.querySelector('canvas').getBoundingClientRect().toJSON()")
     corner = {"x": round(box["right"] - 9), "y": round(box["bottom"] - 9)}
-    held.act({"type": "pointerMove", "duration": 0, **corner}, *click)
+    held.act({"type": "pointerMove", "duration": 0, **corner}, *CLICK)
     assert not shown(held, ".live-card")
 
 
 def test_the_keyboard_shows_where_it_is_and_a_click_draws_no_frame(held):
     held.run("linkwright.view.pause()")
     ring = "return document.activeElement.tagName + document.activeElement.matches(':focus-visible')"
-    click = [{"type": "pointerDown", "button": 0}, {"type": "pointerUp", "button": 0}]
-    held.act({"type": "pointerMove", "duration": 0, **at(held, model_of(HELD).body("forearm").id)}, *click)
+    held.act({"type": "pointerMove", "duration": 0, **at(held, model_of(HELD).body("forearm").id)}, *CLICK)
     assert held.run(ring) == "CANVASfalse"
     held.run("document.activeElement.blur()")
     held.keys("\ue004")
@@ -200,11 +187,11 @@ def test_the_keyboard_shows_where_it_is_and_a_click_draws_no_frame(held):
 def test_a_link_may_be_chosen_by_its_name(held):
     held.run(
         "const s = document.querySelector('.live-links');"
-        "s.value = [...s.options].find((one) => one.text === 'arm').value;"
+        "s.value = [...s.options].find((it) => it.text === 'arm').value;"
         "s.dispatchEvent(new Event('change'))"
     )
-    assert held.run("return document.querySelector('.live-card h3').textContent") == "arm"
-    names = held.run("return [...document.querySelectorAll('.live-links option')].map((one) => one.text)")
+    assert text(held, ".live-card h3") == "arm"
+    names = held.run("return [...document.querySelectorAll('.live-links option')].map((it) => it.text)")
     assert names[1:] == ["block", "post", "arm", "forearm"]
     held.run("document.querySelector('.live-close').click()")
     assert not shown(held, ".live-card")
@@ -235,7 +222,7 @@ def test_a_pull_moves_a_link_to_the_pointer_until_it_is_let_go(held):
 def test_names_from_cad_stay_text(browser, page_of):
     browser.open(page_of(small_pack(renamed(chain(2), HOSTILE))))
     browser.run("linkwright.view.pick(1)")
-    assert browser.run("return document.querySelector('.live-card h3').textContent") == HOSTILE
+    assert text(browser, ".live-card h3") == HOSTILE
     assert browser.run("return document.querySelectorAll('#live img:not(.preview)').length") == 0
     assert browser.run("return window.broken") is None
     assert complaints(browser) == []
@@ -248,49 +235,38 @@ def test_nothing_sticks_out(browser, page_of, width):
     browser.run("linkwright.view.pick(1); document.querySelector('.live-licences summary').click()")
     assert browser.run("return document.documentElement.scrollWidth") <= width
     for selector in (".live-slider input", ".live-bar button", ".live-card"):
-        right = browser.run(
-            "return document.querySelector(arguments[0]).getBoundingClientRect().right", selector
-        )
-        assert right <= width, selector
+        right = "return document.querySelector(arguments[0]).getBoundingClientRect().right"
+        assert browser.run(right, selector) <= width, selector
 
 
 def test_every_control_has_a_name(held):
     unnamed = held.run(
-        "return [...document.querySelectorAll('#live :is(input, button, select)')].filter((one) =>"
-        "!one.labels?.[0]?.textContent.trim() && !one.textContent.trim() && !one.ariaLabel)"
-        ".map((one) => one.outerHTML)"
+        "return [...document.querySelectorAll('#live :is(input, button, select)')].filter((it) =>"
+        "!it.labels?.[0]?.textContent.trim() && !it.textContent.trim() && !it.ariaLabel)"
+        ".map((it) => it.outerHTML)"
     )
     assert unnamed == []
 
 
-def test_a_slider_stands_where_its_joint_went(browser, page_of):
+def test_a_slider_is_where_its_joint_went(browser, page_of):
     """Also the second time that it is moved to where the loop does not let the joint go."""
     browser.open(page_of(small_pack(FOUR_BAR), "none"))
-    there, shown_at = browser.run(
-        "const row = [...document.querySelectorAll('.live-slider')].find((row) =>"
-        " row.querySelector('label').textContent === 'rocker');"
-        "const input = row.querySelector('input');"
-        "const drawn = () => new Promise(requestAnimationFrame);"
-        "for (const value of [2.5, 3]) {"
-        " input.value = value; input.dispatchEvent(new Event('input')); await drawn(); await drawn(); }"
-        "return [linkwright.qpos()[arguments[0]], Number(input.value)]",
-        int(model_of(FOUR_BAR).joint("rocker").qposadr[0]),
-    )
-    assert there < 2.4
-    assert shown_at == pytest.approx(there, abs=0.01)
+    for value in (2.5, 3):
+        qpos, shown_at = slide(browser, "rocker", value)
+    rocker = qpos[model_of(FOUR_BAR).joint("rocker").qposadr[0]]
+    assert rocker < 2.4
+    assert shown_at == pytest.approx(rocker, abs=0.01)
 
 
 def test_values_that_change_while_it_runs_are_not_read_out(held):
-    told = held.run("return [...document.querySelectorAll('#live output')].map((one) => one.ariaLive)")
-    assert set(told) == {"off"}
+    live = held.run("return [...document.querySelectorAll('#live output')].map((it) => it.ariaLive)")
+    assert set(live) == {"off"}
 
 
 @pytest.mark.parametrize(("rate", "said"), [(0.84, "0.8"), (0.1, "0.1"), (0.034, "0.03")])
-def test_how_slow_it_runs_is_never_none(held, rate, said):
-    words = held.run(
-        "linkwright.view.page.showRate(arguments[0]); return linkwright.view.page.rate.textContent", rate
-    )
-    assert words == f"at {said} of real time"
+def test_the_rate_is_never_shown_as_zero(held, rate, said):
+    read = "linkwright.view.page.showRate(arguments[0]); return linkwright.view.page.rate.textContent"
+    assert held.run(read, rate) == f"at {said} of real time"
 
 
 def test_it_does_not_step_out_of_sight(held):
@@ -321,8 +297,9 @@ def test_a_frame_is_drawn_once_also_after_it_was_out_of_sight(held):
 def test_the_licences_open(held):
     text = held.run(
         "document.querySelector('.live-licences summary').click();"
-        "await new Promise((done) => setTimeout(done, 300));"
-        "return document.querySelector('.live-licences pre').textContent"
+        "const pre = document.querySelector('.live-licences pre');"
+        "for (let n = 0; n < 300 && !pre.textContent; n++) await new Promise((go) => setTimeout(go, 100));"
+        "return pre.textContent"
     )
     assert "Apache License" in text
     assert "three.js authors" in text

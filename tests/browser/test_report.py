@@ -1,5 +1,5 @@
 """The report of a build and the page of a sweep in a browser: they fit a laptop, a phone and paper, and the
-keyboard reaches what is in them."""
+keyboard reaches their parts."""
 
 from dataclasses import replace
 
@@ -61,7 +61,7 @@ def test_nothing_is_wider_than_a_phone_or_a_laptop(opened, kind):
     data = PAGES[kind]()
     for width in (400, 1280):
         browser = opened(data, width)
-        browser.run("for (const one of document.querySelectorAll('details')) one.open = true")
+        browser.run("for (const it of document.querySelectorAll('details')) it.open = true")
         wide = browser.run("return document.scrollingElement.scrollWidth")
         assert wide <= width, (kind, width, wide)
 
@@ -97,9 +97,8 @@ def test_the_contents_are_a_line_on_a_laptop_and_folded_on_a_phone_and_the_keybo
 def test_the_first_key_leads_past_the_robot_to_the_report(opened):
     browser = opened(of(random_robot(6), Live(small_pack(ALL_JOINTS))))
     browser.keys(TAB)
-    left, words = browser.run(
-        "const it = document.activeElement; return [it.getBoundingClientRect().left, it.textContent]"
-    )
+    read = "const it = document.activeElement; return [it.getBoundingClientRect().left, it.textContent]"
+    left, words = browser.run(read)
     assert left >= 0
     assert words == "Skip to the report"
     browser.keys(ENTER)
@@ -119,7 +118,7 @@ def test_a_link_to_a_code_leads_to_its_explanation_below_the_contents(opened):
 
 
 @pytest.mark.parametrize("dark", [False, True])
-def test_what_is_said_in_light_and_dark_can_be_read(opened, dark):
+def test_texts_can_be_read_in_light_and_dark(opened, dark):
     """The colours as the browser computes them, of every text against the ground below it."""
     browser = opened(PAGES["hostile"](), dark=dark)
     worst = browser.run(
@@ -143,7 +142,7 @@ def test_what_is_said_in_light_and_dark_can_be_read(opened, dark):
     assert worst[0] >= 4.5, worst
 
 
-def test_on_paper_what_is_folded_is_open_but_for_what_is_left_out_on_purpose(opened):
+def test_folded_parts_are_open_on_paper_except_those_left_out_on_purpose(opened):
     browser = opened(build_page("word"))
     browser.cdp("Emulation.setEmulatedMedia", media="print")
     seen = browser.run(

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from tests.browser.words import complaints, opened, word
+from tests.browser.words import complaints, opened, slide, text, word
 from tests.support.command import environment, linkwright
 
 pytestmark = pytest.mark.slow
@@ -20,8 +20,8 @@ def built(tmp_path_factory):
     """The folder of a build of the sample, held by its actuators."""
     here = tmp_path_factory.mktemp("sample")
     live = environment(here, LINKWRIGHT_PAGE="whole")
-    found = linkwright(here, "source=sample", "actuators=position", "name=arm", environ=live)
-    assert found.returncode == 0, found.stderr
+    done = linkwright(here, "source=sample", "actuators=position", "name=arm", environ=live)
+    assert done.returncode == 0, done.stderr
     return here / "outputs" / "arm"
 
 
@@ -60,11 +60,8 @@ def test_it_stays_at_home(page, model):
 
 def gaps(model, data):
     """How far the sites of each loop are apart [m]."""
-    pairs = [
-        (model.eq_obj1id[i], model.eq_obj2id[i])
-        for i in range(model.neq)
-        if int(model.eq_type[i]) == int(mujoco.mjtEq.mjEQ_CONNECT)
-    ]
+    loops = [i for i in range(model.neq) if int(model.eq_type[i]) == int(mujoco.mjtEq.mjEQ_CONNECT)]
+    pairs = [(model.eq_obj1id[i], model.eq_obj2id[i]) for i in loops]
     assert pairs
     return np.array([np.linalg.norm(data.site_xpos[a] - data.site_xpos[b]) for a, b in pairs])
 
@@ -97,28 +94,23 @@ def test_a_slider_turns_the_right_link_by_the_right_angle(page, model):
     """The shoulder's yaw carries the whole arm; the base and the lift stay."""
     page.run("linkwright.view.pause(); linkwright.view.reset()")
     read = "return linkwright.header.bodies.map((_, body) => linkwright.matrix(body))"
-    before = [np.reshape(one, (4, 4)).T[:3, :3] for one in page.run(read)]
+    before = [np.reshape(matrix, (4, 4)).T[:3, :3] for matrix in page.run(read)]
     value = page.run("return linkwright.qpos()")[model.joint("shoulder_yaw").qposadr[0]]
-    page.run(
-        "const row = [...document.querySelectorAll('.live-slider')].filter((one) =>"
-        " one.querySelector('label').textContent === 'shoulder_yaw').pop();"
-        "const input = row.querySelector('input'); input.value = arguments[0];"
-        "input.dispatchEvent(new Event('input')); linkwright.view.update()",
-        value - 0.7,
-    )
-    after = [np.reshape(one, (4, 4)).T[:3, :3] for one in page.run(read)]
+    slide(page, "shoulder_yaw", value - 0.7)
+    page.run("linkwright.view.update()")
+    after = [np.reshape(matrix, (4, 4)).T[:3, :3] for matrix in page.run(read)]
     for name, angle in [("base_plate", 0), ("lift_column", 0), ("turret", 0.7), ("palm", 0.7)]:
         body = model.body(name).id
         turned = after[body] @ before[body].T
         assert np.arctan2(turned[0, 1], turned[0, 0]) == pytest.approx(angle, abs=1e-6), name
 
 
-def test_links_say_what_they_are_made_of(page, built):
+def test_links_show_their_parts(page, built):
     robot = json.loads((built / "robot.json").read_text())
-    names = page.run("return linkwright.header.links.map((one) => one.name)")
+    names = page.run("return linkwright.header.links.map((it) => it.name)")
     assert sorted(names) == sorted(link["name"] for link in robot["links"])
-    page.run("linkwright.view.pick(linkwright.header.bodies.findIndex((one) => one.name === 'forearm'))")
-    card = page.run("return document.querySelector('.live-card').textContent")
+    page.run("linkwright.view.pick(linkwright.header.bodies.findIndex((it) => it.name === 'forearm'))")
+    card = text(page, ".live-card")
     assert card.startswith("forearm")
     assert "CAD part" in card
     assert "collider" in card

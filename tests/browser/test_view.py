@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from tests.browser.models import ALL_JOINTS, FOUR_BAR, SLIDER_CRANK, chain, model_of, small_pack
-from tests.browser.words import complaints, word
+from tests.browser.words import complaints, slide, word
 
 
 def poses(model, qpos):
@@ -35,80 +35,67 @@ def test_poses_are_those_of_mujoco(browser, page_of):
     random = np.random.default_rng(17)
     for _ in range(20):
         qpos = random_qpos(model, random)
-        found = browser.run("return linkwright.kinematics(arguments[0])", qpos.tolist())
+        placed = browser.run("return linkwright.kinematics(arguments[0])", qpos.tolist())
         data = poses(model, qpos)
-        np.testing.assert_allclose(np.reshape(found["xpos"], (-1, 3)), data.xpos, atol=1e-9)
-        quats = np.reshape(found["xquat"], (-1, 4))
+        np.testing.assert_allclose(np.reshape(placed["xpos"], (-1, 3)), data.xpos, atol=1e-9)
+        quats = np.reshape(placed["xquat"], (-1, 4))
         np.testing.assert_allclose(np.abs(np.sum(quats * data.xquat, axis=1)), 1, atol=1e-12)
 
 
 def test_the_scene_shows_the_pose_of_a_slider(browser, page_of):
     model = model_of(ALL_JOINTS)
     browser.open(page_of(small_pack(ALL_JOINTS), "none"))
-    qpos = browser.run(
-        "const slider = [...document.querySelectorAll('.live-slider')]"
-        ".find((row) => row.querySelector('label').textContent === 'turn').querySelector('input');"
-        "slider.value = 1.1; slider.dispatchEvent(new Event('input')); return linkwright.qpos();"
-    )
+    qpos, _ = slide(browser, "turn", 1.1)
     assert qpos[model.joint("turn").qposadr[0]] == pytest.approx(1.1)
     assert browser.run("return document.querySelectorAll('.live-slider output')[4].textContent") != ""
     browser.run("linkwright.view.update()")
-    data = poses(model, qpos)
-    before = poses(model, model.qpos0)
+    data, before = poses(model, qpos), poses(model, model.qpos0)
     for name in ("rail", "tip", "upper"):
         body = model.body(name).id
         drawn = np.reshape(browser.run("return linkwright.matrix(arguments[0])", body), (4, 4)).T
         np.testing.assert_allclose(drawn[:3, :3], data.xmat[body].reshape(3, 3), atol=1e-9)
         np.testing.assert_allclose(drawn[:3, 3], data.xpos[body], atol=1e-9)
-    turned = before.xmat[model.body("rail").id].reshape(3, 3).T @ data.xmat[model.body("rail").id].reshape(
-        3, 3
-    )
+    first, last = (state.body("rail").xmat.reshape(3, 3) for state in (before, data))
+    turned = first.T @ last
     assert np.arccos((np.trace(turned) - 1) / 2) == pytest.approx(1.1 - 0.4, abs=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("joint", "value"), [("crank", 0.6), ("crank", -0.5), ("rocker", 0.2), ("gear", 0.0)]
-)
-def test_a_loop_stays_closed_and_a_follower_follows(browser, page_of, joint, value):
-    model = model_of(FOUR_BAR)
+def test_a_loop_stays_closed_and_a_follower_follows(browser, page_of):
     browser.open(page_of(small_pack(FOUR_BAR), "none"))
-    qpos = np.array(browser.run("return linkwright.pose(...arguments)", joint, value))
-    assert qpos[model.joint(joint).qposadr[0]] == pytest.approx(value, abs=1e-9)
-    data = poses(model, qpos)
-    np.testing.assert_allclose(data.site("end").xpos, data.site("top").xpos, atol=1e-6)
-    rocker = data.joint("rocker").qpos[0]
-    assert data.joint("gear").qpos[0] - 0.2 == pytest.approx(0.1 - 2 * rocker + 0.3 * rocker**2, abs=1e-6)
+    for joint, value in (("crank", 0.6), ("crank", -0.5), ("rocker", 0.2), ("gear", 0.0)):
+        browser.run("linkwright.view.reset()")
+        data = poses(model_of(FOUR_BAR), browser.run("return linkwright.pose(...arguments)", joint, value))
+        assert data.joint(joint).qpos[0] == pytest.approx(value, abs=1e-9)
+        np.testing.assert_allclose(data.site("end").xpos, data.site("top").xpos, atol=1e-6)
+        rocker = data.joint("rocker").qpos[0]
+        gear = 0.2 + 0.1 - 2 * rocker + 0.3 * rocker**2
+        assert data.joint("gear").qpos[0] == pytest.approx(gear, abs=1e-6), joint
 
 
-@pytest.mark.parametrize("value", [0.7, -0.7])
-def test_a_weld_keeps_place_and_turn(browser, page_of, value):
-    model = model_of(SLIDER_CRANK)
+def test_a_weld_keeps_place_and_turn(browser, page_of):
     browser.open(page_of(small_pack(SLIDER_CRANK), "none"))
-    data = poses(model, browser.run("return linkwright.pose('crank', arguments[0])", value))
-    end, pin = data.site("end"), data.site("pin")
-    assert data.joint("crank").qpos[0] == pytest.approx(value)
-    np.testing.assert_allclose(end.xpos, pin.xpos, atol=1e-6)
-    np.testing.assert_allclose(end.xmat, pin.xmat, atol=1e-6)
-    along = 0.2 * np.sin(value) + np.sqrt(0.5**2 - (0.2 * (1 - np.cos(value))) ** 2)
-    assert data.joint("slide").qpos[0] == pytest.approx(along - 0.5, abs=1e-6)
+    for value in (0.7, -0.7):
+        browser.run("linkwright.view.reset()")
+        data = poses(
+            model_of(SLIDER_CRANK), browser.run("return linkwright.pose('crank', arguments[0])", value)
+        )
+        end, pin = data.site("end"), data.site("pin")
+        assert data.joint("crank").qpos[0] == pytest.approx(value)
+        np.testing.assert_allclose(end.xpos, pin.xpos, atol=1e-6)
+        np.testing.assert_allclose(end.xmat, pin.xmat, atol=1e-6)
+        along = 0.2 * np.sin(value) + np.sqrt(0.5**2 - (0.2 * (1 - np.cos(value))) ** 2)
+        assert data.joint("slide").qpos[0] == pytest.approx(along - 0.5, abs=1e-6)
 
 
 def test_a_ball_turns_about_its_vector_and_no_further_than_its_cone(browser, page_of):
-    model = model_of(ALL_JOINTS)
     browser.open(page_of(small_pack(ALL_JOINTS), "none"))
-    place = model.joint("shoulder").qposadr[0]
-    vector = np.array([0.3, -0.5, 0.2])
-    quat = np.zeros(4)
+    place = model_of(ALL_JOINTS).joint("shoulder").qposadr[0]
+    vector, quat = np.array([0.3, -0.5, 0.2]), np.zeros(4)
     mujoco.mju_axisAngle2Quat(quat, vector / np.linalg.norm(vector), np.linalg.norm(vector))
     qpos = browser.run("return linkwright.pose('shoulder', ...arguments)", *vector)
     np.testing.assert_allclose(qpos[place : place + 4], quat, atol=1e-9)
-    qpos = browser.run(
-        "const rows = [...document.querySelectorAll('.live-slider')].filter((row) =>"
-        " row.querySelector('label').textContent.startsWith('shoulder '));"
-        "for (const input of rows.map((row) => row.querySelector('input'))) {"
-        " input.value = 1.2; input.dispatchEvent(new Event('input')); }"
-        "return linkwright.qpos()"
-    )
+    for axis in "xyz":
+        qpos, _ = slide(browser, f"shoulder {axis}", 1.2)
     assert 2 * np.arccos(qpos[place]) == pytest.approx(1.2, abs=1e-9)
 
 
@@ -116,8 +103,7 @@ def test_a_joint_goes_only_as_far_as_its_loop_lets_it(browser, page_of):
     """Grashof: the rocker of this four-bar linkage cannot turn round."""
     model = model_of(FOUR_BAR)
     browser.open(page_of(small_pack(FOUR_BAR), "none"))
-    qpos = np.array(browser.run("return linkwright.pose('rocker', 2.5)"))
-    data = poses(model, qpos)
+    data = poses(model, browser.run("return linkwright.pose('rocker', 2.5)"))
     assert data.joint("rocker").qpos[0] < 2.5
     np.testing.assert_allclose(data.site("end").xpos, data.site("top").xpos, atol=1e-6)
 
@@ -127,11 +113,11 @@ def test_the_engine_steps_as_mujoco_does(browser, page_of):
     model = model_of(FOUR_BAR)
     browser.open(page_of(small_pack(FOUR_BAR)))
     browser.run("linkwright.view.pause(); linkwright.view.reset()")
-    found = browser.run("return linkwright.step(0.5)")
+    positions = browser.run("return linkwright.step(0.5)")
     data = mujoco.MjData(model)
     for _ in range(500):
         mujoco.mj_step(model, data)
-    np.testing.assert_allclose(found, data.qpos, atol=1e-3)
+    np.testing.assert_allclose(positions, data.qpos, atol=1e-3)
     assert np.abs(data.qpos - model.qpos0).max() > 0.1
 
 

@@ -8,10 +8,6 @@ import shutil
 import socket
 import subprocess
 import time
-from collections.abc import Iterator, Sequence
-from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
 
 import httpx
 
@@ -28,34 +24,32 @@ WAIT = 120
 """Seconds that a command of the browser may take: software drawing is slow on a busy machine."""
 
 
-def found(names: Sequence[str]) -> str | None:
+def installed(names):
     return next(filter(None, map(shutil.which, names)), None)
 
 
-def missing() -> str:
-    """What is not installed here; empty if nothing is."""
+def missing():
+    """Names the programs that are not installed here; empty if all are."""
     wanted = {"Chromium": BROWSERS, "chromedriver": DRIVERS}
-    return " and ".join(name for name, names in wanted.items() if found(names) is None)
+    return " and ".join(name for name, names in wanted.items() if installed(names) is None)
 
 
 class Browser:
     """A headless Chromium with a window of this size, closed at the end of `with`. `ratio`: its pixels by
     those of the page's own measure."""
 
-    def __init__(
-        self, *flags: str, width: int = 1280, height: int = 900, dark: bool = False, ratio: float = 1.0
-    ) -> None:
+    def __init__(self, *flags, width=1280, height=900, dark=False, ratio=1.0):
         self.ratio = ratio
         with socket.socket() as free:
             free.bind(("127.0.0.1", 0))
             port = free.getsockname()[1]
         self.process = subprocess.Popen(
-            [str(found(DRIVERS)), f"--port={port}"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+            [str(installed(DRIVERS)), f"--port={port}"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
         )
         self.client = httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=WAIT, trust_env=False)
         root = ("--no-sandbox", "--disable-dev-shm-usage") if os.geteuid() == 0 else ()
         options = {
-            "binary": found(BROWSERS),
+            "binary": installed(BROWSERS),
             "args": [*FLAGS, *root, f"--window-size={width},{height}", *flags],
             "perfLoggingPrefs": {"enableNetwork": True},
         }
@@ -71,23 +65,21 @@ class Browser:
         except BaseException:
             self.process.kill()
             raise
-        self.page: Path | None = None
+        self.page = None
         self.path = f"/session/{session['sessionId']}"
         self.size(width, height, dark=dark)
 
-    def __enter__(self) -> Self:
+    def __enter__(self):
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error):
         with contextlib.suppress(httpx.HTTPError):
             self.client.delete(self.path)
         self.client.close()
         self.process.terminate()
         self.process.wait(10)
 
-    def _await_driver(self) -> None:
+    def _await_driver(self):
         until = time.monotonic() + WAIT
         while True:
             try:
@@ -99,18 +91,18 @@ class Browser:
                 raise TimeoutError("chromedriver does not answer")
             time.sleep(0.05)
 
-    def _post(self, path: str, body: dict[str, Any]) -> Any:
+    def _post(self, path, body):
         value = self.client.post(path, json=body).json()["value"]
         if isinstance(value, dict) and "error" in value:
             raise RuntimeError(f"{value['error']}: {value['message'].splitlines()[0]}")
         return value
 
-    def cdp(self, command: str, **parameters: Any) -> Any:
+    def cdp(self, command, **parameters):
         """A command of Chromium's own protocol."""
         body = {"cmd": command, "params": parameters}
         return self._post(f"{self.path}/goog/cdp/execute", body)
 
-    def size(self, width: int, height: int, *, dark: bool = False, still: bool = False) -> None:
+    def size(self, width, height, *, dark=False, still=False):
         """Sets the page's area [px], light or dark, and whether little motion is wanted."""
         self.cdp(
             "Emulation.setDeviceMetricsOverride",
@@ -121,42 +113,38 @@ class Browser:
         named = [{"name": name, "value": value} for name, value in features.items()]
         self.cdp("Emulation.setEmulatedMedia", features=named)
 
-    def open(self, page: Path) -> None:
+    def open(self, page):
         """Opens a file from disk, and waits until the view has started or said why it does not."""
         self.page = page
         self._post(f"{self.path}/url", {"url": page.as_uri()})
         self.run("await window.linkwright?.ready")
 
-    def leave(self) -> None:
+    def leave(self):
         """Closes the page."""
         self.page = None
         self._post(f"{self.path}/url", {"url": "about:blank"})
 
-    def run(self, script: str, *values: Any) -> Any:
+    def run(self, script, *values):
         """Runs the body of an async function; `values` are its `arguments`."""
         code = f"return (async function() {{ {script} }}).apply(null, arguments)"
         return self._post(f"{self.path}/execute/sync", {"script": code, "args": list(values)})
 
-    def act(self, *actions: dict[str, Any]) -> None:
+    def act(self, *actions):
         """Lets a mouse act: WebDriver's own steps of a pointer."""
-        mouse = {
-            "type": "pointer",
-            "id": "mouse",
-            "parameters": {"pointerType": "mouse"},
-            "actions": list(actions),
-        }
+        kind = {"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"}}
+        mouse = {**kind, "actions": list(actions)}
         self._post(f"{self.path}/actions", {"actions": [mouse]})
 
-    def keys(self, text: str) -> None:
+    def keys(self, text):
         steps = [{"type": kind, "value": key} for key in text for kind in ("keyDown", "keyUp")]
         self._post(f"{self.path}/actions", {"actions": [{"type": "key", "id": "keys", "actions": steps}]})
 
-    def console(self) -> list[str]:
+    def console(self):
         """Errors and warnings since the last call."""
         entries = self._post(f"{self.path}/se/log", {"type": "browser"})
         return [entry["message"] for entry in entries if entry["level"] in ("SEVERE", "WARNING")]
 
-    def requests(self) -> Iterator[str]:
+    def requests(self):
         """The addresses that were asked for since the last call, without pictures that are in the page."""
         for entry in self._post(f"{self.path}/se/log", {"type": "performance"}):
             message = json.loads(entry["message"])["message"]
@@ -165,7 +153,7 @@ class Browser:
                 if not address.startswith("data:"):
                     yield address
 
-    def picture(self, path: Path, *, whole: bool = False) -> None:
+    def picture(self, path, *, whole=False):
         """Saves what is to be seen as PNG; `whole`: the page down to its end."""
-        found = self.cdp("Page.captureScreenshot", format="png", captureBeyondViewport=whole)
-        path.write_bytes(base64.b64decode(found["data"]))
+        screenshot = self.cdp("Page.captureScreenshot", format="png", captureBeyondViewport=whole)
+        path.write_bytes(base64.b64decode(screenshot["data"]))

@@ -1,30 +1,44 @@
-"""What the page says, and what the browser complains of."""
-
-from pathlib import Path
-
-from tests.browser.webdriver import Browser
+"""Reads the page, moves its sliders, and collects the browser's complaints."""
 
 OF_THE_DRIVER = "GL Driver Message"
-"""What drawing in software says of itself when a picture is taken."""
+"""A message of drawing in software when a picture is taken."""
 
 
-def complaints(browser: Browser) -> list[str]:
+def complaints(browser):
     """Errors and warnings in the console since the last call."""
     return [line for line in browser.console() if OF_THE_DRIVER not in line]
 
 
-def word(browser: Browser) -> str:
+def word(browser):
     """The state that the page tells."""
-    return str(browser.run("return document.querySelector('.live-word').textContent"))
+    return text(browser, ".live-word")
 
 
-def shown(browser: Browser, selector: str) -> bool:
+def shown(browser, selector):
     """Whether an element takes room on the page."""
     script = (
         "const e = document.querySelector(arguments[0]); return e !== null && e.getClientRects().length > 0"
         " && getComputedStyle(e).visibility !== 'hidden'"
     )
     return bool(browser.run(script, selector))
+
+
+def text(browser, selector):
+    return browser.run("return document.querySelector(arguments[0]).textContent", selector)
+
+
+def slide(browser, label, value):
+    """Moves the last slider of this label; the values of the joints and of the slider after two frames."""
+    return browser.run(
+        "const row = [...document.querySelectorAll('.live-slider')].filter((row) =>"
+        " row.querySelector('label').textContent === arguments[0]).pop();"
+        "const input = row.querySelector('input'); input.value = arguments[1];"
+        "input.dispatchEvent(new Event('input'));"
+        "for (const _ of [1, 2]) await new Promise(requestAnimationFrame);"
+        "return [linkwright.qpos(), Number(input.value)]",
+        label,
+        value,
+    )
 
 
 AS_OPENED = """
@@ -45,8 +59,8 @@ view.run();
 """
 
 
-def opened(browser: Browser, page: Path) -> Browser:
-    """Has a page as it is when it has just been opened; one that is open already is not read again."""
+def opened(browser, page):
+    """A page in the state of just being opened; a page that is open already is not read again."""
     if browser.page == page:
         browser.run(AS_OPENED)
     else:

@@ -25,7 +25,7 @@ class Row(NamedTuple):
 _DATA = yaml.safe_load(Path(__file__).with_suffix(".yaml").read_text(encoding="utf-8"))
 
 TITLES = {
-    title: tuple(Row(**{**one, "theirs": tuple(one["theirs"])}) for one in rows)
+    title: tuple(Row(**{**row, "theirs": tuple(row["theirs"])}) for row in rows)
     for title, rows in _DATA.items()
 }
 """Title of a table → its rows."""
@@ -35,8 +35,9 @@ ROBOT_CLASS, ONSHAPE_TO_ROBOT = TITLES.values()
 INTRODUCTION = """\
 # Coming from another tool
 
-Generated from `tests/config/peers.yaml` by `python -m tests.config.regenerate`; do not edit. YAML stands in a
-robot's file (`robot/my_arm.yaml`), what follows `linkwright` on the command line. A test runs every row.
+Generated from `tests/config/peers.yaml` by `python -m tests.config.regenerate`; do not edit. YAML belongs
+into a robot's file (`robot/my_arm.yaml`), a line that begins with `linkwright` into the terminal. A test runs
+every row.
 """
 
 
@@ -45,13 +46,13 @@ def markdown() -> str:
     pages = [INTRODUCTION]
     for title, rows in TITLES.items():
         lines = [f"## {title}\n", "| there | here | |", "| --- | --- | --- |"]
-        for one in rows:
-            theirs = ", ".join(f"`{name}`" for name in one.theirs)
-            lines.append(f"| {theirs} | {_ours(one)} | {one.note} |")
+        for row in rows:
+            theirs = ", ".join(f"`{name}`" for name in row.theirs)
+            lines.append(f"| {theirs} | {_ours(row)} | {row.note} |")
         pages.append("\n".join(lines) + "\n")
     return "\n".join(pages)
 
 
-def _ours(one: Row) -> str:
-    code = one.yaml or one.python or (f"linkwright {one.command}" if one.command else "")
+def _ours(row: Row) -> str:
+    code = row.yaml or row.python or (f"linkwright {row.command}" if row.command else "")
     return f"`{code}`" if code else "-"

@@ -31,7 +31,7 @@ DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 def fields(section: type[Section]) -> Iterator[tuple[str, FieldInfo]]:
     """The keys of a section as the configuration names them; those of the plan in the stages' order."""
-    stages = [name for one in SECTIONS for name in one.model_fields] if section is Plan else []
+    stages = [name for model in SECTIONS for name in model.model_fields] if section is Plan else []
     for name in dict.fromkeys(["name", *stages] if stages else section.model_fields):
         yield section.model_fields[name].alias or name, section.model_fields[name]
     if stages:
@@ -98,17 +98,17 @@ def _later(field: FieldInfo) -> bool:
 
 def _parts(annotation: Any) -> tuple[Any, list[Any], bool]:
     """A type without `Annotated` and `| None`, its metadata, and whether it may be null."""
-    found: list[Any] = []
+    constraints: list[Any] = []
     null = False
     while True:
         if get_origin(annotation) is Annotated:
             annotation, *more = get_args(annotation)
-            found += more
+            constraints += more
         elif get_origin(annotation) in (Union, types.UnionType) and type(None) in get_args(annotation):
-            (annotation,) = [one for one in get_args(annotation) if one is not type(None)]
+            (annotation,) = [arg for arg in get_args(annotation) if arg is not type(None)]
             null = True
         else:
-            return annotation, found, null
+            return annotation, constraints, null
 
 
 def _section_of(annotation: Any) -> tuple[type[Section] | None, bool]:
@@ -152,12 +152,12 @@ def _bare_type(bare: Any, metadata: list[Any]) -> tuple[str, str]:
 
 
 def _bounds(metadata: Iterable[Any]) -> Iterator[str]:
-    for one in metadata:
-        if isinstance(one, FieldInfo):
-            yield from _bounds(one.metadata)
+    for constraint in metadata:
+        if isinstance(constraint, FieldInfo):
+            yield from _bounds(constraint.metadata)
         for sign, name in ((">", "gt"), (">=", "ge"), ("<", "lt"), ("<=", "le")):
-            if getattr(one, name, None) is not None:
-                yield f"{sign} {getattr(one, name):g}"
+            if getattr(constraint, name, None) is not None:
+                yield f"{sign} {getattr(constraint, name):g}"
 
 
 def _words(annotation: Any) -> list[str]:
@@ -219,17 +219,16 @@ def help_text() -> str:
         head, _, last = entry.key.rpartition(".")
         end = f" ({entry.source})" if entry.source else ""
         tops.setdefault(f"{head}|{end}", []).append(last)
-    found = []
+    lines = []
     for place, last in tops.items():
         head, _, end = place.partition("|")
         inside = f"{{{','.join(last)}}}" if len(last) > 1 else last[0]
-        found.append("  ".join(last) if not head else f"{head}.{inside}{end}".replace(" ", "\xa0"))
-    pieces = [piece for words in found for piece in _pieces(words)]
+        lines.append("  ".join(last) if not head else f"{head}.{inside}{end}".replace(" ", "\xa0"))
+    pieces = [piece for words in lines for piece in _pieces(words)]
     wrap = textwrap.TextWrapper(
         80, initial_indent="  ", subsequent_indent="  ", break_on_hyphens=False, break_long_words=False
     )
-    lines = wrap.wrap("  ".join(pieces))
-    return "\n".join(line.replace("\xa0", " ") for line in lines) + "\n"
+    return "\n".join(wrap.wrap("  ".join(pieces))).replace("\xa0", " ") + "\n"
 
 
 def _pieces(words: str, most: int = 78) -> list[str]:
@@ -244,7 +243,7 @@ def _pieces(words: str, most: int = 78) -> list[str]:
 
 def _has_inside(entry: KeyEntry) -> bool:
     """Whether the keys inside a mapping are listed in its place."""
-    return any(one.key.startswith(f"{entry.key}.<") for one in entries())
+    return any(candidate.key.startswith(f"{entry.key}.<") for candidate in entries())
 
 
 COLUMNS = ("key", "type", "unit", "default", "allowed", "meaning", "example")
@@ -255,10 +254,10 @@ INTRODUCTION = """\
 Generated from `stages/*/section.py`, `stages/*/*/section.py` and `pipeline/config/plan.py` by
 `python -m tests.config.regenerate`; do not edit. `linkwright explain KEY` prints an entry.
 
-A key stands in a robot's file as YAML, or on the command line as `key=value`. Lengths are in metres, angles
-in radians, masses in kilograms; each length and each angle also takes a text with its unit: `"25 mm"`,
-`"-90 deg"`. `<name>` stands for a name, `<glob>` for a name or a pattern with `*`, `?`
-and `[...]`. A value may be an interpolation of Hydra's: `${vars.reach}`, `${oc.env:DAMPING,0.1}`.
+A key is written in a robot's file as YAML, or on the command line as `key=value`. Lengths are in metres,
+angles in radians, masses in kilograms; each length and each angle also takes a text with its unit: `"25 mm"`,
+`"-90 deg"`. `<name>` means any name, `<glob>` a name or a pattern with `*`, `?` and `[...]`. A value may be
+an interpolation of Hydra's: `${vars.reach}`, `${oc.env:DAMPING,0.1}`.
 """
 
 
@@ -271,27 +270,30 @@ These keys are decided, but not supported yet: only their defaults are accepted.
 
 def markdown() -> str:
     """The page of all keys."""
-    found = entries()
-    supported = [entry for entry in found if not entry.later]
-    sections = {entry.names[0] for entry in found if len(entry.names) > 1}
+    keys = entries()
+    supported = [entry for entry in keys if not entry.later]
+    sections = {entry.names[0] for entry in keys if len(entry.names) > 1}
     pages = [INTRODUCTION, "## General\n"]
     pages.append(_keys(entry for entry in supported if entry.key not in sections and len(entry.names) == 1))
     for top in (entry for entry in supported if entry.key in sections):
-        mine = [entry for entry in supported if entry.names[0] == top.key]
-        inside = [entry for entry in mine if entry is not top or not top.is_section]
+        own = [entry for entry in supported if entry.names[0] == top.key]
+        inside = [entry for entry in own if entry is not top or not top.is_section]
         pages.append(f"## `{top.key}`\n\n{top.meaning}\n")
         for source in dict.fromkeys(entry.source for entry in inside):
             if source:
                 pages.append(f"### `source={source}`\n\n{_documentation(SOURCES[source])}\n")
             pages.append(_keys(entry for entry in inside if entry.source == source))
         if top.key == "motors":
-            pages.append("The library, whose values and sources `linkwright explain <motor>` tells:\n")
-            pages.append(_table(("motor", "title", "what is known"), _motors()))
-    later = [[f"`{entry.key}`", _escaped(entry.meaning)] for entry in found if entry.later]
+            pages.append("The library; `linkwright explain <motor>` shows values and their sources:\n")
+            pages.append(_table(("motor", "title", "known values"), _motors()))
+    later = [[f"`{entry.key}`", _escaped(entry.meaning)] for entry in keys if entry.later]
     pages.append(RESERVED)
     pages.append(_table(("key", "meaning"), later))
     pages.append("## Environment variables\n")
-    variables = [[f"`{one.name}{'=' if one.value else ''}{one.value}`", one.meaning] for one in VARIABLES]
+    variables = [
+        [f"`{variable.name}{'=' if variable.value else ''}{variable.value}`", variable.meaning]
+        for variable in VARIABLES
+    ]
     pages.append(_table(("variable", "meaning"), variables))
     return "\n".join(pages)
 
@@ -302,8 +304,8 @@ def _motors() -> Iterator[list[str]]:
         yield [f"`{name}`", content["title"], ", ".join(content["values"])]
 
 
-def _keys(found: Iterable[KeyEntry]) -> str:
-    return _table(COLUMNS, [[_cell(entry, name) for name in COLUMNS] for entry in found])
+def _keys(rows: Iterable[KeyEntry]) -> str:
+    return _table(COLUMNS, [[_cell(entry, name) for name in COLUMNS] for entry in rows])
 
 
 def _documentation(section: type[Section]) -> str:
@@ -336,7 +338,7 @@ HYDRA = {
 def schema() -> dict[str, Any]:
     """The JSON Schema of a robot's file. Nothing is required: the groups set what the file leaves out."""
     whole = Plan.model_json_schema()
-    sections = {name: _section_schema(one) for name, one in whole.pop("$defs").items()}
+    sections = {name: _section_schema(value) for name, value in whole.pop("$defs").items()}
     top = _section_schema(whole)
     top["properties"] = HYDRA | top["properties"]
     definitions = {"interpolation": INTERPOLATION, **sections}
@@ -344,8 +346,8 @@ def schema() -> dict[str, Any]:
 
 
 def _section_schema(section: dict[str, Any]) -> dict[str, Any]:
-    kept = {name: one for name, one in section.items() if name not in ("title", "required", "properties")}
-    properties = {name: _property(one) for name, one in section.get("properties", {}).items()}
+    kept = {name: value for name, value in section.items() if name not in ("title", "required", "properties")}
+    properties = {name: _property(value) for name, value in section.get("properties", {}).items()}
     return {**kept, "properties": properties}
 
 
@@ -357,7 +359,7 @@ def _property(schema: dict[str, Any]) -> dict[str, Any]:
     if schema.get(NOT_YET):
         outer["description"] = f"Not supported yet. {outer.get('description', '')}".strip()
         return {"const": schema.get("default", {}), **outer}
-    inner = _inside({name: one for name, one in schema.items() if name not in OUTER})
+    inner = _inside({name: value for name, value in schema.items() if name not in OUTER})
     return {"anyOf": [*(inner.get("anyOf") or [inner]), {"$ref": "#/$defs/interpolation"}], **outer}
 
 
@@ -365,7 +367,7 @@ def _inside(schema: Any) -> Any:
     """A type without titles, with interpolations where values are."""
     if not isinstance(schema, dict):
         return schema
-    schema = {name: one for name, one in schema.items() if name not in ("title", "discriminator")}
+    schema = {name: value for name, value in schema.items() if name not in ("title", "discriminator")}
     if "oneOf" in schema:  # a file may leave the kind of its source to the defaults list
         schema["anyOf"] = schema.pop("oneOf")
     for name in ("items", "additionalProperties"):
@@ -374,7 +376,7 @@ def _inside(schema: Any) -> Any:
     for name in ("anyOf", "prefixItems"):
         if name in schema:
             made = _property if name == "prefixItems" else _inside
-            schema[name] = [made(one) for one in schema[name]]
+            schema[name] = [made(item) for item in schema[name]]
     return schema
 
 

@@ -1,7 +1,8 @@
 """Golden YAML of every file in `conf`, and the reference of all keys: `python -m tests.config.regenerate`.
 
 An option's golden is its section of the plan, a robot's and `build`'s the whole plan, that of a motor what
-the plan has of it, and that of a file for Hydra itself Hydra's own composed section.
+the plan has of it, that of a launcher what it sets itself, and that of another file for Hydra itself Hydra's
+own composed section.
 """
 
 from pathlib import Path
@@ -48,6 +49,9 @@ def composed(name: str, empty: Path) -> Any:
     if name == "build":
         return compose_plan(["source=sample"], cwd=empty).plan.tree()
     group, _, option = name.rpartition(".")
+    if group == "hydra.launcher":
+        # What it sets itself: all the rest is of a plug-in, of the version that is installed.
+        return {group: yaml.safe_load((OURS / names()[name]).read_text(encoding="utf-8"))}
     if group.startswith("hydra."):
         return _hydra_section(group, option)
     if group == "actuators.motors":
@@ -78,9 +82,9 @@ def _hydra_section(group: str, option: str) -> Any:
 
 def _mutations() -> str:
     # Imported where it is asked for: goldens are checked where the faults that tests plant are not.
-    from tests.support import mutation_table
+    from tests.support.faults import page
 
-    return mutation_table.markdown()
+    return page.markdown()
 
 
 REFERENCE = {

@@ -26,25 +26,25 @@ Generated from `stages/formats/robot_json` by `python -m tests.config.regenerate
 
 def records(kind: Any = RobotRecord) -> dict[str, type]:
     """The class of each table by its name, from the whole down."""
-    found: dict[str, type] = {}
+    kinds: dict[str, type] = {}
     waiting = [kind]
     while waiting:
-        one = waiting.pop(0)
-        if isinstance(one, type) and is_dataclass(one):
-            if one.__name__ not in found:
-                found[one.__name__] = one
-                waiting += [entry.kind for entry in entries_of(one)]
+        candidate = waiting.pop(0)
+        if isinstance(candidate, type) and is_dataclass(candidate):
+            if candidate.__name__ not in kinds:
+                kinds[candidate.__name__] = candidate
+                waiting += [entry.kind for entry in entries_of(candidate)]
         else:
-            waiting += get_args(one)
-    return found
+            waiting += get_args(candidate)
+    return kinds
 
 
 def tables() -> dict[str, type]:
     """The records that are tables themselves."""
-    found = records()
-    entries = [entry for kind in found.values() for entry in entries_of(kind) if entry.inline]
+    kinds = records()
+    entries = [entry for kind in kinds.values() for entry in entries_of(kind) if entry.inline]
     inside = {get_args(entry.kind)[0] for entry in entries}
-    return {name: kind for name, kind in found.items() if kind not in inside}
+    return {name: kind for name, kind in kinds.items() if kind not in inside}
 
 
 def meaning(kind: type) -> str:
@@ -54,13 +54,13 @@ def meaning(kind: type) -> str:
 
 def meanings(kind: type) -> dict[str, str]:
     """Key → what the docstring of a record, or of the record that it adds to, says of it."""
-    found: dict[str, str] = {}
-    for one in reversed(kind.__mro__[:-1]):
-        if "__dataclass_fields__" in vars(one):
-            _, _, text = inspect.cleandoc(one.__doc__ or "").partition("\n\n")
+    texts: dict[str, str] = {}
+    for base in reversed(kind.__mro__[:-1]):
+        if "__dataclass_fields__" in vars(base):
+            _, _, text = inspect.cleandoc(base.__doc__ or "").partition("\n\n")
             rows = re.findall(r"^(\w+): (.*(?:\n    .*)*)", text, re.MULTILINE)
-            found |= {key: " ".join(said.split()) for key, said in rows}
-    return found
+            texts |= {key: " ".join(said.split()) for key, said in rows}
+    return texts
 
 
 def fields(kind: type) -> Iterator[tuple[str, Mapping[str, Any], str, bool]]:
@@ -121,12 +121,12 @@ def _words(data: Mapping[str, Any]) -> str:
         name = title(data["$ref"].rpartition("/")[2])
         return f"[{name.lower()}](#{name.lower().replace(' ', '-')})"
     if "anyOf" in data:
-        return " or ".join(_words(one) for one in data["anyOf"])
+        return " or ".join(_words(option) for option in data["anyOf"])
     if "enum" in data:
         return ", ".join(f"`{word}`" if word else '`""`' for word in data["enum"])
     kind = data["type"]
     if isinstance(kind, list):
-        return " or ".join(_words({"type": one}) for one in kind)
+        return " or ".join(_words({"type": type_name}) for type_name in kind)
     if kind == "array":
         bounds = {data.get("minItems"), data.get("maxItems")}
         count = f"{' or '.join(map(str, sorted(bounds)))} × " if bounds != {None} else ""

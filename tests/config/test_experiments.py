@@ -3,156 +3,133 @@
 import pytest
 
 from linkwright.pipeline.cli import run
-from linkwright.pipeline.config.compose import compose_plan
 from linkwright.pipeline.report import Report
-from linkwright.stages.robot.errors import ConfigError
-from tests.support.users import write
+from tests.support.users import GLOBAL, SAMPLE, URL, composed, put, refused, write
 
-GLOBAL = "# @package _global_\n"
-SAMPLE = f"{GLOBAL}defaults:\n  - override /source: sample\n"
 MY_ARM = f"{SAMPLE}  - override /root: fixed\nground: {{size: [2, 2]}}\nmesh: {{tolerance: null}}\n"
+ARM = "defaults:\n  - override /robot: my_arm\n"
 
 
 def experiment(folder, **experiments):
-    for name, text in experiments.items():
-        file = folder / "experiment" / f"{name}.yaml"
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(GLOBAL + text, encoding="utf-8")
-    return folder
+    return put(folder, {f"experiment/{name}.yaml": GLOBAL + text for name, text in experiments.items()})
 
 
-def composed(folder, *arguments, config_dirs=()):
-    return compose_plan(arguments, config_dirs, folder)
+def plan(folder, *arguments):
+    return composed(folder, *arguments).plan
 
 
-def refused(folder, *arguments):
-    with pytest.raises(ConfigError) as caught:
-        composed(folder, *arguments)
-    return str(caught.value)
-
-
-@pytest.mark.parametrize("typed", ["+experiment=e1", "experiment=e1"])
-def test_an_experiment_chooses_the_robot_and_nothing_is_defaulted(tmp_path, typed):
-    write(experiment(tmp_path, e1="defaults:\n  - override /robot: my_arm\n"), my_arm=MY_ARM)
-    made = composed(tmp_path, typed)
-    assert (made.robot, made.plan.name, made.plan.root.base) == ("my_arm", "my_arm_e1", "fixed")
+SOURCE = "source: {path: a.zip}\n"
 
 
 @pytest.mark.parametrize(
-    "text",
+    ("typed", "text", "made"),
     [
-        "defaults:\n  - override /source: bundle\nsource: {path: a.zip}\n",
-        "source: {kind: bundle, path: a.zip}\n",
+        ("+experiment=e1", ARM, ("my_arm", "my_arm_e1", "sample")),
+        ("experiment=e1", ARM, ("my_arm", "my_arm_e1", "sample")),
+        ("+experiment=e1", f"defaults:\n  - override /source: bundle\n{SOURCE}", ("bare", "a_e1", "bundle")),
+        ("+experiment=e1", "source: {kind: bundle, path: a.zip}\n", ("bare", "a_e1", "bundle")),
+        ("+experiment=e1", "name: other\n", ("sample", "other", "sample")),
     ],
+    ids=["robot", "without plus", "source", "keys of a source", "neither: the sample"],
 )
-def test_an_experiment_chooses_the_source_and_nothing_is_defaulted(tmp_path, text):
-    made = composed(experiment(tmp_path, e1=text), "+experiment=e1")
-    assert (made.robot, made.plan.name, made.plan.source.kind) == ("bare", "a_e1", "bundle")
+def test_an_experiment_chooses_the_robot_or_the_source(tmp_path, typed, text, made):
+    write(experiment(tmp_path, e1=text), my_arm=MY_ARM)
+    result = composed(tmp_path, typed)
+    assert (result.robot, result.plan.name, result.plan.source.kind) == made
 
 
-def test_an_experiment_that_chooses_neither_changes_the_sample(tmp_path):
-    made = composed(experiment(tmp_path, e1="name: other\n"), "+experiment=e1")
-    assert (made.robot, made.plan.name, made.plan.source.kind) == ("sample", "other", "sample")
-
-
-def test_any_group_of_ones_own_may_choose_a_robot(tmp_path):
-    write(tmp_path, my_arm=MY_ARM)
-    (tmp_path / "variants").mkdir()
-    (tmp_path / "variants" / "mine.yaml").write_text(f"{GLOBAL}defaults:\n  - override /robot: my_arm\n")
+def test_any_group_of_the_user_may_choose_a_robot_and_any_option_have_defaults_and_a_place(tmp_path):
+    wide = f"{GLOBAL}ground: {{size: [9, 9]}}\n"
+    put(tmp_path, {"root/mine.yaml": "defaults: [free]\nselect: base\n", "root/wide.yaml": wide})
+    put(write(tmp_path, my_arm=MY_ARM), {"variants/mine.yaml": GLOBAL + ARM})
     assert composed(tmp_path, "variants=mine").robot == "my_arm"
-
-
-def test_an_option_of_ones_own_may_have_a_defaults_list_and_a_place(tmp_path):
-    write(tmp_path, my_arm=MY_ARM)
-    (tmp_path / "root").mkdir()
-    (tmp_path / "root" / "mine.yaml").write_text("defaults: [free]\nselect: base\n")
-    (tmp_path / "root" / "wide.yaml").write_text(f"{GLOBAL}ground: {{size: [9, 9]}}\n")
-    root = composed(tmp_path, "robot=my_arm", "root=mine").plan.root
+    root = plan(tmp_path, "robot=my_arm", "root=mine").root
     assert (root.base, root.select) == ("free", "base")
-    assert composed(tmp_path, "source=sample", "root=wide").plan.ground.size == (9, 9)
+    assert plan(tmp_path, "source=sample", "root=wide").ground.size == (9, 9)
 
 
 def test_an_experiment_leaves_the_robots_own_output_alone(tmp_path):
     texts = {"wide": "ground: {size: [1, 1]}\n", "named": "name: other\n", "placed": "output: elsewhere\n"}
     write(experiment(tmp_path, **texts), my_arm=MY_ARM, titled=f"{MY_ARM}name: arm\n")
-    found = {
-        (robot, name): composed(tmp_path, f"robot={robot}", f"experiment={name}").plan
+    plans = {
+        (robot, name): plan(tmp_path, f"robot={robot}", f"experiment={name}")
         for robot in ("my_arm", "titled")
         for name in texts
     }
-    names = [plan.name for plan in found.values()]
+    names = [made.name for made in plans.values()]
     assert names == ["my_arm_wide", "other", "my_arm_placed", "arm_wide", "other", "arm_placed"]
-    assert str(found["titled", "wide"].folder).endswith("outputs/arm_wide")
-    assert str(found["titled", "placed"].folder) == "elsewhere"
-    assert composed(tmp_path, "robot=titled", "experiment=wide", "name=mine").plan.name == "mine"
+    assert str(plans["titled", "wide"].folder).endswith("outputs/arm_wide")
+    assert str(plans["titled", "placed"].folder) == "elsewhere"
+    assert plan(tmp_path, "robot=titled", "experiment=wide", "name=mine").name == "mine"
 
 
-def test_an_experiment_wins_over_the_robot_and_the_command_line_over_both(tmp_path):
-    text = "defaults:\n  - override /robot: my_arm\n  - override /root: free\nground: {size: [1, 1]}\n"
-    write(experiment(tmp_path, e1=text), my_arm=MY_ARM)
-    plan = composed(tmp_path, "+experiment=e1").plan
-    assert (plan.root.base, plan.ground.size) == ("free", (1, 1))
-    plan = composed(tmp_path, "+experiment=e1", "root=fixed", "ground.size=[3,3]").plan
-    assert (plan.root.base, plan.ground.size) == ("fixed", (3, 3))
+FREE = "  - override /root: free\n"
+WIDE = f"{ARM}{FREE}ground: {{size: [1, 1]}}\n"
+OWN = f"{SAMPLE}root: {{base: fixed, select: auto}}\nground: {{size: [2, 2]}}\n"
 
 
-def test_an_option_that_an_experiment_chooses_wins_over_keys_of_the_robot(tmp_path):
-    own = f"{SAMPLE}root: {{base: fixed, select: auto}}\n"
-    write(experiment(tmp_path, e1="defaults:\n  - override /root: free\n"), my_arm=own)
-    assert composed(tmp_path, "robot=my_arm", "+experiment=e1").plan.root.base == "free"
-    assert composed(tmp_path, "robot=my_arm", "+experiment=e1", "root.base=auto").plan.root.base == "auto"
-    experiment(tmp_path, e2="defaults:\n  - override /root: free\nroot: {base: auto}\n")
-    assert composed(tmp_path, "robot=my_arm", "+experiment=e2").plan.root.base == "auto"
+@pytest.mark.parametrize(
+    ("robot", "text", "typed", "base", "size"),
+    [
+        (MY_ARM, WIDE, [], "free", (1, 1)),
+        (MY_ARM, WIDE, ["root=fixed", "ground.size=[3,3]"], "fixed", (3, 3)),
+        (OWN, f"defaults:\n{FREE}", ["robot=my_arm"], "free", (2, 2)),
+        (OWN, f"defaults:\n{FREE}", ["robot=my_arm", "root.base=auto"], "auto", (2, 2)),
+        (OWN, f"defaults:\n{FREE}root: {{base: auto}}\n", ["robot=my_arm"], "auto", (2, 2)),
+    ],
+)
+def test_an_experiment_wins_over_the_robot_and_the_command_line_over_both(
+    tmp_path, robot, text, typed, base, size
+):
+    write(experiment(tmp_path, e1=text), my_arm=robot)
+    made = plan(tmp_path, *typed, "+experiment=e1")
+    assert (made.root.base, made.ground.size) == (base, size)
 
 
 def test_keys_of_the_robots_source_are_dropped_where_an_experiment_chooses_another(tmp_path):
-    own = f"{GLOBAL}defaults:\n  - override /source: onshape\nsource: {{url: x}}\n"
-    other = "defaults:\n  - override /source: bundle\nsource: {path: a.zip}\n"
-    write(experiment(tmp_path, e1=other), my_arm=own)
-    assert composed(tmp_path, "robot=my_arm", "+experiment=e1").plan.source.path == "a.zip"
+    robot = f"{GLOBAL}defaults:\n  - override /source: onshape\nsource: {{url: x}}\n"
+    write(experiment(tmp_path, e1=f"defaults:\n  - override /source: bundle\n{SOURCE}"), my_arm=robot)
+    assert plan(tmp_path, "robot=my_arm", "+experiment=e1").source.path == "a.zip"
 
 
-def test_experiments_lie_in_the_working_folder_or_in_config_dir(tmp_path):
+def test_experiments_are_in_the_working_folder_or_in_config_dir(tmp_path):
     there = experiment(tmp_path / "there", e1="name: other\n")
     (tmp_path / "here").mkdir()
-    assert composed(tmp_path / "here", "experiment=e1", config_dirs=[there]).plan.name == "other"
+    assert composed(tmp_path / "here", "experiment=e1", dirs=[there]).plan.name == "other"
 
 
 def test_experiments_are_swept_over(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    write(experiment(tmp_path, a="defaults:\n  - override /robot: my_arm\n", b="name: b\n"), my_arm=MY_ARM)
+    write(experiment(tmp_path, a=ARM, b="name: b\n"), my_arm=MY_ARM)
     plans = []
 
-    def build(plan):
-        plans.append(plan)
-        return Report("built", plan.name, str(plan.folder), plan.until, 0)
+    def build(made):
+        plans.append((made.name, made.source.kind))
+        return Report("built", made.name, str(made.folder), made.until, 0)
 
     assert run(["-m", "experiment=a,b"], build) == 0
-    assert [(plan.name, plan.source.kind) for plan in plans] == [("my_arm_a", "sample"), ("b", "sample")]
+    assert plans == [("my_arm_a", "sample"), ("b", "sample")]
+
+
+UNKNOWN = "E-OPTION experiment=e2: there is no such option\n      options: e1"
 
 
 @pytest.mark.parametrize(
     ("typed", "shown"),
     [
-        (
-            "experiment=e2",
-            "E-OPTION experiment=e2: there is no such option\n      options: e1",
-        ),
-        (
-            "+experiment=e2",
-            "E-OPTION experiment=e2: there is no such option\n      options: e1",
-        ),
+        ("experiment=e2", UNKNOWN),
+        ("+experiment=e2", UNKNOWN),
         ("other=e2", "E-KEY other: unknown key (given 'e2')"),
     ],
 )
-def test_an_experiment_that_is_not_there_is_reported(tmp_path, typed, shown):
+def test_an_unknown_experiment_is_reported(tmp_path, typed, shown):
     assert shown in refused(experiment(tmp_path, e1="name: x\n"), typed)
 
 
-def test_where_experiments_belong_is_reported(tmp_path):
+def test_the_message_says_where_experiments_belong(tmp_path):
     assert "an experiment is a file ./experiment/NAME.yaml" in refused(tmp_path, "experiment=e1")
-    experiment(tmp_path, e1="").joinpath("experiment/e1.yaml").write_text("name: x\n")
-    assert "the keys of the experiment's file lie under `experiment`" in refused(tmp_path, "experiment=e1")
+    put(tmp_path, {"experiment/e1.yaml": "name: x\n"})
+    assert "the keys of the experiment's file are under `experiment`" in refused(tmp_path, "experiment=e1")
 
 
 VARS = f"""\
@@ -165,40 +142,25 @@ scene: {{option: {{timestep: "${{vars.deep.list.0}}"}}}}
 """
 
 
-def test_vars_are_the_users_own(tmp_path):
-    plan = composed(write(tmp_path, my_arm=VARS), "robot=my_arm", "vars.reach=0.5", "vars.more=[1]").plan
-    assert plan.joints["*"].limits == (-1.5, 0.5)
-    assert plan.vars["more"] == [1]
-    assert plan.scene.option.timestep == 1
-
-
-def test_a_value_of_the_environment_is_a_number_where_one_is_wanted_and_text_elsewhere(tmp_path, monkeypatch):
+def test_vars_and_values_of_the_environment_are_numbers_where_the_key_needs_one(tmp_path, monkeypatch):
     write(tmp_path, my_arm=VARS)
-    plan = composed(tmp_path, "robot=my_arm").plan
-    assert (plan.mass.density, plan.depth.max, plan.joints["*"].velocity, plan.name) == (900, 2, 4, "007")
+    made = plan(tmp_path, "robot=my_arm", "vars.reach=0.5", "vars.more=[1]")
+    assert (made.joints["*"].limits, made.vars["more"], made.scene.option.timestep) == ((-1.5, 0.5), [1], 1)
+    assert (made.mass.density, made.depth.max, made.joints["*"].velocity, made.name) == (900, 2, 4, "007")
     monkeypatch.setenv("DENSITY", " 1e3 ")
     monkeypatch.setenv("LOW", "-2")
-    plan = composed(tmp_path, "robot=my_arm").plan
-    assert (plan.mass.density, plan.joints["*"].limits[0]) == (1000, -2)
+    made = plan(tmp_path, "robot=my_arm")
+    assert (made.mass.density, made.joints["*"].limits[0]) == (1000, -2)
 
 
-def test_it_is_a_truth_value_or_a_number_on_the_command_line_too(tmp_path, monkeypatch):
+def test_so_they_are_on_the_command_line(tmp_path, monkeypatch):
     monkeypatch.setenv("OFF", "True")
-    url = (
-        "source.url='https://cad.onshape.com/documents/"
-        + "a" * 24
-        + "/w/"
-        + "b" * 24
-        + "/e/"
-        + "c" * 24
-        + "'"
-    )
-    typed = ["source=onshape", url, "source.offline='${oc.env:OFF}'", "source.max_calls='${oc.env:CALLS,7}'"]
-    source = composed(tmp_path, *typed).plan.source
+    typed = ["source.offline='${oc.env:OFF}'", "source.max_calls='${oc.env:CALLS,7}'"]
+    source = plan(tmp_path, "source=onshape", f"source.url='{URL}'", *typed).source
     assert (source.offline, source.max_calls) == (True, 7)
 
 
-def test_what_is_no_number_is_reported_as_it_stands_in_the_environment(tmp_path, monkeypatch):
+def test_a_value_that_is_no_number_is_reported_as_the_environment_has_it(tmp_path, monkeypatch):
     monkeypatch.setenv("DENSITY", "heavy")
     monkeypatch.setenv("LEVELS", "2.5")
     shown = refused(write(tmp_path, my_arm=VARS), "robot=my_arm")
@@ -211,11 +173,26 @@ def test_text_in_a_file_that_is_no_interpolation_stays_text(tmp_path):
     assert "E-VALUE mass.density: must be a number (given '900')" in refused(tmp_path, "robot=my_arm")
 
 
-def test_a_file_chooses_one_option_of_a_group(tmp_path):
+@pytest.mark.parametrize("kind", ["experiment", "robot"])
+def test_a_file_chooses_an_option_of_a_group_once(tmp_path, kind):
     """Hydra takes the first in a robot's file, and the last in an experiment's."""
-    twice = "  - override /source: sample\n  - override /source: urdf\n"
-    write(experiment(tmp_path, e1=f"defaults:\n{twice}"), my_arm=f"# @package _global_\ndefaults:\n{twice}")
-    for typed, file in (("experiment=e1", "experiment/e1.yaml"), ("robot=my_arm", "robot/my_arm.yaml")):
-        shown = refused(tmp_path, typed)
-        assert f"E-OPTION {file}: its defaults list overrides source more than once: sample, urdf" in shown
-        assert "keep one line, override /source: urdf" in shown
+    text = f"{GLOBAL}defaults:\n  - override /source: sample\n  - override /source: urdf\n"
+    shown = refused(put(tmp_path, {f"{kind}/e1.yaml": text}), f"{kind}=e1")
+    assert (
+        f"E-OPTION {kind}/e1.yaml: its defaults list overrides source more than once: sample, urdf" in shown
+    )
+    assert "keep one line, override /source: urdf" in shown
+
+
+@pytest.mark.parametrize(
+    ("text", "chosen"),
+    [
+        ("defaults:\n  - override /target: none\n", ()),
+        ("defaults:\n  - override /target: drake\n", ("drake",)),
+        ("defaults:\n  - override /target: [newton, drake]\n", ("newton", "drake")),
+        ("mesh: {tolerance: 0.1}\n", ("mjx",)),
+    ],
+)
+def test_targets_that_an_experiment_chooses_are_in_place_of_the_robots(tmp_path, text, chosen):
+    write(experiment(tmp_path, e1=text), my_arm=f"{MY_ARM}target: {{mjx: {{iterations: 7}}}}\n")
+    assert plan(tmp_path, "robot=my_arm", "+experiment=e1").target.chosen == chosen

@@ -1,5 +1,5 @@
 # ruff: noqa: E501
-"""Hints are commands that work when they are pasted; what is told is in our words and fits what was typed."""
+"""Hints are commands that work when they are pasted; messages are in our words and fit what was typed."""
 
 import re
 import shlex
@@ -7,17 +7,17 @@ from pathlib import Path
 
 import pytest
 
-from linkwright.pipeline.config.compose import compose_plan
+from linkwright.pipeline.cli import run
 from linkwright.pipeline.options import UsageError, parse
+from linkwright.pipeline.report import Report
 from linkwright.stages.robot.errors import ConfigError
 from tests.support.cases import mostly_slow
-from tests.support.users import URL, write
+from tests.support.users import GLOBAL, SAMPLE, URL, composed, put, refused, write
 
-GLOBAL = "# @package _global_\n"
-SAMPLE = f"{GLOBAL}defaults:\n  - override /source: sample\n"
 THEIRS = re.compile(
     r"ConfigKeyError|ConfigAttributeError|full_key|object_type|no viable|mismatched|token recog"
 )
+FREE = f"{SAMPLE}root: {{base: free}}\n"
 
 
 @pytest.fixture
@@ -32,7 +32,7 @@ def problems(folder, *arguments):
     """The problems of a command line; none where it is right."""
     try:
         command = parse(arguments)
-        compose_plan(command.overrides, command.config_dirs, folder)
+        composed(folder, *command.overrides, dirs=command.config_dirs)
     except ConfigError as error:
         return list(error.problems)
     except UsageError as error:
@@ -42,26 +42,19 @@ def problems(folder, *arguments):
 
 def commands(hint, typed):
     """The command lines that a hint shows, whole; a single argument takes the place of what was typed."""
-    found = []
-    for text in re.findall(r"linkwright (?:[^'\";(]|'[^']*'|\"[^\"]*\")+", hint):
-        found.append(shlex.split(re.split(r"\s{3}| shows | lists | tells ", text)[0])[1:])
-    for text in re.findall(
-        r"(?:quote the value: |for one text |for a list |example of a mapping: )(\S.*?)(?:;|$)", hint
-    ):
-        found.append([*typed[:-1], *shlex.split(text)])
-    found += [[*typed, *shlex.split(text)] for text in re.findall(r"command line[:,] (.*)$", hint)]
-    return found
+    lines = [
+        shlex.split(re.split(r"\s{3}| shows | lists | tells ", text)[0])[1:]
+        for text in re.findall(r"linkwright (?:[^'\";(]|'[^']*'|\"[^\"]*\")+", hint)
+    ]
+    single = r"(?:quote the value: |for one text |for a list |example of a mapping: )(\S.*?)(?:;|$)"
+    lines += [[*typed[:-1], *shlex.split(text)] for text in re.findall(single, hint)]
+    return lines + [[*typed, *shlex.split(text)] for text in re.findall(r"command line[:,] (.*)$", hint)]
 
 
 @pytest.mark.parametrize(
     "typed",
     mostly_slow([
-        ["my_arm"],
-        ["robot/my_arm.yaml"],
-        ["arm.urdf"],
-        ["arm.xml"],
-        ["arm.zip"],
-        [URL],
+        ["my_arm"], ["robot/my_arm.yaml"], ["arm.urdf"], ["arm.xml"], ["arm.zip"], [URL],
         [f"{URL}?configuration=a%3Db&x=1"],
         ["source=onshape", f"source.url={URL}?configuration=a%3Db"],
         ["source=sample", "name=a,b"],
@@ -72,10 +65,7 @@ def commands(hint, typed):
         ["source=sample", "joints={a: {damping: 1}"],
         ["source=sample", "~nope"],
         ["source=sample", "foo=1"],
-        ["source=urdf"],
-        ["source=mjcf"],
-        ["source=bundle"],
-        ["source=onshape"],
+        ["source=urdf"], ["source=mjcf"], ["source=bundle"], ["source=onshape"],
         ["source=sample", "vars.x=a b (c) ~"],
     ], keep=12),
     ids=" ".join,
@@ -85,8 +75,10 @@ def test_a_hint_can_be_pasted(here, typed):
     assert shown
     lines = [line for problem in shown for line in commands(problem.hint, typed)]
     for line in lines:
-        after = [one for one in problems(here, *line) if one.code in ("E-OVERRIDE", "E-MISSING", "E-OPTION")]
-        # The address of a hint is one that nobody has.
+        # The address of a hint is an address that nobody has.
+        after = [
+            item for item in problems(here, *line) if item.code in ("E-OVERRIDE", "E-MISSING", "E-OPTION")
+        ]
         assert after == [], (line, after)
     assert lines or typed[-1] in ("foo=1", "source=onshape"), shown
 
@@ -94,19 +86,18 @@ def test_a_hint_can_be_pasted(here, typed):
 def test_a_pasted_hint_does_what_was_meant(here):
     typed = ["source=urdf", "source.path=~/my (1) arm.urdf"]
     (line,) = commands(problems(here, *typed)[0].hint, typed)
-    assert compose_plan(line, cwd=here).plan.source.path == f"{Path.home()}/my (1) arm.urdf"
+    assert composed(here, *line).plan.source.path == f"{Path.home()}/my (1) arm.urdf"
 
 
 def test_a_mapping_is_typed_as_yaml_has_it(here):
-    typed = ["source=sample", 'joints={"elbow*": {damping: 1e-3, limits: [-1, 1]}, "b": {"effort": 2}}']
-    joints = compose_plan(typed, cwd=here).plan.joints
+    mapping = 'joints={"elbow*": {damping: 1e-3, limits: [-1, 1]}, "b": {"effort": 2}}'
+    joints = composed(here, "source=sample", mapping).plan.joints
     assert (joints["elbow*"].limits, joints["elbow*"].damping, joints["b"].effort) == ((-1, 1), 1e-3, 2)
 
 
 @pytest.mark.parametrize(
-    ("kind", "file"),
-    [("urdf", "arm.urdf"), ("mjcf", "arm.xml"), ("bundle", "arm.zip"), ("onshape", "https:")],
-)
+    ("kind", "file"), [("urdf", "arm.urdf"), ("mjcf", "arm.xml"), ("bundle", "arm.zip"), ("onshape", "https:")]
+)  # fmt: skip
 def test_the_example_of_a_hint_fits_the_source(here, kind, file):
     (problem,) = problems(here, f"source={kind}")
     assert problem.code == "E-MISSING"
@@ -138,22 +129,15 @@ def test_an_error_of_hydra_about_a_file_is_translated(here, name):
     if name == "text for a number":
         pytest.importorskip("hydra_plugins.hydra_joblib_launcher")
     text, where, hint = ROBOTS[name]
-    first = "" if text.startswith("  - override") else "  - override /source: sample\n"
-    entries = text if text.startswith("  -") else ""
-    keys = "" if entries else text
-    if entries.startswith("  - /"):
-        text = f"{entries}  - override /source: sample\n"
-    elif entries:
-        text = f"  - override /source: sample\n{entries}"
-    else:
-        text = first + keys
+    source = "  - override /source: sample\n"
+    # Overrides end a defaults list.
+    text = f"{text}{source}" if text.startswith("  - /") else f"{source}{text}"
     write(here, bad=f"{GLOBAL}defaults:\n{text}")
     shown = problems(here, "robot=bad")
-    lines = [f"{one.code} {one.where}" for one in shown]
-    assert any(line.startswith(where) for line in lines), shown
-    assert any(hint in one.hint for one in shown), shown
-    assert not [one for one in shown if THEIRS.search(one.message + one.hint)]
-    assert not [one for one in shown if one.code == "E-OPTION" and one.hint.rstrip().endswith(":")]
+    assert any(f"{problem.code} {problem.where}".startswith(where) for problem in shown), shown
+    assert any(hint in problem.hint for problem in shown), shown
+    assert not [problem for problem in shown if THEIRS.search(problem.message + problem.hint)]
+    assert not [item for item in shown if item.code == "E-OPTION" and item.hint.rstrip().endswith(":")]
 
 
 @pytest.mark.parametrize(
@@ -170,82 +154,66 @@ def test_an_error_of_hydra_about_a_file_is_translated(here, name):
 )
 def test_an_error_of_hydra_about_an_override_is_translated(here, typed, where, text):
     shown = problems(here, "source=sample", *typed)
-    found = [one for one in shown if one.where.startswith(where)]
-    assert found, shown
-    assert any(text in one.message for one in found), shown
-    assert not [one for one in shown if THEIRS.search(one.message + one.hint)]
+    reported = [problem for problem in shown if problem.where.startswith(where)]
+    assert reported, shown
+    assert any(text in problem.message for problem in reported), shown
+    assert not [problem for problem in shown if THEIRS.search(problem.message + problem.hint)]
 
 
 @pytest.mark.parametrize(
     ("make", "named", "shown"),
     [
-        ([], "nope", ["nope is not a folder", "name the folder that holds robot/"]),
+        ([], "nope", ["--config-dir: nope is not a folder", "name the folder that holds robot/"]),
         (["file"], "file", ["file is a file"]),
         (["robots/robot/a.yaml"], "robots/robot", ["but no folder robot/", "--config-dir {here}/robots"]),
         (["robots/a.yaml"], "robots", ["contains YAML files", "DIR of DIR/robot/my_arm.yaml"]),
         (["empty/x.txt"], "empty", ["has no folder robot/ with a robot in it"]),
     ],
 )
-def test_a_wrong_folder_for_config_dir_says_which_it_wants(tmp_path, make, named, shown):
-    for file in make:
-        (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / file).write_text(SAMPLE)
-    with pytest.raises(ConfigError) as caught:
-        compose_plan([], [named], tmp_path)
-    assert [words for words in shown if words.format(here=tmp_path) not in str(caught.value)] == []
+def test_a_wrong_folder_for_config_dir_comes_with_the_right_one(tmp_path, make, named, shown):
+    message = refused(put(tmp_path, dict.fromkeys(make, SAMPLE)), dirs=[named])
+    assert [words for words in shown if words.format(here=tmp_path) not in message] == []
 
 
 @pytest.mark.parametrize("folder", ["robot", "plain", "some where"])
 def test_a_robot_is_a_path_from_anywhere(tmp_path, monkeypatch, folder):
-    file = tmp_path / "there" / folder / "my_arm.yaml"
-    file.parent.mkdir(parents=True)
-    file.write_text(f"{SAMPLE}root: {{base: free}}\n")
-    here = tmp_path / "here"
-    here.mkdir()
+    put(tmp_path, {f"there/{folder}/my_arm.yaml": FREE})
     monkeypatch.setenv("HOME", str(tmp_path))
+    (here := tmp_path / "here").mkdir()
+    place = f"there/{folder}/my_arm"
     for typed in (
-        file,
-        f"../there/{folder}/my_arm.yaml",
-        f"../there/{folder}/my_arm",
-        f"~/there/{folder}/my_arm.yaml",
+        f"{tmp_path}/{place}.yaml",
+        f"../{place}.yaml",
+        f"../{place}",
+        f"~/{place}.yaml",
+        f"'../{place}.yaml'",
     ):
-        made = compose_plan([f"robot={typed}"], (), here)
-        assert (made.plan.name, made.plan.root.base) == ("my_arm", "free")
-    assert compose_plan(["robot='../there/" + folder + "/my_arm.yaml'"], (), here).plan.name == "my_arm"
+        made = composed(here, f"robot={typed}")
+        assert (made.plan.name, made.plan.root.base) == ("my_arm", "free"), typed
 
 
 def test_a_path_means_that_file_and_a_name_an_option(here):
     write(here, sample=f"{SAMPLE}name: mine\n")
-    assert compose_plan(["robot=robot/sample.yaml"], (), here).plan.name == "mine"
+    assert composed(here, "robot=robot/sample.yaml").plan.name == "mine"
     assert "ambiguous" in problems(here, "robot=sample")[0].message
 
 
-def test_files_beside_a_robot_by_its_path_are_found(tmp_path):
-    there = write(
-        tmp_path / "there", my_arm=f"{GLOBAL}defaults:\n  - base\n", base=f"{SAMPLE}root: {{base: free}}\n"
-    )
-    (tmp_path / "here").mkdir()
-    assert compose_plan([f"robot={there}/robot/my_arm.yaml"], (), tmp_path / "here").plan.root.base == "free"
-
-
-def test_a_robot_by_its_path_is_judged_as_any(tmp_path):
-    there = write(tmp_path / "there", evil=f"{SAMPLE}hydra: {{callbacks: {{x: {{_target_: os.system}}}}}}\n")
-    (tmp_path / "here").mkdir()
-    (problem,) = problems(tmp_path / "here", f"robot={there}/robot/evil.yaml")
+def test_a_robot_by_its_path_has_the_files_beside_it_and_is_judged_as_any(tmp_path):
+    evil = f"{SAMPLE}hydra: {{callbacks: {{x: {{_target_: os.system}}}}}}\n"
+    there = write(tmp_path / "there", my_arm=f"{GLOBAL}defaults:\n  - base\n", base=FREE, evil=evil)
+    (here := tmp_path / "here").mkdir()
+    assert composed(here, f"robot={there}/robot/my_arm.yaml").plan.root.base == "free"
+    (problem,) = problems(here, f"robot={there}/robot/evil.yaml")
     assert (problem.code, problem.where) == ("E-TRUST", "hydra.callbacks")
 
 
-def test_robots_by_their_paths_are_swept_over(here, monkeypatch):
-    from linkwright.pipeline.cli import run
-    from linkwright.pipeline.report import Report
-
+def test_robots_by_their_paths_are_swept_over(here):
     write(here / "there", other=SAMPLE)
     plans = []
 
     def build(plan):
-        plans.append(plan)
+        plans.append((plan.name, Path(plan.output).name.rpartition("-")[0]))
         return Report("built", plan.name, str(plan.folder), plan.until, 0)
 
     assert run(["-m", "robot=my_arm,there/robot/other.yaml"], build) == 0
-    assert [plan.name for plan in plans] == ["my_arm", "other"]
-    assert [Path(plan.output).name.rpartition("-")[0] for plan in plans] == ["robot=my_arm", "robot=other"]
+    assert plans == [("my_arm", "robot=my_arm"), ("other", "robot=other")]

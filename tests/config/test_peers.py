@@ -3,9 +3,9 @@ what it says."""
 
 import re
 import shlex
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import mujoco
 import pytest
@@ -19,9 +19,9 @@ from linkwright.pipeline.run.build import build_files
 from linkwright.pipeline.verbs import VERBS
 from linkwright.stages.formats.xml import Element
 from linkwright.stages.formats.xml import parse as parse_xml
-from tests.config.peers import ONSHAPE_TO_ROBOT, ROBOT_CLASS, Row
+from tests.config.peers import ONSHAPE_TO_ROBOT, ROBOT_CLASS
 from tests.support.places import PROJECT, SHARED
-from tests.support.users import URL, write
+from tests.support.users import SAMPLE, URL, write
 
 VERB_NAMES = """
 Robot.from_url Robot.from_urdf Robot(name) Client env max_depth use_user_defined_root set_variables
@@ -47,11 +47,11 @@ onshape-to-robot-mujoco onshape-to-robot-clear-cache onshape-to-robot-edit-shape
 onshape-to-robot-pure-sketch
 """
 
-EVERY = (*ROBOT_CLASS, *ONSHAPE_TO_ROBOT)
+ROWS = (*ROBOT_CLASS, *ONSHAPE_TO_ROBOT)
 
 
-def named(rows: tuple[Row, ...]) -> list[str]:
-    return [name for one in rows for name in one.theirs]
+def named(rows):
+    return [name for row in rows for name in row.theirs]
 
 
 @pytest.mark.parametrize(
@@ -62,18 +62,18 @@ def named(rows: tuple[Row, ...]) -> list[str]:
     ],
     ids=["the original Robot class", "onshape-to-robot"],
 )
-def test_every_name_is_in_one_row(rows: tuple[Row, ...], names: str, more: list[str]) -> None:
+def test_every_name_is_in_a_single_row(rows, names, more):
     assert sorted(named(rows)) == sorted([*names.split(), *more])
 
 
-@pytest.mark.parametrize("one", EVERY, ids=lambda one: one.theirs[0])
-def test_a_row_says_one_thing(one: Row) -> None:
-    assert sum(map(bool, (one.yaml, one.command, one.python))) == 1 or (one.note and not one.yaml)
-    assert "|" not in f"{one.yaml}{one.note}"
+def test_a_row_says_a_single_thing():
+    for row in ROWS:
+        assert sum(map(bool, (row.yaml, row.command, row.python))) == 1 or (row.note and not row.yaml), row
+        assert "|" not in f"{row.yaml}{row.note}", row
 
 
 @pytest.mark.skipif(not (SHARED / "reference").is_dir(), reason="without the survey of the other tools")
-def test_no_key_of_the_survey_is_missing() -> None:
+def test_no_key_of_the_survey_is_missing():
     text = (SHARED / "reference" / "peers-onshape-to-robot.md").read_text(encoding="utf-8")
     tables = text.partition("### 1.2")[2].partition("### 1.5")[0]
     rows = [
@@ -87,22 +87,22 @@ def test_no_key_of_the_survey_is_missing() -> None:
     section = text.partition("### 1.5")[2].partition("### 1.6")[0]
     verbs = set(re.findall(r"\b((?:add|set|show|to|from|get)_[a-z_]+|save|load_element)\(?", section))
     verbs -= {"set_joint_from_xml", "from_file", "from_color"}  # of its values, not of the robot
-    known = {name.rpartition(".")[2] for name in named(ROBOT_CLASS)}
-    assert verbs - known == set()
+    defined = {name.rpartition(".")[2] for name in named(ROBOT_CLASS)}
+    assert verbs - defined == set()
 
 
-def holds(given: Any, wanted: Any) -> bool:
+def holds(tree, wanted):
     """Whether a configuration has all that some YAML gives."""
     if isinstance(wanted, dict):
-        return isinstance(given, dict) and all(holds(given.get(key), one) for key, one in wanted.items())
-    if isinstance(given, dict) and isinstance(wanted, str):
-        return wanted in given.values()
-    return list(given) == wanted if isinstance(wanted, list) else given == wanted
+        return isinstance(tree, dict) and all(holds(tree.get(key), value) for key, value in wanted.items())
+    if isinstance(tree, dict) and isinstance(wanted, str):
+        return wanted in tree.values()
+    return list(tree) == wanted if isinstance(wanted, list) else tree == wanted
 
 
-@pytest.mark.parametrize("one", [one for one in EVERY if one.command], ids=lambda one: one.theirs[0])
-def test_the_command_of_a_row_is_one(tmp_path: Path, one: Row) -> None:
-    words = shlex.split(one.command)
+@pytest.mark.parametrize("row", [row for row in ROWS if row.command], ids=lambda row: row.theirs[0])
+def test_the_command_of_a_row_is_valid(tmp_path, row):
+    words = shlex.split(row.command)
     if words[0] in VERBS:
         assert words[0] in ("bundle", "cache")
         return
@@ -110,22 +110,19 @@ def test_the_command_of_a_row_is_one(tmp_path: Path, one: Row) -> None:
     more = [] if any(word.startswith(("source=", "robot=")) for word in words) else ["source=sample"]
     if "source.offline=true" in words:
         more = ["source=onshape", f"source.url='{URL}'"]
-    folder = write(tmp_path, my_arm="# @package _global_\ndefaults: [{override /source: sample}]\n")
+    folder = write(tmp_path, my_arm=SAMPLE)
     plan = compose_plan([*more, *command.overrides], (), folder).plan
-    assert plan.until == (
-        "fetch" if "until=fetch" in words else "graph" if "until=graph" in words else "validate"
-    )
+    assert plan.until == next((word.removeprefix("until=") for word in words if "until=" in word), "validate")
     if words[0].startswith("export="):
         assert set(plan.export.chosen) == set(words[0].removeprefix("export=").strip("[]").split(","))
     if words[0].startswith("mesh="):
         assert plan.mesh.collider == words[0].removeprefix("mesh=")
 
 
-@pytest.mark.parametrize("one", [one for one in EVERY if one.python], ids=lambda one: one.theirs[0])
-def test_the_python_of_a_row_is_there(one: Row) -> None:
+def test_the_python_of_a_row_exists():
     assert callable(linkwright.build)
-    last = one.python.rpartition(".")[2]
-    assert last in {*vars(Build), *Build.__annotations__}
+    names = {row.python.rpartition(".")[2] for row in ROWS if row.python}
+    assert names <= {*vars(Build), *Build.__annotations__}
 
 
 class Made(NamedTuple):
@@ -136,7 +133,7 @@ class Made(NamedTuple):
     urdf: Element
 
 
-def composed(folder: Path, text: str, *overrides: str) -> Any:
+def composed(folder, text, *overrides):
     url = "source: {url" in text or "source: {configuration" in text or "source: {variables" in text
     source = "onshape" if url or "source: {max_calls" in text else "sample"
     if source == "onshape" and "url:" not in text:
@@ -152,23 +149,19 @@ def composed(folder: Path, text: str, *overrides: str) -> Any:
 
 
 @pytest.fixture(scope="module")
-def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def cache(tmp_path_factory):
     return tmp_path_factory.mktemp("cache")
 
 
-def equalities(model: mujoco.MjModel) -> set[str]:
+def equalities(model):
     return {model.equality(number).name for number in range(model.neq)}
 
 
-def joint(made: Made, name: str) -> Any:
-    return made.model.joint(name)
-
-
-EFFECTS: dict[str, Callable[[Made], bool]] = {
-    "add_link": lambda made: made.model.body("payload").mass[0] == 0.2 and joint(made, "lid").id >= 0,
-    "JointLimits": lambda made: joint(made, "elbow").range.tolist() == [-1, 1]
+EFFECTS = {
+    "add_link": lambda made: made.model.body("payload").mass[0] == 0.2 and made.model.joint("lid").id >= 0,
+    "JointLimits": lambda made: made.model.joint("elbow").range.tolist() == [-1, 1]
     and made.urdf.find("joint[@name='elbow']/limit").get("effort") == "12",
-    "JointDynamics": lambda made: joint(made, "elbow").damping[0] == 0.1,
+    "JointDynamics": lambda made: made.model.joint("elbow").damping[0] == 0.1,
     "Inertia": lambda made: made.model.body("palm").mass[0] == pytest.approx(0.2),
     "Box": lambda made: made.model.geom("ball_collision").size[0] == 0.02,
     "JointMimic": lambda made: made.model.equality("finger_gears").data[1] == 1,
@@ -188,15 +181,15 @@ EFFECTS: dict[str, Callable[[Made], bool]] = {
     "download_assets": lambda made: not made.model.nmesh,
     "ignore_limits": lambda made: not any(made.model.jnt_limited),
     "ignore": lambda made: not made.model.body("palm").geomnum[0] and made.model.body("palm").mass[0] > 0,
-    "joint_properties": lambda made: joint(made, "elbow").armature[0] == 0.01
-    and joint(made, "lift").damping[0] == 0.1,
-    "stiffness": lambda made: joint(made, "elbow").stiffness[0] == 2,
+    "joint_properties": lambda made: made.model.joint("elbow").armature[0] == 0.01
+    and made.model.joint("lift").damping[0] == 0.1,
+    "stiffness": lambda made: made.model.joint("elbow").stiffness[0] == 2,
     "actuated": lambda made: made.model.actuator("elbow").gainprm[0] == 30
     and mujoco.mj_name2id(made.model, mujoco.mjtObj.mjOBJ_ACTUATOR, "wrist_roll") < 0,
     "geom_properties": lambda made: made.model.geom("palm_collision").friction[0] == 1.2,
     "equalities": lambda made: made.model.equality("rod_upper_pivot").solref.tolist() == [0.01, 1],
-    "_inv": lambda made: joint(made, "elbow").axis.tolist() == [0, 0, -1]
-    and joint(made, "elbow").range.tolist() == [-1.3, 0.6],
+    "_inv": lambda made: made.model.joint("elbow").axis.tolist() == [0, 0, -1]
+    and made.model.joint("elbow").range.tolist() == [-1.3, 0.6],
     "the saved pose is zero": lambda made: not made.model.key("cad").qpos.any(),
     "additional_xml": lambda made: made.urdf.find("gazebo").get("reference") == "palm",
     "package_name": lambda made: made.urdf.find(".//mesh").get("filename").startswith("package://my_description/"),
@@ -207,19 +200,19 @@ EFFECTS: dict[str, Callable[[Made], bool]] = {
 
 
 @pytest.mark.parametrize(
-    "one",
-    [one for one in EVERY if one.yaml and one.theirs[0] not in EFFECTS],
-    ids=lambda one: one.theirs[0],
+    "row",
+    [row for row in ROWS if row.yaml and row.theirs[0] not in EFFECTS],
+    ids=lambda row: row.theirs[0],
 )
-def test_the_yaml_of_a_row_is_taken(tmp_path: Path, one: Row) -> None:
-    assert holds(composed(tmp_path, one.yaml).tree(), yaml.safe_load(one.yaml))
+def test_the_yaml_of_a_row_is_taken(tmp_path, row):
+    assert holds(composed(tmp_path, row.yaml).tree(), yaml.safe_load(row.yaml))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", EFFECTS)
-def test_a_row_has_the_effect_that_it_claims(tmp_path: Path, cache: Path, name: str) -> None:
-    (one,) = (one for one in EVERY if one.theirs[0] == name)
-    plan = composed(tmp_path, one.yaml, f"cache.dir={cache}", "until=export")
+def test_a_row_has_the_effect_that_it_claims(tmp_path, cache, name):
+    (row,) = (row for row in ROWS if row.theirs[0] == name)
+    plan = composed(tmp_path, row.yaml, f"cache.dir={cache}", "until=export")
     files = build_files(plan, in_memory=True).files
     model = mujoco.MjModel.from_xml_string(
         files["scene.xml"].decode(), {Path(path).name: data for path, data in files.items()}
@@ -227,5 +220,5 @@ def test_a_row_has_the_effect_that_it_claims(tmp_path: Path, cache: Path, name: 
     assert EFFECTS[name](Made(files, model, parse_xml(files["arm.urdf"])))
 
 
-def test_the_readme_leads_to_the_page() -> None:
+def test_the_readme_leads_to_the_page():
     assert "pipeline/reference/PEERS.md" in (PROJECT / "README.md").read_text(encoding="utf-8")

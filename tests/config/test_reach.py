@@ -2,39 +2,31 @@
 
 import pytest
 
-from linkwright.pipeline.config.compose import compose_plan
-from linkwright.stages.robot.errors import ConfigError
+from tests.support import users
+from tests.support.users import GLOBAL, SAMPLE, put
 
-SAMPLE = "# @package _global_\ndefaults:\n  - override /source: sample\n"
 SECRET = "swordfish"
 
 
 @pytest.fixture
 def here(tmp_path):
-    """A working folder beside a file that is not of the configuration; `out` names it from `robot/`."""
-    for path, text in {
+    """A working folder beside a folder that is not of the configuration."""
+    put(tmp_path, {
         "work/robot/mine.yaml": SAMPLE,
         "work/mesh/fine.yaml": "tolerance: 0.001\n",
-        "work/experiment/e.yaml": "# @package _global_\nroot: {base: fixed}\n",
-        "outside/x.yaml": f"# @package _global_\nname: {SECRET}\n",
+        "work/experiment/e.yaml": f"{GLOBAL}root: {{base: fixed}}\n",
+        "outside/x.yaml": f"{GLOBAL}name: {SECRET}\n",
         "outside/mesh/x.yaml": "tolerance: 0.005\n",
-    }.items():
-        file = tmp_path / path
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(text)
+    })  # fmt: skip
     return tmp_path / "work"
 
 
-def write(here, path, text):
-    file = here / path
-    file.parent.mkdir(parents=True, exist_ok=True)
-    file.write_text(text)
+def plan(here, *arguments, dirs=()):
+    return users.composed(here, *arguments, dirs=dirs, environ={}).plan
 
 
 def refused(here, *arguments):
-    with pytest.raises(ConfigError) as caught:
-        compose_plan(arguments, (), here, environ={})
-    message = str(caught.value)
+    message = users.refused(here, *arguments, environ={})
     assert SECRET not in message
     assert "0.005" not in message
     return message
@@ -61,15 +53,12 @@ ENTRIES = [
     ],
 )
 def test_a_defaults_list_does_not_leave_the_folders(here, file, entry):
-    text = entry.format(outside=here.parent / "outside")
-    if text.startswith("override"):
-        lines = f"defaults:\n  - override /source: sample\n  - {text}\n"
-    else:
-        lines = f"defaults:\n  - {text}\n  - override /source: sample\n"
-    write(here, file, f"# @package _global_\n{lines}")
+    lines = ["override /source: sample", entry.format(outside=here.parent / "outside")]
+    # Overrides end a defaults list.
+    lines = lines if entry.startswith("override") else lines[::-1]
+    put(here, {file: f"{GLOBAL}defaults:\n" + "".join(f"  - {line}\n" for line in lines)})
     group, _, option = file.removesuffix(".yaml").partition("/")
-    robot = [] if group == "robot" else ["robot=mine"]
-    message = refused(here, *robot, f"{group}={option}")
+    message = refused(here, *([] if group == "robot" else ["robot=mine"]), f"{group}={option}")
     assert "outside the folders of the configuration" in message
     assert "--config-dir" in message
 
@@ -90,38 +79,27 @@ def test_an_option_on_the_command_line_does_not_leave_the_folders(here, argument
 
 def test_a_robot_is_no_option_outside_but_a_path_that_the_user_types(here):
     assert "no such file" in refused(here, "robot=../../outside/x")
-    assert compose_plan(["robot=../outside/x", "source=sample"], (), here, environ={}).plan.name == SECRET
+    assert plan(here, "robot=../outside/x", "source=sample").name == SECRET
 
 
-def test_what_stays_inside_is_composed(here):
-    write(here, "robot/a/deep.yaml", SAMPLE)
-    inside = "# @package _global_\ndefaults:\n  - {}\n  - override /mesh: ../robot/../mesh/fine\n"
-    for entry in (
-        "a/deep",
-        "a/../a/deep",
-        "/robot/a/deep",
-        "/robot/../robot/a/deep",
-        "../mesh/../robot/a/deep",
-    ):
-        write(here, "robot/all.yaml", inside.format(entry))
-        plan = compose_plan(["robot=all", "source=sample"], (), here, environ={}).plan
-        assert plan.mesh.tolerance == 0.001
+@pytest.mark.parametrize(
+    "entry", ["a/deep", "a/../a/deep", "/robot/a/deep", "/robot/../robot/a/deep", "../mesh/../robot/a/deep"]
+)
+def test_a_path_that_stays_inside_is_composed(here, entry):
+    inside = f"{GLOBAL}defaults:\n  - {entry}\n  - override /mesh: ../robot/../mesh/fine\n"
+    put(here, {"robot/a/deep.yaml": SAMPLE, "robot/all.yaml": inside})
+    assert plan(here, "robot=all", "source=sample").mesh.tolerance == 0.001
 
 
 def test_a_link_in_a_folder_is_followed_but_not_what_is_above_its_target(here):
     (here / "robot" / "linked.yaml").symlink_to(here.parent / "outside" / "x.yaml")
-    assert compose_plan(["robot=linked", "source=sample"], (), here, environ={}).plan.name == SECRET
+    assert plan(here, "robot=linked", "source=sample").name == SECRET
     (here / "robot" / "sub").symlink_to(here.parent / "outside" / "mesh")
-    write(
-        here,
-        "robot/mine.yaml",
-        "# @package _global_\ndefaults:\n  - sub/../x\n  - override /source: sample\n",
-    )
+    put(here, {"robot/mine.yaml": f"{GLOBAL}defaults:\n  - sub/../x\n  - override /source: sample\n"})
     # Below `mesh`, where the link leads, `..` would be the folder outside.
     assert "E-OPTION" in refused(here, "robot=mine")
 
 
 def test_a_folder_named_on_the_command_line_is_a_folder_of_the_configuration(here):
-    write(here, "robot/mine.yaml", SAMPLE + "  - override /mesh: x\n")
-    plan = compose_plan(["robot=mine"], [here.parent / "outside"], here, environ={}).plan
-    assert plan.mesh.tolerance == 0.005
+    put(here, {"robot/mine.yaml": f"{SAMPLE}  - override /mesh: x\n"})
+    assert plan(here, "robot=mine", dirs=[here.parent / "outside"]).mesh.tolerance == 0.005

@@ -3,7 +3,6 @@
 import functools
 import json
 import re
-from collections.abc import Iterator
 from typing import Annotated
 
 import jsonschema
@@ -22,7 +21,6 @@ from linkwright.pipeline.reference.key_entries import entries
 from linkwright.pipeline.verbs import VERBS
 from linkwright.pipeline.verbs.explain import explained, names
 from linkwright.stages.fetch.section import SOURCES
-from linkwright.stages.robot.section import Section
 from tests.config import reference
 from tests.config.regenerate import GOLDEN, REFERENCE
 from tests.support.places import PROJECT
@@ -36,39 +34,32 @@ def test_a_generated_file_is_that_of_the_schema(path):
     assert path.read_text(encoding="utf-8") == REFERENCE[path](), "python -m tests.config.regenerate"
 
 
-@pytest.mark.parametrize("entry", KEYS, ids=lambda entry: f"{entry.source}.{entry.key}")
-def test_each_key_has_all_that_a_user_needs(entry):
-    assert entry.type
-    assert entry.default
-    assert entry.example
-    assert entry.meaning.endswith(".")
-    assert "[m]" not in entry.meaning or not entry.unit
+def test_each_key_has_all_that_a_user_needs():
+    for entry in KEYS:
+        assert entry.type, entry
+        assert entry.default, entry
+        assert entry.example, entry
+        assert entry.meaning.endswith("."), entry
+        assert "[m]" not in entry.meaning or not entry.unit, entry
 
 
-def given(section: type[Section], path: tuple[str, ...] = ()) -> Iterator[tuple[str, object, object]]:
-    """Key, annotation and example of each key that gives one of its own."""
+def key_examples(section, path=()):
+    """Key, annotation and example of each key that gives its own example."""
     for name, field in reference.fields(section):
         below, _ = reference._section_of(field.annotation)
         if field.examples:
             annotation = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
             yield ".".join((*path, name)), annotation, field.examples[0]
         if below is not None and is_section(below):
-            yield from given(below, (*path, name))
+            yield from key_examples(below, (*path, name))
 
 
-EXAMPLES = [
-    *given(Plan), *(one for kind, keys in SOURCES.items() for one in given(keys, (kind,)))
-]  # fmt: skip
-
-
-@pytest.mark.parametrize(("key", "annotation", "value"), EXAMPLES, ids=[one[0] for one in EXAMPLES])
-def test_an_example_is_valid(key, annotation, value):
-    TypeAdapter(annotation).validate_python(URL if key == "onshape.url" else value)
-
-
-@pytest.mark.parametrize("entry", KEYS, ids=lambda entry: f"{entry.source}.{entry.key}")
-def test_the_schema_takes_each_example(entry):
-    validator().validate(yaml.safe_load(entry.example))
+def test_each_example_is_valid_for_its_key_and_for_the_schema():
+    kinds = (key for kind, keys in SOURCES.items() for key in key_examples(keys, (kind,)))
+    for key, annotation, value in (*key_examples(Plan), *kinds):
+        TypeAdapter(annotation).validate_python(URL if key == "onshape.url" else value)
+    for entry in KEYS:
+        validator().validate(yaml.safe_load(entry.example))
 
 
 @functools.cache
@@ -78,20 +69,20 @@ def validator():
     return jsonschema.Draft202012Validator(schema)
 
 
-@pytest.mark.parametrize("name", ["robot.sample", "robot.bare", "build"])
-def test_the_schema_takes_a_whole_configuration(name):
-    validator().validate(yaml.safe_load((GOLDEN / f"{name}.yaml").read_text(encoding="utf-8")))
-
-
 @pytest.mark.parametrize(
     "text",
     [
+        *(
+            (GOLDEN / f"{name}.yaml").read_text(encoding="utf-8")
+            for name in ("robot.sample", "robot.bare", "build")
+        ),
         "defaults: [{override /source: onshape}]\nsource: {url: x}",
         "joints: {lift: {limits: [0, '${vars.reach}'], damping: '${oc.env:DAMPING,0.1}'}}",
         "links: {load: {parent: tool, joint: revolute}}",
     ],
+    ids=["robot.sample", "robot.bare", "build", "defaults", "interpolations", "short forms"],
 )
-def test_the_schema_accepts_every_valid_robot(text):
+def test_the_schema_accepts_valid_robots(text):
     validator().validate(yaml.safe_load(text))
 
 
@@ -108,17 +99,16 @@ def test_the_help_lists_every_key_and_variable():
     text = whole()
     words = set(re.findall(r"[A-Za-z_]+", text))
     assert {entry.names[-1] for entry in KEYS} - {"kind"} <= words
-    assert {one.name for one in VARIABLES} <= words
+    assert {variable.name for variable in VARIABLES} <= words
     assert set(VERBS) <= words
 
 
 def test_every_variable_of_ours_is_in_the_reference():
-    found = set()
-    for package in ("pipeline", "stages"):
-        for file in (PROJECT / package).rglob("*.py"):
-            found |= set(re.findall(r'"((?:LINKWRIGHT|ONSHAPE)_[A-Z_]+)"', file.read_text()))
+    files = [file for room in ("pipeline", "stages") for file in (PROJECT / room).rglob("*.py")]
+    pattern = re.compile(r'"((?:LINKWRIGHT|ONSHAPE)_[A-Z_]+)"')
+    named_variables = {name for file in files for name in pattern.findall(file.read_text())}
     older = {"ONSHAPE_SECRET_BEARER"}  # another name for a token, kept for the files that have it
-    assert found - older <= {one.name for one in VARIABLES}
+    assert named_variables - older <= {variable.name for variable in VARIABLES}
 
 
 def test_the_readme_leads_to_the_reference():
@@ -127,9 +117,8 @@ def test_the_readme_leads_to_the_reference():
     assert "# yaml-language-server: $schema=" in text
 
 
-@pytest.mark.parametrize("name", [*names()])
-def test_everything_can_be_explained(name):
-    assert name in explained(name)
+def test_everything_can_be_explained():
+    assert [name for name in names() if name not in explained(name)] == []
 
 
 @pytest.mark.parametrize(
@@ -142,6 +131,9 @@ def test_everything_can_be_explained(name):
         ("validate.checks", "Checks of your own."),
         ("sensors.imu.noise", "sensors.<name>.noise"),
         ("onshape_auth", "ONSHAPE_AUTH"),
+        ("hydra/launcher", "hydra.launcher.n_jobs=-1   jobs that run at once; -1: one for each processor"),
+        ("hydra/launcher=slurm", "hydra.launcher.account=null\n"),
+        ("hydra.launcher.ray.init.address", "address=null   address of a running cluster"),
     ],
 )
 def test_an_entry_is_found_as_a_user_types_it(asked, shown, capsys):
@@ -153,16 +145,13 @@ def test_an_entry_is_found_as_a_user_types_it(asked, shown, capsys):
     ("asked", "near"),
     [("E-LIMT", "did you mean E-LIMIT"), ("joint", "did you mean joints"), ("qqq", "--help")],
 )
-def test_for_an_unknown_one_the_nearest_is_suggested(asked, near, capsys):
+def test_the_nearest_name_is_suggested_for_an_unknown_name(asked, near, capsys):
     assert run(["explain", asked]) == 2
     assert near in capsys.readouterr().err
 
 
-def test_the_path_of_the_schema_can_be_asked_for(capsys):
+def test_the_path_of_the_schema_is_printed_and_the_checked_in_entries_read_back(capsys):
     assert run(["explain", "--schema"]) == 0
     assert capsys.readouterr().out.strip() == str(SCHEMA)
-
-
-def test_the_checked_in_entries_read_back():
     assert entries() == reference.entries()
     assert explanations()

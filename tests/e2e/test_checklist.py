@@ -10,11 +10,10 @@ from hypothesis import strategies as st
 from lxml import etree
 
 from tests.fake_onshape.bundle import bundle_bytes
-from tests.fake_onshape.document import Document
 from tests.fake_onshape.quadruped import write_quadruped
 from tests.fake_onshape.random_document import documents
 from tests.fake_onshape.sample import sample_document
-from tests.support.checklist import Built, Point, compiled, simulated, text
+from tests.support.checklist import Built, compiled, simulated, text
 from tests.support.command import called, environment
 from tests.support.other_robots import FILES, is_here, source_of
 
@@ -39,15 +38,23 @@ SETTLED = {"reachy2": [f"contact.exclude=[{SHOULDERS}]"]}
 def built(name: str, folder: Path, cache: Path) -> Built:
     mass: float | None = None
     if name == "quadruped":
-        mass, told = write_quadruped(folder).truth.total_mass(), ["robot=quadruped"]
+        mass, typed = write_quadruped(folder).truth.total_mass(), ["robot=quadruped"]
     elif name == "sample":
-        mass, told = sample_document().truth.total_mass(), ["robot=sample"]
+        mass, typed = sample_document().truth.total_mass(), ["robot=sample"]
     else:
-        told = [*source_of(name), f"root={BASES[name]}", "actuators=position", *LIGHT, *SETTLED.get(name, ())]
+        typed = [
+            *source_of(name),
+            f"root={BASES[name]}",
+            "actuators=position",
+            *LIGHT,
+            *SETTLED.get(name, ()),
+        ]
         if FILES[name][0] == "urdf":
-            mass = sum(float(one.get("value")) for one in etree.parse(str(FILES[name][1])).iter("mass"))
+            mass = sum(
+                float(element.get("value")) for element in etree.parse(str(FILES[name][1])).iter("mass")
+            )
     environ = environment(folder, seeded=False, LINKWRIGHT_CACHE=str(cache))
-    done = called(folder, *told, "output=out", environ=environ)
+    done = called(folder, *typed, "output=out", environ=environ)
     assert done.returncode == 0, done.stdout + done.stderr
     return Built(folder / "out", mass, cad=name not in FILES)
 
@@ -56,9 +63,7 @@ def built(name: str, folder: Path, cache: Path) -> Built:
     scope="module",
     params=["sample", "quadruped", *(pytest.param(name, marks=pytest.mark.slow) for name in FILES)],
 )
-def robot(
-    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, shared_cache: Path
-) -> Built:
+def robot(request, tmp_path_factory, shared_cache):
     if not is_here(request.param):
         pytest.skip("needs the robots of others")
     return built(request.param, tmp_path_factory.mktemp(request.param), shared_cache)
@@ -71,12 +76,12 @@ UNSTABLE = {"C-TRIAL", "C-TIME-STEP"}
 @pytest.mark.slow
 @settings(max_examples=10, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 @given(st.booleans().flatmap(lambda loops: documents(everything=True, loops=loops)))
-def test_random_documents_meet_the_points_of_files(document: Document) -> None:
+def test_random_documents_meet_the_points_of_files(document):
     with TemporaryDirectory() as place:
         folder = Path(place)
         (folder / "random.zip").write_bytes(bundle_bytes(document))
-        told = ["source=bundle", "source.path=random.zip", "mesh=hull", "contact.self=none", "output=out"]
-        done = called(folder, *told)
+        typed = ["source=bundle", "source.path=random.zip", "mesh=hull", "contact.self=none", "output=out"]
+        done = called(folder, *typed)
         assert done.returncode in {0, 3}, done.stdout + done.stderr
         checks = json.loads((folder / "out/report.json").read_text())["checks"]
         failed = {it["code"] for it in checks if not it["passed"] and it["level"] == "error"}
@@ -87,5 +92,5 @@ def test_random_documents_meet_the_points_of_files(document: Document) -> None:
 
 
 @pytest.mark.parametrize("point", POINTS, ids=lambda it: it.__name__)
-def test_a_point_of_the_checklist(robot: Built, point: Point) -> None:
+def test_a_point_of_the_checklist(robot, point):
     assert list(point(robot)) == []

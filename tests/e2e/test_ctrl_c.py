@@ -32,11 +32,11 @@ LINE = ("source=sample", "mesh=hull")
 class Tries:
     """Runs a command in a folder, and ends it at a moment."""
 
-    def __init__(self, here: Path) -> None:
+    def __init__(self, here):
         self.here = here
         here.mkdir()
 
-    def run(self, line: tuple[str, ...], moment: float | None, *, all_of_them: bool) -> tuple[int, str, str]:
+    def run(self, line, moment, *, all_of_them):
         """Status, output and errors of a command that gets SIGINT `moment` [s] after it began: it alone, or
         with its children, as from a terminal."""
         reader, writer = os.pipe()
@@ -61,7 +61,7 @@ class Tries:
         return process.returncode, out, err
 
 
-def seconds(tries: Tries, line: tuple[str, ...]) -> float:
+def seconds(tries, line):
     began = time.monotonic()
     assert tries.run(line, None, all_of_them=False)[0] == 0
     return time.monotonic() - began

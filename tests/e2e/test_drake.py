@@ -10,8 +10,7 @@ import trimesh
 from hypothesis import HealthCheck, assume, given, settings
 
 from linkwright.stages.robot.model.geometry import Geometry, Shape
-from linkwright.stages.robot.model.robot import Relation, Robot
-from tests.fake_onshape.document import Document
+from linkwright.stages.robot.model.robot import Relation
 from tests.fake_onshape.random_document import documents
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import plan_of, robot_of, write
@@ -19,9 +18,9 @@ from tests.support.command import called
 from tests.support.drake import drake_python, read, refusal
 from tests.support.engines import Pinocchio
 from tests.support.other_robots import AS_IT_IS, FILES, is_here, source_of
+from tests.support.parity import SdfParity, same
 from tests.support.robots import EVERY, at, joint, loop, pose, robot_with, some_values
 from tests.support.sdf import Sdf, transform
-from tests.support.sdf_parity import Three, same
 
 pytestmark = pytest.mark.slow
 
@@ -31,42 +30,41 @@ SUFFIXES = ("urdf", "sdf", "xml")
 
 
 @pytest.fixture(scope="session")
-def python(tmp_path_factory: pytest.TempPathFactory) -> str:
-    here = tmp_path_factory.getbasetemp()
-    return drake_python(here.parent if here.name.startswith("popen-") else here)
+def python(run_folder):
+    return drake_python(run_folder)
 
 
-def every_joint() -> Robot:
+def every_joint():
     rng = np.random.default_rng(7)
     rows, above = [], "base"
-    for kind in (one for one in EVERY if one != "free"):
+    for kind in (kind for kind in EVERY if kind != "free"):
         rows.append(joint(kind, above, f"{kind}_link", place=pose(rng), backwards=kind == "planar"))
         above = rows[-1].child if kind in ("revolute", "ball", "planar") else above
     return robot_with(rows)
 
 
-def agrees_by_sdf(python: str, robot: Robot, folder: Path) -> None:
+def agrees_by_sdf(python, robot, folder):
     """By the robot's own dofs, against MuJoCo and Pinocchio."""
-    three = Three(robot, write(robot, folder, PLAN).files, folder)
+    three = SdfParity(robot, write(robot, folder, PLAN).files, folder)
     rng = np.random.default_rng(0)
     drawn = [some_values(robot, rng) for _ in range(COUNT)]
     names = [three.joint(name) for name in three.names]
     answers = read(python, folder / "robot.sdf", names, [three.values(q) for q in drawn], None)
-    for q, found in zip(drawn, answers, strict=True):
+    for q, answer in zip(drawn, answers, strict=True):
         expected = three.mujoco.poses(q)
         for link in robot.links:
-            same(np.array(found["poses"][three.link(link.name)]), expected[link.name])
+            same(np.array(answer["poses"][three.link(link.name)]), expected[link.name])
         for engine in (three.mujoco, three.pinocchio) if names else ():
-            same(np.array(found["mass"]), engine.mass_matrix(q, three.names))
+            same(np.array(answer["mass"]), engine.mass_matrix(q, three.names))
 
 
-def test_the_sdf_of_every_joint_is_the_robot(python: str, tmp_path: Path) -> None:
+def test_the_sdf_of_every_joint_is_the_robot(python, tmp_path):
     agrees_by_sdf(python, every_joint(), tmp_path)
 
 
 @settings(max_examples=4, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 @given(documents(everything=True, fixed=True))
-def test_both_files_of_a_document_are_the_robot(python: str, document: Document) -> None:
+def test_both_files_of_a_document_are_the_robot(python, document):
     robot = robot_of(document, PLAN)
     assume(robot.base.fixed and not robot.loops)
     with TemporaryDirectory() as folder:
@@ -75,33 +73,31 @@ def test_both_files_of_a_document_are_the_robot(python: str, document: Document)
         agrees_by_urdf(python, path, path.read_bytes(), robot.root.name)
 
 
-def test_the_urdf_of_every_joint_is_the_robot(python: str, tmp_path: Path) -> None:
+def test_the_urdf_of_every_joint_is_the_robot(python, tmp_path):
     robot = every_joint()
     agrees_by_urdf(python, tmp_path / "robot.urdf", write(robot, tmp_path, PLAN).files["robot.urdf"], "base")
 
 
-def test_the_urdf_of_the_sample_is_the_robot(python: str, tmp_path: Path) -> None:
+def test_the_urdf_of_the_sample_is_the_robot(python, tmp_path):
     robot = robot_of(sample_document(), PLAN)
     files = write(robot, tmp_path, PLAN).files
     agrees_by_urdf(python, tmp_path / "robot.urdf", files["robot.urdf"], robot.root.name)
 
 
-def boxed(kind: str) -> Geometry:
+def boxed(kind):
     """A collider of the link arm, in a file of that kind."""
     box = trimesh.creation.box((0.1, 0.1, 0.1)).export(file_type=kind)
     shape = Shape("arm", "collision", f"arm.{kind}", None, 8, 12, 1.0, 1.0)
     return Geometry((shape,), {f"arm.{kind}": box if isinstance(box, bytes) else box.encode()})
 
 
-def dropping() -> Robot:
+def dropping():
     rows = [joint("revolute", "base", "arm"), joint("revolute", "base", "gear", place=at(0.1, 0, 0))]
     return robot_with(rows, relations=[Relation("Gear", "gear_joint", "arm_joint", 0.5, 0.1)])
 
 
-def test_the_table_of_readers_has_what_drake_refuses_and_what_it_leaves_out(
-    python: str, tmp_path: Path
-) -> None:
-    """The rows of `stages/export/readers.py`, as measured again."""
+def test_the_table_of_readers_has_what_drake_refuses_and_what_it_leaves_out(python, tmp_path):
+    """The rows of `stages/targets/readers.py`, as measured again."""
     for kind in ("stl", "obj"):
         folder = tmp_path / kind
         folder.mkdir()
@@ -109,10 +105,10 @@ def test_the_table_of_readers_has_what_drake_refuses_and_what_it_leaves_out(
         for suffix in SUFFIXES:
             refused = refusal(python, folder / f"robot.{suffix}")
             assert (".stl" in refused) == (kind == "stl"), refused
-    found = [read(python, tmp_path / "obj" / f"robot.{suffix}", (), ({},), None)[0] for suffix in SUFFIXES]
-    assert [one["constraints"] for one in found] == [1, 0, 0]
+    answers = [read(python, tmp_path / "obj" / f"robot.{suffix}", (), ({},), None)[0] for suffix in SUFFIXES]
+    assert [entry["constraints"] for entry in answers] == [1, 0, 0]
     # A URDF's root is free.
-    assert [one["positions"] for one in found] == [9, 2, 2]
+    assert [entry["positions"] for entry in answers] == [9, 2, 2]
     robot = dropping()
     shut = loop("ball", "arm", "gear", at(0.1, 0, 0), np.eye(4), [(1.0, 0.0, 0.0, 0.0)])
     write(replace(robot, relations=(), loops=(shut,)), tmp_path, PLAN)
@@ -122,12 +118,11 @@ def test_the_table_of_readers_has_what_drake_refuses_and_what_it_leaves_out(
 
 
 @pytest.mark.parametrize("name", FILES)
-def test_a_robot_of_others_is_the_same_in_drake(name: str, python: str, tmp_path: Path) -> None:
+def test_a_robot_of_others_is_the_same_in_drake(name, python, tmp_path):
     if not is_here(name):
         pytest.skip("needs the robots of others")
-    told = [*source_of(name), "root=fixed", "mesh=visual", "mesh.assets=none", "validate=quick"]
-    done = called(tmp_path, *told, *AS_IT_IS, "export=[urdf,sdf]", "output=out")
-    assert done.returncode == 0, done.stdout + done.stderr
+    arguments = [*source_of(name), "root=fixed", "mesh=visual", "mesh.assets=none", "validate=quick"]
+    called(tmp_path, *arguments, *AS_IT_IS, "export=[urdf,sdf]", "output=out", status=0)
     (path,) = (tmp_path / "out").glob("*.sdf")
     sdf = Sdf(path.read_bytes())
     root = str(sdf.top.get("canonical_link"))
@@ -135,30 +130,30 @@ def test_a_robot_of_others_is_the_same_in_drake(name: str, python: str, tmp_path
     if sdf.loops:
         return
     rng = np.random.default_rng(1)
-    names = [one for one in sdf.model.names if one != "universe"]
-    drawn = [{one: float(rng.uniform(-1, 1)) for one in names} for _ in range(COUNT)]
-    for q, found in zip(drawn, read(python, path, names, drawn, None), strict=True):
+    names = [name for name in sdf.model.names if name != "universe"]
+    drawn = [{name: float(rng.uniform(-1, 1)) for name in names} for _ in range(COUNT)]
+    for q, answer in zip(drawn, read(python, path, names, drawn, None), strict=True):
         poses = sdf.poses(q)
         for link, expected in poses.items():
-            same(np.array(found["poses"][link]), sdf_world(sdf) @ expected)
-        same(np.array(found["mass"]), sdf.mass_matrix(q, names))
+            same(np.array(answer["poses"][link]), sdf_world(sdf) @ expected)
+        same(np.array(answer["mass"]), sdf.mass_matrix(q, names))
 
 
-def sdf_world(sdf: Sdf) -> np.ndarray:
+def sdf_world(sdf):
     """world_from_model (4, 4)."""
     return transform(sdf.top.findtext("pose"))
 
 
-def agrees_by_urdf(python: str, path: Path, text: bytes, root: str) -> None:
+def agrees_by_urdf(python, path, text, root):
     """By the joints that a URDF has, a ball being three, against Pinocchio."""
     pinocchio = Pinocchio(text)
-    names = [one for one in pinocchio.model.names if one != "universe"]
+    names = [name for name in pinocchio.model.names if name != "universe"]
     rng = np.random.default_rng(2)
-    drawn = [{one: float(rng.uniform(-1, 1)) for one in names} for _ in range(COUNT)]
+    drawn = [{name: float(rng.uniform(-1, 1)) for name in names} for _ in range(COUNT)]
     weld = None if root == "world" else root
-    for q, found in zip(drawn, read(python, path, names, drawn, weld), strict=True):
-        assert found["positions"] == len(names)
+    for q, answer in zip(drawn, read(python, path, names, drawn, weld), strict=True):
+        assert answer["positions"] == len(names)
         poses = pinocchio.poses(q)
-        for link, pose_ in found["poses"].items():
+        for link, pose_ in answer["poses"].items():
             same(np.array(pose_), poses[link])
-        same(np.array(found["mass"]), pinocchio.mass_matrix(q, names))
+        same(np.array(answer["mass"]), pinocchio.mass_matrix(q, names))

@@ -31,29 +31,27 @@ SOON = 5
 """The time of a guest [s] where it is looked for that this time ends; a user's guest has a minute or two."""
 
 
-def refused(
-    here: Path, *arguments: str, status: int = 1, mine: str = "outputs", seconds: float | None = None
-) -> str:
+def refused(here, *arguments, status=1, written="outputs", seconds=None):
     """What the command says of a source that it refuses: one error, and no trace of this computer.
 
     `seconds`: the time that a guest has, instead of the usual one.
     """
     before = tree(here)
     environ = environment(here, seeded=False, ONSHAPE_SECRET_KEY=SECRET, ONSHAPE_ACCESS_KEY=SECRET)
-    told = ["until=graph", "name=r", *arguments]
+    options = ["until=graph", "name=r", *arguments]
     if seconds is None:
-        done = linkwright(here, *told, environ=environ, timeout=400)
+        done = linkwright(here, *options, environ=environ, timeout=400)
     else:
         with contextlib.ExitStack() as stack:
             for module in (expand, gather):
                 bounds = replace(module.BOUNDS, seconds=seconds)
                 stack.enter_context(patch.object(module, "BOUNDS", bounds))
-            done = called(here, *told, environ=environ)
+            done = called(here, *options, environ=environ)
     shown = done.stdout + done.stderr
     assert done.returncode == status, shown
     assert len([line for line in done.stderr.splitlines() if line.startswith("error:")]) == 1, shown
     assert not [word for word in ("Traceback", SECRET, "root:", str(here)) if word in shown], shown
-    assert {Path(path).parts[0] for path in tree(here) - before} <= {mine}
+    assert {Path(path).parts[0] for path in tree(here) - before} <= {written}
     return done.stderr
 
 
@@ -95,8 +93,8 @@ def test_what_is_trusted_has_bounds(tmp_path, inside, output_text):
     (tmp_path / "r.xacro").write_text(f'<robot {XMLNS} name="r">{inside}</robot>')
     os.mkfifo(tmp_path / "x.pipe")
     seconds = SOON if "longer" in output_text else None
-    told = ["source=urdf", "source.path=r.xacro", "source.trust=true"]
-    assert output_text in refused(tmp_path, *told, seconds=seconds)
+    options = ["source=urdf", "source.path=r.xacro", "source.trust=true"]
+    assert output_text in refused(tmp_path, *options, seconds=seconds)
 
 
 # MJCF.
@@ -105,7 +103,7 @@ COPIES = '<worldbody><replicate count="{}">{}</replicate></worldbody>'
 ATTACH = '<attach model="m" body="x" prefix="{}"/>'
 
 
-def nest(depth: int) -> dict[str, str]:
+def nest(depth):
     """Models in models, each in the one above twice: 2 to the power of `depth` bodies."""
     twice = ATTACH.format("a") + ATTACH.format("b")
     files = {
@@ -179,12 +177,12 @@ def test_a_source_that_is_no_file_is_one_error(tmp_path, kind, name, status):
     refused(tmp_path, f"source={kind}", f"source.path={name}", status=status)
 
 
-def _with_odd_files(folder: Path) -> None:
+def _with_odd_files(folder):
     os.mkfifo(folder / "x.pipe")
     here = Path.cwd()
-    with socket.socket(socket.AF_UNIX) as one:
+    with socket.socket(socket.AF_UNIX) as server:
         os.chdir(folder)
-        one.bind("x.socket")
+        server.bind("x.socket")
         os.chdir(here)
     with (folder / "x.huge").open("wb") as file:
         file.truncate(1 << 42)
@@ -217,15 +215,15 @@ def test_an_interrupt_while_a_guest_works_leaves_nothing(tmp_path):
     assert gone(guests)
 
 
-def _guests_of(pid: int) -> list[int]:
+def _guests_of(pid):
     """The guests of a process (Linux)."""
-    found = []
-    for one in Path("/proc").glob("[0-9]*/stat"):
+    pids = []
+    for path in Path("/proc").glob("[0-9]*/stat"):
         try:
-            parent = int(one.read_text().rpartition(")")[2].split()[1])
-            line = (one.parent / "cmdline").read_bytes()
+            parent = int(path.read_text().rpartition(")")[2].split()[1])
+            line = (path.parent / "cmdline").read_bytes()
         except OSError:
             continue
         if parent == pid and b"guestmain.py" in line:
-            found.append(int(one.parent.name))
-    return found
+            pids.append(int(path.parent.name))
+    return pids

@@ -4,8 +4,6 @@ One of them meets the installed command in every way; the others meet it in this
 tenth of the time.
 """
 
-from pathlib import Path
-
 import pytest
 
 from tests.support.command import called, environment, linkwright, tree
@@ -31,7 +29,7 @@ CASES = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "way"), CASES)
-def test_a_hostile_robot_is_refused_and_leaves_nothing(tmp_path: Path, name: str, way: str) -> None:
+def test_a_hostile_robot_is_refused_and_leaves_nothing(tmp_path, name, way):
     for file in ("robot/mine.yaml", "experiment/mine.yaml"):
         write(tmp_path, name, file)
     before = tree(tmp_path)
@@ -45,8 +43,8 @@ def test_a_hostile_robot_is_refused_and_leaves_nothing(tmp_path: Path, name: str
 
 @pytest.mark.slow
 @pytest.mark.parametrize("file", ["hydra_plugins/evil.py", "conf/__init__.py", "pipeline/__init__.py"])
-def test_modules_in_the_working_folder_are_not_imported(tmp_path: Path, file: str) -> None:
+def test_modules_in_the_working_folder_are_not_imported(tmp_path, file):
     (tmp_path / file).parent.mkdir()
     (tmp_path / file).write_text("open('i-was-here', 'w')")
-    assert linkwright(tmp_path, "source=sample", "until=fetch").returncode == 0
+    linkwright(tmp_path, "source=sample", "until=fetch", status=0)
     assert not (tmp_path / "i-was-here").exists()

@@ -1,7 +1,5 @@
 """Sweeps, experiments and `--cfg` in a terminal, as Hydra's users type them."""
 
-from pathlib import Path
-
 import pytest
 import yaml
 
@@ -27,18 +25,18 @@ joints: {lift: {limits: [0, "${vars.reach}"]}}
 
 
 @pytest.fixture
-def here(tmp_path: Path) -> Path:
+def here(tmp_path):
     (tmp_path / "experiment").mkdir()
     (tmp_path / "experiment" / "wide.yaml").write_text(EXPERIMENT)
     return write(tmp_path, my_arm=ROBOT)
 
 
-def session(here: Path, *arguments: str) -> Terminal:
+def session(here, *arguments):
     return Terminal([str(COMMAND), *arguments], here, environment(here, REACH="0.03"))
 
 
 @pytest.mark.slow
-def test_a_sweep_shows_its_jobs_and_a_table_with_figures(here: Path) -> None:
+def test_a_sweep_shows_its_jobs_and_a_table_with_figures(here):
     with session(here, "-m", "+experiment=wide", "depth=flexible,rigid", "until=graph") as terminal:
         shown = terminal.until("4 of 4 jobs built and valid: outputs/my_arm_wide.sweep")
     assert "job 3 starts: hidden=drop depth=rigid" in shown
@@ -48,7 +46,7 @@ def test_a_sweep_shows_its_jobs_and_a_table_with_figures(here: Path) -> None:
     assert all("3.286" in row for row in rows[:4])
 
 
-def test_cfg_shows_what_an_experiment_makes_of_its_robot(here: Path) -> None:
+def test_cfg_shows_what_an_experiment_makes_of_its_robot(here):
     with session(here, "--cfg", "job", "experiment=wide", "--resolve") as terminal:
         shown = terminal.until("until: validate")
     tree = yaml.safe_load(shown)
@@ -56,7 +54,7 @@ def test_cfg_shows_what_an_experiment_makes_of_its_robot(here: Path) -> None:
     assert tree["joints"]["lift"]["limits"] == [0, 0.03]
 
 
-def test_what_is_wrong_is_one_message(here: Path) -> None:
+def test_what_is_wrong_is_one_message(here):
     with session(here, "-m", "experiment=wide", "root=fred") as terminal:
         shown = terminal.until("did you mean")
     assert "E-OPTION" in shown

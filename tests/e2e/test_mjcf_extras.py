@@ -1,8 +1,6 @@
 """What only an MJCF has: the configuration's word on it, its record in robot.json, and its check."""
 
 import json
-from pathlib import Path
-from typing import Any
 
 import mujoco
 import pytest
@@ -19,51 +17,44 @@ from tests.support.mjcfs import built, model, written
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("guests_at_home", "no_score")]
 
 
-def scene(folder: Path, world: str, more: str = "", **keys: Any) -> Any:
+def scene(folder, world, more="", **keys):
     """The compiled scene of what is made of a file, all of whose checks pass and of which nothing is lost."""
     reported, failed = built(written(folder, model(world, more)), folder / "out", **keys)
     assert not failed
-    assert not [one.message for one in reported if one.code == "W-MJCF-LEFT"]
+    assert not [problem.message for problem in reported if problem.code == "W-MJCF-LEFT"]
     return mujoco.MjModel.from_xml_path(str(folder / "out/scene.xml"))
 
 
-def test_cameras_and_lights_of_the_configuration_replace_those_of_the_file(tmp_path: Path) -> None:
-    made = scene(
-        tmp_path,
-        LOOSE,
-        scene={
-            "cameras": {"front": {"xyz": [1, 2, 3]}, "wrist": {"frame": "palm", "fovy": 50}},
-            "lights": {"sun": {"kind": "spot", "xyz": [0, 0, 9]}, "lamp": {"kind": "none"}},
-        },
-    )
+def test_cameras_and_lights_of_the_configuration_replace_those_of_the_file(tmp_path):
+    cameras = {"front": {"xyz": [1, 2, 3]}, "wrist": {"frame": "palm", "fovy": 50}}
+    lights = {"sun": {"kind": "spot", "xyz": [0, 0, 9]}, "lamp": {"kind": "none"}}
+    made = scene(tmp_path, LOOSE, scene={"cameras": cameras, "lights": lights})
     assert made.camera("front").pos == pytest.approx([1, 2, 3])
     assert made.camera("wrist").fovy == pytest.approx([50])
     assert made.light("sun").pos == pytest.approx([0, 0, 9])
     assert made.nlight == 1
 
 
-def test_the_surroundings_of_the_file_are_left_out_where_that_is_asked(tmp_path: Path) -> None:
+def test_the_surroundings_of_the_file_are_left_out_where_that_is_asked(tmp_path):
     keys = {"scene": {"surroundings": "drop"}, "ground": {"kind": "plane"}}
     made = scene(tmp_path, *CASES["loose"], **keys)
     assert [made.body(body).name for body in range(made.nbody)] == ["world", "arm"]
     assert made.geom("floor").friction == pytest.approx([1, 0.005, 0.0001])
 
 
-def test_for_mjx_an_ellipsoid_is_its_hull(tmp_path: Path) -> None:
+def test_for_mjx_an_ellipsoid_is_its_hull(tmp_path):
     """MJX collides no ellipsoid with a mesh or a box."""
     kinds = {}
     for target in ("mujoco", "mjx"):
         folder = tmp_path / target
         folder.mkdir()
-        made = scene(folder, *CASES["ellipsoids"], mesh={"collider": "raw", "target": target})
+        made = scene(folder, *CASES["ellipsoids"], mesh={"collider": "raw"}, target={target: {}})
         kinds[target] = {int(made.geom(name).type[0]) for name in ("egg", "foot")}
-    assert kinds == {
-        "mujoco": {int(mujoco.mjtGeom.mjGEOM_ELLIPSOID)},
-        "mjx": {int(mujoco.mjtGeom.mjGEOM_MESH)},
-    }
+    ellipsoid, mesh = int(mujoco.mjtGeom.mjGEOM_ELLIPSOID), int(mujoco.mjtGeom.mjGEOM_MESH)
+    assert kinds == {"mujoco": {ellipsoid}, "mjx": {mesh}}
 
 
-def test_a_pair_of_links_that_the_user_excludes_does_not_collide(tmp_path: Path) -> None:
+def test_a_pair_of_links_that_the_user_excludes_does_not_collide(tmp_path):
     """A pair of an MJCF collides whatever its bodies say."""
     more = '<contact><pair geom1="a" geom2="d"/></contact>'
     assert scene(tmp_path, BITS, more).npair == 1
@@ -72,7 +63,7 @@ def test_a_pair_of_links_that_the_user_excludes_does_not_collide(tmp_path: Path)
     assert made.nexclude == 1
 
 
-def test_a_floor_of_the_file_that_is_only_seen_keeps_its_name(tmp_path: Path) -> None:
+def test_a_floor_of_the_file_that_is_only_seen_keeps_its_name(tmp_path):
     """The ground has another then, and is found in its place."""
     world = LOOSE.replace('friction=".7 .01 .001" solref=".01 1"', 'contype="0" conaffinity="0"')
     made = scene(tmp_path, world, ground={"kind": "plane"})
@@ -86,8 +77,8 @@ FIXED = """<body name="torso"><geom name="trunk" size="0.2"/>
 
 
 @pytest.mark.parametrize("joints", ["auto", "merge"])
-def test_an_exclude_is_of_the_shapes_of_its_own_body(joints: str, tmp_path: Path) -> None:
-    """What is fixed to that body does not become part of it: it may collide."""
+def test_an_exclude_is_of_the_shapes_of_its_own_body(joints, tmp_path):
+    """A link that is fixed to that body does not become part of it: it may collide."""
     more = '<contact><exclude body1="torso" body2="arm"/></contact>'
     made = scene(tmp_path, FIXED, more, export={"urdf": {}, "mjcf": {"fixed_joints": joints}})
     assert made.body(made.geom("top").bodyid[0]).name == "plate"
@@ -97,25 +88,27 @@ def test_an_exclude_is_of_the_shapes_of_its_own_body(joints: str, tmp_path: Path
     assert frozenset(("top", "upper")) in touching
 
 
-def test_the_presets_keep_the_bodies_of_an_mjcf(tmp_path: Path) -> None:
+def test_the_presets_keep_the_bodies_of_an_mjcf(tmp_path):
     path = written(tmp_path, model(FIXED))
-    done = called(tmp_path, "source=mjcf", f"source.path={path}", "mesh=raw", "validate=quick", "output=out")
-    assert done.returncode == 0, done.stdout + done.stderr
+    called(
+        tmp_path, "source=mjcf", f"source.path={path}", "mesh=raw", "validate=quick", "output=out", status=0
+    )
     made = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / f"{path.stem}.xml"))
     assert [made.body(body).name for body in range(made.nbody)] == ["world", "torso", "plate", "arm"]
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_robot_json_has_all_by_which_the_files_are_checked(case: str, tmp_path: Path) -> None:
-    path = written(tmp_path, model(*CASES[case]))
-    built(path, tmp_path / "out")
+def test_robot_json_has_all_by_which_the_files_are_checked_and_survives_the_cache(case, tmp_path):
+    built(written(tmp_path, model(*CASES[case])), tmp_path / "out")
     truth = described((tmp_path / "out/robot.json").read_bytes())
     assert truth.written.robot.mjcf is not None
     checks = validate(tmp_path / "out", truth.written, plan_of())
     assert not [(check.name, check.detail) for check in checks if check.fails]
+    data = codec.encode_robot(truth.written.robot)
+    assert codec.encode_robot(codec.decode_robot(data)) == data
 
 
-def test_the_record_of_an_mjcf_names_what_is_wrong_with_it(tmp_path: Path) -> None:
+def test_the_record_of_an_mjcf_names_what_is_wrong_with_it(tmp_path):
     """Each text, number and list of the table in turn is of another kind."""
     built(written(tmp_path, model(*CASES["tendons"])), tmp_path / "out")
     data = json.loads((tmp_path / "out/robot.json").read_bytes())
@@ -124,10 +117,7 @@ def test_the_record_of_an_mjcf_names_what_is_wrong_with_it(tmp_path: Path) -> No
         *(("mounted", 0, key) for key in ("link", "pose", "element") if data["mjcf"]["mounted"]),
         *(("sections", 0, key) for key in ("tag", "attributes", "names", "children")),
         *(("sections", 0, "children", 0, key) for key in ("tag", "names")),
-        ("order", "sensor"),
-        ("scene_qpos",),
-        ("has_ground",),
-        ("flag",),
+        *(("order", "sensor"), ("scene_qpos",), ("has_ground",), ("flag",)),
     ]
     for place in places:
         changed = json.loads(json.dumps(data))
@@ -155,7 +145,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("fault", FAULTS)
-def test_a_change_of_what_only_an_mjcf_has_is_found(fault: str, tmp_path: Path) -> None:
+def test_a_change_of_what_only_an_mjcf_has_is_found(fault, tmp_path):
     case, text, changed = FAULTS[fault]
     folder = tmp_path / "out"
     built(written(tmp_path, model(*CASES[case])), folder)
@@ -167,28 +157,21 @@ def test_a_change_of_what_only_an_mjcf_has_is_found(fault: str, tmp_path: Path) 
     assert [check.name for check in checks if check.fails]
 
 
-def test_what_only_an_mjcf_has_survives_the_cache(tmp_path: Path) -> None:
-    built(written(tmp_path, model(*CASES["loose"])), tmp_path / "out")
-    robot = described((tmp_path / "out/robot.json").read_bytes()).written.robot
-    data = codec.encode_robot(robot)
-    assert codec.encode_robot(codec.decode_robot(data)) == data
-
-
 @pytest.mark.parametrize(
     ("case", "words"),
     [
         ("springs", ("springs: ball, slide, swing",)),
-        ("ellipsoids", ("ellipsoids, of which the others have the hulls: leg, trunk",)),
-        ("tendons", ("tendons: both, cord", "actuators that are on no single joint: pull, twist")),
+        ("ellipsoids", ("ellipsoids (hulls in the others): leg, trunk",)),
+        ("tendons", ("tendons: both, cord", "actuators that do not drive a single joint: pull, twist")),
         ("loose", ("cameras and lights: lamp, wrist", "bodies beside the robot: ball, door, target")),
         ("ties", ("equalities: curve",)),
     ],
 )
-def test_what_other_formats_cannot_have_is_named(case: str, words: tuple[str, ...], tmp_path: Path) -> None:
+def test_what_other_formats_cannot_have_is_named(case, words, tmp_path):
     path = written(tmp_path, model(*CASES[case]))
-    alone, _ = built(path, tmp_path / "alone")
-    assert "I-MJCF-ONLY" not in {one.code for one in alone}
+    single, _ = built(path, tmp_path / "alone")
+    assert "I-MJCF-ONLY" not in {problem.code for problem in single}
     reported, _ = built(path, tmp_path / "out", export={"mjcf": {}, "urdf": {}})
-    (text,) = (one.message for one in reported if one.code == "I-MJCF-ONLY")
+    (text,) = (problem.message for problem in reported if problem.code == "I-MJCF-ONLY")
     assert text.startswith("URDF cannot have")
-    assert all(one in text for one in words), text
+    assert all(word in text for word in words), text

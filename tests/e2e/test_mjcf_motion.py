@@ -1,6 +1,4 @@
-"""What is written of an MJCF moves as the file does, in a scene with all that lies in the file."""
-
-from pathlib import Path
+"""The files written for an MJCF move as it does, in a scene with all that is in it."""
 
 import mujoco
 import numpy as np
@@ -96,43 +94,32 @@ CASES = {
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_the_scene_of_an_mjcf_moves_as_the_file(case: str, tmp_path: Path) -> None:
-    """For a second: without controls and with some, each joint's value to 1e-9."""
+def test_the_scene_of_an_mjcf_moves_as_the_file(case, tmp_path):
+    """For a second, without controls and with some, each joint's value to 1e-9; named bodies, geoms, sites,
+    cameras and lights, and what sensors read, after a tenth of a second."""
     world, more = CASES[case]
     path = written(tmp_path, model(world, more))
     reported, failed = built(path, tmp_path / "out")
     original, made = (mujoco.MjModel.from_xml_path(str(file)) for file in (path, tmp_path / "out/scene.xml"))
     assert (original.nv, original.nu, original.ntendon) == (made.nv, made.nu, made.ntendon)
     assert farthest(original, made).off < 1e-9
-    assert not [one.message for one in reported if one.code == "W-MJCF-LEFT"]
+    assert not [problem.message for problem in reported if problem.code == "W-MJCF-LEFT"]
     assert not failed
-
-
-@pytest.mark.parametrize("case", CASES)
-def test_named_things_of_an_mjcf_are_where_they_were(case: str, tmp_path: Path) -> None:
-    """Bodies, geoms, sites, cameras and lights, and what sensors read, after a tenth of a second."""
-    world, more = CASES[case]
-    path = written(tmp_path, model(world, more))
-    built(path, tmp_path / "out")
-    original, made = (mujoco.MjModel.from_xml_path(str(file)) for file in (path, tmp_path / "out/scene.xml"))
-    both = Pair(original, made).start(-1)
-    for data, own in zip(both, (original, made), strict=True):
-        mujoco.mj_step(own, data, round(0.1 / own.opt.timestep))
-        mujoco.mj_forward(own, data)
-    was, now = both
-    kinds = ("body", "geom", "site", "camera", "light")
-    named = [(kind, number) for kind in kinds for number in range(_count(original, kind))]
-    for kind, number in named:
-        name = getattr(original, kind)(number).name
-        if name:
-            other = getattr(made, kind)(name).id
-            prefix = {"body": "x", "camera": "cam_x", "light": "light_x"}.get(kind, f"{kind}_x")
-            there, here = (getattr(data, f"{prefix}pos")[at] for data, at in ((was, number), (now, other)))
-            assert np.allclose(there, here, atol=1e-9), (kind, name)
+    was, now = Pair(original, made).start(-1)
+    for data, compiled in ((was, original), (now, made)):
+        mujoco.mj_step(compiled, data, round(0.1 / compiled.opt.timestep))
+        mujoco.mj_forward(compiled, data)
+    for kind in ("body", "geom", "site", "camera", "light"):
+        prefix = {"body": "x", "camera": "cam_x", "light": "light_x"}.get(kind, f"{kind}_x")
+        for number in range(_count(original, kind)):
+            if name := getattr(original, kind)(number).name:
+                place = getattr(made, kind)(name).id
+                there, here = getattr(was, f"{prefix}pos")[number], getattr(now, f"{prefix}pos")[place]
+                assert np.allclose(there, here, atol=1e-9), (kind, name)
     for number in range(original.nsensor):
         name = original.sensor(number).name
         assert np.allclose(was.sensor(name).data, now.sensor(name).data, atol=1e-7), name
 
 
-def _count(loaded: mujoco.MjModel, kind: str) -> int:
+def _count(loaded, kind):
     return int(getattr(loaded, {"camera": "ncam"}.get(kind, f"n{kind}")))

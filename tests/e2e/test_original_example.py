@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from linkwright.pipeline.config.compose import compose_plan
-from linkwright.pipeline.run.build import Built, build_files
+from linkwright.pipeline.run.build import build_files
 from linkwright.stages.formats.xml import parse
 from tests.support.users import write
 
@@ -15,19 +15,19 @@ TEXT = Path(__file__).with_name("original_example.yaml").read_text(encoding="utf
 
 
 @pytest.fixture(scope="module")
-def built(tmp_path_factory: pytest.TempPathFactory) -> Built:
+def built(tmp_path_factory):
     folder = write(tmp_path_factory.mktemp("example"), example=TEXT)
     plan = compose_plan(["robot=example", f"cache.dir={folder}/cache"], (), folder).plan
     return build_files(plan, in_memory=True)
 
 
 @pytest.fixture(scope="module")
-def model(built: Built) -> mujoco.MjModel:
+def model(built):
     files = {Path(path).name: data for path, data in built.files.items()}
     return mujoco.MjModel.from_xml_string(files["scene.xml"].decode(), files)
 
 
-def rest(model: mujoco.MjModel) -> mujoco.MjData:
+def rest(model):
     """At home, without controls."""
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
@@ -36,23 +36,23 @@ def rest(model: mujoco.MjModel) -> mujoco.MjData:
     return data
 
 
-def test_every_check_passes(built: Built) -> None:
-    assert [one for one in built.report.checks if one.fails] == []
+def test_every_check_passes(built):
+    assert [check for check in built.report.checks if check.fails] == []
     assert built.report.status == "built"
 
 
-def test_the_robot_floats_at_its_position(model: mujoco.MjModel) -> None:
+def test_the_robot_floats_at_its_position(model):
     assert model.joint(0).type[0] == mujoco.mjtJoint.mjJNT_FREE
     assert rest(model).qpos[:3].tolist() == [0, 0, 0.35]
 
 
-def test_options_and_compiler(model: mujoco.MjModel, built: Built) -> None:
+def test_options_and_compiler(model, built):
     assert (model.opt.timestep, model.opt.iterations) == (0.001, 50)
     assert model.opt.gravity.tolist() == [0, 0, -9.81]
     assert parse(built.files["scene.xml"]).find("compiler").get("balanceinertia") == "true"
 
 
-def test_lights_and_a_camera(model: mujoco.MjModel) -> None:
+def test_lights_and_a_camera(model):
     assert {model.light(number).name for number in range(model.nlight)} == {"sun", "light_1", "light_2"}
     assert model.light("light_1").diffuse.tolist() == [1, 1, 1]
     assert not model.light("light_1").castshadow
@@ -62,7 +62,7 @@ def test_lights_and_a_camera(model: mujoco.MjModel) -> None:
     np.testing.assert_allclose(view, towards / np.linalg.norm(towards), atol=1e-6)
 
 
-def test_motors_with_encoder_and_force_sensor(model: mujoco.MjModel) -> None:
+def test_motors_with_encoder_and_force_sensor(model):
     names = ("shoulder_yaw", "shoulder", "wrist_pitch")
     assert [model.actuator(number).name for number in range(model.nu)] == list(names)
     assert model.actuator("shoulder").ctrlrange.tolist() == [-20, 20]
@@ -79,7 +79,7 @@ def test_motors_with_encoder_and_force_sensor(model: mujoco.MjModel) -> None:
     assert data.sensor("wrist_pitch_force").data[0] == pytest.approx(1.5)
 
 
-def test_an_imu(model: mujoco.MjModel) -> None:
+def test_an_imu(model):
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
     mujoco.mj_forward(model, data)
@@ -96,7 +96,7 @@ def test_an_imu(model: mujoco.MjModel) -> None:
     assert model.sensor("imu_gyro").noise[0] == 0.01
 
 
-def test_elements_and_attributes_of_ones_own(model: mujoco.MjModel, built: Built) -> None:
+def test_elements_and_attributes_of_ones_own(model, built):
     case = model.geom("imu_case")
     assert model.body(int(case.bodyid[0])).name == "wrist"
     assert case.rgba.tolist() == [1, 0, 0, 1]

@@ -3,19 +3,17 @@
 import json
 import math
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.run.build import build
 from linkwright.stages.robot.errors import Disconnected
 from linkwright.stages.robot.model.poses import inverse
-from linkwright.stages.robot.model.robot import Configuration, Robot
 from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
 from tests.support.building import plan_of, write
+from tests.support.command import report_of
 from tests.support.engines import Mujoco, Pinocchio
 from tests.support.recorded import (
     KBOT,
@@ -51,48 +49,39 @@ WAYS: Mapping[str, Mapping[str, Any]] = {
 
 
 @pytest.fixture(scope="module")
-def kbot(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict, Robot]:
-    """The built folder, its report, and the robot that the graph stage made."""
+def kbot(tmp_path_factory):
+    """The built folder, and the robot that the graph stage made."""
     from linkwright.stages.fetch import fetch
     from linkwright.stages.fetch.source import FetchContext
     from linkwright.stages.graph import build_robot
 
-    here = tmp_path_factory.mktemp("kbot")
-    (here / "kbot.zip").write_bytes(kbot_bundle())
-    plan = Plan.parse(
-        {
-            "name": "kbot",
-            "source": {"kind": "bundle", "path": str(here / "kbot.zip")},
-            "output": str(here / "out"),
-            "cache": {"dir": str(here / "cache")},
-            "mesh": {"collider": "hull"},
-            "contact": {"self": "none"},
-        }
+    plan = built("kbot", tmp_path_factory.mktemp("kbot"))
+    return plan.folder, build_robot(fetch(plan, FetchContext({}, {})).bundle, plan)
+
+
+def built(name, here, **keys):
+    """The plan of a recorded assembly that is built in a folder."""
+    make, preset = ASSEMBLIES[name]
+    (here / "it.zip").write_bytes(make())
+    places = {"output": str(here / "out"), "cache": {"dir": str(here / "cache")}}
+    plan = plan_of(
+        name=name, source={"kind": "bundle", "path": str(here / "it.zip")}, **places, **preset, **keys
     )
-    report = build(plan)
-    assert report.exit_status == 0
-    robot = build_robot(fetch(plan, FetchContext({}, {})).bundle, plan)
-    return here / "out", json.loads((here / "out" / "report.json").read_text()), robot
+    assert build(plan).exit_status == 0
+    return plan
 
 
-def test_it_has_twenty_joints_and_a_fixed_base(kbot: tuple[Path, dict, Robot]) -> None:
-    _, _, robot = kbot
-    assert len(robot.joints) == 20
-    assert len(robot.links) == 21
-    assert not robot.loops
-    assert robot.base.fixed
-
-
-def test_what_was_not_recorded_is_reported(kbot: tuple[Path, dict, Robot]) -> None:
-    _, report, _ = kbot
-    codes = [diagnostic["code"] for diagnostic in report["diagnostics"]]
+def test_it_has_twenty_joints_and_a_fixed_base_and_reports_what_was_not_recorded(kbot):
+    folder, robot = kbot
+    assert (len(robot.joints), len(robot.links), robot.loops, robot.base.fixed) == (20, 21, (), True)
+    codes = [diagnostic["code"] for diagnostic in report_of(folder)["diagnostics"]]
     assert codes.count("W-LIMIT") == 20
     assert "W-NO-MESH" in codes
 
 
-def test_masses_are_the_direct_sum_over_the_recorded_parts(kbot: tuple[Path, dict, Robot]) -> None:
+def test_masses_are_the_direct_sum_over_the_recorded_parts(kbot):
     """Sums straight over the JSON, in exact-as-possible order, link by link, in the link's frame."""
-    _, _, robot = kbot
+    _, robot = kbot
     bodies = {}
     for file in KBOT.glob("part_*_mass_properties.json"):
         metadata = json.loads(file.with_name(file.name.replace("mass_properties", "metadata")).read_text())
@@ -102,25 +91,22 @@ def test_masses_are_the_direct_sum_over_the_recorded_parts(kbot: tuple[Path, dic
     definition = json.loads(kbot_definition())
     root = definition["rootAssembly"]
     transforms = {tuple(o["path"]): np.reshape(o["transform"], (4, 4)) for o in root["occurrences"]}
-    instances = {
-        instance["id"]: instance
-        for assembly in (root, *definition["subAssemblies"])
-        for instance in assembly["instances"]
-    }
+    assemblies = (root, *definition["subAssemblies"])
+    instances = {instance["id"]: instance for each in assemblies for instance in each["instances"]}
     poses = link_poses(robot, saved_configuration(robot))
     total = 0.0
     for link in robot.links:
         mass, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
         link_from_world = np.linalg.inv(poses[link.name])
-        found = []
+        masses = []
         for part in link.parts:
             record = instances[part.path[-1]]
             body = bodies[record["elementId"], record["partId"]]
             pose = link_from_world @ transforms[part.path]
-            found.append((body["mass"][0], pose, np.array(body["centroid"][:3]), body["inertia"][:9]))
-        mass = sum(m for m, *_ in found)
-        first = sum(m * (pose @ [*centre, 1])[:3] for m, pose, centre, _ in found) / mass
-        for m, pose, centre, inertia in found:
+            masses.append((body["mass"][0], pose, np.array(body["centroid"][:3]), body["inertia"][:9]))
+        mass = sum(m for m, *_ in masses)
+        first = sum(m * (pose @ [*centre, 1])[:3] for m, pose, centre, _ in masses) / mass
+        for m, pose, centre, inertia in masses:
             r, arm = pose[:3, :3], (pose @ [*centre, 1])[:3] - first
             second += r @ np.reshape(inertia, (3, 3)) @ r.T
             second += m * (arm @ arm * np.eye(3) - np.outer(arm, arm))
@@ -132,20 +118,20 @@ def test_masses_are_the_direct_sum_over_the_recorded_parts(kbot: tuple[Path, dic
     assert sum(len(link.parts) for link in robot.links) == 131
 
 
-def recorded(name: str, **keys: Any) -> Robot:
+def recorded(name, **keys):
     """The robot that the graph stage makes of a recorded assembly."""
     from linkwright.stages.graph import build_robot
 
-    make, given = ASSEMBLIES[name]
-    return build_robot(bundle_in(make()), plan_of(**given, **keys))
+    make, preset = ASSEMBLIES[name]
+    return build_robot(bundle_in(make()), plan_of(**preset, **keys))
 
 
-def degrees(robot: Robot) -> dict[str, float]:
+def degrees(robot):
     """The saved value of each hinge."""
     return {dof.name: round(math.degrees(dof.saved), 9) for dof in robot.dofs}
 
 
-def world_from_parts(robot: Robot, q: Configuration) -> dict[tuple[str, ...], np.ndarray]:
+def world_from_parts(robot, q):
     """Where every part is, by the robot's own kinematics."""
     poses = link_poses(robot, q)
     return {
@@ -155,35 +141,21 @@ def world_from_parts(robot: Robot, q: Configuration) -> dict[tuple[str, ...], np
     }
 
 
-def as_recorded(name: str) -> dict[tuple[str, ...], np.ndarray]:
+def as_recorded(name):
     root = json.loads(definition_in(ASSEMBLIES[name][0]()))["rootAssembly"]
     return {tuple(o["path"]): np.reshape(o["transform"], (4, 4)) for o in root["occurrences"]}
 
 
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("name", ASSEMBLIES)
-def test_a_recorded_assembly_builds_whichever_way(name: str, way: str, tmp_path: Path) -> None:
-    make, given = ASSEMBLIES[name]
-    (tmp_path / "it.zip").write_bytes(make())
-    tree = {
-        "name": name,
-        "source": {"kind": "bundle", "path": str(tmp_path / "it.zip")},
-        "output": str(tmp_path / "out"),
-        "cache": {"dir": str(tmp_path / "cache")},
-        "mesh": {"collider": "hull"},
-        "contact": {"self": "none"},
-    }
-    report = build(Plan.parse({**tree, **given, **WAYS[way]}))
-    assert report.exit_status == 0
-    assert (tmp_path / "out" / f"{name}.urdf").exists()
-    assert (tmp_path / "out" / f"{name}.xml").exists()
+def test_a_recorded_assembly_builds_whichever_way(name, way, tmp_path):
+    folder = built(name, tmp_path, **WAYS[way]).folder
+    assert {f"{name}.urdf", f"{name}.xml"} <= {path.name for path in folder.iterdir()}
 
 
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("name", ASSEMBLIES)
-def test_two_engines_agree_with_the_recorded_poses_and_with_each_other(
-    name: str, way: str, tmp_path: Path
-) -> None:
+def test_two_engines_agree_with_the_recorded_poses_and_with_each_other(name, way, tmp_path):
     """At the saved values every part is where it was recorded; at random ones, where the other engine
     has it."""
     robot = recorded(name, **WAYS[way])
@@ -198,8 +170,8 @@ def test_two_engines_agree_with_the_recorded_poses_and_with_each_other(
         world_from_root = robot.world_from_root @ inverse(poses[robot.root.name])
         for link in robot.links:
             for part in link.parts:
-                found = world_from_root @ poses[link.name] @ part.link_from_part
-                assert np.abs(found - there[part.path]).max() < TOLERANCE
+                stands = world_from_root @ poses[link.name] @ part.link_from_part
+                assert np.abs(stands - there[part.path]).max() < TOLERANCE
     for _ in range(3):
         q = {dof.name: float(random.uniform(-3, 3)) for dof in robot.dofs}
         first, second = (engine.poses(q) for engine in engines)
@@ -208,7 +180,7 @@ def test_two_engines_agree_with_the_recorded_poses_and_with_each_other(
 
 
 @pytest.mark.parametrize("name", ASSEMBLIES)
-def test_every_link_can_be_the_root(name: str) -> None:
+def test_every_link_can_be_the_root(name):
     """No name changes, and values mean the same: parts stand to each other as with any other root."""
     usual = recorded(name)
     random = np.random.default_rng(3)
@@ -218,16 +190,16 @@ def test_every_link_can_be_the_root(name: str) -> None:
     for link in usual.links if name != "kbot" else usual.links[::5]:
         robot = recorded(name, root={"select": link.name})
         assert robot.root.name == link.name
-        assert {one.name for one in robot.links} == {one.name for one in usual.links}
+        assert {link.name for link in robot.links} == {link.name for link in usual.links}
         assert degrees(robot) == degrees(usual)
-        found = world_from_parts(robot, q)
-        moved = wanted[held] @ inverse(found[held])
+        parts = world_from_parts(robot, q)
+        moved = wanted[held] @ inverse(parts[held])
         for path, pose in wanted.items():
-            assert np.abs(moved @ found[path] - pose).max() < TOLERANCE
+            assert np.abs(moved @ parts[path] - pose).max() < TOLERANCE
 
 
 @pytest.mark.parametrize("name", ASSEMBLIES)
-def test_all_recorded_mate_frames_coincide(name: str) -> None:
+def test_all_recorded_mate_frames_coincide(name):
     """FASTENED frames wholly, those of hinges but for the turn, through the robot's own kinematics."""
     from linkwright.stages.graph.onshape.definition import read_assembly
 
@@ -241,43 +213,35 @@ def test_all_recorded_mate_frames_coincide(name: str) -> None:
         assert np.abs(first[:3, same] - second[:3, same]).max() < TOLERANCE
 
 
-def test_the_recorded_gears_drive_as_they_were_measured() -> None:
+def test_the_recorded_gears_drive_as_they_were_measured():
     """−30° drives +45° by 1.5, and 60° drives −60° by 1."""
     robot = recorded("kscale")
     assert len(robot.links) == 5
     assert not robot.loops
-    one, two = "test_assembly_rmd_x8_p6_assem", "test_assembly_2_rmd_x8_p6_assem"
-    values = {f"{one}_dof_x8": -30, f"{two}_dof_x8": 45, f"{one}_2_dof_x8": 60, f"{two}_2_dof_x8": -60}
+    left, right = "test_assembly_rmd_x8_p6_assem", "test_assembly_2_rmd_x8_p6_assem"
+    values = {f"{left}_dof_x8": -30, f"{right}_dof_x8": 45, f"{left}_2_dof_x8": 60, f"{right}_2_dof_x8": -60}
     assert degrees(robot) == values
     assert {(r.name, r.driver, r.follower, r.multiplier, r.offset) for r in robot.relations} == {
-        ("gear_1", f"{one}_dof_x8", f"{two}_dof_x8", -1.5, 0),
-        ("gear_2", f"{one}_2_dof_x8", f"{two}_2_dof_x8", -1, 0),
+        ("gear_1", f"{left}_dof_x8", f"{right}_dof_x8", -1.5, 0),
+        ("gear_2", f"{left}_2_dof_x8", f"{right}_2_dof_x8", -1, 0),
     }
     # Not by believing the pose against the drawing: the rule of signs is the measured one.
-    assert not [one.code for one in robot.diagnostics if "RELATION" in one.code]
+    assert not [diagnostic.code for diagnostic in robot.diagnostics if "RELATION" in diagnostic.code]
     assert (robot.mobility.coordinates, robot.mobility.dof) == (4, 2)
 
 
-def test_a_recorded_sub_assembly_used_twice_has_a_joint_in_each_place() -> None:
+def test_a_recorded_sub_assembly_used_twice_has_a_joint_in_each_place():
     robot = recorded("nb")
     assert len(robot.links) == 9
     assert not robot.loops
     assert not robot.relations
-    assert degrees(robot) == {
-        "revolute_1": 0,
-        "revolute_2": 0,
-        "revolute_3": 0,
-        "assembly_2_revolute_1": 90,
-        "assembly_2_revolute_2": 0,
-        "assembly_2_revolute_3": 0,
-        "assembly_1_revolute_1": 0,
-        "assembly_1_2_revolute_1": -90,
-    }
+    turned = {"assembly_2_revolute_1": 90, "assembly_1_2_revolute_1": -90}
+    straight = ("revolute_{}", "assembly_2_revolute_{}")
+    names = [*(name.format(number) for name in straight for number in (1, 2, 3)), "assembly_1_revolute_1"]
+    assert degrees(robot) == dict.fromkeys(names, 0) | turned
 
 
-def test_parts_that_are_not_connected_by_the_peers_rules_is_reported_with_the_mates_that_did_not_count() -> (
-    None
-):
+def test_unconnected_parts_are_reported_with_the_mates_that_did_not_count():
     with pytest.raises(Disconnected) as caught:
         recorded("nb", conventions="onshape_to_robot")
     shown = [problem for problem in caught.value.problems if problem.code == "W-PEER-MATE"]

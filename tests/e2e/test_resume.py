@@ -1,13 +1,11 @@
 """The command against a server that fails: one message, and the next run goes on where it ended."""
 
-import json
-
 import pytest
 
 from tests.fake_onshape.faults import Fault
 from tests.fake_onshape.server import OnshapeServer
 from tests.support.cases import mostly_slow
-from tests.support.command import called, environment, linkwright
+from tests.support.command import called, environment, linkwright, report_of
 from tests.support.faulty import CALLS, desk
 
 
@@ -26,15 +24,13 @@ def test_a_stopped_build_shows_how_to_go_on_and_goes_on(tmp_path, fault, output_
         environ = environment(tmp_path, **server.environ)
         arguments = ["source=onshape", f"source.url='{server.document_url()}'", "until=fetch", "output=desk"]
         server.fault = lambda method, target, number: fault if number == 4 else None
-        stopped = linkwright(tmp_path, *arguments, environ=environ)
-        assert stopped.returncode == 1
+        stopped = linkwright(tmp_path, *arguments, environ=environ, status=1)
         assert output_text in stopped.stderr
         assert "kept" in stopped.stderr
         assert "Traceback" not in stopped.stderr
-        report = json.loads((tmp_path / "desk.failed" / "report.json").read_bytes())
-        assert report["calls"]["made"] == server.count
+        assert report_of(tmp_path / "desk.failed")["calls"]["made"] == server.count
         server.fault = None
-        assert called(tmp_path, *arguments, environ=environ).returncode == 0
+        called(tmp_path, *arguments, environ=environ, status=0)
         arrived = [target for _, target, status in server.calls if status == 200 and "/w/" not in target]
         assert len(set(arrived)) == len(arrived) == CALLS - 1
         shown = called(tmp_path, "cache", "info", environ=environ).stdout

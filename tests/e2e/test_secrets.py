@@ -8,8 +8,7 @@ import json
 import re
 import subprocess
 import zipfile
-from collections.abc import Callable, Iterator, Mapping
-from pathlib import Path
+from collections.abc import Mapping
 from urllib.parse import quote
 
 import pytest
@@ -21,12 +20,8 @@ from tests.fake_onshape.server import Fault, OnshapeServer
 from tests.support.cases import mostly_slow
 from tests.support.command import called, environment, linkwright
 
-ACCESS, SECRET, TOKEN = (
-    "AkZq7Distinct0Access1Key",
-    "SkXw9Distinct2Secret3Key4Long",
-    "TkVv5Distinct6Bearer7Token",
-)
-USER = "zaphod-beeblebrox"
+ACCESS, SECRET = "AkZq7Distinct0Access1Key", "SkXw9Distinct2Secret3Key4Long"
+TOKEN, USER = "TkVv5Distinct6Bearer7Token", "zaphod-beeblebrox"
 KEY = {"ONSHAPE_ACCESS_KEY": ACCESS, "ONSHAPE_SECRET_KEY": SECRET}
 WAYS: dict[str, Mapping[str, str]] = {
     "basic": KEY,
@@ -35,7 +30,7 @@ WAYS: dict[str, Mapping[str, str]] = {
 }
 
 
-def packed(text: str) -> str:
+def packed(text):
     return base64.b64encode(text.encode()).decode()
 
 
@@ -57,12 +52,12 @@ ECHOES = {
 """What a server may know of a key, and some more."""
 
 
-def escaped(echo: str) -> bytes:
+def escaped(echo):
     """A message in JSON, each of its letters as an escape: no search of the bytes finds what it says."""
     return b'{"message": "%s"}' % "".join(f"\\u{ord(letter):04x}" for letter in echo).encode()
 
 
-def faults(way: str) -> dict[str, Fault]:
+def faults(way):
     """Replies of a server that repeats the key, by name."""
     echo = ECHOES[way]
     refusal = json.dumps({"message": f"You sent Authorization: {echo}", "status": 0}).encode()
@@ -89,7 +84,7 @@ TRANSIENT = {"500", "200, a page", "200, no definition", "200, cut short"}
 """These are asked for again after a while, so they take long."""
 
 
-def left(here: Path) -> Iterator[tuple[str, bytes]]:
+def left(here):
     """Name and content of everything below `here` but `.env`; of zip files also what is in them."""
     for path in sorted(here.rglob("*")):
         name = path.relative_to(here).as_posix()
@@ -98,57 +93,49 @@ def left(here: Path) -> Iterator[tuple[str, bytes]]:
             yield name, path.read_bytes()
             if zipfile.is_zipfile(path):
                 with zipfile.ZipFile(path) as archive:
-                    yield from ((f"{name}: {one}", archive.read(one)) for one in archive.namelist())
+                    yield from ((f"{name}: {member}", archive.read(member)) for member in archive.namelist())
 
 
-def printed(here: Path, done: subprocess.CompletedProcess[str]) -> list[str]:
+def printed(here, done):
     """Which secret is where, in what a command said and left."""
-    output_text = {"stdout": done.stdout.encode(), "stderr": done.stderr.encode()}
+    streams = [("stdout", done.stdout.encode()), ("stderr", done.stderr.encode())]
     return [
-        f"{what} in {name}"
-        for name, content in [*output_text.items(), *left(here)]
-        for what, secret in PRIVATE.items()
+        f"{kind} in {name}"
+        for name, content in [*streams, *left(here)]
+        for kind, secret in PRIVATE.items()
         if secret.encode() in content
     ]
 
 
-def run(
-    here: Path,
-    server: OnshapeServer,
-    way: str,
-    place: str,
-    command: Callable[..., subprocess.CompletedProcess[str]] = called,
-) -> subprocess.CompletedProcess[str]:
+def run(here, server, way, place, command=called):
     """Builds with the key in the environment or in `.env`, tracebacks shown."""
-    given = dict(WAYS[way])
+    variables = dict(WAYS[way])
     if place == ".env":
-        (here / ".env").write_text("".join(f"{name}={value}\n" for name, value in given.items()))
-        given = {}
-    given |= {"USER": USER, "LOGNAME": USER, "LINKWRIGHT_TRACEBACK": "1"}
+        (here / ".env").write_text("".join(f"{name}={value}\n" for name, value in variables.items()))
+        variables = {}
+    variables |= {"USER": USER, "LOGNAME": USER, "LINKWRIGHT_TRACEBACK": "1"}
     source = ["source=onshape", f"source.url='{server.document_url()}'", "source.max_wait=0"]
-    return command(here, "robot=sample", *source, "until=graph", environ=environment(here, **given))
+    return command(here, "robot=sample", *source, "until=graph", environ=environment(here, **variables))
 
 
 @pytest.mark.parametrize("place", mostly_slow([".env", "environment"], keep=1))
 @pytest.mark.parametrize("way", mostly_slow(WAYS, keep=1))
-def test_a_build_that_passes_and_its_bundle_show_no_secret(tmp_path: Path, way: str, place: str) -> None:
+def test_a_build_that_passes_and_its_bundle_show_no_secret(tmp_path, way, place):
     with OnshapeServer(sample_document(), keys=(ACCESS, SECRET), token=TOKEN) as server:
         done = run(tmp_path, server, way, place, linkwright)
         assert done.returncode == 0, done.stderr
         assert printed(tmp_path, done) == []
         host = server.url.partition("//")[2]
-    bundled = called(tmp_path, "bundle", "sample.graph", "arm.zip")
-    assert bundled.returncode == 0, bundled.stderr
+    bundled = called(tmp_path, "bundle", "sample.graph", "arm.zip", status=0)
     assert printed(tmp_path, bundled) == []
     with zipfile.ZipFile(tmp_path / "arm.zip") as archive:
         contents = b"".join(archive.read(name) for name in archive.namelist())
     assert not any(text.encode() in contents for text in (host, "127.0.0.1", str(tmp_path)))
-    counted = called(tmp_path, "cache", "info")
-    assert counted.returncode == 0, counted.stderr
+    counted = called(tmp_path, "cache", "info", status=0)
     assert printed(tmp_path, counted) == []
 
 
-def _fails(tmp_path: Path, way: str, place: str, fault: str, call: int) -> None:
+def _fails(tmp_path, way, place, fault, call):
     with OnshapeServer(sample_document(), keys=(ACCESS, SECRET), token=TOKEN) as server:
         put = faults(way)[fault]
         server.fault = lambda method, target, number: put if number >= call else None
@@ -156,9 +143,7 @@ def _fails(tmp_path: Path, way: str, place: str, fault: str, call: int) -> None:
     assert done.returncode == 1, done.stderr
     assert "\nerror: " in done.stderr
     assert "a bug in linkwright" not in done.stderr
-    assert (tmp_path / "outputs" / "sample.graph.failed").is_dir() or (
-        tmp_path / "outputs" / "sample.failed"
-    ).is_dir()
+    assert [*tmp_path.glob("outputs/sample*.failed")]
     assert printed(tmp_path, done) == []
 
 
@@ -172,7 +157,7 @@ EACH_REFUSED = [
 
 
 @pytest.mark.parametrize(("way", "fault"), EACH_REFUSED)
-def test_a_build_that_a_server_refuses_shows_no_secret(tmp_path: Path, way: str, fault: str) -> None:
+def test_a_build_that_a_server_refuses_shows_no_secret(tmp_path, way, fault):
     _fails(tmp_path, way, ".env" if fault == "403" else "environment", fault, call=0)
 
 
@@ -180,27 +165,26 @@ def test_a_build_that_a_server_refuses_shows_no_secret(tmp_path: Path, way: str,
 @pytest.mark.parametrize("call", [0, 1])
 @pytest.mark.parametrize("fault", sorted(TRANSIENT))
 @pytest.mark.parametrize("way", WAYS)
-def test_a_build_that_a_server_fails_shows_no_secret(tmp_path: Path, way: str, fault: str, call: int) -> None:
+def test_a_build_that_a_server_fails_shows_no_secret(tmp_path, way, fault, call):
     _fails(tmp_path, way, "environment", fault, call)
 
 
-@pytest.mark.parametrize("way", WAYS)
-def test_a_wrong_key_is_not_shown_either(tmp_path: Path, way: str) -> None:
-    with OnshapeServer(sample_document(), keys=("another", "one"), token="and-another") as server:
+@pytest.mark.parametrize("way", mostly_slow(WAYS, keep=1))
+def test_a_wrong_key_is_not_shown_either(tmp_path, way):
+    with OnshapeServer(sample_document(), keys=("another", "key"), token="and-another") as server:
         done = run(tmp_path, server, way, "environment")
     assert done.returncode == 1
     assert "(401)" in done.stderr
     assert printed(tmp_path, done) == []
 
 
-def test_a_key_in_the_address_is_refused_without_being_repeated(tmp_path: Path) -> None:
+def test_a_key_in_the_address_is_refused_without_being_repeated(tmp_path):
     for secret in (f"{ACCESS}:{SECRET}@cad.onshape.com/documents/x", f"cad.onshape.com/?token={TOKEN}"):
-        done = called(tmp_path, "source=onshape", f"source.url='https://{secret}'")
-        assert done.returncode == 2
+        done = called(tmp_path, "source=onshape", f"source.url='https://{secret}'", status=2)
         assert printed(tmp_path, done) == []
 
 
-def holding(secret: str) -> Document:
+def holding(secret):
     """A document whose designer pasted the key into the name of a part."""
     document = Document("Small")
     root = document.assembly("Root")
@@ -209,7 +193,7 @@ def holding(secret: str) -> Document:
 
 
 @pytest.mark.parametrize("until", ["fetch", "validate"])
-def test_a_document_that_holds_the_key_is_not_kept_anywhere(tmp_path: Path, until: str) -> None:
+def test_a_document_that_holds_the_key_is_not_kept_anywhere(tmp_path, until):
     with OnshapeServer(holding(SECRET), keys=(ACCESS, SECRET)) as server:
         source = ["source=onshape", f"source.url='{server.document_url()}'", f"until={until}"]
         done = called(tmp_path, *source, environ=environment(tmp_path, **KEY))
@@ -220,44 +204,39 @@ def test_a_document_that_holds_the_key_is_not_kept_anywhere(tmp_path: Path, unti
 
 
 @pytest.mark.slow
-def test_a_robot_that_was_made_before_the_key_was_known_is_not_handed_out_with_it(tmp_path: Path) -> None:
+def test_a_cached_robot_is_not_handed_out_with_a_key_that_it_holds(tmp_path):
     """Its files come from the cache; neither a build nor a bundle gives them on."""
     (tmp_path / "arm.urdf").write_text(
         f'<robot name="arm">\n<link name="base"/>\n<link name="{SECRET}"/>\n'
         f'<joint name="j" type="fixed"><parent link="base"/><child link="{SECRET}"/></joint>\n</robot>\n'
     )
     source = ["source=urdf", "source.path=arm.urdf", "root=fixed", "until=graph"]
-    assert linkwright(tmp_path, *source).returncode == 0
+    linkwright(tmp_path, *source, status=0)
     knows = environment(tmp_path, **KEY)
-    again = linkwright(tmp_path, *source, "output=again", environ=knows)
-    assert again.returncode == 1
+    again = linkwright(tmp_path, *source, "output=again", environ=knows, status=1)
     assert re.search(r"(robot\.json, \S+|graph\.svg, line \d+): would hold the value", again.stderr)
-    bundled = linkwright(tmp_path, "bundle", "arm.graph", "arm.zip", environ=knows)
-    assert bundled.returncode == 1
+    bundled = linkwright(tmp_path, "bundle", "arm.graph", "arm.zip", environ=knows, status=1)
     assert "arm.urdf, line " in bundled.stderr
     for done in (again, bundled):
         assert SECRET not in done.stdout + done.stderr
     assert not (tmp_path / "arm.zip").exists()
-    left_by_it = [path for path in tmp_path.glob("again*/**/*") if path.is_file()]
-    assert left_by_it
-    assert not any(SECRET[:12] in path.read_text() for path in left_by_it)
+    files = [path for path in tmp_path.glob("again*/**/*") if path.is_file()]
+    assert files
+    assert not any(SECRET[:12] in path.read_text() for path in files)
 
 
 @pytest.mark.parametrize("key", ["name", "output", "cache.dir", "names.links.base_plate"])
-def test_a_key_that_comes_by_an_interpolation_is_refused_and_leaves_nothing(tmp_path: Path, key: str) -> None:
+def test_a_key_that_comes_by_an_interpolation_is_refused_and_leaves_nothing(tmp_path, key):
+    environ = environment(tmp_path, seeded=False, **KEY)
     done = called(
-        tmp_path,
-        "robot=sample",
-        f"{key}=${{oc.env:ONSHAPE_ACCESS_KEY}}",
-        environ=environment(tmp_path, seeded=False, **KEY),
+        tmp_path, "robot=sample", f"{key}=${{oc.env:ONSHAPE_ACCESS_KEY}}", environ=environ, status=2
     )
-    assert done.returncode == 2
     assert f"E-SECRET {key}: holds the value of ONSHAPE_ACCESS_KEY" in done.stderr
     assert list(tmp_path.iterdir()) == []
     assert printed(tmp_path, done) == []
 
 
-def test_the_search_finds_what_is_there(tmp_path: Path) -> None:
+def test_the_search_finds_what_is_there(tmp_path):
     """What the tests above rely on: a secret in a file, a name, a zip or a message is found."""
     silent = subprocess.CompletedProcess([], 0, "", "")
     assert printed(tmp_path, silent) == []

@@ -6,7 +6,6 @@ import pty
 import re
 import struct
 import termios
-from pathlib import Path
 
 import pytest
 
@@ -18,7 +17,7 @@ pytestmark = pytest.mark.slow
 COLUMNS = 80
 
 
-def shown(here: Path, *arguments: str) -> list[str]:
+def shown(here, *arguments):
     """The lines that the command leaves in a terminal of 80 columns, and those that it replaces there."""
     environ = {name: value for name, value in environment(here).items() if name != "COLUMNS"}
     child, file = pty.fork()
@@ -52,13 +51,13 @@ def shown(here: Path, *arguments: str) -> list[str]:
     ],
     ids=lambda value: "" if isinstance(value, tuple) else value,
 )
-def test_no_line_is_wider_than_the_terminal(tmp_path: Path, arguments: tuple[str, ...], words: str) -> None:
+def test_no_line_is_wider_than_the_terminal(tmp_path, arguments, words):
     lines = shown(tmp_path, *arguments)
     assert [line for line in lines if len(line) > COLUMNS] == []
     assert any(words in line for line in lines), lines
 
 
-def test_a_pipe_gets_each_name_whole(tmp_path: Path) -> None:
+def test_a_pipe_gets_each_name_whole(tmp_path):
     done = linkwright(tmp_path, "until=graph")
     rows = [
         line for line in done.stdout.splitlines() if "elbow_plate_pivot" in line and "elbow_plate " in line

@@ -3,15 +3,15 @@
 import ast
 import json
 import os
+import re
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from linkwright.stages.validate.external import TOOLS
-from tests.support.command import environment
+from tests.support.command import environment, run_in
 from tests.support.places import PROJECT
 
 pytestmark = pytest.mark.slow
@@ -69,15 +69,13 @@ LD_PRELOAD=./trap.so
 OTHERS = ("python", "python3", "pip", "xacro", "mjpython", "git", "ps", "sh", "ldconfig", "gcc", "uname")
 
 
-def programs_of_the_product() -> Iterator[str]:
+def programs_of_the_product():
     """The names of programs in the product: of checkers, and what `program` and `subprocess` are given."""
     yield from (tool.program for tool in TOOLS.values())
     for folder in ("pipeline", "stages"):
         for file in (PROJECT / folder).rglob("*.py"):
             for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-                if isinstance(node, ast.Call) and ast.unparse(node.func).endswith(
-                    ("program", "run", "Popen")
-                ):
+                if isinstance(node, ast.Call) and re.search("(program|run|Popen)$", ast.unparse(node.func)):
                     words = node.args[:1]
                     if words and isinstance(words[0], ast.List):
                         words = words[0].elts[:1]
@@ -85,12 +83,12 @@ def programs_of_the_product() -> Iterator[str]:
 
 
 @pytest.fixture(scope="module")
-def marks(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def marks(tmp_path_factory):
     return tmp_path_factory.mktemp("ran")
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory, marks: Path) -> Path:
+def folder(tmp_path_factory, marks):
     """A robot between traps; each leaves a file in `marks` if it runs."""
     here = tmp_path_factory.mktemp("robot")
     corner = "vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0"
@@ -128,33 +126,24 @@ def folder(tmp_path_factory: pytest.TempPathFactory, marks: Path) -> Path:
     return here
 
 
-def audited(folder: Path, log: Path, *words: str) -> tuple[subprocess.CompletedProcess[str], list[list[str]]]:
+def audited(folder, log, *words):
     """The command's result, and what it opened and started."""
     script = log.with_suffix(".py")
     script.write_text(AUDITED.format(log=str(log)))
     log.unlink(missing_ok=True)
     environ = environment(log.parent)
     environ["PATH"] = os.pathsep.join(["", ".", "bin", environ["PATH"]])
-    done = subprocess.run(
-        [sys.executable, str(script), *words],
-        cwd=folder,
-        env=environ,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = run_in(folder, sys.executable, script, *words, environ=environ)
     return done, [line.split("\t") for line in log.read_text(encoding="utf-8").splitlines()]
 
 
-def opened(folder: Path, log: list[list[str]]) -> set[str]:
+def opened(folder, log):
     """The files of the working folder that were opened, without those of builds."""
-    found = {words[1] for words in log if words[0] == "open" and (folder / words[1]).is_file()}
-    return {path for path in found if not path.startswith(("outputs", ".linkwright"))}
+    files = {words[1] for words in log if words[0] == "open" and (folder / words[1]).is_file()}
+    return {path for path in files if not path.startswith(("outputs", ".linkwright"))}
 
 
-def test_every_verb_runs_no_trap_and_opens_what_the_robot_names(
-    folder: Path, marks: Path, tmp_path: Path
-) -> None:
+def test_every_verb_runs_no_trap_and_opens_what_the_robot_names(folder, marks, tmp_path):
     log, own = tmp_path / "log", {"robot/arm.yaml", "arm.urdf", "parts/block.stl", ".env"}
     done, seen = audited(folder, log, "robot=arm")
     assert done.returncode == 0, done.stdout + done.stderr
@@ -182,20 +171,15 @@ def test_every_verb_runs_no_trap_and_opens_what_the_robot_names(
     ):
         done, seen = audited(folder, log, *words)
         assert "Traceback" not in done.stderr, done.stderr
-        assert done.returncode == status or words[0] in ("view", "check", "-sc"), (
-            words,
-            done.stdout,
-            done.stderr,
-        )
+        assert done.returncode == status or words[0] in ("view", "check", "-sc"), (words, done)
         assert opened(folder, seen) <= {*files, ".env"}, words
         started = {Path(name[1]) for name in seen if name[0] != "open" and name[1]}
-        assert not [path for path in started if path.is_relative_to(folder) or str(path).startswith(".")], (
-            words
-        )
+        ours = [path for path in started if path.is_relative_to(folder) or str(path).startswith(".")]
+        assert ours == [], words
     assert sorted(path.name for path in marks.iterdir()) == []
 
 
-def test_of_dotenv_only_our_keys_count(folder: Path, tmp_path: Path) -> None:
+def test_of_dotenv_only_our_keys_count(folder, tmp_path):
     done, _ = audited(folder, tmp_path / "log", "robot=evil")
     assert "E-TRUST plugins" in done.stderr
     done, _ = audited(folder, tmp_path / "log", "cache", "info", "--json")

@@ -4,13 +4,11 @@ import json
 import os
 import re
 import shutil
-import subprocess
 import sys
 from collections.abc import Callable, Mapping
 from contextlib import chdir
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
 from unittest.mock import patch
 
 import pytest
@@ -21,7 +19,7 @@ from linkwright.pipeline.options import parse
 from linkwright.pipeline.run import program, unchanged
 from linkwright.pipeline.terminal.progress import Quiet
 from tests.e2e.test_traps import ROBOT, URDF
-from tests.support.command import called, environment, robot_files
+from tests.support.command import called, environment, robot_files, run_in
 from tests.unit.pipeline.test_cli import HEAVY
 
 TETRAHEDRON = ("0 0 0", "1 0 0", "0 1 0", "0 0 1")
@@ -33,7 +31,7 @@ mass: {density: '${oc.env:DENSITY,1000}'}
 TIMES = re.compile(rb'(?m)(?<="seconds": )[\d.e-]+|^ +\d+\.\d{3}(?=  )|\b\d+\.\d\d(?= s\b|  | *<)')
 
 
-def stl(height: str = "1") -> str:
+def stl(height="1"):
     corners = [*TETRAHEDRON[:3], f"0 0 {height}"]
     faces = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3))
     loops = ("".join(f"vertex {corners[corner]}\n" for corner in face) for face in faces)
@@ -42,7 +40,7 @@ def stl(height: str = "1") -> str:
 
 
 @pytest.fixture
-def here(tmp_path: Path) -> Path:
+def here(tmp_path):
     files = {
         "arm.urdf": URDF,
         "parts/block.stl": stl(),
@@ -57,12 +55,12 @@ def here(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def builds(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+def builds(monkeypatch):
     """The names of the robots whose builds ran their stages."""
     names: list[str] = []
     build_files = linkwright.pipeline.run.build.build_files
 
-    def counted(plan: Any, *args: Any, **more: Any) -> Any:
+    def counted(plan, *args, **more):
         names.append(plan.name)
         return build_files(plan, *args, **more)
 
@@ -70,13 +68,18 @@ def builds(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return names
 
 
-def build(here: Path, *arguments: str, **more: str) -> subprocess.CompletedProcess[str]:
+def build(here, *arguments, **more):
     words = arguments or ("robot=arm", "until=graph")
     return called(here, *words, environ=environment(here, seeded=False, PWD=str(here), **more))
 
 
-def without_times(data: bytes) -> bytes:
-    return TIMES.sub(b"0.0", data)
+def left_by(here, done):
+    """What a build said and left, without its times."""
+    (folder,) = (here / "outputs").glob("[!.]*")
+    files = {path.name: path.read_bytes() for path in folder.glob("[!.]*") if path.is_file()}
+    contents = files | {"status": b"%d" % done.returncode}
+    contents |= {"stdout": done.stdout.encode(), "stderr": done.stderr.encode()}
+    return {name: TIMES.sub(b"0.0", data) for name, data in contents.items()}
 
 
 @pytest.mark.parametrize(
@@ -89,42 +92,29 @@ def without_times(data: bytes) -> bytes:
     ],
     ids=" ".join,
 )
-def test_a_recognised_build_leaves_what_a_cached_build_leaves(
-    here: Path, builds: list[str], monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...]
-) -> None:
+def test_a_recognised_build_leaves_what_a_cached_build_leaves(here, builds, monkeypatch, arguments):
     page = {"LINKWRIGHT_PAGE": "whole"} if "page.live=shared" in arguments else {}
     build(here, *arguments, **page)
     with monkeypatch.context() as without:
         without.setattr(unchanged, "again", lambda *_: None)
-        cached = build(here, *arguments, **page)
-        folder = next((here / "outputs").glob("[!.]*"))
-        left = {path.name: path.read_bytes() for path in folder.glob("[!.]*") if path.is_file()}
-    again = build(here, *arguments, **page)
+        cached = left_by(here, build(here, *arguments, **page))
+    assert left_by(here, again := build(here, *arguments, **page)) == cached
+    assert again.returncode == (3 if "validate=strict" in arguments else 0)
     assert len(builds) == 2
-    now = {path.name: path.read_bytes() for path in folder.glob("[!.]*") if path.is_file()}
-    assert {name: without_times(data) for name, data in now.items()} == {
-        name: without_times(data) for name, data in left.items()
-    }
-    assert again.returncode == cached.returncode == (3 if "validate=strict" in arguments else 0)
-    assert without_times(again.stdout.encode()) == without_times(cached.stdout.encode())
-    assert without_times(again.stderr.encode()) == without_times(cached.stderr.encode())
 
 
-def test_it_imports_neither_the_composer_nor_the_schema(here: Path) -> None:
+def test_it_imports_neither_the_composer_nor_the_schema(here):
     heavy = [*HEAVY, "antlr4", "httpx"]
     code = (
         "import sys; from linkwright.pipeline.cli import main; status = main(['robot=arm', 'until=graph']); "
         f"print(status, sorted(set({heavy!r}) & set(sys.modules)), file=sys.stderr)"
     )
     environ = environment(here, seeded=False)
-    runs = [
-        subprocess.run([sys.executable, "-c", code], cwd=here, env=environ, capture_output=True, text=True)
-        for _ in range(2)
-    ]
-    assert runs[1].stderr.splitlines()[-1] == "0 []", runs[1].stderr
+    _, again = (run_in(here, sys.executable, "-c", code, environ=environ) for _ in range(2))
+    assert again.stderr.splitlines()[-1] == "0 []", again.stderr
 
 
-def rewritten(path: str, text: str) -> Callable[[Path], object]:
+def rewritten(path, text):
     return lambda here: ((here / path).parent.mkdir(exist_ok=True), (here / path).write_text(text))
 
 
@@ -148,7 +138,7 @@ CHANGES: Mapping[str, Callable[[Path], object]] = {
 
 
 @pytest.mark.parametrize("change", CHANGES)
-def test_a_change_of_any_file_is_noticed(here: Path, builds: list[str], change: str) -> None:
+def test_a_change_of_any_file_is_noticed(here, builds, change):
     build(here, "robot=arm", "until=export")
     assert build(here, "robot=arm", "until=export").returncode == 0
     assert builds == ["arm"]
@@ -158,7 +148,7 @@ def test_a_change_of_any_file_is_noticed(here: Path, builds: list[str], change: 
 
 
 @pytest.mark.parametrize("name", ["DENSITY", "LINKWRIGHT_TRUST", "LINKWRIGHT_HOST", "ONSHAPE_SECRET_KEY"])
-def test_a_change_of_a_variable_is_noticed(here: Path, builds: list[str], name: str) -> None:
+def test_a_change_of_a_variable_is_noticed(here, builds, name):
     build(here)
     build(here, NOBODY_READS="7")
     assert builds == ["arm"]
@@ -169,7 +159,7 @@ def test_a_change_of_a_variable_is_noticed(here: Path, builds: list[str], name: 
     assert len(builds) == 3
 
 
-def test_another_command_is_another_build(here: Path, builds: list[str]) -> None:
+def test_another_command_is_another_build(here, builds):
     for words in (["robot=arm"], ["robot=arm", "root=fixed"], ["--config-dir", ".", "robot=arm"]):
         build(here, *words, "until=graph")
         build(here, *words, "until=graph")
@@ -178,56 +168,49 @@ def test_another_command_is_another_build(here: Path, builds: list[str]) -> None
     shutil.copytree(here, other, ignore=shutil.ignore_patterns("outputs", "cache"))
     called(other, "robot=arm", "until=graph", environ=environment(here, seeded=False))
     assert len(builds) == 4
+    # Another cache has a record of its own.
+    words = ("robot=arm", "until=graph", "cache.dir=mine/cache")
+    for count in (5, 5, 6):
+        if count == 6:
+            shutil.rmtree(here / "mine")
+        build(here, *words)
+        assert len(builds) == count
 
 
-def test_a_change_of_the_program_or_of_a_library_is_noticed(
-    here: Path, builds: list[str], monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory
-) -> None:
-    build(here)
+def test_a_change_of_the_program_or_of_a_library_is_noticed(here, builds, monkeypatch, tmp_path_factory):
+    def noticed(count):
+        build(here)
+        build(here)
+        assert len(builds) == count
+
+    noticed(1)
     libraries = tmp_path_factory.mktemp("libraries")
     (libraries / "numpy-99.0.dist-info").mkdir()
     monkeypatch.setattr(sys, "path", [*sys.path, str(libraries)])
-    build(here)
-    build(here)
-    assert len(builds) == 2
+    noticed(2)
     (libraries / "numpy-99.0.dist-info").rename(libraries / "numpy-99.1.dist-info")
-    build(here)
-    assert len(builds) == 3
+    noticed(3)
     code = tmp_path_factory.mktemp("code")
     for room in program.ROOMS:
         (code / room).mkdir()
         (code / room / "__init__.py").write_text("")
     monkeypatch.setattr(program, "__file__", str(code / "pipeline" / "run" / "program.py"))
-    build(here)
-    build(here)
-    assert len(builds) == 4
+    noticed(4)
     (code / "stages" / "__init__.py").write_text("VERSION = 2\n")
-    build(here)
-    assert len(builds) == 5
+    noticed(5)
 
 
 @pytest.mark.parametrize(
     "word",
     ["cache.mode=refresh", "cache.mode=bypass", "plugins=[json]", "name=a_${now:%Y}", "cache.dir='c d'"],
 )
-def test_a_build_that_is_not_known_by_its_answers_always_runs(
-    here: Path, builds: list[str], word: str
-) -> None:
+def test_a_build_that_is_not_known_by_its_answers_always_runs(here, builds, word):
     for _ in range(2):
         assert build(here, "robot=arm", "until=graph", word).returncode == 0
     assert len(builds) == 2
 
 
-def test_another_cache_on_the_command_line_has_its_own_record(here: Path, builds: list[str]) -> None:
-    for _ in range(2):
-        build(here, "robot=arm", "until=graph", "cache.dir=other/cache")
-    assert builds == ["arm"]
-    shutil.rmtree(here / "other")
-    build(here, "robot=arm", "until=graph", "cache.dir=other/cache")
-    assert builds == ["arm", "arm"]
-
-
-def test_the_files_of_the_user_are_kept_and_stop_it_as_ever(here: Path, builds: list[str]) -> None:
+def test_the_files_of_the_user_are_kept_and_stop_it_as_ever(here, builds):
     build(here)
     folder = here / "outputs" / "arm.graph"
     (folder / "NOTES.md").write_text("mine")
@@ -245,26 +228,28 @@ def test_the_files_of_the_user_are_kept_and_stop_it_as_ever(here: Path, builds: 
     assert (folder / "robot.json").read_text() == "{}"
 
 
-def test_what_it_needs_is_in_the_cache_and_counts_as_used(here: Path, builds: list[str]) -> None:
+def test_what_it_needs_is_in_the_cache_and_counts_as_used(here, builds):
     build(here, "robot=arm", "until=export")
     cache = here / "cache"
     assert verify(cache).records == 0
     old = 10_000.0
-    for path in (*cache.glob("ac/*/*"), *cache.glob("cas/*/*")):
-        os.utime(path, (old, old))
+
+    def age():
+        for path in (*cache.glob("ac/*/*"), *cache.glob("cas/*/*")):
+            os.utime(path, (old, old))
+
+    age()
     build(here, "robot=arm", "until=export")
-    used = {
-        json.loads(path.read_bytes())["stage"] for path in cache.glob("ac/*/*") if path.stat().st_mtime > old
-    }
-    assert used == {"build", "fetch", "graph", "mesh", "export"}
-    for path in (*cache.glob("ac/*/*"), *cache.glob("cas/*/*")):
-        os.utime(path, (old, old))
+    used = [path for path in cache.glob("ac/*/*") if path.stat().st_mtime > old]
+    stages = {json.loads(path.read_bytes())["stage"] for path in used}
+    assert stages == {"build", "fetch", "graph", "mesh", "export"}
+    age()
     collect(cache, 0)
     build(here, "robot=arm", "until=export")
     assert builds == ["arm", "arm"]
 
 
-def record_of(here: Path) -> tuple[Path, Path]:
+def record_of(here):
     """The files of the build's record: that of the action, and the blob that says what is kept."""
     with_stage = {path: json.loads(path.read_bytes()) for path in (here / "cache").glob("ac/*/*.json")}
     path, record = next((path, record) for path, record in with_stage.items() if record["stage"] == "build")
@@ -272,7 +257,7 @@ def record_of(here: Path) -> tuple[Path, Path]:
     return path, here / "cache" / "cas" / digest[:2] / digest
 
 
-def replace_record(here: Path, text: bytes) -> None:
+def replace_record(here, text):
     """Makes `text` what is kept, with a digest that is right: who can write to a cache can do so."""
     path, blob = record_of(here)
     digest = sha256(text).hexdigest()
@@ -284,16 +269,16 @@ def replace_record(here: Path, text: bytes) -> None:
     path.write_text(json.dumps(record))
 
 
-def mutations(tree: Any, values: tuple[Any, ...] = (None, 3, "x", [], {}, [["x"]])) -> list[Any]:
+def mutations(tree, values=(None, 3, "x", [], {}, [["x"]])):
     """Copies of a record, in each of which one of its values is another."""
-    found = []
+    trees = []
     for name in tree:
-        found += [{**tree, name: value} for value in values]
-        found.append({key: value for key, value in tree.items() if key != name})
-    return found
+        trees += [{**tree, name: value} for value in values]
+        trees.append({key: value for key, value in tree.items() if key != name})
+    return trees
 
 
-def recognised(here: Path) -> bool:
+def recognised(here):
     """Whether the build is recognised, as the command asks."""
     command = parse(["robot=arm", "until=graph"])
     environ = environment(here, seeded=False, PWD=str(here))
@@ -301,7 +286,7 @@ def recognised(here: Path) -> bool:
         return unchanged.again(unchanged.action_of(command), command, Quiet()) is not None
 
 
-def test_a_damaged_or_hostile_record_never_makes_another_robot(here: Path, builds: list[str]) -> None:
+def test_a_damaged_or_hostile_record_never_makes_another_robot(here, builds):
     build(here)
     folder = here / "outputs" / "arm.graph"
     right, files = json.loads(record_of(here)[1].read_bytes()), robot_files(folder)
@@ -320,7 +305,7 @@ def test_a_damaged_or_hostile_record_never_makes_another_robot(here: Path, build
     assert builds == ["arm", "arm"]
 
 
-def test_a_record_that_names_another_folder_touches_nothing_there(here: Path) -> None:
+def test_a_record_that_names_another_folder_touches_nothing_there(here):
     build(here)
     (here / "mine").mkdir()
     (here / "mine" / "thesis.tex").write_text("mine")
@@ -332,7 +317,7 @@ def test_a_record_that_names_another_folder_touches_nothing_there(here: Path) ->
     assert not (here / "new").exists()
 
 
-def test_no_key_is_in_the_record(here: Path) -> None:
+def test_no_key_is_in_the_record(here):
     build(here, ONSHAPE_ACCESS_KEY="a-very-secret-key", DENSITY="1234.5")
     assert unchanged.action_of(parse([])).key
     for path in (here / "cache").rglob("*"):

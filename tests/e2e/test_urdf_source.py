@@ -1,13 +1,11 @@
 """A URDF as the source of a build, through the real command."""
 
-import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 import trimesh
 
-from tests.support.command import called, environment, linkwright, robot_files
+from tests.support.command import called, linkwright, robot_files, run_in
 
 TENSOR = 'ixx="0.02" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.01"'
 INERTIAL = f'<inertial><mass value="1"/><inertia {TENSOR}/></inertial>'
@@ -22,7 +20,7 @@ SRDF = """<robot name="arm"><group name="whole"><joint name="elbow"/></group>
 
 
 @pytest.fixture
-def here(tmp_path: Path) -> Path:
+def here(tmp_path):
     (tmp_path / "far" / "meshes").mkdir(parents=True)
     trimesh.creation.box((0.1, 0.2, 0.4)).export(tmp_path / "far" / "meshes" / "a.stl")
     (tmp_path / "arm.urdf").write_text(ROBOT)
@@ -30,22 +28,19 @@ def here(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def source(**more: str) -> list[str]:
-    given = {"path": "arm.urdf", "packages": "{arm: far}", **more}
-    return ["source=urdf", *(f"source.{key}={value}" for key, value in given.items())]
+def source(**more):
+    keys = {"path": "arm.urdf", "packages": "{arm: far}", **more}
+    return ["source=urdf", *(f"source.{key}={value}" for key, value in keys.items())]
 
 
 @pytest.mark.slow
-def test_a_robot_is_built_and_its_bundle_builds_the_same_elsewhere(here: Path) -> None:
-    built = linkwright(here, *source())
-    assert built.returncode == 0, built.stderr
-    packed = linkwright(here, "bundle", "arm", "arm.zip")
-    assert packed.returncode == 0, packed.stderr
+def test_a_robot_is_built_and_its_bundle_builds_the_same_elsewhere(here):
+    linkwright(here, *source(), status=0)
+    linkwright(here, "bundle", "arm", "arm.zip", status=0)
     there = here / "there"
     there.mkdir()
     (here / "arm.zip").rename(there / "arm.zip")
-    again = linkwright(there, "source=bundle", "source.path=arm.zip")
-    assert again.returncode == 0, again.stderr
+    linkwright(there, "source=bundle", "source.path=arm.zip", status=0)
     files = robot_files(here / "outputs" / "arm")
     assert robot_files(there / "outputs" / "arm") == files
     assert b'<group_state name="bent" group="whole">' in files["arm.srdf"]
@@ -53,19 +48,14 @@ def test_a_robot_is_built_and_its_bundle_builds_the_same_elsewhere(here: Path) -
     assert not [data for data in written if str(here).encode() in data]
 
 
-def test_an_unchanged_file_is_cached_without_a_heavy_import_and_changed_files_are_not(
-    here: Path,
-) -> None:
-    assert called(here, *source()).returncode == 0
+def test_an_unchanged_file_is_cached_without_a_heavy_import_and_changed_files_are_not(here):
+    called(here, *source(), status=0)
     code = (
         "import sys; from linkwright.pipeline.cli import run; assert run(sys.argv[1:]) == 0\n"
         "heavy = 'numpy scipy trimesh mujoco networkx lxml collada xacro'.split()\n"
         "print('heavy:', [name for name in heavy if name in sys.modules])"
     )
-    command = [sys.executable, "-c", code, *source()]
-    done = subprocess.run(
-        command, cwd=here, env=environment(here), capture_output=True, text=True, check=True
-    )
+    done = run_in(here, sys.executable, "-c", code, *source())
     assert "heavy: []" in done.stdout
     assert done.stderr.count("(cached)") == 5
     trimesh.creation.box((0.2, 0.2, 0.4)).export(here / "far" / "meshes" / "a.stl")

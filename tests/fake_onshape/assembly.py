@@ -17,6 +17,16 @@ from tests.fake_onshape.frames import inverse, product
 from tests.fake_onshape.mates import MIRROR, OPEN, REST
 
 
+def _mate_of(kind, rest):
+    """A method that draws a mate of this kind: `value` and `limits` as `mates` says, in rad and m (None is
+    open), `typed`: the limits as the expressions that their author typed; more keys of `elements.Mate`."""
+
+    def add(self, name, first, second, value=rest, limits=OPEN, **more):
+        return self._mate(kind, name, first, second, value, limits, **more)
+
+    return add
+
+
 class Assembly:
     """An assembly: instances and features."""
 
@@ -28,15 +38,7 @@ class Assembly:
         self._ground = None
 
     def add(
-        self,
-        source,
-        *,
-        fixed=False,
-        hidden=False,
-        suppressed=False,
-        pose=None,
-        configuration=None,
-        name=None,
+        self, source, *, fixed=False, hidden=False, suppressed=False, pose=None, configuration=None, name=None
     ):
         """A new instance of a part or an assembly; returns its `Occurrence`.
 
@@ -46,16 +48,9 @@ class Assembly:
         if configuration is None:
             configuration = getattr(getattr(source, "studio", None), "configuration", settings.DEFAULT)
         number = 1 + sum(instance.source is source for instance in self.instances)
-        instance = Instance(
-            self,
-            source,
-            name or f"{source.name} <{number}>",
-            fixed=fixed,
-            hidden=hidden,
-            suppressed=suppressed,
-            pose=pose,
-            configuration=configuration,
-        )
+        state = {"fixed": fixed, "hidden": hidden, "suppressed": suppressed, "pose": pose}
+        title = name or f"{source.name} <{number}>"
+        instance = Instance(self, source, title, configuration=configuration, **state)
         if any(other.id == instance.id for other in self.instances):
             msg = f"assembly {self.name!r} has two instances named {instance.name!r}"
             raise ValueError(msg)
@@ -83,40 +78,17 @@ class Assembly:
         self.fixes.append(occurrence)
         self.home.document.changed()
 
-    def fasten(self, name, first, second, **more):
-        """FASTENED: the two mate frames coincide. All mates take the keys of `elements.Mate`."""
-        return self._mate("FASTENED", name, first, second, **more)
-
-    def revolute(self, name, first, second, value=0.0, limits=OPEN, **more):
-        """REVOLUTE about the mate frames' z; `value` and `limits` in rad (None is open).
-
-        `typed`: the limits as the expressions that their author typed.
-        """
-        return self._mate("REVOLUTE", name, first, second, value, limits, **more)
-
-    def slider(self, name, first, second, value=0.0, limits=OPEN, **more):
-        """SLIDER along the mate frames' z; `value` and `limits` in m (None is open); `typed` as above."""
-        return self._mate("SLIDER", name, first, second, value, limits, **more)
-
-    def cylindrical(self, name, first, second, value=(0.0, 0.0), limits=OPEN, **more):
-        """CYLINDRICAL: (slide, turn) along and about z [m, rad]; limits a pair for each, or OPEN."""
-        return self._mate("CYLINDRICAL", name, first, second, value, limits, **more)
-
-    def pin_slot(self, name, first, second, value=(0.0, 0.0), limits=OPEN, **more):
-        """PIN_SLOT: (slide, turn) along the second frame's x and about z [m, rad]."""
-        return self._mate("PIN_SLOT", name, first, second, value, limits, **more)
-
-    def planar(self, name, first, second, value=(0.0, 0.0, 0.0), limits=OPEN, **more):
-        """PLANAR: (x, y, turn) along the second frame's x and y, and about z [m, rad]."""
-        return self._mate("PLANAR", name, first, second, value, limits, **more)
-
-    def parallel(self, name, first, second, value=(0.0, 0.0, 0.0, 0.0), limits=OPEN, **more):
-        """PARALLEL: (x, y, z, turn) along the second frame's axes, and about z [m, rad]."""
-        return self._mate("PARALLEL", name, first, second, value, limits, **more)
+    fasten = _mate_of("FASTENED", 0.0)
+    revolute = _mate_of("REVOLUTE", 0.0)
+    slider = _mate_of("SLIDER", 0.0)
+    cylindrical = _mate_of("CYLINDRICAL", (0.0, 0.0))
+    pin_slot = _mate_of("PIN_SLOT", (0.0, 0.0))
+    planar = _mate_of("PLANAR", (0.0, 0.0, 0.0))
+    parallel = _mate_of("PARALLEL", (0.0, 0.0, 0.0, 0.0))
 
     def ball(self, name, first, second, value=REST, limits=None, *, typed=None, **more):
         """BALL: `value` a quaternion (w, x, y, z), `limits` the half angle [rad] of a cone, or None."""
-        quat = tuple(float(one) for one in np.asarray(value, float) / np.linalg.norm(value))
+        quat = tuple(float(number) for number in np.asarray(value, float) / np.linalg.norm(value))
         typed = None if typed is None else (None, typed)
         return self._mate("BALL", name, first, second, quat, (None, limits), typed=typed, **more)
 

@@ -21,12 +21,12 @@ class Gate:
 
     def refuses(self, method: str, target: str, headers: Mapping[str, str]) -> str:
         """Why a request is not let in; nothing if it is."""
-        given = headers.get("Authorization", "")
-        if given == f"Bearer {self.token}":
+        header = headers.get("Authorization", "")
+        if header == f"Bearer {self.token}":
             return ""
-        if given == "Basic " + base64.b64encode(":".join(self.keys).encode()).decode():
+        if header == "Basic " + base64.b64encode(":".join(self.keys).encode()).decode():
             return ""
-        match = _SIGNED.fullmatch(given)
+        match = _SIGNED.fullmatch(header)
         if match is None or match["access"] != self.keys[0]:
             return "Unauthenticated API request."
         return self._signed(match["signature"], method, target, headers)

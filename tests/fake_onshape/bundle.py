@@ -25,15 +25,9 @@ def canonical(path, query):
 def requests(document: Document, tessellation=None):
     """(the definition's request, the part studios' requests), pinned and canonical."""
     root = document.root
-    definition = canonical(
-        f"/assemblies/d/{document.id}/m/{document.microversion}/e/{root.element}",
-        {
-            "configuration": "default",
-            "includeMateConnectors": True,
-            "includeMateFeatures": True,
-            "includeNonSolids": True,
-        },
-    )
+    flags = dict.fromkeys(("includeMateConnectors", "includeMateFeatures", "includeNonSolids"), True)
+    path = f"/assemblies/d/{document.id}/m/{document.microversion}/e/{root.element}"
+    definition = canonical(path, {"configuration": "default", **flags})
     studios = {
         (place.instance.source.studio, place.instance.configuration)
         for place in document.truth.places.values()
@@ -46,13 +40,8 @@ def requests(document: Document, tessellation=None):
         path = f"/partstudios/d/{home.id}/{pin}/e/{studio.element}"
         query = {"configuration": configuration, **({"linkDocumentId": document.id} if home.linked else {})}
         mass = {**query, "massAsGroup": False, "useMassPropertyOverrides": True}
-        faces = {
-            **query,
-            **(tessellation or TESSELLATION),
-            "outputFaceAppearances": True,
-            "outputFacetNormals": False,
-            "outputIndexTable": True,
-        }
+        flags = {"outputFaceAppearances": True, "outputFacetNormals": False, "outputIndexTable": True}
+        faces = {**query, **(tessellation or TESSELLATION), **flags}
         asked += [canonical(f"{path}/massproperties", mass), canonical(f"{path}/tessellatedfaces", faces)]
     return definition, sorted(asked)
 
@@ -63,7 +52,7 @@ def lists_of_features(document: Document):
     used = {(i.source, i.configuration) for i in places if not i.is_part} | {(document.root, "default")}
     asked = []
     for assembly, configuration in used:
-        if not any(isinstance(one, Mate) and one.type != "FASTENED" for one in assembly.features):
+        if not any(isinstance(feature, Mate) and feature.type != "FASTENED" for feature in assembly.features):
             continue
         home = assembly.home
         pin = f"v/{home.version}" if home.linked else f"m/{home.microversion}"
@@ -89,17 +78,13 @@ def bundle_bytes(document: Document, tessellation=None, **options) -> bytes:
             raise ValueError(msg)
         digests[request] = hashlib.sha256(reply.body).hexdigest()
         bodies[digests[request]] = reply.body
+    state = {"document": document.id, "microversion": document.microversion, "element": document.root.element}
     manifest = {
         "format": 1,
         "kind": "onshape",
         "api": API,
         "definition_api": DEFINITION_API,
-        "root": {
-            "document": document.id,
-            "microversion": document.microversion,
-            "element": document.root.element,
-            "configuration": "default",
-        },
+        "root": {**state, "configuration": "default"},
         "definition": digests[definition],
         "requests": digests,
     }

@@ -43,16 +43,10 @@ def copy_edges(tree, owner, pattern, level):
             if copied:
                 (first, first_frame, _), (second, second_frame, _) = ends
                 tag = (pattern.name, number + 1)
-                copy = replace(
-                    edge,
-                    name=f"{edge.name} [{tag[0]} {tag[1]}]",
-                    first=first,
-                    second=second,
-                    first_frame=first_frame,
-                    second_frame=second_frame,
-                    copies=(*edge.copies, tag),
-                    onto=copied,
-                )
+                ends = {"first": first, "first_frame": first_frame}
+                ends |= {"second": second, "second_frame": second_frame}
+                name = f"{edge.name} [{tag[0]} {tag[1]}]"
+                copy = replace(edge, name=name, copies=(*edge.copies, tag), onto=copied, **ends)
                 made.append((copy, redundant))
     return made
 

@@ -5,23 +5,21 @@ import random
 from tests.fake_onshape import settings
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.elements import Connector, Group, Mate, Relation
-from tests.fake_onshape.mates import FREEDOMS, SWAPPABLE, bounds
+from tests.fake_onshape.mates import FREEDOMS, bounds
 
 
-def definition(document: Document, *, configuration="default", shuffle=None, swap=(), limits=True):
+def definition(document: Document, *, configuration="default", shuffle=None, limits=True):
     """The definition as plain data.
 
     `shuffle`: a seed that reorders instances, occurrences, features, patterns and parts (they mean the same).
-    `swap`: names of mates whose two entities change places; their values are inverted and their limits
-    change sign. ValueError where that is another mate (one with a slide across the turn's axis).
     `limits`: False leaves limits out, as recordings of versions before v17 do.
     """
-    return _Writer(document, configuration, shuffle, frozenset(swap), limits).write()
+    return _Writer(document, configuration, shuffle, limits).write()
 
 
 class _Writer:
-    def __init__(self, document, configuration, shuffle, swap, limits):
-        self.document, self.configuration, self.swap, self.limits = document, configuration, swap, limits
+    def __init__(self, document, configuration, shuffle, limits):
+        self.document, self.configuration, self.limits = document, configuration, limits
         self.random = None if shuffle is None else random.Random(shuffle)
 
     def write(self):
@@ -41,40 +39,31 @@ class _Writer:
         written["fullConfiguration"] = settings.text_of(values) if values else self.configuration
         return {
             "rootAssembly": written,
-            "subAssemblies": self._shuffled(
-                [self._assembly(assembly, configuration) for assembly, configuration in self._subassemblies()]
-            ),
-            "parts": self._shuffled([self._part(part, setting) for part, setting in self._parts()]),
+            "subAssemblies": self._shuffled([self._assembly(*used) for used in self._used(False)]),
+            "parts": self._shuffled([self._part(*used) for used in self._used(True)]),
             "partStudioFeatures": [],
         }
 
-    def _places(self):
-        return [place.instance for place in self.document.truth.places.values()]
-
-    def _subassemblies(self):
-        used = {
-            (i.source.element, i.configuration): (i.source, i.configuration)
-            for i in self._places()
-            if not i.is_part
-        }
-        return list(used.values())
-
-    def _parts(self):
-        used = {
-            (i.source.studio.element, i.source.id, i.configuration): (i.source, i.configuration)
-            for i in self._places()
-            if i.is_part
-        }
+    def _used(self, parts):
+        """[(source, configuration)] of the parts, or of the sub-assemblies, in use: each once."""
+        used = {}
+        for place in self.document.truth.places.values():
+            instance = place.instance
+            if instance.is_part == parts:
+                source, setting = instance.source, instance.configuration
+                key = (source.studio.element, source.id, setting) if parts else (source.element, setting)
+                used[key] = source, setting
         return list(used.values())
 
     def _assembly(self, assembly, configuration):
-        patterns = assembly.patterns
+        patterns = [_pattern(pattern) for pattern in assembly.patterns if pattern.type != "MIRROR"]
+        mirrors = [_mirror(pattern) for pattern in assembly.patterns if pattern.type == "MIRROR"]
         return {
             **_address(assembly, configuration),
             "instances": self._shuffled([self._instance(instance) for instance in assembly.instances]),
             "features": self._shuffled([self._feature(feature) for feature in assembly.features]),
-            "patterns": self._shuffled([_pattern(one) for one in patterns if one.type != "MIRROR"]),
-            "parametricInstances": self._shuffled([_mirror(one) for one in patterns if one.type == "MIRROR"]),
+            "patterns": self._shuffled(patterns),
+            "parametricInstances": self._shuffled(mirrors),
         }
 
     @staticmethod
@@ -114,44 +103,29 @@ class _Writer:
         return {"id": feature.id, "featureType": kind, "suppressed": suppressed, "featureData": data}
 
     def _mate(self, mate):
-        entities, limits = mate.entities, bounds(mate.type, mate.limits)
-        if mate.name in self.swap:
-            if mate.type not in SWAPPABLE:
-                msg = f"{mate.name!r}, a {mate.type}, is another mate with its entities swapped"
-                raise ValueError(msg)
-            entities = entities[::-1]
-            if mate.type != "BALL":  # a cone is the same from either side
-                limits = [[None if end is None else -end for end in pair[::-1]] for pair in limits]
+        limits = bounds(mate.type, mate.limits)
         made = {
             "mateType": mate.type,
+            "matedEntities": [],
             "mateLimits": {
                 name: float(end)
                 for freedom, pair in zip(FREEDOMS[mate.type], limits, strict=True)
                 for name, end in zip(freedom.limit_names, pair, strict=True)
                 if end is not None
             },
-            "matedEntities": [
-                {
-                    "matedOccurrence": list(occurrence.path),
-                    "matedCS": _axes(frame),
-                    "mateConnectorCS": _axes(frame),
-                }
-                for occurrence, frame in entities[: 1 if mate.broken else 2]
-            ],
         }
+        for occurrence, frame in mate.entities[: 1 if mate.broken else 2]:
+            entity = {"matedOccurrence": list(occurrence.path), "matedCS": _axes(frame)}
+            made["matedEntities"].append(entity | ({"mateConnectorCS": _axes(frame)} if self.limits else {}))
         if not self.limits:
             del made["mateLimits"]
-            for entity in made["matedEntities"]:
-                del entity["mateConnectorCS"]
         return made
 
     def _relation(self, relation):
-        # Both coordinates of one swapped mate change sign, so that a screw stays what it is.
-        swapped = len(relation.mates) == 2 and sum(mate.name in self.swap for _, mate in relation.mates) == 1
         return {
             "relationType": relation.type,
             "relationLength" if relation.by_length else "relationRatio": float(relation.amount),
-            "reverseDirection": relation.reverse != swapped,
+            "reverseDirection": relation.reverse,
             "mates": [
                 {"featureId": mate.id, "occurrence": list(owner.path)} for owner, mate in relation.mates
             ],

@@ -103,11 +103,11 @@ class Document(Home):
         """A copy with another table in one variable studio; `driven(document, expressions)` changes what
         depends on it."""
         after = self.edited()
-        studio = next(one for one in after.variable_studios if one.element == element)
+        studio = next(tab for tab in after.variable_studios if tab.element == element)
         studio.table = dict(table)
         after.tabs[element] = ids.hex_id(after.microversion, element)
         if after.driven is not None:
-            rows = [row for one in after.variable_studios for row in one.table.items()]
+            rows = [row for tab in after.variable_studios for row in tab.table.items()]
             after.driven(after, {name: expression for name, (_, expression) in rows})
             after.changed()
         return after

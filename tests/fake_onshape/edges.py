@@ -6,21 +6,10 @@ from functools import cached_property
 
 import numpy as np
 
+from tests.fake_onshape import mates
 from tests.fake_onshape.elements import Instance
 from tests.fake_onshape.frames import inverse, product
-from tests.fake_onshape.mates import (
-    FREEDOMS,
-    MIRROR,
-    OPEN,
-    bounds,
-    dof_names,
-    dof_of,
-    in_the_mirror,
-    measured,
-    misfit,
-    motion,
-    split,
-)
+from tests.fake_onshape.mates import FREEDOMS, MIRROR, OPEN, bounds, dof_names, dof_of, motion, split
 
 Path = tuple[str, ...]
 
@@ -87,7 +76,7 @@ class Edge:
     @property
     def keys(self):
         """All that it is found by: with "" for no copy; a copy between two copied instances by either."""
-        return [self.key, *((self.owner, self.feature, one) for one in self.onto or ("",))]
+        return [self.key, *((self.owner, self.feature, path) for path in self.onto or ("",))]
 
     @property
     def moves(self):
@@ -98,9 +87,8 @@ class Edge:
         """In the mate's own order: slides, then the turn."""
         made = []
         values, limits = split(self.type, self.value), bounds(self.type, self.limits)
-        for freedom, name, value, pair in zip(
-            FREEDOMS[self.type], dof_names(self.type, self.name), values, limits, strict=True
-        ):
+        names = dof_names(self.type, self.name)
+        for freedom, name, value, pair in zip(FREEDOMS[self.type], names, values, limits, strict=True):
             axis = np.eye(3)[freedom.axis] * (freedom.kind != "ball")
             backwards = self.mirrored and freedom.kind == "slide" and freedom.axis == 2
             made.append(Dof(name, freedom.kind, -axis if backwards else axis, value, pair))
@@ -113,11 +101,11 @@ class Edge:
 
     def value_at(self, poses):
         """The value that poses of all occurrences give it."""
-        return measured(self.type, self._apart(poses), self.mirrored)
+        return mates.measured(self.type, self._apart(poses), self.mirrored)
 
     def error(self, poses):
         """How far it is from met: (3,) rad and (3,) m, without its own freedom."""
-        return misfit(self.type, self._apart(poses))
+        return mates.misfit(self.type, self._apart(poses))
 
     def _apart(self, poses):
         there = {(): np.eye(4), **poses}
@@ -125,13 +113,8 @@ class Edge:
 
     def proper(self, first_mirrored, second_mirrored):
         """The same with proper frames; ValueError where only one of the two is left-handed."""
-        handed = [
-            mirrored != (np.linalg.det(frame[:3, :3]) < 0)
-            for mirrored, frame in (
-                (first_mirrored, self.first_frame),
-                (second_mirrored, self.second_frame),
-            )
-        ]
+        sides = ((first_mirrored, self.first_frame), (second_mirrored, self.second_frame))
+        handed = [mirrored != (np.linalg.det(frame[:3, :3]) < 0) for mirrored, frame in sides]
         if handed[0] != handed[1]:
             msg = f"{self.name!r} joins a left-handed frame to a right-handed one"
             raise ValueError(msg)
@@ -141,7 +124,7 @@ class Edge:
             self,
             first_frame=product(self.first_frame, MIRROR),
             second_frame=product(self.second_frame, MIRROR),
-            value=in_the_mirror(self.type, self.value),
+            value=mates.in_the_mirror(self.type, self.value),
             mirrored=not self.mirrored,
         )
 
@@ -173,14 +156,13 @@ def coupling(name, relation, words):
     return Coupling(name, driver, follower, k if relation.reverse else -k, relation.offset)
 
 
-def _pinion_first(mates):
+def _pinion_first(pair_of_mates):
     """(turn, slide) or (slide, turn): what the two mates of a rack and pinion contribute."""
-    first, second = ({freedom.kind for freedom in FREEDOMS[mate.type]} for _, mate in mates)
-    kinds = [
-        pair for pair in (("turn", "slide"), ("slide", "turn")) if pair[0] in first and pair[1] in second
-    ]
+    first, second = ({freedom.kind for freedom in FREEDOMS[mate.type]} for _, mate in pair_of_mates)
+    orders = (("turn", "slide"), ("slide", "turn"))
+    kinds = [pair for pair in orders if pair[0] in first and pair[1] in second]
     if len(kinds) != 1:
-        msg = f"a rack and pinion needs a turn and a slide: {[mate.name for _, mate in mates]}"
+        msg = f"a rack and pinion needs a turn and a slide: {[mate.name for _, mate in pair_of_mates]}"
         raise ValueError(msg)
     return kinds[0]
 

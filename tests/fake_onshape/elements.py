@@ -122,7 +122,7 @@ class Studio:
     def image(self, part, reflection):
         """The part that is the mirror image of another, by a reflection (4, 4) of this studio."""
         solid = part.solid.reflected(reflection)
-        name = f"{part.name} mirrored {sum(one.name.startswith(part.name) for one in self.parts)}"
+        name = f"{part.name} mirrored {sum(candidate.name.startswith(part.name) for candidate in self.parts)}"
         return self.part(name, solid, part.density, part.colour, part.face_colours, part.mass)
 
     def part(self, name, solid, density=None, colour=GREY, face_colours=None, mass=None, id=None):  # noqa: A002
@@ -136,19 +136,17 @@ class Studio:
 
 
 class Instance:
-    """One use of a part or an assembly inside an assembly.
+    """A use of a part or an assembly inside an assembly.
 
     `image_from_seed` (4, 4): of a copy made of a mirror-image part, the reflection from the seed's part.
     """
 
-    def __init__(
-        self, owner, source, name, *, fixed, hidden, suppressed, pose, configuration, mirrored=False
-    ):
+    def __init__(self, owner, source, name, *, fixed, hidden, suppressed, pose, configuration):
         self.owner, self.source, self.name = owner, source, name
         self.id = ids.node_id(owner.element, name)
         self.fixed, self.hidden, self.suppressed = fixed, hidden, suppressed
         self.pose = np.eye(4) if pose is None else np.asarray(pose, float)
-        self.configuration, self.mirrored = configuration, mirrored
+        self.configuration, self.mirrored = configuration, False
         self.image_from_seed = np.eye(4)
 
     @property

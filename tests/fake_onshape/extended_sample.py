@@ -16,10 +16,10 @@ def extended_sample():
     plain = studio.part("Plain", solids.box(0.1, 0.2, 0.3), density=None)
     heavy = studio.part("Heavy", solids.box(0.1, 0.1, 0.1), density=1000, mass=5.0)
     heavy.connector("Eye", frame((0, 0, 0.05)))
-    one = made.root.add(plain, pose=frame((1, 0, 0)), hidden=True)
-    two = made.root.add(heavy)
+    plain_path = made.root.add(plain, pose=frame((1, 0, 0)), hidden=True)
+    heavy_path = made.root.add(heavy)
     made.root.add(heavy, suppressed=True)
-    made.root.group("Together", [(one, frame()), (two, frame((0, 0, 1)))])
+    made.root.group("Together", [(plain_path, frame()), (heavy_path, frame((0, 0, 1)))])
     return made
 
 
@@ -27,9 +27,7 @@ def ask(document, endpoint, element, **query):
     path = PATHS[endpoint].format(
         did=document.id, wvm="m", wvmid=document.microversion, wv="w", wvid=document.workspace, eid=element
     )
-    reply = Replies(document, colours=query.pop("colours", "base64")).answer(
-        path, urlencode(query, doseq=True)
-    )
+    reply = Replies(document).answer(path, urlencode(query, doseq=True))
     assert reply.status == 200, reply.body
     return json.loads(reply.body)
 

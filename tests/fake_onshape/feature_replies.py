@@ -29,7 +29,9 @@ def features(assembly, *, old):
     return {
         **({} if old else {"btType": "BTAssemblyFeatureListResponse-1174"}),
         "features": made,
-        "featureStates": [{"key": one, "value": state} for one in ids] if old else dict.fromkeys(ids, state),
+        "featureStates": [{"key": feature, "value": state} for feature in ids]
+        if old
+        else dict.fromkeys(ids, state),
         "isComplete": True,
         "serializationVersion": "1.2.12",
         "sourceMicroversion": assembly.home.microversion,

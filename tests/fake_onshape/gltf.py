@@ -72,16 +72,8 @@ def _accessor(data, buffer, array, component, kind, target, **bounds):
     view = {"buffer": 0, "byteOffset": len(buffer), "byteLength": array.nbytes, "target": target}
     buffer += array.tobytes()
     data["bufferViews"].append(view)
-    count = array.size if kind == "SCALAR" else len(array)
-    data["accessors"].append(
-        {
-            "bufferView": len(data["bufferViews"]) - 1,
-            "componentType": component,
-            "count": count,
-            "type": kind,
-            **bounds,
-        }
-    )
+    record = {"bufferView": len(data["bufferViews"]) - 1, "componentType": component, "type": kind}
+    data["accessors"].append(record | {"count": array.size if kind == "SCALAR" else len(array)} | bounds)
     return len(data["accessors"]) - 1
 
 

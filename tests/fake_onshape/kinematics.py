@@ -43,9 +43,9 @@ class Tree:
         self._index()
         # What is inside a copied sub-assembly must be there before the copy is; what holds a copied
         # sub-assembly must be there before what it holds inside is copied.
-        for owner, pattern in sorted(self.patterns, key=lambda one: -len(one[0])):
+        for owner, pattern in sorted(self.patterns, key=lambda entry: -len(entry[0])):
             self._copy(owner, pattern, owner)
-        for owner, pattern in sorted(self.patterns, key=lambda one: len(one[0])):
+        for owner, pattern in sorted(self.patterns, key=lambda entry: len(entry[0])):
             level = level_of(self, owner, pattern)
             if level != owner:
                 self._copy(owner, pattern, level)
@@ -68,15 +68,15 @@ class Tree:
         values = {dof.name: dof.value for dof in self.dofs}
         for key, value in (q or {}).items():
             edge = None if key in values else self.joint(key)
-            given = {key: value} if edge is None else self.by_dof(edge, value)
-            for name, one in given.items():
-                values[name] = tuple(one) if np.ndim(one) else float(one)
+            coordinates = {key: value} if edge is None else self.by_dof(edge, value)
+            for name, number in coordinates.items():
+                values[name] = tuple(number) if np.ndim(number) else float(number)
         return values
 
     @staticmethod
     def by_dof(edge, value):
         """{name of dof: value} of one edge."""
-        return {dof.name: one for dof, one in zip(edge.dofs, split(edge.type, value), strict=True)}
+        return {dof.name: number for dof, number in zip(edge.dofs, split(edge.type, value), strict=True)}
 
     def poses(self, q=None, root=None):
         """{occurrence path: (4, 4) world pose} at joint values `q`.
@@ -158,8 +158,8 @@ class Tree:
             if isinstance(feature, Mate) and not (feature.suppressed or feature.broken):
                 self._mate(name, owner, feature)
             elif isinstance(feature, Group):
-                (lead, lead_pose), *others = feature.members
-                for member, pose in others:
+                (lead, lead_pose), *rest = feature.members
+                for member, pose in rest:
                     ends = owner + member.path, owner + lead.path
                     self._weld(name, owner, *ends, product(inverse(lead_pose), pose), feature.id)
             elif isinstance(feature, Relation):
@@ -184,9 +184,8 @@ class Tree:
         self._placed |= copied_poses(self, owner, pattern)
         for edge, redundant in copy_edges(self, owner, pattern, level):
             if not edge.moves and not (edge.closing or redundant):
-                find = weld_leaders(
-                    self.places, [one for one in self.edges if not (one.moves or one.closing)]
-                )
+                rigid = [held for held in self.edges if not (held.moves or held.closing)]
+                find = weld_leaders(self.places, rigid)
                 if find(edge.first) == find(edge.second):
                     continue  # a group's lead: its members hold together without it
             self._add(edge, redundant)
@@ -221,17 +220,14 @@ class Tree:
 
     def _head_pose(self, head, poses):
         pose = self._placed.get(head)
-        return product(
-            poses.get(head[:-1], np.eye(4)), self.places[head].instance.pose if pose is None else pose
-        )
+        pose = self.places[head].instance.pose if pose is None else pose
+        return product(poses.get(head[:-1], np.eye(4)), pose)
 
     def _check_tree(self):
         leader: dict[Path, Path] = {path: path for path in [(), *self.places]}
-        for edge in self.edges:
-            if edge.closing:
-                continue
-            one, two = find_leader(leader, edge.first), find_leader(leader, edge.second)
-            if one == two:
+        for edge in (edge for edge in self.edges if not edge.closing):
+            first_leader, second_leader = find_leader(leader, edge.first), find_leader(leader, edge.second)
+            if first_leader == second_leader:
                 msg = f"{edge.name!r} closes a loop: give it closing=True"
                 raise ValueError(msg)
-            leader[one] = two
+            leader[first_leader] = second_leader

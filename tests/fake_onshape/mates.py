@@ -34,11 +34,9 @@ class Freedom:
     @property
     def limit_names(self):
         """Onshape's names of the least and the greatest value."""
-        return (
-            (None, "limitEulerConeAngleMax")
-            if self.kind == "ball"
-            else tuple(f"limit{self.side}{end}" for end in ("Min", "Max"))
-        )
+        if self.kind == "ball":
+            return None, "limitEulerConeAngleMax"
+        return f"limit{self.side}Min", f"limit{self.side}Max"
 
 
 _TURN = Freedom("turn", 2, "AxialZ", "_turn")
@@ -56,8 +54,6 @@ FREEDOMS = {
     "PARALLEL": (_X, _Y, _Z, _TURN),
     "BALL": (Freedom("ball", 2, "", ""),),
 }
-SWAPPABLE = ("FASTENED", "REVOLUTE", "SLIDER", "CYLINDRICAL", "BALL")
-"""What is the same mate with its entities changed about, at the value inverted."""
 
 
 def dof_names(kind, name):
@@ -68,15 +64,12 @@ def dof_names(kind, name):
 
 def dof_of(kind, name, wanted):
     """The name of the one `wanted` (turn or slide) of a mate; ValueError unless there is just one."""
-    found = [
-        dof
-        for dof, freedom in zip(dof_names(kind, name), FREEDOMS[kind], strict=True)
-        if freedom.kind == wanted
-    ]
-    if len(found) != 1:
-        msg = f"{name!r}, a {kind}, has {len(found)} freedoms of the kind {wanted}"
+    pairs = zip(dof_names(kind, name), FREEDOMS[kind], strict=True)
+    freedoms = [dof for dof, freedom in pairs if freedom.kind == wanted]
+    if len(freedoms) != 1:
+        msg = f"{name!r}, a {kind}, has {len(freedoms)} freedoms of the kind {wanted}"
         raise ValueError(msg)
-    return found[0]
+    return freedoms[0]
 
 
 def split(kind, value):
@@ -95,11 +88,6 @@ def bounds(kind, limits):
     if count < 2:
         return (tuple(limits),) * count
     return (OPEN,) * count if tuple(limits) == OPEN else tuple(tuple(pair) for pair in limits)
-
-
-def at_rest(kind):
-    """The value at which the two frames coincide."""
-    return REST if kind == "BALL" else joined(kind, (0.0,) * len(FREEDOMS[kind]))
 
 
 def motion(kind, value, mirrored=False):
@@ -153,7 +141,7 @@ def rotation(quat):
 
 def quaternion(matrix):
     """The unit quaternion (w, x, y, z), w ≥ 0, of a rotation (3, 3)."""
-    return tuple(float(one) for one in np.roll(Rotation.from_matrix(matrix).as_quat(canonical=True), 1))
+    return tuple(float(number) for number in np.roll(Rotation.from_matrix(matrix).as_quat(canonical=True), 1))
 
 
 def in_the_mirror(kind, value):

@@ -101,8 +101,8 @@ def triangulate(outline, holes=()):
         waiting.append(list(range(first, first + len(hole)))[::-1])
         first += len(hole)
     for hole in sorted(waiting, key=lambda indices: -max(points[indices][:, 0])):
-        others = [ring, *[other for other in waiting if other is not hole], hole]
-        at, via = _bridge(points, ring, hole, others)
+        obstacles = [ring, *[other for other in waiting if other is not hole], hole]
+        at, via = _bridge(points, ring, hole, obstacles)
         ring = ring[: at + 1] + hole[via:] + hole[: via + 1] + ring[at:]
     return _clip_ears(points, ring)
 
@@ -131,9 +131,9 @@ def _crosses(points, a, b, ring):
             r[..., 0] - p[..., 0]
         )
 
-    one = sides(a, b, start) * sides(a, b, end) < -1e-24
-    two = sides(start, end, a) * sides(start, end, b) < -1e-24
-    return bool(np.any(one & two))
+    across_first = sides(a, b, start) * sides(a, b, end) < -1e-24
+    across_second = sides(start, end, a) * sides(start, end, b) < -1e-24
+    return bool(np.any(across_first & across_second))
 
 
 def _clip_ears(points, ring):
@@ -154,12 +154,14 @@ def _is_ear(points, ring, place):
     a, b, c = (points[ring[k]] for k in (place - 1, place, (place + 1) % len(ring)))
     if _cross(a, b, c) <= 1e-16:
         return False
-    others = points[ring]
+    ring_points = points[ring]
     same = np.zeros(len(ring), bool)
     for corner in (a, b, c):
-        same |= np.all(others == corner, axis=1)
+        same |= np.all(ring_points == corner, axis=1)
     inside = np.ones(len(ring), bool)
     for start, end in ((a, b), (b, c), (c, a)):
         edge = end - start
-        inside &= edge[0] * (others[:, 1] - start[1]) - edge[1] * (others[:, 0] - start[0]) >= -1e-16
+        inside &= (
+            edge[0] * (ring_points[:, 1] - start[1]) - edge[1] * (ring_points[:, 0] - start[0]) >= -1e-16
+        )
     return not np.any(inside & ~same)

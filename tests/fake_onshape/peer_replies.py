@@ -66,7 +66,7 @@ class PeerReplies:
     def _features(self, names, query):
         assembly = self.replies.element(names, query, Assembly)
         kinds = {Mate: _mate, Relation: _relation}
-        features = [kinds[type(one)](one) for one in assembly.features if type(one) in kinds]
+        features = [kinds[type(feature)](feature) for feature in assembly.features if type(feature) in kinds]
         return {"features": features, "featureStates": [], "isComplete": True}
 
     def _matevalues(self, names, query):
@@ -75,11 +75,15 @@ class PeerReplies:
             raise RefusedError(400, "Mate values are of a workspace or a version.")
         saved = self.document.truth.saved
         axes = {"REVOLUTE": "rotationZ", "SLIDER": "translationZ"}
+        mates = [mate for mate in assembly.features if isinstance(mate, Mate) and mate.type in axes]
         return {
             "mateValues": [
-                {"featureId": one.id, "mateName": one.name, axes[one.type]: saved.get(one.name, one.value)}
-                for one in assembly.features
-                if isinstance(one, Mate) and one.type in axes
+                {
+                    "featureId": mate.id,
+                    "mateName": mate.name,
+                    axes[mate.type]: saved.get(mate.name, mate.value),
+                }
+                for mate in mates
             ]
         }
 
@@ -102,10 +106,7 @@ class PeerReplies:
         return {
             "jsonType": "metadata-part",
             "partId": part.id,
-            "properties": [
-                {"name": "Name", "value": part.name},
-                {"name": "Appearance", "value": appearance},
-            ],
+            "properties": [{"name": "Name", "value": part.name}, {"name": "Appearance", "value": appearance}],
         }
 
     def _part_massproperties(self, names, query):
@@ -128,10 +129,8 @@ def _mate(mate):
         unit = "m" if freedom.kind == "slide" else "rad"
         for name, end in zip(freedom.limit_names, pair, strict=True):
             if name is not None:
-                text = "" if end is None else f"{end!r} {unit}"
-                parameters.append(
-                    _parameter("BTMParameterNullableQuantity", parameterId=name, expression=text)
-                )
+                limit = {"parameterId": name, "expression": "" if end is None else f"{end!r} {unit}"}
+                parameters.append(_parameter("BTMParameterNullableQuantity", **limit))
     return _feature("BTMMate", mate, "mate", parameters)
 
 

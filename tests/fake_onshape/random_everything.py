@@ -1,4 +1,4 @@
-"""Random documents with all that an assembly can hold.
+"""Random documents, plain ones and those with all that an assembly can hold.
 
 Mates of every type, some reversed, some drawn twice, some to an assembly's origin; mate groups; patterns
 and mirrors of parts and of sub-assemblies, some of parts that only the assembly around them holds;
@@ -17,6 +17,7 @@ from tests.fake_onshape.frames import frame, inverse, product
 from tests.fake_onshape.mates import FREEDOMS, OPEN, joined, motion, split
 from tests.fake_onshape.random_document import Author, touching
 
+PLAIN = ("REVOLUTE", "REVOLUTE", "SLIDER")
 MOVING = ("REVOLUTE", "SLIDER", "CYLINDRICAL", "BALL", "PLANAR", "PIN_SLOT", "PARALLEL")
 DOUBLED = ("REVOLUTE", "SLIDER", "CYLINDRICAL")
 """Types of mates that can be drawn a second time."""
@@ -57,8 +58,14 @@ class _Made:
 class Everything(Author):
     """Draws one document; see `random_document.documents`."""
 
+    def __init__(self, draw, max_bodies, depth, everything):
+        super().__init__(draw, max_bodies, depth)
+        self.everything, self.must_move, self.moved = everything, False, False
+
     def write(self, gears, loops, fixed):
         ways = {True: ["fixed"], False: ["free", "origin"], None: ["fixed", "free", "origin", "held"]}[fixed]
+        if not self.everything:
+            ways = [way for way in ways if way in ("fixed", "free")]
         made = self._build("Robot", self.depth, self.draw(st.sampled_from(ways), label="base"))
         self.document.root, whole = made.assembly, made.whole
         for owner, mate in whole.mates:
@@ -85,6 +92,7 @@ class Everything(Author):
             pose = None if index else self._frame()
             nodes.append(self._add(assembly, source, fixed=held, pose=pose))
             if index:
+                self.must_move = depth == self.depth and index == len(sources) - 1
                 self._hang(assembly, nodes, onto_origin=not base or base in ("fixed", "origin"))
             for inside in getattr(source, "loose", ()):
                 node = nodes[-1]
@@ -97,8 +105,8 @@ class Everything(Author):
             assembly.fix(self.draw(st.sampled_from(everything), label="held"))
         if not base:
             self._carry(assembly, nodes)
-        copies = self._copies(assembly, nodes)
-        loose = [] if base else self._loose(assembly)
+        copies = self._copies(assembly, nodes) if self.everything else []
+        loose = [] if base or not self.everything else self._loose(assembly)
         whole = _Node(
             ORIGIN,
             [part for node in nodes for part in node.parts],
@@ -113,7 +121,8 @@ class Everything(Author):
     def _carry(self, assembly, nodes):
         """Say what carries a sub-assembly's frame; where mates need to know, by fastening it there."""
         at, pose = self._frame(), self._frame()
-        ends = [entity for one in assembly.features if isinstance(one, Mate) for entity in one.entities]
+        mates = (feature for feature in assembly.features if isinstance(feature, Mate))
+        ends = [entity for mate in mates for entity in mate.entities]
         if any(not occurrence.path for occurrence, _ in ends):
             assembly.ground(nodes[0].at, pose)
             carried = (nodes[0].at, at), (ORIGIN, product(pose, at))
@@ -125,7 +134,13 @@ class Everything(Author):
     def _source(self, depth):
         """A part, one of the assemblies made so far, or a new one."""
         if depth > 1 and self.draw(st.booleans(), label="nested"):
-            fits = [made for made in self.made if made.size <= self.parts_left and made.levels < depth]
+            fits = [
+                made
+                for made in self.made
+                if made.size <= self.parts_left
+                and made.levels < depth
+                and (self.everything or len(made.whole.mates) <= self.joints_left)
+            ]
             if fits and self.draw(st.booleans(), label="again"):
                 made = self.draw(st.sampled_from(fits), label="which")
                 self.parts_left -= made.size
@@ -166,21 +181,24 @@ class Everything(Author):
     def _hang(self, assembly, nodes, onto_origin):
         """Hang the last node on one of those before it, or on the assembly's origin."""
         node = nodes[-1]
-        name, one = f"Mate {len(nodes) - 1}", self.draw(st.sampled_from(node.parts), label="one")
-        if onto_origin and self.rng.random() < 0.15:
-            self._join(assembly, name, node, one, ORIGIN)
+        name, part = f"Mate {len(nodes) - 1}", self.draw(st.sampled_from(node.parts), label="one")
+        if onto_origin and self.everything and self.rng.random() < 0.15:
+            self._join(assembly, name, node, part, ORIGIN)
             return
         node.host = self.draw(st.sampled_from(nodes[:-1]), label="host")
         onto = self.draw(st.sampled_from(node.host.parts), label="onto")
-        self._join(assembly, name, node, one, onto)
+        self._join(assembly, name, node, part, onto)
 
-    def _join(self, assembly, name, node, one, onto):
-        kinds = [*(MOVING if self.joints_left > 0 else ()), "FASTENED", *(["GROUP"] if onto.path else [])]
+    def _join(self, assembly, name, node, part, onto):
+        moving = (MOVING if self.everything else PLAIN) if self.joints_left > 0 else ()
+        kinds = [*moving, "FASTENED", *(["GROUP"] if onto.path and self.everything else [])]
+        if moving and not self.everything and self.must_move and not self.moved:
+            kinds = moving
         kind = self.draw(st.sampled_from(kinds), label="kind")
         if kind == "GROUP":
-            assembly.group(name, [(onto, np.eye(4)), (one, self._frame())])
+            assembly.group(name, [(onto, np.eye(4)), (part, self._frame())])
             return
-        ends = [(one, self._frame()), (onto, self._frame())]
+        ends = [(part, self._frame()), (onto, self._frame())]
         if self.draw(st.booleans(), label="reversed"):
             ends.reverse()
         if kind == "FASTENED":
@@ -188,8 +206,9 @@ class Everything(Author):
             return
         mate = getattr(assembly, kind.lower())(name, *ends, limits=self._bounds(kind))
         self.joints_left -= 1
+        self.moved = True
         node.mates.append((ORIGIN, mate))
-        if kind in DOUBLED and self.rng.random() < 0.2:
+        if self.everything and kind in DOUBLED and self.rng.random() < 0.2:
             # Anywhere along the common axis; turned about both ways, as a second author would draw it.
             along = frame((0, 0, float(self.rng.uniform(-0.2, 0.2))))
             again = [(occurrence, product(at, along)) for occurrence, at in ends]
@@ -205,7 +224,7 @@ class Everything(Author):
             seeds = [node for node in nodes if _hangs_on(node, seed)]
             size = sum(len(node.parts) for node in seeds)
             # What carries copies is not copied itself: the one would have to be done before the other.
-            ids = {id(one) for one in seeds}
+            ids = {id(seed) for seed in seeds}
             nested = hosts & ids or id(seed.host) in copied_nodes
             if seed is nodes[0] or size > self.parts_left or nested:
                 continue
@@ -213,7 +232,7 @@ class Everything(Author):
             copied_nodes |= ids
             self.parts_left -= size
             if self.draw(st.booleans(), label="mirror"):
-                images = self._mirror(assembly, f"Mirror {index + 1}", [one.at for one in seeds])
+                images = self._mirror(assembly, f"Mirror {index + 1}", [seed.at for seed in seeds])
                 copied = [(image,) for image in images]
             else:
                 circular = self.draw(st.booleans(), label="circular")
@@ -224,18 +243,15 @@ class Everything(Author):
                 moves = [moved, product(moved, moved)][:count]
                 self.parts_left -= size * (count - 1)
                 kind = "CIRCULAR" if circular else "LINEAR"
-                copied = assembly.pattern(f"Pattern {index + 1}", [one.at for one in seeds], moves, kind)
-            made += [self._copy(one, at) for one, ats in zip(seeds, copied, strict=True) for at in ats]
+                copied = assembly.pattern(f"Pattern {index + 1}", [seed.at for seed in seeds], moves, kind)
+            made += [self._copy(seed, at) for seed, ats in zip(seeds, copied, strict=True) for at in ats]
         return made
 
     @staticmethod
     def _copy(seed, at):
         """The copy of a node: what moves inside it has the values that it has in the seed."""
-        inside = [
-            (owner, mate)
-            for owner, mate in [*seed.mates, *((copy, mate) for _, copy, mate in seed.twins)]
-            if owner.instances
-        ]
+        mates = [*seed.mates, *((copy, mate) for _, copy, mate in seed.twins)]
+        inside = [(owner, mate) for owner, mate in mates if owner.instances]
         parts = [at / _tail(part) for part in seed.parts]
         return _Node(at, parts, twins=[(owner, at / _tail(owner), mate) for owner, mate in inside])
 
@@ -243,9 +259,13 @@ class Everything(Author):
         """Up to four relations: what follows has not been related before; what drives it may have."""
         related = set()  # (place of a mate among `mates`, index of its freedom)
         for index in range(self.draw(st.integers(0, 4), label="relations")):
-            kinds = ("GEAR", "LINEAR", "RACK_AND_PINION", "SCREW")
+            kinds = ("GEAR", "LINEAR", "RACK_AND_PINION", "SCREW")[: None if self.everything else 1]
             kind = self.draw(st.sampled_from(kinds), label="relation")
-            pairs = [pair for pair in _pairs(kind, mates) if pair[1] not in related]
+            pairs = [
+                (driver, follower)
+                for driver, follower in _pairs(kind, mates)
+                if follower not in related and (self.everything or driver not in related)
+            ]
             if not pairs:
                 continue
             driver, follower = self.draw(st.sampled_from(pairs), label="pair")
@@ -265,7 +285,9 @@ class Everything(Author):
             k = amount / math.tau if turns else math.tau / amount
         drawn = (k if reverse else -k) * at
         # As it is drawn, the other way round, or anywhere: the sign is the same in all three.
-        saved = [drawn, -drawn, self._get(second, follower[1])][self.rng.choice(3, p=(0.6, 0.2, 0.2))]
+        saved = drawn
+        if self.everything:
+            saved = [drawn, -drawn, self._get(second, follower[1])][self.rng.choice(3, p=(0.6, 0.2, 0.2))]
         make = {"GEAR": root.gear, "LINEAR": root.linear, "RACK_AND_PINION": root.rack, "SCREW": root.screw}
         ends = (first,) if kind == "SCREW" else (first, second)
         make[kind](name, *ends, amount, reverse=reverse, offset=saved - drawn)
@@ -284,14 +306,17 @@ class Everything(Author):
     def _loops(self, occurrences):
         for index in range(self.draw(st.integers(1, 2), label="loops")):
             truth = self.document.truth
-            one, two = self.draw(st.tuples(*[st.sampled_from(occurrences)] * 2), label="loop")
-            if touching(truth, one.path, two.path):
+            first, second = self.draw(st.tuples(*[st.sampled_from(occurrences)] * 2), label="loop")
+            if touching(truth, first.path, second.path):
                 continue
-            kind = self.draw(st.sampled_from(["REVOLUTE", "BALL"]), label="closing")
+            kinds = ["REVOLUTE", "BALL"] if self.everything else ["REVOLUTE"]
+            kind = self.draw(st.sampled_from(kinds), label="closing")
             poses, at = truth.poses(), self._frame()
-            there = product(poses[two.path], at, motion(kind, self._value(kind)))
-            ends = (one, product(inverse(poses[one.path]), there)), (two, at)
-            getattr(self.document.root, kind.lower())(f"Closing {index + 1}", *ends, closing=True)
+            there = product(poses[second.path], at, motion(kind, self._value(kind)))
+            ends = (first, product(inverse(poses[first.path]), there)), (second, at)
+            limits = {} if self.everything else {"limits": (-3.0, 3.0)}
+            close = getattr(self.document.root, kind.lower())
+            close(f"Closing {index + 1}", *ends, closing=True, **limits)
 
     def _value(self, kind):
         if kind == "BALL":
@@ -326,16 +351,16 @@ def _pairs(kind, mates):
     """((mate, freedom) of the driver, of the follower) that a relation of this kind can have, by places."""
     places = {"turn": [], "slide": []}
     for at, (_, mate) in enumerate(mates):
-        for wanted, found in places.items():
+        for wanted, spots in places.items():
             own = [i for i, freedom in enumerate(FREEDOMS[mate.type]) if freedom.kind == wanted]
-            found += [(at, own[0])] if len(own) == 1 else []
+            spots += [(at, own[0])] if len(own) == 1 else []
     if kind == "SCREW":
         cylinders = [at for at, (_, mate) in enumerate(mates) if mate.type == "CYLINDRICAL"]
         return [((at, 1), (at, 0)) for at in cylinders]
     if kind in ("GEAR", "LINEAR"):
         same = places["turn" if kind == "GEAR" else "slide"]
-        return [(one, two) for one in same for two in same if one[0] != two[0]]
+        return [(first, second) for first in same for second in same if first[0] != second[0]]
     # Of mates that leave both free, which one is the rack would not be said.
-    turns = [one for one in places["turn"] if mates[one[0]][1].type == "REVOLUTE"]
-    slides = [one for one in places["slide"] if mates[one[0]][1].type == "SLIDER"]
-    return [pair for one in turns for two in slides for pair in ((one, two), (two, one))]
+    turns = [place for place in places["turn"] if mates[place[0]][1].type == "REVOLUTE"]
+    slides = [place for place in places["slide"] if mates[place[0]][1].type == "SLIDER"]
+    return [pair for turn in turns for slide in slides for pair in ((turn, slide), (slide, turn))]

@@ -36,31 +36,24 @@ PATHS = {
     "currentmicroversion": "/documents/d/{did}/{wv}/{wvid}/currentmicroversion",
     "elements": "/documents/d/{did}/{wvm}/{wvmid}/elements",
 }
-_STUDIO = {"linkDocumentId", "configuration", "rollbackBarIndex", "elementMicroversionId", "partId"}
-QUERIES = {
-    "definition": {
-        *("linkDocumentId", "configuration", "explodedViewId", "includeMateFeatures", "includeNonSolids"),
-        *("includeMateConnectors", "excludeSuppressed"),
-    },
-    "massproperties": _STUDIO | {"massAsGroup", "useMassPropertyOverrides"},
-    "tessellatedfaces": _STUDIO
-    | {
-        *("angleTolerance", "chordTolerance", "precomputedLevelOfDetail", "faceId", "maxFacetWidth"),
-        *("outputFaceAppearances", "outputVertexNormals", "outputFacetNormals", "outputTextureCoordinates"),
-        *("outputIndexTable", "outputErrorFaces", "combineCompositePartConstituents"),
-    },
-    "gltf": _STUDIO
-    | {
-        *("angleTolerance", "chordTolerance", "precomputedLevelOfDetail", "faceId", "maxFacetWidth"),
-        *("outputFaceAppearances", "outputSeparateFaceNodes"),
-    },
-    "assemblymass": {"linkDocumentId", "configuration"},
-    "configuration": {"linkDocumentId"},
-    "features": {"linkDocumentId", "configuration", "explodedViewId", "featureId"},
-    "variables": {"linkDocumentId", "configuration", "includeValuesAndReferencedVariables"},
-    "currentmicroversion": set(),
-    "elements": {"linkDocumentId", "elementType", "elementId", "withThumbnails", "withZipContents"},
+_STUDIO = "linkDocumentId configuration rollbackBarIndex elementMicroversionId partId"
+_FACES = f"{_STUDIO} angleTolerance chordTolerance precomputedLevelOfDetail faceId maxFacetWidth"
+_FACES += " outputFaceAppearances"
+_QUERIES = {
+    "definition": "linkDocumentId configuration explodedViewId includeMateFeatures includeNonSolids"
+    " includeMateConnectors excludeSuppressed",
+    "massproperties": f"{_STUDIO} massAsGroup useMassPropertyOverrides",
+    "tessellatedfaces": f"{_FACES} outputVertexNormals outputFacetNormals outputTextureCoordinates"
+    " outputIndexTable outputErrorFaces combineCompositePartConstituents",
+    "gltf": f"{_FACES} outputSeparateFaceNodes",
+    "assemblymass": "linkDocumentId configuration",
+    "configuration": "linkDocumentId",
+    "features": "linkDocumentId configuration explodedViewId featureId",
+    "variables": "linkDocumentId configuration includeValuesAndReferencedVariables",
+    "currentmicroversion": "",
+    "elements": "linkDocumentId elementType elementId withThumbnails withZipContents",
 }
+QUERIES = {endpoint: frozenset(names.split()) for endpoint, names in _QUERIES.items()}
 _HEX = "[0-9a-f]{24}"
 _PATTERNS = {
     name: re.compile(
@@ -91,25 +84,13 @@ class RefusedError(Exception):
 
 
 class Replies:
-    """A document as Onshape would serve it. `shuffle`, `swap`: see `definition`; `colours`: see
-    `tessellated_faces`. The same request always has the same bytes. `earlier`: those before an edit,
-    which answer for the microversion that they had. `old`: lists of features in the old envelope.
-    `newest`: the newest version of the API that is known."""
+    """A document as Onshape would serve it. `shuffle`: see `definition`. The same request always has the
+    same bytes. `earlier`: those before an edit, which answer for the microversion that they had. `old`:
+    lists of features in the old envelope. `newest`: the newest version of the API that is known."""
 
-    def __init__(
-        self,
-        document: Document,
-        *,
-        shuffle=None,
-        swap=(),
-        newest=NEWEST,
-        old=False,
-        colours="base64",
-        earlier=None,
-    ):
-        self.document, self.colours, self.earlier, self.old = document, colours, earlier, old
-        self.newest = newest
-        self.options = {"shuffle": shuffle, "swap": swap}
+    def __init__(self, document: Document, *, shuffle=None, newest=NEWEST, old=False, earlier=None):
+        self.document, self.earlier, self.old = document, earlier, old
+        self.newest, self.shuffle = newest, shuffle
 
     def answer(self, path: str, query: str = "", api: int = NEWEST) -> Reply:
         """The reply to GET /api/v`api``path`?`query`."""
@@ -183,7 +164,7 @@ class Replies:
         configuration = dict(pairs).get("configuration") or "default"
         document = self.document.at(configuration)
         resolved = api >= RESOLVED
-        made = definition(document, configuration=configuration, limits=resolved, **self.options)
+        made = definition(document, configuration=configuration, limits=resolved, shuffle=self.shuffle)
         if not _flag(pairs, "includeMateFeatures", False):
             for part in [made["rootAssembly"], *made["subAssemblies"]]:
                 part["features"] = []
@@ -205,9 +186,7 @@ class Replies:
             parts,
             appearances=_flag(pairs, "outputFaceAppearances", False),
             facet_normals=_flag(pairs, "outputFacetNormals", True),
-            vertex_normals=_flag(pairs, "outputVertexNormals", False),
             index_table=_flag(pairs, "outputIndexTable", False),
-            colours=self.colours,
             combine=_flag(pairs, "combineCompositePartConstituents", False),
         )
 
@@ -219,11 +198,11 @@ class Replies:
         studio = self._element(self._home(names, pairs), names, Studio)
         studio = studio.at(dict(pairs).get("configuration") or "default")
         asked = [value for key, value in pairs if key == "partId"]
-        known = {part.id: part for part in studio.parts}
+        parts = {part.id: part for part in studio.parts}
         for part in asked:
-            if part not in known:
+            if part not in parts:
                 raise RefusedError(400, f"Part {part} does not exist.")
-        return studio, [known[part] for part in asked] if asked else studio.parts
+        return studio, [parts[part] for part in asked] if asked else studio.parts
 
     def _assemblymass(self, names, pairs):
         assembly = self._element(self._home(names, pairs), names, Assembly)
@@ -243,10 +222,10 @@ class Replies:
     def _variables(self, names, pairs):
         home = self._home(names, pairs)
         element = self._element(home, names, (Studio, Assembly, VariableStudio))
-        found = tables(home, element.element)
+        every = tables(home, element.element)
         if _flag(pairs, "includeValuesAndReferencedVariables", False):
-            return found
-        plain = [table for table in found if "variableStudioReference" not in table]
+            return every
+        plain = [table for table in every if "variableStudioReference" not in table]
         for record in (record for table in plain for record in table["variables"]):
             record["value"] = ""
         return plain
@@ -270,6 +249,12 @@ class Replies:
     def _elements(self, names, pairs):
         home = self._home(names, pairs)
         wanted = dict(pairs)
+        kinds = (
+            ("PARTSTUDIO", "Part Studio", home.studios),
+            ("ASSEMBLY", "Assembly", home.assemblies),
+            ("VARIABLESTUDIO", "Variable Studio", home.variable_studios),
+        )
+        units = {"lengthUnits": "meter", "angleUnits": "degree", "massUnits": "kilogram"}
         listed = [
             {
                 "id": element.element,
@@ -278,16 +263,10 @@ class Replies:
                 "type": words,
                 "dataType": f"onshape/{words.lower().replace(' ', '')}",
                 "microversionId": home.tab_microversion(element),
-                "lengthUnits": "meter",
-                "angleUnits": "degree",
-                "massUnits": "kilogram",
                 "deleted": False,
+                **units,
             }
-            for kind, words, elements in (
-                ("PARTSTUDIO", "Part Studio", home.studios),
-                ("ASSEMBLY", "Assembly", home.assemblies),
-                ("VARIABLESTUDIO", "Variable Studio", home.variable_studios),
-            )
+            for kind, words, elements in kinds
             for element in elements
         ]
         return [
@@ -304,9 +283,9 @@ def error_body(status, message):
 
 
 def _flag(pairs, name, default):
-    given = dict(pairs).get(name)
-    if given is None:
+    text = dict(pairs).get(name)
+    if text is None:
         return default
-    if given not in ("true", "false"):
+    if text not in ("true", "false"):
         raise RefusedError(400, f"{name} must be true or false.")
-    return given == "true"
+    return text == "true"

@@ -107,10 +107,12 @@ def _gripper(document):
     left, right = (gripper.add(finger, name=f"{side} finger") for side in ("Left", "Right"))
     for_left, for_right = pitch(), frame(x=(-1, 0, 0), z=(0, -1, 0))
     opening = (-0.145, 0.6)  # at -0.143 the tips of the pads meet
-    one = gripper.revolute("Left finger", (left / body, for_left), (palm, pitch(x, 0, z)), 0.22, opening)
+    opens = gripper.revolute("Left finger", (left / body, for_left), (palm, pitch(x, 0, z)), 0.22, opening)
     closing = (-opening[1], -opening[0])
-    two = gripper.revolute("Right finger", (right / body, for_right), (palm, pitch(-x, 0, z)), -0.22, closing)
-    gripper.gear("Finger gears", one, two, 1.0)
+    shuts = gripper.revolute(
+        "Right finger", (right / body, for_right), (palm, pitch(-x, 0, z)), -0.22, closing
+    )
+    gripper.gear("Finger gears", opens, shuts, 1.0)
     # The right wheel is turned by half a tooth, so that the teeth mesh.
     for name, side, at in (("Left", left, frame()), ("Right", right, half_tooth())):
         wheel = gripper.add(parts["Finger gear"])

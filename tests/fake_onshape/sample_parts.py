@@ -65,9 +65,8 @@ def arm_parts(studio):
     foot = [(-0.041, 0.010), (0.036, 0.010)]
     cheek = outlines.hull(_lug(0.021, a), _lug(0.013, b), foot)
     turret = solids.cylinder(0.056, 0.010, 0.0015, 48)
-    turret += slab(cheek, 0.028, 0.035, 0.001).named("left") + slab(cheek, -0.035, -0.028, 0.001).named(
-        "right"
-    )
+    turret += slab(cheek, 0.028, 0.035, 0.001).named("left")
+    turret += slab(cheek, -0.035, -0.028, 0.001).named("right")
     turret += pin(0.0055, -0.028, 0.028, a).named("shaft")
     turret += pin(0.0125, 0.035, 0.0375, a, 0.001, 32).named("cap") + pin(0.008, 0.035, 0.0365, b).named(
         "stud"

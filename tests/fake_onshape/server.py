@@ -133,14 +133,14 @@ class OnshapeServer:
             packed = self._packed[body] = gzip.compress(body, 1, mtime=0)
         return packed
 
-    def _decide(self, method, target, given, sent):
+    def _decide(self, method, target, received, sent):
         match = re.match(r"/api(?:/(v\d+))?(/[^?]*)\??(.*)$", target)
         if match is None:
             return 404, error_body(404, "Not found."), {}
         served = f"v{self.replies.version(int(match[1][1:]))}" if match[1] else "v0"
         headers = {"X-Api-Version": served, "On-Version": RELEASE}
         with self._lock:
-            refused = self._gate.refuses(method, target, given)
+            refused = self._gate.refuses(method, target, received)
         if refused:
             return 401, error_body(401, refused), headers
         if method == "POST":
@@ -153,12 +153,12 @@ class OnshapeServer:
             return 405, error_body(405, "Method not allowed."), headers
         with self._lock:
             key = (id(self.replies), target)
-            known = self._cache.get(key)
-            if known is None:
-                known = self._reply(match[1], match[2], match[3])
-                self._cache[key] = known
-        reply, own = known
-        if reply.endpoint == "gltf" and "model/gltf" not in given.get("Accept", ""):
+            kept = self._cache.get(key)
+            if kept is None:
+                kept = self._reply(match[1], match[2], match[3])
+                self._cache[key] = kept
+        reply, own = kept
+        if reply.endpoint == "gltf" and "model/gltf" not in received.get("Accept", ""):
             return 406, error_body(406, "Request not acceptable."), headers
         headers |= own
         left = WINDOW.get(reply.endpoint, 3000) - self._asked(reply.endpoint)
@@ -183,11 +183,8 @@ class OnshapeServer:
                 length = int(self.headers.get("Content-Length") or 0)
                 sent = self.rfile.read(length) if length else b""
                 status, body, own, fault = server.answer(self.command, self.path, self.headers, sent)
-                headers = {
-                    "X-Request-Id": ids.hex_id(self.path),
-                    "Content-Type": "application/json;charset=UTF-8",
-                    **own,
-                }
+                kind = {"Content-Type": "application/json;charset=UTF-8"}
+                headers = {"X-Request-Id": ids.hex_id(self.path), **kind, **own}
                 send(self, status, headers, body, fault)
 
             do_POST = do_PUT = do_DELETE = do_GET  # noqa: N815 - the names http.server calls

@@ -22,7 +22,12 @@ def length(text):
     return float(number) * METRES[unit]
 
 
-def stand(leg="200 mm", gripper="_narrow"):
+UPRIGHT = np.eye(4)
+ACROSS = frame(x=(1, 0, 0), z=(0, 1, 0))
+"""Axes of the leg's hinge: upright it turns the leg, across it the leg leans."""
+
+
+def stand(leg="200 mm", gripper="_narrow", hinge=UPRIGHT):
     """A base, a leg of some length and a jaw, which is a part of a configured studio."""
     document = Document("Stand")
     parts, legs, tools = (document.studio(name) for name in ("Parts", "Legs", "Tools"))
@@ -34,7 +39,7 @@ def stand(leg="200 mm", gripper="_narrow"):
     base = root.add(parts.part("Base", solids.box(0.2, 0.2, 0.02), density=1000), fixed=True)
     leg_part = root.add(legs.at("default" if leg == LEG.default else text_of({LEG.id: leg})).parts[0])
     jaw = root.add(tools.at(size).parts[0])
-    root.revolute("Swing", (leg_part, np.eye(4)), (base, np.eye(4)), 0.1, (-1, 1))
+    root.revolute("Swing", (leg_part, hinge), (base, hinge), 0.1, (-1, 1))
     root.slider("Grip", (jaw, np.eye(4)), (leg_part, frame((0, 0, tall))), 0.0, (0, 0.02))
     return document
 
@@ -44,6 +49,13 @@ def configured_stand():
     document = stand()
     parameters = [LEG, GRIPPER, MIRRORED, LABEL]
     document.configure(parameters, lambda values: stand(values["leg_length"], values["List_g"]))
+    return document
+
+
+def leaning_stand():
+    """The stand with a leg that leans, whose root has a configuration for the leg's length."""
+    document = stand(hinge=ACROSS)
+    document.configure([LEG], lambda values: stand(values["leg_length"], hinge=ACROSS))
     return document
 
 

@@ -23,10 +23,8 @@ class Choice:
         return next(iter(self.options))
 
     def record(self):
-        options = [
-            {"btType": "BTMEnumOption-592", "option": option, "optionName": label}
-            for option, label in self.options.items()
-        ]
+        kind = {"btType": "BTMEnumOption-592"}
+        options = [{**kind, "option": option, "optionName": label} for option, label in self.options.items()]
         named = {"enumName": f"{self.id}_conf", "namespace": "", "options": options}
         return _record("Enum-105", "ENUM", self, **named, defaultValue=self.default)
 
@@ -98,36 +96,33 @@ def values(parameters, text):
     """
     if not parameters:
         return {}
-    known = {parameter.id: parameter for parameter in parameters}
-    found = {name: parameter.default for name, parameter in known.items()}
-    given = [] if text in ("", DEFAULT) else parse_qsl(text, True, True, separator=";")
-    for name, value in given:
-        if name not in known:
-            msg = f"There is no configuration parameter {name}."
-            raise BadSettingError(msg)
-        if not known[name].check(value):
-            msg = f"{name} cannot be {value}."
-            raise BadSettingError(msg)
-        found[name] = value
-    return found
+    by_name = {parameter.id: parameter for parameter in parameters}
+    by_key = {name: parameter.default for name, parameter in by_name.items()}
+    pairs = [] if text in ("", DEFAULT) else parse_qsl(text, True, True, separator=";")
+    for name, value in pairs:
+        if name not in by_name or not by_name[name].check(value):
+            message = f"{name} cannot be {value}." if name in by_name else f"There is no parameter {name}."
+            raise BadSettingError(message)
+        by_key[name] = value
+    return by_key
 
 
-def text_of(given):
+def text_of(values):
     """Onshape's text for values by parameter id."""
-    return ";".join(f"{name}={quote_plus(value)}" for name, value in given.items()) or DEFAULT
+    return ";".join(f"{name}={quote_plus(value)}" for name, value in values.items()) or DEFAULT
 
 
 def reply(parameters, microversion):
     """What the server says about an element's configuration."""
+    skew = {"microversionSkew": False, "rejectMicroversionSkew": False}
     return {
         "btType": "BTConfigurationResponse-2019",
         "configurationParameters": [parameter.record() for parameter in parameters],
         "currentConfiguration": [],
         "sourceMicroversion": microversion,
         "serializationVersion": "1.2.17",
-        "microversionSkew": False,
-        "rejectMicroversionSkew": False,
         "libraryVersion": 0,
+        **skew,
     }
 
 

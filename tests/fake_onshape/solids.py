@@ -54,10 +54,8 @@ class Solid:
 
     def moved(self, frame):
         """The solid moved by a (4, 4) rigid transform."""
-        return Solid.of(
-            self.vertices @ frame[:3, :3].T + frame[:3, 3],
-            {face.name: face.triangles for face in self.faces},
-        )
+        vertices = self.vertices @ frame[:3, :3].T + frame[:3, 3]
+        return Solid.of(vertices, {face.name: face.triangles for face in self.faces})
 
     def reflected(self, reflection):
         """The mirror image by a (4, 4) reflection, off the grid, so that it is exact."""
@@ -111,14 +109,8 @@ def _cross(a, b):
 def box(x, y, z, at=(0.0, 0.0, 0.0)):
     """A box with edges x, y, z [m] centred at `at`; its faces are named "+x" to "-z"."""
     signs = np.array([[sx, sy, sz] for sx in (-1, 1) for sy in (-1, 1) for sz in (-1, 1)], float)
-    quads = {
-        "-x": (0, 1, 3, 2),
-        "+x": (4, 6, 7, 5),
-        "-y": (0, 4, 5, 1),
-        "+y": (2, 3, 7, 6),
-        "-z": (0, 2, 6, 4),
-        "+z": (1, 5, 7, 3),
-    }
+    quads = {"-x": (0, 1, 3, 2), "+x": (4, 6, 7, 5), "-y": (0, 4, 5, 1), "+y": (2, 3, 7, 6)}
+    quads |= {"-z": (0, 2, 6, 4), "+z": (1, 5, 7, 3)}
     faces = {name: [(a, b, c), (a, c, d)] for name, (a, b, c, d) in quads.items()}
     return Solid.of(np.asarray(at, float) + signs * np.array([x, y, z]) / 2, faces)
 
@@ -154,9 +146,8 @@ def extrude(outline, height, chamfer=0.0, holes=()):
         bottom.append(low)
         top.append(high)
         count += 2 * len(hole)
-    cap = outlines.triangulate(
-        rims[0][0], [hole if outlines.area(hole) > 0 else hole[::-1] for hole in holes]
-    )
+    rings_of_holes = [hole if outlines.area(hole) > 0 else hole[::-1] for hole in holes]
+    cap = outlines.triangulate(rims[0][0], rings_of_holes)
     faces["bottom"] = np.concatenate(bottom)[cap][:, ::-1]
     faces["top"] = np.concatenate(top)[cap]
     return Solid.of(np.concatenate(rings), faces)

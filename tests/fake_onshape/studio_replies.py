@@ -5,7 +5,7 @@ import base64
 import numpy as np
 
 from tests.fake_onshape import ids
-from tests.fake_onshape.elements import Part, Studio
+from tests.fake_onshape.elements import Part, Studio, together
 
 
 def mass_properties(studio: Studio, parts: list[Part], *, as_group: bool, overrides: bool):
@@ -26,16 +26,7 @@ def assembly_mass(document):
 
 
 def _merged(parts, overrides):
-    pieces = [part.inertial(overrides) for part in parts]
-    mass = sum(piece[0] for piece in pieces)
-    if mass == 0:
-        return _body_mass(parts, 0.0, np.zeros(3), np.zeros((3, 3)), overrides)
-    com = sum(m * at for m, at, _ in pieces) / mass
-    inertia = np.zeros((3, 3))
-    for m, at, own in pieces:
-        d = at - com
-        inertia += own + m * (d @ d * np.eye(3) - np.outer(d, d))
-    return _body_mass(parts, mass, com, inertia, overrides)
+    return _body_mass(parts, *together([part.inertial(overrides) for part in parts]), overrides)
 
 
 def _body_mass(parts, mass, com, inertia, overrides):
@@ -43,10 +34,8 @@ def _body_mass(parts, mass, com, inertia, overrides):
     volume = sum(part.volume for part in parts)
     area = sum(part.solid.properties.area for part in parts)
     moments, axes = np.linalg.eigh(inertia)
-    axes = (
-        axes.T
-        * np.where(np.take_along_axis(axes, np.abs(axes).argmax(0)[None], 0)[0] < 0, -1.0, 1.0)[:, None]
-    )
+    largest = np.take_along_axis(axes, np.abs(axes).argmax(0)[None], 0)[0]
+    axes = axes.T * np.where(largest < 0, -1.0, 1.0)[:, None]
     return {
         "mass": _ranged([mass]),
         "volume": _ranged([volume]),
@@ -67,34 +56,23 @@ def _ranged(values, width=1e-8):
 
 
 def tessellated_faces(
-    studio: Studio,
-    parts: list[Part],
-    *,
-    appearances: bool,
-    facet_normals: bool,
-    vertex_normals: bool,
-    index_table: bool,
-    colours: str = "base64",
-    combine: bool = False,
+    studio: Studio, parts: list[Part], *, appearances, facet_normals, index_table, combine=False
 ):
     """The triangles of each body, as the v12 object.
 
     With `index_table` each body has `facetPoints` and facets have `indices`; points are repeated
-    where faces meet, as faces are tessellated one by one. Else facets have `vertices`. `colours`:
-    "base64" text or a "list" of 0..255.
+    where faces meet, as faces are tessellated one by one. Else facets have `vertices`.
     """
     bodies = []
     for part in parts:
         taken, faces, points = set(), [], []
         # A composite part is told by its constituents, which have faces of their own.
         for face in () if part.members and not combine else part.solid.faces:
-            record = {
-                "btType": "BTExportTessellatedFacesFace-1192",
-                "id": ids.deterministic_id(taken, studio.element, part.id, face.name),
-            }
-            taken.add(record["id"])
+            face_id = ids.deterministic_id(taken, studio.element, part.id, face.name)
+            record = {"btType": "BTExportTessellatedFacesFace-1192", "id": face_id}
+            taken.add(face_id)
             if appearances:
-                record["appearance"] = _appearance(part.face_colours.get(face.name, part.colour), colours)
+                record["appearance"] = _appearance(part.face_colours.get(face.name, part.colour))
             used = np.unique(face.triangles)
             corners = part.solid.vertices[face.triangles]
             if index_table:
@@ -103,13 +81,9 @@ def tessellated_faces(
                 points.extend(_point(vertex) for vertex in part.solid.vertices[used])
             else:
                 record["facets"] = [{"vertices": [_point(v) for v in triangle]} for triangle in corners]
-            for facet, triangle in zip(record["facets"], corners, strict=True):
+            for facet, triangle in zip(record["facets"], corners, strict=True) if facet_normals else ():
                 normal = np.cross(triangle[1] - triangle[0], triangle[2] - triangle[0])
-                normal = _point(normal / (np.linalg.norm(normal) or 1.0))
-                if facet_normals:
-                    facet["normal"] = normal
-                if vertex_normals:
-                    facet["normals"] = [normal] * 3
+                facet["normal"] = _point(normal / (np.linalg.norm(normal) or 1.0))
             faces.append(record)
         body = {
             "btType": "BTExportTessellatedFacesBody-1321",
@@ -121,7 +95,7 @@ def tessellated_faces(
             "facetPoints": points,
         }
         if appearances:
-            body["appearance"] = _appearance(part.colour, colours)
+            body["appearance"] = _appearance(part.colour)
         bodies.append(body)
     return {
         "btType": "BTExportTessellatedFacesResponse-898",
@@ -133,9 +107,8 @@ def tessellated_faces(
     }
 
 
-def _appearance(colour, form):
-    red_green_blue, opacity = bytes(colour[:3]), int(colour[3]) if len(colour) > 3 else 255
-    packed = base64.b64encode(red_green_blue).decode() if form == "base64" else list(red_green_blue)
+def _appearance(colour):
+    packed, opacity = base64.b64encode(bytes(colour[:3])).decode(), int(colour[3]) if len(colour) > 3 else 255
     return {"btType": "BTGraphicsAppearance-1152", "color": packed, "opacity": opacity}
 
 

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from tests.fake_onshape.copies import copied_poses
 from tests.fake_onshape.edges import Path
+from tests.fake_onshape.elements import together
 from tests.fake_onshape.frames import product
 from tests.fake_onshape.kinematics import Tree
 from tests.fake_onshape.mates import quaternion, rotation
@@ -71,12 +71,10 @@ class Truth:
 
     def _left_out(self, poses):
         """{name of dof: value} of the mates that the tree leaves out."""
-        edges = [*self.closings, *self.redundant]
-        return {
-            name: value
-            for edge in edges
-            for name, value in self.tree.by_dof(edge, edge.value_at(poses)).items()
-        }
+        left_out = {}
+        for edge in (*self.closings, *self.redundant):
+            left_out |= self.tree.by_dof(edge, edge.value_at(poses))
+        return left_out
 
     def indices(self, names):
         """The columns of some dofs, three for a ball."""
@@ -90,28 +88,18 @@ class Truth:
         left = None if redundant is None else frozenset(redundant)
         return Truth(self.document, (self.saved, frozenset(names), left))
 
-    def body_of(self, path):
-        """The body that an occurrence of a part belongs to."""
-        return next(body for body in self.bodies if path in body.parts)
-
     def total_mass(self):
         """The mass [kg] of all parts."""
         return sum(self._part(path)[0] for path in self.leaves)
 
     def inertial(self, paths, q=None, root=None):
         """The `Inertial` of some parts together, in world axes."""
-        poses = self.poses(q, root)
-        pieces = [(self._part(path), poses[path]) for path in sorted(paths)]
-        mass = sum(piece[0] for piece, _ in pieces)
-        if mass == 0:
-            return Inertial(0.0, np.zeros(3), np.zeros((3, 3)))
-        coms = [pose[:3, :3] @ com + pose[:3, 3] for (_, com, _), pose in pieces]
-        com = sum(piece[0] * at for (piece, _), at in zip(pieces, coms, strict=True)) / mass
-        inertia = np.zeros((3, 3))
-        for ((m, _, own), pose), at in zip(pieces, coms, strict=True):
-            d = at - com
-            inertia += pose[:3, :3] @ own @ pose[:3, :3].T + m * (d @ d * np.eye(3) - np.outer(d, d))
-        return Inertial(mass, com, inertia)
+        poses, pieces = self.poses(q, root), []
+        for path in sorted(paths):
+            mass, com, inertia = self._part(path)
+            R, xyz = poses[path][:3, :3], poses[path][:3, 3]
+            pieces.append((mass, R @ com + xyz, R @ inertia @ R.T))
+        return Inertial(*together(pieces))
 
     def jacobians(self, q=None, root=None):
         """{part path: (linear (3, n) of its centre of mass, angular (3, n))} in world axes."""
@@ -165,51 +153,6 @@ class Truth:
             torque -= self._part(path)[0] * jacobians[path][0].T @ np.asarray(gravity, float)
         return torque
 
-    def loop_errors(self, q=None):
-        """{closing mate: (6,) rad and m by which it is not met} at `q`."""
-        poses = self.poses(q)
-        return {edge.name: edge.error(poses) for edge in self.closings}
-
-    def close(self, q=None, held=(), steps=10):
-        """Values that close all loops and keep all relations, with the dofs in `held` as in `q`.
-
-        They are followed from the saved pose in `steps` steps, so that a linkage keeps its branch.
-        `held`: names of dofs, or names or keys of mates.
-        """
-        target, values = self.values(q), self.values()
-        keep = {name for key in held for name in ([key] if key in values else self._dofs_of(key))}
-        free = [name for name in values if name not in keep]
-        start = dict(values)
-        for step in range(1, steps + 1):
-            for name in keep:
-                values[name] = between(start[name], target[name], step / steps)
-            values.update(self._closed(values, free))
-        return values
-
-    def _dofs_of(self, key):
-        return [dof.name for dof in self.joint(key).dofs]
-
-    def _closed(self, values, free):
-        widths = [self.columns[name].stop - self.columns[name].start for name in free]
-        parts = np.cumsum([0, *widths])
-
-        def trial(x):
-            pieces = [x[low:high] for low, high in pairwise(parts)]
-            return {name: shifted(values[name], by) for name, by in zip(free, pieces, strict=True)}
-
-        def misfit(x):
-            at = {**values, **trial(x)}
-            poses = self.poses(at)
-            at |= self._left_out(poses)
-            loops = [edge.error(poses) for edge in self.closings]
-            related = [at[r.follower] - r.multiplier * at[r.driver] - r.offset for r in self.relations]
-            return np.concatenate([*loops, np.array(related), 1e-9 * x])
-
-        if not free:
-            return {}
-        found = least_squares(misfit, np.zeros(parts[-1]), xtol=1e-15, ftol=1e-15, gtol=1e-15)
-        return trial(found.x)
-
     def frame_on(self, occurrence, world_from_frame):
         """A world frame at the saved pose, in an occurrence's own frame (for closing mates)."""
         pose = self.poses()[occurrence.path]
@@ -250,16 +193,8 @@ def shifted(value, by):
     return quaternion(rotation(value) @ Rotation.from_rotvec(by).as_matrix())
 
 
-def between(start, end, share):
-    """A value on the way from one to another, a ball's along the shortest turn."""
-    if not np.ndim(start):
-        return start + share * (end - start)
-    way = Rotation.from_matrix(rotation(start).T @ rotation(end)).as_rotvec()
-    return shifted(start, share * way)
-
-
-def _near(off, what):
+def _near(off, title):
     most = float(np.abs(off).max())
     if most > 1e-9:
-        msg = f"{what} at the saved pose by {most:.3g}"
+        msg = f"{title} at the saved pose by {most:.3g}"
         raise ValueError(msg)

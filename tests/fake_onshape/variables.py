@@ -34,14 +34,14 @@ class VariableStudio:
 
 def tables(home, element):
     """The variable tables that an element uses: its own, and those of all variable studios."""
-    own = [one for one in home.variable_studios if one.element == element]
+    own = [studio for studio in home.variable_studios if studio.element == element]
     if own:
         return [{"variables": own[0].records()}]
     referred = [
         {
-            "variableStudioReference": {"referenceElementId": one.element, "entireVariableStudio": True},
-            "variables": one.records(),
+            "variableStudioReference": {"referenceElementId": studio.element, "entireVariableStudio": True},
+            "variables": studio.records(),
         }
-        for one in home.variable_studios
+        for studio in home.variable_studios
     ]
     return [{"variables": []}, *referred]

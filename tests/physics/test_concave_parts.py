@@ -1,8 +1,7 @@
-"""What is hollow stays hollow in MuJoCo: a ball falls through a ring and rests in a bowl, a peg enters its
+"""Hollow parts stay hollow in MuJoCo: a ball falls through a ring and rests in a bowl, a peg enters its
 hole, a block its clamp."""
 
 from functools import cache
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -10,7 +9,7 @@ import pytest
 import trimesh
 
 from tests.fake_onshape import solids
-from tests.support.physics import Fixture, fixture, settled, with_dropped
+from tests.support.physics import fixture, settled, with_dropped
 
 SPHERE, BOX, CYLINDER = (
     mujoco.mjtGeom.mjGEOM_SPHERE,
@@ -21,11 +20,11 @@ HOLE = 0.010
 """Half the width of the hole in the block, 30 mm high, whose top is at 15 mm [m]."""
 
 
-def ring() -> trimesh.Trimesh:
+def ring():
     return trimesh.creation.annulus(0.02, 0.03, 0.02, sections=24)
 
 
-def clamp() -> trimesh.Trimesh:
+def clamp():
     """A C that opens upwards: 20 mm wide and 30 mm deep, its floor at z = 10 mm."""
     return trimesh.boolean.difference(
         [
@@ -36,7 +35,7 @@ def clamp() -> trimesh.Trimesh:
     )
 
 
-def bowl() -> trimesh.Trimesh:
+def bowl():
     """Half a ball of 30 mm, hollow to 25 mm: inside it is deepest at z = −25 mm."""
     angles = np.linspace(0, np.pi / 2, 9)
     outer = [(0.03 * np.sin(t), -0.03 * np.cos(t)) for t in angles[1:]]
@@ -45,7 +44,7 @@ def bowl() -> trimesh.Trimesh:
     return trimesh.Trimesh(solid.vertices, solid.triangles)
 
 
-def block(hole: trimesh.Trimesh) -> trimesh.Trimesh:
+def block(hole):
     return trimesh.boolean.difference([trimesh.creation.box((0.05, 0.05, 0.03)), hole], engine="manifold")
 
 
@@ -59,26 +58,26 @@ SHAPES = {
 
 
 @cache
-def part(name: str, tolerance: float | None = None) -> Fixture:
-    chosen: dict[str, Any] = {"make": "ladder", "tolerance": tolerance}
+def part(name, tolerance=None):
+    chosen = {"make": "ladder", "tolerance": tolerance}
     return fixture(SHAPES[name](), colliders={"Part": chosen})
 
 
-def end(one: Fixture, kind: int, size: list[float], start: list[float], seconds: float) -> np.ndarray:
+def end(fixture, kind, size, start, seconds):
     """Where a body comes to that is let go at `start`."""
-    _, data = settled(with_dropped(one.spec(), kind, size, start), seconds)
+    _, data = settled(with_dropped(fixture.spec(), kind, size, start), seconds)
     return data.body("dropped").xpos.copy()
 
 
 @pytest.mark.slow
-def test_a_ball_falls_through_a_ring_if_it_is_smaller_than_the_hole() -> None:
+def test_a_ball_falls_through_a_ring_if_it_is_smaller_than_the_hole():
     (figures,) = part("ring").geometry.colliders
     assert (figures.rung, figures.meets) == ("pieces", True)
     assert end(part("ring"), SPHERE, [0.017, 0, 0], [0, 0, 0.04], 0.4)[2] < -0.1
     assert end(part("ring"), SPHERE, [0.022, 0, 0], [0, 0, 0.04], 0.4)[2] > 0.01
 
 
-def test_a_block_enters_a_clamp_and_stands_on_its_floor() -> None:
+def test_a_block_enters_a_clamp_and_stands_on_its_floor():
     (figures,) = part("clamp").geometry.colliders
     assert (figures.rung, figures.meets) == ("pieces", True)
     place = end(part("clamp"), BOX, [0.0085, 0.009, 0.0085], [0, 0, 0.055], 0.6)
@@ -87,10 +86,9 @@ def test_a_block_enters_a_clamp_and_stands_on_its_floor() -> None:
 
 
 @pytest.mark.slow
-def test_a_ball_rests_in_a_bowl() -> None:
+def test_a_ball_rests_in_a_bowl():
     (figures,) = part("bowl").geometry.colliders
     assert figures.rung == "pieces"
-    assert figures.measures is not None
     model, data = settled(with_dropped(part("bowl").spec(), SPHERE, [0.006, 0, 0], [0.008, 0, 0.01]), 2)
     assert np.abs(data.qvel).max() < 1e-3
     # As deep as in the bowl itself, but for what its sixteen pieces stand out.
@@ -108,15 +106,13 @@ def test_a_ball_rests_in_a_bowl() -> None:
     ],
 )
 @pytest.mark.slow
-def test_a_peg_with_1_mm_of_play_enters_its_hole(
-    name: str, tolerance: float, kind: int, size: list[float]
-) -> None:
+def test_a_peg_with_1_mm_of_play_enters_its_hole(name, tolerance, kind, size):
     """The tolerances are what such holes need: the default one, 1.2 mm here, is more than the play."""
-    one = part(name, tolerance)
-    (figures,) = one.geometry.colliders
+    fixture = part(name, tolerance)
+    (figures,) = fixture.geometry.colliders
     assert (figures.rung, figures.meets) == ("pieces", True)
     for aside in (0.0, 0.0003):
         # Its lower end has come out below.
-        assert end(one, kind, size, [aside, 0, 0.032], 0.5)[2] < 0.0
+        assert end(fixture, kind, size, [aside, 0, 0.032], 0.5)[2] < 0.0
     wide = [size[0] + 0.001, *size[1:]]
-    assert end(one, kind, wide, [0, 0, 0.032], 0.5)[2] > 0.025
+    assert end(fixture, kind, wide, [0, 0, 0.032], 0.5)[2] > 0.025

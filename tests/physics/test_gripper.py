@@ -2,19 +2,17 @@
 that the ladder makes."""
 
 import math
-from collections.abc import Iterator
-from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
 
 from linkwright.pipeline.config.compose import compose_plan
-from linkwright.pipeline.run.build import Built, build_files
+from linkwright.pipeline.run.build import build_files
 from tests.support import kept_colliders
 
 SIDE = 0.02
-"""Of the cube [m]."""
+"""The side of the cube [m]."""
 
 GAINS = {
     "lift": 5000,
@@ -33,29 +31,29 @@ TOUCHING = 0.006
 
 
 @pytest.fixture(scope="module")
-def built(tmp_path_factory: pytest.TempPathFactory) -> Built:
+def built(tmp_path_factory):
     return build_of(tmp_path_factory.mktemp("gripper"))
 
 
 @pytest.fixture(scope="module")
-def by_part(tmp_path_factory: pytest.TempPathFactory) -> Built:
+def by_part(tmp_path_factory):
     """With a collider for each part of the fingers."""
     return build_of(tmp_path_factory.mktemp("by_part"), 'mesh.colliders={"*finger_jaw": ladder}')
 
 
-def build_of(folder: Path, *more: str) -> Built:
+def build_of(folder, *more):
     kept_colliders.seed(folder / "cache")
-    told = ["robot=sample", "mesh=ladder", "contact.self=auto", "actuators=none", "until=export"]
-    told += [f"cache.dir={folder}/cache", f"output={folder}/out", *more]
-    return build_files(compose_plan(told, cwd=folder).plan, in_memory=True)
+    overrides = ["robot=sample", "mesh=ladder", "contact.self=auto", "actuators=none", "until=export"]
+    overrides += [f"cache.dir={folder}/cache", f"output={folder}/out", *more]
+    return build_files(compose_plan(overrides, cwd=folder).plan, in_memory=True)
 
 
-def sample(built: Built) -> mujoco.MjSpec:
+def sample(built):
     assets = {name: data for name, data in built.files.items() if name.startswith("assets/")}
     return mujoco.MjSpec.from_string(built.files["sample.xml"].decode(), assets=assets)
 
 
-def looking_down(spec: mujoco.MjSpec) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def looking_down(spec):
     """The home pose with the gripper turned straight down and open: qpos, and the tool's place and axes."""
     model = spec.compile()
     data = mujoco.MjData(model)
@@ -69,7 +67,7 @@ def looking_down(spec: mujoco.MjSpec) -> tuple[np.ndarray, np.ndarray, np.ndarra
     return data.qpos.copy(), tool.xpos.copy(), tool.xmat.copy()
 
 
-def with_motors(spec: mujoco.MjSpec) -> None:
+def with_motors(spec):
     """Gives the robot motors, and makes it weightless."""
     for name, gain in GAINS.items():
         motor = spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
@@ -80,7 +78,7 @@ def with_motors(spec: mujoco.MjSpec) -> None:
         body.gravcomp = 1
 
 
-def with_cube(spec: mujoco.MjSpec, place: np.ndarray, axes: np.ndarray) -> mujoco.MjModel:
+def with_cube(spec, place, axes):
     """The robot with motors and a cube of 20 g on a post where the tool is."""
     with_motors(spec)
     # Against the creep of MuJoCo's soft friction.
@@ -98,16 +96,12 @@ def with_cube(spec: mujoco.MjSpec, place: np.ndarray, axes: np.ndarray) -> mujoc
 
 
 @pytest.mark.slow
-def test_the_gripper_closes_on_a_cube_and_lifts_it(built: Built) -> None:
+def test_the_gripper_closes_on_a_cube_and_lifts_it(built):
     spec = sample(built)
     start, place, axes = looking_down(spec)
-    model = with_cube(spec, place, axes)
-    data = mujoco.MjData(model)
-    data.qpos[: len(start)] = start
-    for name in GAINS:
-        data.actuator(name).ctrl = data.joint(name).qpos
+    model, data = standing(with_cube(spec, place, axes), start)
 
-    def moves(actuator: str, to: float, seconds: float) -> None:
+    def moves(actuator, to, seconds):
         data.actuator(actuator).ctrl = to
         mujoco.mj_step(model, data, round(seconds / model.opt.timestep))
 
@@ -135,20 +129,20 @@ MEETING = math.atan2(0.0058, 0.0685) - math.asin(0.0155 / math.hypot(0.0058, 0.0
 CAD the pads' faces are 5.8 mm inwards of them and end 68.5 mm below."""
 
 
-def geoms_of(built: Built, part: str) -> set[str]:
+def geoms_of(built, part):
     """The names in the MJCF of the colliders of a part."""
-    found = set()
+    names = set()
     for link in FINGERS:
         first = 0
         for row in built.report.details["colliders"]:
             if row["link"] == link:
                 if part in row["parts"][0]:
-                    found |= {f"{link}_collision_{first + piece}" for piece in range(row["pieces"])}
+                    names |= {f"{link}_collision_{first + piece}" for piece in range(row["pieces"])}
                 first += row["pieces"]
-    return found
+    return names
 
 
-def between_fingers(model: mujoco.MjModel, data: mujoco.MjData) -> Iterator[frozenset[str]]:
+def between_fingers(model, data):
     """The names of the geoms of two fingers that are in contact now."""
     for contact in data.contact[: data.ncon]:
         names = [model.geom(geom).name for geom in contact.geom]
@@ -156,19 +150,28 @@ def between_fingers(model: mujoco.MjModel, data: mujoco.MjData) -> Iterator[froz
             yield frozenset(names)
 
 
-@pytest.mark.slow
-def test_the_fingers_meet_when_the_gripper_closes_on_nothing(built: Built) -> None:
-    """Within the tolerance of each finger, 1.5 mm at a lever of 68 mm."""
+def over_nothing(built):
+    """The robot at home over nothing, whose fingers may go 0.03 rad further than where they meet."""
     spec = sample(built)
     start, _, _ = looking_down(spec)
     with_motors(spec)
     for name, limits in {"left_finger": [-0.17, 0.6], "right_finger": [-0.6, 0.17]}.items():
         spec.joint(name).range = limits
-    model = spec.compile()
+    return spec, *standing(spec.compile(), start)
+
+
+def standing(model, start):
     data = mujoco.MjData(model)
-    data.qpos[:] = start
+    data.qpos[: len(start)] = start
     for name in GAINS:
         data.actuator(name).ctrl = data.joint(name).qpos
+    return model, data
+
+
+@pytest.mark.slow
+def test_the_fingers_meet_when_the_gripper_closes_on_nothing(built):
+    """Within the tolerance of each finger, 1.5 mm at a lever of 68 mm."""
+    _, model, data = over_nothing(built)
     data.actuator("left_finger").ctrl = -0.17
     mujoco.mj_step(model, data, round(2.5 / model.opt.timestep))
     assert [*between_fingers(model, data)]
@@ -176,22 +179,12 @@ def test_the_fingers_meet_when_the_gripper_closes_on_nothing(built: Built) -> No
 
 
 @pytest.mark.slow
-def test_the_fingers_meet_when_the_gripper_closes_on_nothing_and_their_gears_never_do(by_part: Built) -> None:
-    """With limits 0.03 rad further than where they meet; the gears overlap by 1.9 mm."""
-    built = by_part
-    spec = sample(built)
-    start, _, _ = looking_down(spec)
-    with_motors(spec)
-    for name, limits in {"left_finger": [-0.17, 0.6], "right_finger": [-0.6, 0.17]}.items():
-        spec.joint(name).range = limits
-    model = spec.compile()
-    data = mujoco.MjData(model)
-    data.qpos[:] = start
-    for name in GAINS:
-        data.actuator(name).ctrl = data.joint(name).qpos
-    gears, pads = geoms_of(built, "Finger gear"), geoms_of(built, "Finger pad")
+def test_the_fingers_meet_when_the_gripper_closes_on_nothing_and_their_gears_never_do(by_part):
+    """The gears overlap by 1.9 mm."""
+    spec, model, data = over_nothing(by_part)
+    gears, pads = geoms_of(by_part, "Finger gear"), geoms_of(by_part, "Finger pad")
     assert len(pads) == 2
-    met: set[frozenset[str]] = set()
+    met = set()
     for to in (-0.17, 0.4):
         data.actuator("left_finger").ctrl = to
         for _ in range(round(2.5 / model.opt.timestep)):

@@ -1,7 +1,6 @@
 """Robots with `actuators=position`: they stand, they follow, and no control can make them explode."""
 
 import shutil
-from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -34,7 +33,7 @@ DEEPEST = 5e-4
 """The deepest contact [m] at home."""
 
 
-def build(name: str, folder: Path, cache: Path) -> mujoco.MjModel:
+def build(name, folder, cache):
     environ = environment(folder, seeded=False, LINKWRIGHT_CACHE=str(cache))
     if name == "sample":
         done = linkwright(folder, "robot=sample", "mesh=hull", "output=out", environ=environ)
@@ -57,26 +56,22 @@ def build(name: str, folder: Path, cache: Path) -> mujoco.MjModel:
     scope="module",
     params=["sample", "quadruped", *(pytest.param(name, marks=pytest.mark.slow) for name in REAL)],
 )
-def model(
-    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, shared_cache: Path
-) -> mujoco.MjModel:
+def model(request, tmp_path_factory, shared_cache):
     return build(request.param, tmp_path_factory.mktemp(request.param), shared_cache)
 
 
-def at_home(model: mujoco.MjModel) -> mujoco.MjData:
+def at_home(model):
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
     mujoco.mj_forward(model, data)
     return data
 
 
-def warnings(data: mujoco.MjData) -> list[int]:
+def warnings(data):
     return [number for number in data.warning.number.tolist() if number]
 
 
-def test_at_home_nothing_overlaps_and_after_five_seconds_every_joint_is_there(
-    model: mujoco.MjModel, request: pytest.FixtureRequest
-) -> None:
+def test_at_home_nothing_overlaps_and_after_five_seconds_every_joint_is_there(model, request):
     data = at_home(model)
     assert [contact for contact in data.contact if contact.dist < -DEEPEST] == []
     home = data.qpos.copy()
@@ -101,9 +96,7 @@ def test_at_home_nothing_overlaps_and_after_five_seconds_every_joint_is_there(
 
 
 @pytest.mark.parametrize("hold", [1, 25])
-def test_ten_seconds_of_control_noise_over_the_full_range_are_stable(
-    model: mujoco.MjModel, hold: int
-) -> None:
+def test_ten_seconds_of_control_noise_over_the_full_range_are_stable(model, hold):
     """A new control for each actuator every `hold` steps."""
     data = at_home(model)
     random = np.random.default_rng(5)
@@ -118,7 +111,7 @@ def test_ten_seconds_of_control_noise_over_the_full_range_are_stable(
 
 
 @pytest.mark.parametrize("model", ["sample"], indirect=True)
-def test_the_samples_arm_follows_a_trajectory_of_five_seconds(model: mujoco.MjModel) -> None:
+def test_the_samples_arm_follows_a_trajectory_of_five_seconds(model):
     """From home to another pose and on to a third, with speeds that begin and end at 0 (minimum jerk). A
     slide's load is the same everywhere: above its end it follows at the distance by which it sags at home."""
     data = at_home(model)
@@ -134,8 +127,8 @@ def test_the_samples_arm_follows_a_trajectory_of_five_seconds(model: mujoco.MjMo
     for _ in range(round(5.0 / model.opt.timestep)):
         leg, share = divmod(data.time / 2.5, 1.0)
         smooth = share**3 * (10 - 15 * share + 6 * share**2)
-        one, other = ways[int(leg)], ways[min(int(leg) + 1, 2)]
-        data.ctrl[:] = one + smooth * (other - one)
+        begin, other = ways[int(leg)], ways[min(int(leg) + 1, 2)]
+        data.ctrl[:] = begin + smooth * (other - begin)
         mujoco.mj_step(model, data)
         worst = np.maximum(worst, np.abs(data.qpos[at] + sag - data.ctrl))
     assert np.abs(ways[1] - start).max() > 0.3

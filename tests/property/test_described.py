@@ -5,17 +5,14 @@ import tempfile
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from linkwright.stages.formats.described import described
 from linkwright.stages.robot.dynamics.driven import as_driven
 from linkwright.stages.validate import validate
 from tests.fake_onshape.document import Document
-from tests.fake_onshape.random_document import documents
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import write
-from tests.support.drawn import PLACES, SLOWLY, drawn
+from tests.support.drawn import PLACES, any_document, drawn, each
 from tests.support.truth import differences
 
 NEAR = 1e-11
@@ -40,7 +37,7 @@ KEYS = {
 }
 
 
-def comes_back(document: Document, root: int, seed: int, **keys) -> None:
+def comes_back(document: Document, root: int, seed: int, **keys):
     """The robot and its actuation, and the verdict on its files."""
     robot, plan = drawn(document, root, seed, **keys)
     with tempfile.TemporaryDirectory() as folder:
@@ -58,30 +55,21 @@ def comes_back(document: Document, root: int, seed: int, **keys) -> None:
     assert differences(written.sensing, read.sensing, NEAR, {}) == []
     rounded = {"load": "", "home_load": "", "supplied": "", "overruled": ""}
     assert differences(written.actuation, read.actuation, NEAR, rounded) == []
-    assert [one for one in checks if one.fails] == []
-    assert [one.name for one in checks] == [one.name for one in before]
+    assert [check for check in checks if check.fails] == []
+    assert [check.name for check in checks] == [check.name for check in before]
 
 
-@settings(max_examples=4, deadline=None, **SLOWLY)
-@given(st.booleans().flatmap(lambda loops: documents(loops=loops)), PLACES, PLACES)
-def test_a_few_documents_come_back(document: Document, root: int, seed: int) -> None:
-    comes_back(document, root, seed, **(KEYS if seed % 2 else {}))
-
-
-@pytest.mark.slow
-@settings(max_examples=20, deadline=None, **SLOWLY)
-@given(
-    st.tuples(st.booleans(), st.booleans()).flatmap(
-        lambda both: documents(loops=both[0], everything=both[1])
-    ),
-    PLACES,
-    PLACES,
+@pytest.mark.parametrize(
+    ("everything", "count"), [(False, 4), pytest.param(None, 20, marks=pytest.mark.slow)]
 )
-def test_many_documents_come_back(document: Document, root: int, seed: int) -> None:
-    comes_back(document, root, seed, **(KEYS if seed % 2 else {}))
+def test_documents_come_back(everything, count):
+    def check(document, root, seed):
+        comes_back(document, root, seed, **(KEYS if seed % 2 else {}))
+
+    each(check, count, any_document(everything), PLACES, PLACES)
 
 
-def test_the_sample_comes_back_with_what_the_user_adds() -> None:
+def test_the_sample_comes_back_with_what_the_user_adds():
     more = {
         "sensors": {"imu": {"frame": "tool", "type": "imu"}, "eye": {"frame": "tool", "type": "camera"}},
         "keyframes": {"up": {"lift": 0.03}},

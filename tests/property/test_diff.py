@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from linkwright.pipeline.changes.compare import compare
@@ -17,7 +16,7 @@ from linkwright.pipeline.changes.show import as_json, as_markdown, as_text
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.support.building import write
-from tests.support.drawn import PLACES, SLOWLY, drawn
+from tests.support.drawn import PLACES, drawn, each
 
 BODY = "<body name='{}' pos='3 0 1'>{}<geom name='{}' size='.1'/></body>"
 
@@ -51,7 +50,7 @@ def described(choice: Drawn) -> dict[str, Any]:
     return table
 
 
-def differs_as_it_should(first: Drawn, second: Drawn) -> None:
+def differs_as_it_should(first: Drawn, second: Drawn):
     before, after = described(first), described(second)
     assert compare(before, copy.deepcopy(before)) == ()
     changes = compare(before, after)
@@ -68,24 +67,17 @@ def differs_as_it_should(first: Drawn, second: Drawn) -> None:
     assert ("base" in paths) >= (before["base"]["fixed"] != after["base"]["fixed"])
 
 
-@settings(max_examples=6, deadline=None, **SLOWLY)
-@given(ROBOTS, ROBOTS)
-def test_a_few_pairs_of_robots_differ_as_they_should(first: Drawn, second: Drawn) -> None:
-    differs_as_it_should(first, second)
-
-
-@pytest.mark.slow
-@settings(max_examples=60, deadline=None, **SLOWLY)
-@given(ROBOTS, ROBOTS)
-def test_pairs_of_robots_differ_as_they_should(first: Drawn, second: Drawn) -> None:
-    differs_as_it_should(first, second)
+@pytest.mark.parametrize("count", [6, pytest.param(60, marks=pytest.mark.slow)])
+def test_pairs_of_robots_differ_as_they_should(count):
+    each(differs_as_it_should, count, ROBOTS, ROBOTS)
 
 
 @pytest.mark.parametrize("elements", ELEMENTS)
-@settings(max_examples=2, deadline=None, **SLOWLY)
-@given(documents(max_bodies=4), PLACES)
-def test_an_added_element_is_the_difference(elements: dict[str, Any], document: Document, seed: int) -> None:
-    plain, amended = (described((document, 0, seed, choice)) for choice in ({}, elements))
-    changes = compare(plain, amended)
-    assert {change.section for change in changes} <= {"robot", "surplus", "keyframes", "order"}
-    assert bool(changes) == bool(elements)
+def test_an_added_element_is_the_difference(elements):
+    def check(document, seed):
+        plain, amended = (described((document, 0, seed, choice)) for choice in ({}, elements))
+        changes = compare(plain, amended)
+        assert {change.section for change in changes} <= {"robot", "surplus", "keyframes", "order"}
+        assert bool(changes) == bool(elements)
+
+    each(check, 2, documents(max_bodies=4), PLACES)

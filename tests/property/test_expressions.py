@@ -10,13 +10,9 @@ from linkwright.stages.graph.onshape.expressions.evaluate import ExpressionError
 from linkwright.stages.graph.onshape.expressions.quantity import Quantity
 
 UNITS = {
-    "mm": (1e-3, (1, 0)),
-    "in": (0.0254, (1, 0)),
-    "meter": (1.0, (1, 0)),
-    "deg": (math.pi / 180, (0, 1)),
-    "rad": (1.0, (0, 1)),
-    "revolution": (2 * math.pi, (0, 1)),
-}
+    "mm": (1e-3, (1, 0)), "in": (0.0254, (1, 0)), "meter": (1.0, (1, 0)), "deg": (math.pi / 180, (0, 1)),
+    "rad": (1.0, (0, 1)), "revolution": (2 * math.pi, (0, 1)),
+}  # fmt: skip
 VARIABLES = {
     "len": ("3 mm", 3e-3, (1, 0)),
     "turn": ("20 deg", 20 * math.pi / 180, (0, 1)),
@@ -35,9 +31,9 @@ class Drawn:
     dimension: tuple
 
 
-def inside(one: Drawn, least: int) -> str:
+def inside(operand: Drawn, least: int) -> str:
     """The text as an operand that must bind at least as tightly as `least`."""
-    return one.text if one.binds >= least else f"({one.text})"
+    return operand.text if operand.binds >= least else f"({operand.text})"
 
 
 @st.composite
@@ -55,53 +51,55 @@ def leaves(draw):
     return Drawn(f"{number!r}{space}{unit}", PRODUCT if "*" in space else UNIT, number * size, dimension)
 
 
-def same_kind(one: Drawn, other: Drawn) -> Drawn:
+def same_kind(first: Drawn, other: Drawn) -> Drawn:
     """`other` made the dimension of `one`, by as many units."""
-    length, angle = (a - b for a, b in zip(one.dimension, other.dimension, strict=True))
+    length, angle = (a - b for a, b in zip(first.dimension, other.dimension, strict=True))
     text = f"{inside(other, PRODUCT)} * meter^{length} * rad^{angle}"
-    return Drawn(text, PRODUCT, other.value, one.dimension)
+    return Drawn(text, PRODUCT, other.value, first.dimension)
 
 
 @st.composite
 def combined(draw, children):
-    one, other = draw(children), draw(children)
+    first, other = draw(children), draw(children)
     operation = draw(st.sampled_from(["+", "-", "*", "/", "^", "neg", "min", "max", "abs", "trig", "if"]))
     space = draw(st.sampled_from(["", " "]))
     if operation == "neg":
         # Between sum and product, but never beside another sign.
-        return Drawn(f"(-{inside(one, POWER)})", LEAF, -one.value, one.dimension)
+        return Drawn(f"(-{inside(first, POWER)})", LEAF, -first.value, first.dimension)
     if operation == "abs":
-        return Drawn(f"abs({one.text})", LEAF, abs(one.value), one.dimension)
+        return Drawn(f"abs({first.text})", LEAF, abs(first.value), first.dimension)
     if operation == "trig":
-        length, angle = one.dimension
+        length, angle = first.dimension
         name = draw(st.sampled_from(["sin", "cos"]))
-        text = f"{name}({inside(one, PRODUCT)} * meter^{-length} * rad^{1 - angle})"
-        return Drawn(text, LEAF, getattr(math, name)(one.value), (0, 0))
+        text = f"{name}({inside(first, PRODUCT)} * meter^{-length} * rad^{1 - angle})"
+        return Drawn(text, LEAF, getattr(math, name)(first.value), (0, 0))
     if operation == "^":
         power = draw(st.integers(0, 2))
-        dimension = tuple(power * exponent for exponent in one.dimension)
-        return Drawn(f"{inside(one, LEAF)}^{power}", POWER, one.value**power, dimension)
+        dimension = tuple(power * exponent for exponent in first.dimension)
+        return Drawn(f"{inside(first, LEAF)}^{power}", POWER, first.value**power, dimension)
     if operation in "*/":
         sign = 1 if operation == "*" else -1
         if sign < 0 and other.value == 0:
             other = Drawn("1", LEAF, 1.0, (0, 0))
-        value = one.value * other.value if sign > 0 else one.value / other.value
-        dimension = tuple(a + sign * b for a, b in zip(one.dimension, other.dimension, strict=True))
-        left = inside(one, PRODUCT)
+        value = first.value * other.value if sign > 0 else first.value / other.value
+        dimension = tuple(a + sign * b for a, b in zip(first.dimension, other.dimension, strict=True))
+        left = inside(first, PRODUCT)
         # A number before the stroke would make a fraction of it: 1/2 in.
         right = inside(other, POWER if left[-1].isdigit() else UNIT)
         return Drawn(f"{left}{space}{operation}{space}{right}", PRODUCT, value, dimension)
-    other = same_kind(one, other)
+    other = same_kind(first, other)
     if operation in "+-":
-        value = one.value + other.value if operation == "+" else one.value - other.value
-        text = f"{inside(one, SUM)}{space}{operation}{space}{inside(other, PRODUCT)}"
-        return Drawn(text, SUM, value, one.dimension)
+        value = first.value + other.value if operation == "+" else first.value - other.value
+        text = f"{inside(first, SUM)}{space}{operation}{space}{inside(other, PRODUCT)}"
+        return Drawn(text, SUM, value, first.dimension)
     if operation == "if":
-        value = one.value if one.value < other.value else other.value
-        return Drawn(f"({one.text} < {other.text} ? {one.text} : {other.text})", LEAF, value, one.dimension)
+        value = first.value if first.value < other.value else other.value
+        return Drawn(
+            f"({first.text} < {other.text} ? {first.text} : {other.text})", LEAF, value, first.dimension
+        )
     pick = {"min": min, "max": max}[operation]
-    text = f"{operation}({one.text},{space}{other.text})"
-    return Drawn(text, LEAF, pick(one.value, other.value), one.dimension)
+    text = f"{operation}({first.text},{space}{other.text})"
+    return Drawn(text, LEAF, pick(first.value, other.value), first.dimension)
 
 
 EXPRESSIONS = st.recursive(leaves(), combined, max_leaves=8)

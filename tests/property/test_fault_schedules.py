@@ -42,10 +42,10 @@ def test_after_any_faults_a_clean_run_is_right(server, right, runs, kind):
     with tempfile.TemporaryDirectory() as folder:
         fetching = Fetching(server, Path(folder) / "cache", kind)
         for faults in [*runs, {}]:
-            found, met = fetching.run({number: FAULTS[name] for number, name in faults.items()})
-            assert isinstance(found, SourceError) or found == right[kind]
+            outcome, met = fetching.run({number: FAULTS[name] for number, name in faults.items()})
+            assert isinstance(outcome, SourceError) or outcome == right[kind]
             arrived += met.sound
-        assert found == right[kind]
+        assert outcome == right[kind]
     pinned = {target: times for target, times in arrived.items() if "/w/" not in target}
     assert set(pinned.values()) <= {1}
     assert len(pinned) >= CALLS - 1

@@ -11,17 +11,17 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given, settings
 from hypothesis import strategies as st
 from lxml import etree
 
 from linkwright.stages.robot.model.robot import Robot, Value
 from linkwright.stages.robot.motion.start_pose import starting_point
 from tests.fake_onshape.document import Document
-from tests.fake_onshape.random_document import documents
-from tests.property.test_parity import drawn, same, slowly
 from tests.support.building import plan_of, robot_of, write
+from tests.support.drawn import any_document, each
 from tests.support.engines import Mujoco, Pinocchio
+from tests.support.parity import same
+from tests.support.robots import some_values
 
 Counts = dict[str, tuple[int, float]]
 
@@ -29,40 +29,37 @@ Counts = dict[str, tuple[int, float]]
 def counts_of(robot_json: bytes) -> Counts:
     """By dof, the sign and zero that robot.json gives: mate = zero + sign · value."""
     table = json.loads(robot_json)
-    every = [dof for one in (*table["joints"], *table["loops"]) for dof in one["dofs"]]
-    return {
-        dof["name"]: (dof["mate"]["sign"], dof["mate"]["zero"])
-        for dof in every
-        if dof["kind"] in ("turn", "slide")
-    }
+    dofs = [dof for joint in (*table["joints"], *table["loops"]) for dof in joint["dofs"]]
+    mates = {dof["name"]: dof["mate"] for dof in dofs if dof["kind"] in ("turn", "slide")}
+    return {name: (mate["sign"], mate["zero"]) for name, mate in mates.items()}
 
 
 def chosen(robot: Robot, seed: int) -> dict[str, dict[str, object]]:
     """A zero, a direction, both or neither for each turn and slide, those of loops too."""
     random = np.random.default_rng(seed)
-    every = [*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs)]
-    wanted: dict[str, dict[str, object]] = {}
-    for dof in every:
+    dofs = [*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs)]
+    keys: dict[str, dict[str, object]] = {}
+    for dof in dofs:
         if dof.kind in ("turn", "slide"):
             both = {"zero": float(random.uniform(-1, 1)), "invert": bool(random.integers(2))}
-            wanted[dof.name] = {key: value for key, value in both.items() if random.random() < 0.7}
-    return {name: keys for name, keys in wanted.items() if keys}
+            keys[dof.name] = {key: value for key, value in both.items() if random.random() < 0.7}
+    return {name: values for name, values in keys.items() if values}
 
 
-def alike(document: Document, seed: int, zero: str) -> None:
+def alike(document: Document, seed: int, zero: str):
     plain = robot_of(document, plan_of(zero=zero))
     wanted = chosen(plain, seed)
     plan = plan_of(zero=zero, joints=wanted)
     counted = robot_of(document, plan)
     names = [dof.name for dof in plain.dofs]
     assert [dof.name for dof in counted.dofs] == names
-    with tempfile.TemporaryDirectory() as one, tempfile.TemporaryDirectory() as other:
-        old = write(plain, Path(one))
+    with tempfile.TemporaryDirectory() as first_folder, tempfile.TemporaryDirectory() as other:
+        old = write(plain, Path(first_folder))
         new = write(counted, Path(other), plan)
         engines = [
             (Pinocchio(old.files["robot.urdf"]), Pinocchio(new.files["robot.urdf"])),
             (
-                Mujoco(Path(one) / "robot.xml", balls(plain)),
+                Mujoco(Path(first_folder) / "robot.xml", balls(plain)),
                 Mujoco(Path(other) / "robot.xml", balls(counted)),
             ),
         ]
@@ -75,12 +72,12 @@ def alike(document: Document, seed: int, zero: str) -> None:
     random = np.random.default_rng(seed)
     signs = np.concatenate([[after[n][0]] if n in after else np.ones(3) for n in names] or [[]])
     for _ in range(2):
-        q = drawn(plain, random)
+        q = some_values(plain, random)
         moved = {n: after[n][0] * (before[n][1] + v - after[n][1]) if n in after else v for n, v in q.items()}
         for left, right in engines:
-            poses, found = left.poses(q), right.poses(moved)
+            poses, moved_poses = left.poses(q), right.poses(moved)
             for link in plain.links:
-                same(found[link.name], poses[link.name])
+                same(moved_poses[link.name], poses[link.name])
             if not names:
                 continue
             same(right.mass_matrix(moved, names), left.mass_matrix(q, names) * np.outer(signs, signs))
@@ -104,7 +101,7 @@ def balls(robot: Robot) -> dict[str, Value]:
     return {name: value for name, value in starting_point(robot).items() if isinstance(value, tuple)}
 
 
-def held(left: Mujoco, right: Mujoco, q: dict[str, float], moved: dict[str, float]) -> None:
+def held(left: Mujoco, right: Mujoco, q: dict[str, float], moved: dict[str, float]):
     """Every equality is off by as much, whichever values count it."""
 
     def off(engine: Mujoco, values: dict[str, float]) -> dict[str, float]:
@@ -112,11 +109,11 @@ def held(left: Mujoco, right: Mujoco, q: dict[str, float], moved: dict[str, floa
         engine._set(values)
         mujoco.mj_makeConstraint(model, data)
         rows = data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
-        found: dict[str, float] = {}
+        gaps: dict[str, float] = {}
         for number, value in zip(data.efc_id[rows], data.efc_pos[rows], strict=True):
             name = f"{model.equality(int(number)).name}/{number}"
-            found[name] = float(np.hypot(found.get(name, 0.0), value))
-        return found
+            gaps[name] = float(np.hypot(gaps.get(name, 0.0), value))
+        return gaps
 
     before, after = off(left, q), off(right, moved)
     assert after.keys() == before.keys()
@@ -124,11 +121,11 @@ def held(left: Mujoco, right: Mujoco, q: dict[str, float], moved: dict[str, floa
         assert abs(after[name] - value) < 1e-9 * max(1.0, value)
 
 
-def mimicked(old: bytes, new: bytes, q: dict[str, float], before: Counts, after: Counts) -> None:
+def mimicked(old: bytes, new: bytes, q: dict[str, float], before: Counts, after: Counts):
     """A follower's value, by the URDF's own <mimic>, is the same value of its mate."""
 
     def followed(urdf: bytes, counts: Counts) -> dict[str, float]:
-        found = {}
+        by_key = {}
         for joint in etree.fromstring(urdf).iterfind("joint"):
             mimic = joint.find("mimic")
             if mimic is None or joint.get("name") not in counts:
@@ -138,36 +135,26 @@ def mimicked(old: bytes, new: bytes, q: dict[str, float], before: Counts, after:
             driver = sign * (mate[1] + q[mimic.get("joint")] - zero)
             value = float(mimic.get("multiplier", 1)) * driver + float(mimic.get("offset", 0))
             sign, zero = counts[joint.get("name")]
-            found[joint.get("name")] = zero + sign * value
-        return found
+            by_key[joint.get("name")] = zero + sign * value
+        return by_key
 
-    one, other = followed(old, before), followed(new, after)
-    assert other == pytest.approx(one, rel=1e-9, abs=1e-9)
+    expected, other = followed(old, before), followed(new, after)
+    assert other == pytest.approx(expected, rel=1e-9, abs=1e-9)
 
 
-def limited(plain: Robot, counted: Robot, before: Counts, after: Counts) -> None:
+def limited(plain: Robot, counted: Robot, before: Counts, after: Counts):
     """The same range of the mate's own value, and the same saved pose."""
-    for one, other in zip(plain.dofs, counted.dofs, strict=True):
-        if one.name not in after:
+    for first, other in zip(plain.dofs, counted.dofs, strict=True):
+        if first.name not in after:
             continue
         ranges = []
-        for dof, (sign, zero) in ((one, before[one.name]), (other, after[one.name])):
+        for dof, (sign, zero) in ((first, before[first.name]), (other, after[first.name])):
             low, high = dof.limits.interval
             ranges.append([*sorted((zero + sign * low, zero + sign * high)), zero + sign * dof.saved])
         assert ranges[1] == pytest.approx(ranges[0], abs=1e-9)
 
 
-zeros = st.sampled_from(["mate", "saved"])
-
-
-@settings(max_examples=8, **slowly)
-@given(documents(everything=True), st.integers(0, 1000), zeros)
-def test_a_zero_and_a_direction_change_no_physics(document: Document, seed: int, zero: str) -> None:
-    alike(document, seed, zero)
-
-
-@pytest.mark.slow
-@settings(max_examples=25, **slowly)
-@given(documents(everything=True, loops=True), st.integers(0, 1000), zeros)
-def test_a_zero_and_a_direction_change_no_physics_of_loops(document: Document, seed: int, zero: str) -> None:
-    alike(document, seed, zero)
+@pytest.mark.parametrize(("loops", "count"), [(False, 8), pytest.param(True, 25, marks=pytest.mark.slow)])
+def test_a_zero_and_a_direction_change_no_physics(loops, count):
+    zeros = st.sampled_from(["mate", "saved"])
+    each(alike, count, any_document(loops=loops), st.integers(0, 1000), zeros)

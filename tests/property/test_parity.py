@@ -12,13 +12,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import assume
 from hypothesis import strategies as st
 
 from linkwright.stages.graph.dofs import conjugate
 from linkwright.stages.robot.codec import decode_robot, encode_robot
 from linkwright.stages.robot.dynamics.mass_matrix import mass_matrix
-from linkwright.stages.robot.model.robot import Configuration, Joint, Robot, Value
+from linkwright.stages.robot.model.robot import Configuration, Joint, Robot
 from linkwright.stages.robot.motion.start_pose import starting_point
 from linkwright.stages.validate import validate
 from tests.fake_onshape.copies import within
@@ -26,12 +26,15 @@ from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.fake_onshape.truth import Truth
 from tests.support.building import plan_of, robot_of, write
+from tests.support.drawn import any_document, each
 from tests.support.engines import Mujoco, Pinocchio
+from tests.support.parity import same
+from tests.support.robots import some_values
 
 TOLERANCE = 1e-9
 
 
-def agree(document: Document, root: int, shuffle: int, seed: int, api: int = 17) -> None:
+def agree(document: Document, root: int, shuffle: int, seed: int, api: int):
     """Builds with the `root`-th link as root and instances shuffled; compares at three random q.
 
     `api`: the newest version that the server knows, on which it depends where limits are read.
@@ -56,13 +59,13 @@ def agree(document: Document, root: int, shuffle: int, seed: int, api: int = 17)
     held = robot.root.parts[0].path if robot.root.parts else ()
     random = np.random.default_rng(seed)
     for _ in range(3):
-        q = drawn(robot, random)
+        q = some_values(robot, random)
         true_q = {edges[name]: value for name, value in in_mates(robot, q).items()}
         poses = truth.poses(true_q, root=held)
-        for found in (pinocchio.poses(q), engine.poses(q)):
+        for placed in (pinocchio.poses(q), engine.poses(q)):
             for link in robot.links:
                 for part in link.parts:
-                    same(found[link.name] @ part.link_from_part, poses[part.path])
+                    same(placed[link.name] @ part.link_from_part, poses[part.path])
         if not names:
             continue
         mass = truth.mass_matrix(true_q, root=held)[np.ix_(order, order)]
@@ -85,7 +88,9 @@ def is_undecided(truth: Truth) -> bool:
         before = edges.get(edge.name.rpartition(" [")[0])
         if len(edge.copies) < 2 or before is None:
             continue
-        earlier, later = ([one.owner + tuple(path.split("/")) for path in one.onto] for one in (before, edge))
+        earlier, later = (
+            [mate.owner + tuple(path.split("/")) for path in mate.onto] for mate in (before, edge)
+        )
         ends = edge.first, edge.second
         if any(within(end, earlier) and not within(end, later) for end in ends):
             return True
@@ -106,24 +111,12 @@ def as_cut(truth: Truth, robot: Robot) -> Truth:
 
 def true_names(joints: tuple[Joint, ...], truth: Truth) -> dict[str, str]:
     """The document's own name of each dof of the robot's."""
-    found = {}
+    names = {}
     for joint in joints:
         edge = truth.joint(joint.mate.key)
         for dof in joint.dofs:
-            found[dof.name] = edge.name + dof.name.removeprefix(joint.name)
-    return found
-
-
-def drawn(robot: Robot, random: np.random.Generator) -> Configuration:
-    """Random values of all dofs."""
-    q: dict[str, Value] = {}
-    for dof in robot.dofs:
-        if dof.kind == "ball":
-            quat = random.normal(size=4)
-            q[dof.name] = tuple(float(part) for part in quat / np.linalg.norm(quat))
-        else:
-            q[dof.name] = float(random.uniform(-2, 2))
-    return q
+            names[dof.name] = edge.name + dof.name.removeprefix(joint.name)
+    return names
 
 
 def in_mates(robot: Robot, q: Configuration) -> Configuration:
@@ -132,7 +125,7 @@ def in_mates(robot: Robot, q: Configuration) -> Configuration:
     return {name: conjugate(value) if name in turned else value for name, value in q.items()}
 
 
-def matches(robot: Robot, truth: Truth) -> None:
+def matches(robot: Robot, truth: Truth):
     """Limits, relations and totals are the document's own."""
     edges = true_names(robot.joints, truth)
     true_dofs = {dof.name: dof for dof in truth.dofs}
@@ -157,7 +150,7 @@ def matches(robot: Robot, truth: Truth) -> None:
         assert loop.residual < TOLERANCE
 
 
-def related(robot: Robot, truth: Truth, edges: Mapping[str, str]) -> None:
+def related(robot: Robot, truth: Truth, edges: Mapping[str, str]):
     """Whatever drives, followers are where the document's own relations have them."""
     random = np.random.default_rng(len(edges))
     saved = {dof.name: dof.saved for dof in robot.dofs if dof.kind != "ball"}
@@ -169,75 +162,46 @@ def related(robot: Robot, truth: Truth, edges: Mapping[str, str]) -> None:
             assert q is values or abs(driven - q[relation.follower]) < TOLERANCE * max(1.0, abs(driven))
             q[relation.follower] = driven
     moved = {true: values[name] - saved[name] for name, true in edges.items() if name in values}
-    known = [one for one in truth.relations if {one.driver, one.follower} <= set(moved)]
-    for one in known:
-        expected = one.multiplier * moved[one.driver]
-        assert abs(moved[one.follower] - expected) < TOLERANCE * max(1.0, abs(expected))
-    if not any(one.offset for one in known):
-        assert [one.offset for one in robot.relations] == [0.0] * len(known)
-    assert len(robot.relations) == len(known)
-
-
-def same(found: np.ndarray, expected: np.ndarray) -> None:
-    """Equal to 1e-9 on the scale of the larger of 1 and the largest entry."""
-    scale = max(1.0, float(np.abs(expected).max()))
-    assert np.abs(found - expected).max() < TOLERANCE * scale
+    relations = [
+        relation for relation in truth.relations if {relation.driver, relation.follower} <= set(moved)
+    ]
+    for relation in relations:
+        expected = relation.multiplier * moved[relation.driver]
+        assert abs(moved[relation.follower] - expected) < TOLERANCE * max(1.0, abs(expected))
+    if not any(relation.offset for relation in relations):
+        assert [relation.offset for relation in robot.relations] == [0.0] * len(relations)
+    assert len(robot.relations) == len(relations)
 
 
 places = st.integers(0, 1000)
 versions = st.sampled_from([16, 17])
-slowly = {"suppress_health_check": [HealthCheck.too_slow, HealthCheck.data_too_large]}
+slow = pytest.mark.slow
 
 
-@settings(max_examples=12, **slowly)
-@given(documents(), places, places, places, versions)
-def test_both_files_are_the_document(
-    document: Document, root: int, shuffle: int, seed: int, api: int
-) -> None:
-    agree(document, root, shuffle, seed, api)
-
-
-@pytest.mark.slow
-@settings(max_examples=25, **slowly)
-@given(documents(loops=True), places, places, places)
-def test_loops_change_nothing_about_the_tree(document: Document, root: int, shuffle: int, seed: int) -> None:
-    agree(document, root, shuffle, seed)
-
-
-@settings(max_examples=8, **slowly)
-@given(documents(everything=True), places, places, places, versions)
-def test_everything_that_can_be_drawn(
-    document: Document, root: int, shuffle: int, seed: int, api: int
-) -> None:
-    agree(document, root, shuffle, seed, api)
-
-
-@pytest.mark.slow
-@settings(max_examples=60, **slowly)
-@given(
-    st.booleans().flatmap(lambda loops: documents(everything=True, loops=loops)),
-    places,
-    places,
-    places,
-    versions,
+@pytest.mark.parametrize(
+    ("everything", "loops", "count"),
+    [
+        (False, False, 12),
+        (True, False, 8),
+        pytest.param(False, True, 25, marks=slow),
+        pytest.param(True, None, 60, marks=slow),
+    ],
 )
-def test_everything_that_can_be_drawn_many_times(
-    document: Document, root: int, shuffle: int, seed: int, api: int
-) -> None:
-    agree(document, root, shuffle, seed, api)
+def test_both_files_are_the_document(everything, loops, count):
+    each(agree, count, any_document(everything, loops), places, places, places, versions)
 
 
-@settings(max_examples=25, **slowly)
-@given(documents(everything=True, loops=True), places, places)
-def test_neither_root_nor_order_changes_what_is_cut_or_named(
-    document: Document, root: int, shuffle: int
-) -> None:
+def changes_nothing(document: Document, root: int, shuffle: int) -> None:
     first = robot_of(document)
     links = ["world"] if first.root.name == "world" else sorted(link.name for link in first.links)
     plan = plan_of(root={"select": links[root % len(links)]})
     second = robot_of(document, plan, shuffle=shuffle)
     assert {link.name for link in second.links} == {link.name for link in first.links}
     assert facts(second) == facts(first)
+
+
+def test_neither_root_nor_order_changes_what_is_cut_or_named():
+    each(changes_nothing, 25, documents(everything=True, loops=True), places, places)
 
 
 def facts(robot: Robot) -> dict[str, object]:

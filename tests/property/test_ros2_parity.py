@@ -4,21 +4,19 @@ import tempfile
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from linkwright.stages.export import export
 from linkwright.stages.robot.motion.start_pose import home
 from tests.fake_onshape.document import Document
-from tests.fake_onshape.random_document import documents
 from tests.support.building import NO_MESHES, plan_of, robot_of
+from tests.support.drawn import any_document, each
 from tests.support.ros2 import check_control, check_manifest, home_of, packed, same_robot, same_text
 
 KINDS = ("position", "motor")
-slowly = {"suppress_health_check": [HealthCheck.too_slow, HealthCheck.data_too_large]}
 
 
-def agree(document: Document, seed: int) -> None:
+def agree(document: Document, seed: int):
     keys = {"export": {"urdf": {}, "ros2": {}}, "actuators": {"*": KINDS[seed % 2]}}
     free = robot_of(document).root.name != "world" and seed % 3 == 1
     plan = plan_of(root={"base": "free" if free else "fixed"}, **keys)
@@ -42,14 +40,6 @@ def agree(document: Document, seed: int) -> None:
                     assert abs(value - at_home[name]) < 1e-9, name
 
 
-@settings(max_examples=3, **slowly)
-@given(documents(everything=True, loops=True), st.integers(0, 5))
-def test_the_package_is_the_document(document: Document, seed: int) -> None:
-    agree(document, seed)
-
-
-@pytest.mark.slow
-@settings(max_examples=15, **slowly)
-@given(st.booleans().flatmap(lambda loops: documents(everything=True, loops=loops)), st.integers(0, 5))
-def test_the_package_is_the_document_many_times(document: Document, seed: int) -> None:
-    agree(document, seed)
+@pytest.mark.parametrize(("loops", "count"), [(True, 3), pytest.param(None, 15, marks=pytest.mark.slow)])
+def test_the_package_is_the_document(loops, count):
+    each(agree, count, any_document(loops=loops), st.integers(0, 5))

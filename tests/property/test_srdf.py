@@ -10,18 +10,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from linkwright.stages.export.urdf.srdf.convex import at_least, bodies_of
+from linkwright.stages.export.urdf.srdf.convex import bodies_of, distance_bounds
 from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import Limits, Robot, frozen
 from linkwright.stages.robot.motion.start_pose import home
-from tests.fake_onshape.document import Document
-from tests.fake_onshape.random_document import documents
 from tests.property.test_self_contact import random_robot
 from tests.support.building import NO_MESHES, plan_of, robot_of, write
+from tests.support.drawn import any_document, each
 from tests.support.places import PROJECT
 from tests.support.robots import joint, pose, robot_with
 from tests.support.ros2 import moveit_of, packed
@@ -29,52 +27,45 @@ from tests.support.srdf import InPinocchio, Srdf
 from tests.support.touching import apart, ball, box, geometry_of
 from tests.unit.export.test_moveit import check
 
-slowly = {"suppress_health_check": [HealthCheck.too_slow, HealthCheck.data_too_large]}
 SEEDS = [*range(3), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(3, 15))]
 
 
 def agree(robot: Robot, folder: Path, geometry: Geometry = NO_MESHES) -> Srdf:
     """Writes a robot, and holds its SRDF against its URDF and its home."""
     files = write(robot, folder, plan_of(export={"urdf": {}}), geometry).files
-    found = Srdf(files["robot.srdf"], files["robot.urdf"])
+    semantics = Srdf(files["robot.srdf"], files["robot.urdf"])
     # A pose that no loop allows within the limits is reported elsewhere.
-    assert [one for one in found.problems() if "outside its limits" not in one] == []
+    assert [problem for problem in semantics.problems() if "outside its limits" not in problem] == []
     at = home(robot)
-    for group in found.groups:
-        for name, value in found.states(group)["home"].items():
+    for group in semantics.groups:
+        for name, value in semantics.states(group)["home"].items():
             if name in at:
                 assert value == pytest.approx(at[name], abs=1e-9)
-    return found
+    return semantics
 
 
-@settings(max_examples=8, **slowly)
-@given(documents(everything=True), st.booleans())
-def test_the_srdf_of_a_document_keeps_the_rules(document: Document, free: bool) -> None:
-    robot = robot_of(document)
-    if robot.root.name != "world":
-        robot = robot_of(document, plan_of(root={"base": "free" if free else "fixed"}))
-    with tempfile.TemporaryDirectory() as folder:
-        agree(robot, Path(folder))
+@pytest.mark.parametrize(("loops", "count"), [(False, 8), (True, 4)])
+def test_the_srdf_of_a_document_keeps_the_rules(loops, count):
+    def keeps(document, free):
+        robot = robot_of(document)
+        if not loops and robot.root.name != "world":
+            robot = robot_of(document, plan_of(root={"base": "free" if free else "fixed"}))
+        with tempfile.TemporaryDirectory() as folder:
+            agree(robot, Path(folder))
+
+    each(keeps, count, any_document(loops=loops), st.booleans())
 
 
-@settings(max_examples=4, **slowly)
-@given(documents(everything=True, loops=True))
-def test_the_srdf_of_a_looped_document_keeps_the_rules(document: Document) -> None:
-    with tempfile.TemporaryDirectory() as folder:
-        agree(robot_of(document), Path(folder))
+def test_names_in_moveits_package_of_a_document_mean_something():
+    def means(document, driven):
+        keys = {"actuators": {"*": "position" if driven else "motor"}}
+        plan = plan_of(export={"ros2": {}, "urdf": {}}, **keys)
+        with tempfile.TemporaryDirectory() as folder:
+            package = packed(write(robot_of(document, plan), Path(folder), plan).files, Path(folder))
+            if moveit_of(package) is not None:
+                check(package)
 
-
-@settings(max_examples=5, **slowly)
-@given(documents(everything=True, loops=True), st.booleans())
-def test_every_name_in_moveits_package_of_a_document_means_something(
-    document: Document, driven: bool
-) -> None:
-    keys = {"actuators": {"*": "position" if driven else "motor"}}
-    plan = plan_of(export={"ros2": {}, "urdf": {}}, **keys)
-    with tempfile.TemporaryDirectory() as folder:
-        package = packed(write(robot_of(document, plan), Path(folder), plan).files, Path(folder))
-        if moveit_of(package) is not None:
-            check(package)
+    each(means, 5, any_document(loops=True), st.booleans())
 
 
 def arm(seed: int) -> Robot:
@@ -99,32 +90,24 @@ def arm(seed: int) -> Robot:
 
 @pytest.mark.parametrize("make", [random_robot, arm])
 @pytest.mark.parametrize("seed", SEEDS)
-def test_links_that_never_touch_do_so_in_no_fresh_pose(seed, make, tmp_path) -> None:
+def test_links_that_never_touch_do_so_in_no_fresh_pose(seed, make, tmp_path):
     robot = make(seed)
-    found = agree(robot, tmp_path, geometry_of(robot))
-    never = {pair for pair, reason in found.disabled.items() if reason == "Never"}
-    assert InPinocchio(tmp_path, "robot").touching(never, 1000, seed) == set()
+    semantics = agree(robot, tmp_path, geometry_of(robot))
+    never = {pair for pair, reason in semantics.disabled.items() if reason == "Never"}
+    assert InPinocchio(tmp_path).touching(never, 1000, seed) == set()
+    assert make is not arm or seed > 2 or len(never) > 4
 
 
-def test_such_pairs_are_found_at_all(tmp_path) -> None:
-    pairs = 0
-    for seed in range(3):
-        robot = arm(seed)
-        disabled = agree(robot, tmp_path, geometry_of(robot)).disabled
-        pairs += sum(reason == "Never" for reason in disabled.values())
-    assert pairs > 5
+CODE = """import sys; from pathlib import Path; from tests.property.test_srdf import agree, arm, geometry_of
+robot = arm(1); agree(robot, Path(sys.argv[1]), geometry_of(robot))"""
 
 
-def test_another_process_with_another_hash_seed_writes_the_same_bytes(tmp_path) -> None:
+def test_a_process_with_another_hash_seed_writes_the_same_bytes(tmp_path):
     robot = arm(1)
     agree(robot, tmp_path, geometry_of(robot))
-    code = (
-        "import sys; from pathlib import Path; from tests.property.test_srdf import agree, arm, geometry_of; "
-        "robot = arm(1); agree(robot, Path(sys.argv[1]), geometry_of(robot))"
-    )
     (tmp_path / "other").mkdir()
     environ = os.environ | {"PYTHONHASHSEED": "77", "PYTHONPATH": str(PROJECT)}
-    command = [sys.executable, "-c", code, str(tmp_path / "other")]
+    command = [sys.executable, "-c", CODE, str(tmp_path / "other")]
     subprocess.run(command, env=environ, check=True, capture_output=True, timeout=300)
     first, second = ((tmp_path / folder / "robot.srdf").read_bytes() for folder in ("", "other"))
     assert first == second
@@ -132,19 +115,19 @@ def test_another_process_with_another_hash_seed_writes_the_same_bytes(tmp_path) 
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_a_bound_is_below_the_distance_and_near_it(seed) -> None:
+def test_a_bound_is_below_the_distance_and_near_it(seed):
     """Two links of a box and a ball each, held against a closed form and, of balls, the exact distance."""
     rng = np.random.default_rng(seed)
-    one = (box(*rng.uniform(0.05, 0.3, 3), pose(rng, 0.1)), ball(0.05, pose(rng, 0.1)))
-    two = (ball(0.04, pose(rng, 0.1)), ball(0.07, pose(rng, 0.1)))
-    count = 30
-    row = joint("free", "base", "far")
-    robot = robot_with([row], shapes={"base": one, "far": two})
-    geometry = geometry_of(robot)
-    bodies = bodies_of(geometry, {link: [(link, np.eye(4))] for link in ("base", "far")})
+    base = (box(*rng.uniform(0.05, 0.3, 3), pose(rng, 0.1)), ball(0.05, pose(rng, 0.1)))
+    far = (ball(0.04, pose(rng, 0.1)), ball(0.07, pose(rng, 0.1)))
+    count, row = 30, joint("free", "base", "far")
+    robot = robot_with([row], shapes={"base": base, "far": far})
+    bodies = bodies_of(geometry_of(robot), {link: [(link, np.eye(4))] for link in ("base", "far")})
     places = np.stack([pose(rng, 0.6) for _ in range(count)])
-    bounds = at_least(bodies["base"], bodies["far"], places, -np.inf)
-    back = at_least(bodies["far"], bodies["base"], np.stack([inverse(one) for one in places]), -np.inf)
+    bounds = distance_bounds(bodies["base"], bodies["far"], places, -np.inf)
+    back = distance_bounds(
+        bodies["far"], bodies["base"], np.stack([inverse(place) for place in places]), -np.inf
+    )
     near = 0
     for place, bound, other in zip(places, bounds, back, strict=True):
         fixed = replace(robot, joints=(replace(row, dofs=(), type="fixed", parent_from_joint=frozen(place)),))

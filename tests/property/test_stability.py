@@ -3,22 +3,18 @@
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import assume
 from hypothesis import strategies as st
 
 from linkwright.stages.export import export
 from tests.fake_onshape.document import Document
-from tests.fake_onshape.random_document import documents
 from tests.support.building import NO_MESHES, plan_of, robot_of
+from tests.support.drawn import any_document, each
 
-slowly = {
-    "deadline": None,
-    "suppress_health_check": [HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.data_too_large],
-}
 SECONDS, OPEN = 2.0, 1e-3
 
 
-def holds(document: Document, timestep: float) -> None:
+def holds(document: Document, timestep: float):
     """As built, without actuators: no warning, no NaN, no two sites of a loop apart."""
     plan = plan_of(scene={"option": {"timestep": timestep}})
     robot = robot_of(document, plan)
@@ -39,17 +35,9 @@ def holds(document: Document, timestep: float) -> None:
     assert np.isfinite(data.qpos).all()
 
 
-@settings(max_examples=6, **slowly)
-@given(documents(loops=True), st.sampled_from([0.002, 0.005]))
-def test_a_few_looped_documents_hold(document: Document, timestep: float) -> None:
-    holds(document, timestep)
-
-
-@pytest.mark.slow
-@settings(max_examples=40, **slowly)
-@given(
-    st.booleans().flatmap(lambda everything: documents(loops=True, everything=everything)),
-    st.sampled_from([0.001, 0.002, 0.005]),
+@pytest.mark.parametrize(
+    ("everything", "timesteps", "count"),
+    [(False, [0.002, 0.005], 6), pytest.param(None, [0.001, 0.002, 0.005], 40, marks=pytest.mark.slow)],
 )
-def test_many_looped_documents_hold(document: Document, timestep: float) -> None:
-    holds(document, timestep)
+def test_looped_documents_hold(everything, timesteps, count):
+    each(holds, count, any_document(everything, True), st.sampled_from(timesteps))

@@ -10,33 +10,24 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from linkwright.stages.robot.dynamics.inertia import moved
 from linkwright.stages.robot.model.robot import Robot
 from tests.support.building import plan_of, write
-from tests.support.checked import checked
+from tests.support.checked import checked, failures
+from tests.support.drawn import each
 from tests.support.engines import Mujoco, Pinocchio
 from tests.support.pinocchio import pin
 from tests.support.random_urdf import urdfs
 from tests.support.urdfs import parity, relative, same_bounds, urdf_robot
 
 TOLERANCE = 1e-9
-slowly = {"suppress_health_check": [HealthCheck.too_slow, HealthCheck.data_too_large]}
 
 
-@settings(max_examples=15, **slowly)
-@given(urdfs())
-def test_the_files_are_the_urdf(text: str) -> None:
-    is_exact(text)
-
-
-@pytest.mark.slow
-@settings(max_examples=60, **slowly)
-@given(urdfs())
-def test_the_files_are_the_urdf_many_times(text: str) -> None:
-    is_exact(text)
+@pytest.mark.parametrize("count", [15, pytest.param(60, marks=pytest.mark.slow)])
+def test_the_files_are_the_urdf(count):
+    each(is_exact, count, urdfs())
 
 
 def is_exact(text: str) -> None:
@@ -49,38 +40,36 @@ def is_exact(text: str) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=12, **slowly)
-@given(urdfs(), st.integers(0, 100))
-def test_another_root_is_the_same_robot(text: str, which: int) -> None:
+def test_another_root_is_the_same_robot():
+    each(has_another_root, 12, urdfs(), st.integers(0, 100))
+
+
+def has_another_root(text: str, which: int) -> None:
     first = urdf_robot(text)
     if first.root.name == "world":
         return
     names = sorted(link.name for link in first.links)
     robot = urdf_robot(text, plan_of(root={"select": names[which % len(names)]}))
     with tempfile.TemporaryDirectory() as folder:
-        write(robot, Path(folder))
+        assert failures(Path(folder), robot) == []
         engine = Mujoco(Path(folder) / "robot.xml")
-        assert not [check for check in checked(Path(folder), robot, plan_of()) if check.fails]
-        random = np.random.default_rng(which)
-        q = {dof.name: float(random.uniform(-2, 2)) for dof in robot.dofs}
-        true_q = {joint.name: joint.mate.name for joint in robot.joints}
-        true_q = {true_q[name]: value for name, value in q.items()}
-        true_poses = Pinocchio(text.encode()).poses(true_q)
-        poses = engine.poses(q)
-        # A link that was above its joint and now hangs on it has its frame there: its body is the same.
-        bodies = {
-            link.name: (moved(link.inertial, poses[link.name]), moved(one.inertial, true_poses[link.path[0]]))
-            for link, one in ((link, first.link(link.name)) for link in robot.links)
-        }
-        to_ours = poses[robot.root.name] @ np.linalg.inv(true_poses[robot.root.path[0]])
-        for found, expected in bodies.values():
-            assert np.abs(found.com - moved(expected, to_ours).com).max() < TOLERANCE
-            assert relative(found.inertia, moved(expected, to_ours).inertia) < TOLERANCE
-        for frame in robot.frames:
-            off = poses[frame.link] @ frame.link_from_frame - to_ours @ true_poses[frame.source]
-            assert np.abs(off).max() < TOLERANCE
-        if robot.dofs:
-            assert relative(*afloat(text, robot, engine, q)) < TOLERANCE
+    random = np.random.default_rng(which)
+    q = {dof.name: float(random.uniform(-2, 2)) for dof in robot.dofs}
+    mates = {joint.name: joint.mate.name for joint in robot.joints}
+    true_poses = Pinocchio(text.encode()).poses({mates[name]: value for name, value in q.items()})
+    poses = engine.poses(q)
+    to_ours = poses[robot.root.name] @ np.linalg.inv(true_poses[robot.root.path[0]])
+    # A link that was above its joint and now hangs on it has its frame there: its body is the same.
+    for link in robot.links:
+        actual = moved(link.inertial, poses[link.name])
+        expected = moved(moved(first.link(link.name).inertial, true_poses[link.path[0]]), to_ours)
+        assert np.abs(actual.com - expected.com).max() < TOLERANCE
+        assert relative(actual.inertia, expected.inertia) < TOLERANCE
+    for frame in robot.frames:
+        off = poses[frame.link] @ frame.link_from_frame - to_ours @ true_poses[frame.source]
+        assert np.abs(off).max() < TOLERANCE
+    if robot.dofs:
+        assert relative(*afloat(text, robot, engine, q)) < TOLERANCE
 
 
 def afloat(text: str, robot: Robot, engine: Mujoco, q: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
@@ -108,18 +97,19 @@ def _eliminated(full: np.ndarray, order: list[int]) -> np.ndarray:
     return full[np.ix_(order, order)] - across.T @ np.linalg.solve(full[np.ix_(base, base)], across)
 
 
-@settings(max_examples=30, **slowly)
-@given(urdfs())
-def test_our_urdf_is_read_as_the_same_robot(text: str) -> None:
+def test_our_urdf_is_read_as_the_same_robot():
+    each(comes_back, 30, urdfs())
+
+
+def comes_back(text: str) -> None:
     first = urdf_robot(text)
     with tempfile.TemporaryDirectory() as folder:
-        ours = write(first, Path(folder)).files["robot.urdf"]
-    second = urdf_robot(ours)
+        second = urdf_robot(write(first, Path(folder)).files["robot.urdf"])
     assert [link.name for link in second.links] == [link.name for link in first.links]
     assert [joint.name for joint in second.joints] == [joint.name for joint in first.joints]
     assert {frame.name for frame in second.frames} == {frame.name for frame in first.frames}
     assert [d.limits for d in second.dofs] == [d.limits for d in first.dofs]
     assert second.relations == first.relations
-    for one, other in zip(second.links, first.links, strict=True):
-        assert abs(one.inertial.mass - other.inertial.mass) < TOLERANCE
-        assert np.abs(one.inertial.inertia - other.inertial.inertia).max() < TOLERANCE * 100
+    for link, other in zip(second.links, first.links, strict=True):
+        assert abs(link.inertial.mass - other.inertial.mass) < TOLERANCE
+        assert np.abs(link.inertial.inertia - other.inertial.inertia).max() < TOLERANCE * 100

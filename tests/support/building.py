@@ -1,24 +1,23 @@
 """From a document of the local Onshape to a robot and its files, without touching a cache."""
 
-from pathlib import Path
+from functools import cache
 from typing import Any
 
 from linkwright.pipeline.config.plan import Plan
-from linkwright.stages.export import Exported, export
+from linkwright.stages.export import export
 from linkwright.stages.fetch.bundle.archive import read
 from linkwright.stages.fetch.onshape.gather import gather
 from linkwright.stages.fetch.onshape.replies.recorded import Recorded
 from linkwright.stages.graph import build_robot
-from linkwright.stages.robot.bundle import Bundle
+from linkwright.stages.mesh import make_geometry
 from linkwright.stages.robot.model.geometry import Geometry
-from linkwright.stages.robot.model.robot import Robot
 from tests.fake_onshape.bundle import bundle_bytes
-from tests.fake_onshape.document import Document
+from tests.fake_onshape.sample import sample_document
 
 NO_MESHES = Geometry((), {})
 
 
-def plan_of(**keys: Any) -> Plan:
+def plan_of(**keys):
     """A plan of the sample source with these keys; `scene__pose={...}` stands for scene.pose.
 
     Colliders are quickly made, and links do not touch each other, unless the keys say otherwise.
@@ -35,19 +34,31 @@ def plan_of(**keys: Any) -> Plan:
     return Plan.parse(tree)
 
 
-def bundle_of(document: Document, **options: Any) -> Bundle:
+def bundle_of(document, **options):
     """The bundle that a fetch of this document gives."""
     return gather(Recorded(read(bundle_bytes(document, **options), "document"), "document"))
 
 
-def robot_of(document: Document, plan: Plan | None = None, **options: Any) -> Robot:
+def robot_of(document, plan=None, **options):
     return build_robot(bundle_of(document, **options), plan or plan_of())
 
 
-def write(robot: Robot, folder: Path, plan: Plan | None = None, geometry: Geometry = NO_MESHES) -> Exported:
+@cache
+def sample_robot():
+    """The robot of the sample document, made once."""
+    return robot_of(sample_document())
+
+
+def write(robot, folder, plan=None, geometry=NO_MESHES):
     """Exports into `folder`."""
     exported = export(robot, geometry, plan or plan_of())
     for name, data in exported.files.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_bytes(data)
     return exported
+
+
+def shaped(document, **keys):
+    """The robot of a document and its geometry, by a plan of these keys."""
+    robot, plan = robot_of(document), plan_of(**keys)
+    return robot, make_geometry(robot, bundle_of(document), plan, lambda kind, key, make: make()), plan

@@ -1,12 +1,9 @@
 """Many cases of one kind: a few in every run, the others in the slow suite."""
 
-from collections.abc import Iterable
-from typing import Any
-
 import pytest
 
 
-def mostly_slow(cases: Iterable[Any], keep: int) -> list[Any]:
+def mostly_slow(cases, keep):
     """The cases for `pytest.mark.parametrize`, with all but the first `keep` of them marked slow."""
     marked = []
     for index, case in enumerate(cases):

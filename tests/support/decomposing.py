@@ -1,9 +1,7 @@
 """Colliders that are cut, or decomposed, by a guest that is asked nothing else or by none."""
 
 from contextlib import closing
-from typing import Any
 
-from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.collide import improvement
 from linkwright.stages.mesh.collide.acceptance import Judge
 from linkwright.stages.mesh.collide.cut_pieces import PieceCutter
@@ -17,21 +15,19 @@ from linkwright.stages.robot.errors import DecompositionFailed
 DEFAULT = Search()
 
 
-def task(surface: Surface, tolerance: float = 0.001, **options: Any) -> Improvement:
+def task(surface, tolerance=0.001, **options):
     """To decompose a surface by CoACD with these options."""
     settings = CoacdSettings(tolerance=tolerance, **options)
     return Improvement("coacd", [surface], settings, coacd.make([surface], settings))
 
 
-def improved(work: Improvement, **of_guest: Any) -> bytes:
+def improved(work, **of_guest):
     """By a guest that is asked nothing else."""
     with closing(helper(**of_guest)) as guest:
         return improvement.improved(work, guest)
 
 
-def decompose(
-    surface: Surface, tolerance: float, most_vertices: int = 64, search: Search = DEFAULT
-) -> tuple[Surface, ...]:
+def decompose(surface, tolerance, most_vertices=64, search=DEFAULT):
     """The convex pieces of a surface, joined, sorted. DecompositionFailed, with the reason, where there are
     none."""
     made = decomposed(surface, tolerance, search)
@@ -41,12 +37,12 @@ def decompose(
     return tuple(map(surface_of, cutter.join(cutter.parts_of(made)).pieces))
 
 
-def cut(surface: Surface, tolerance: float | None = None, most_vertices: int = 64) -> tuple[Surface, ...]:
+def cut(surface, tolerance=None, most_vertices=64):
     """The convex pieces of a surface that is cut by planes."""
     return tuple(map(surface_of, PieceCutter(judge(surface, tolerance), most_vertices).cut().pieces))
 
 
-def judge(surface: Surface, tolerance: float | None = None) -> Judge:
+def judge(surface, tolerance=None):
     """What pieces of a surface are judged by."""
     made = Judge.of(surface, tolerance)
     assert isinstance(made, Judge)

@@ -8,23 +8,22 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import pytest
 from filelock import FileLock
 
 VERSION = "1.51.1"
-"""That of `stages/export/readers.py`."""
+"""That of `stages/targets/readers.py`."""
 
 READER = Path(__file__).with_name("drake_reader.py")
 
 
-def drake_python(shared: Path) -> str:
+def drake_python(shared):
     """The Python that has Drake. `shared`: a folder that all workers of the run share."""
-    given = os.environ.get("LINKWRIGHT_DRAKE_PYTHON")
-    if given:
-        return given
+    path = os.environ.get("LINKWRIGHT_DRAKE_PYTHON")
+    if path:
+        return path
     home = shared / "drake"
     python = home / "bin" / "python"
     with FileLock(shared / "drake.lock"):
@@ -39,29 +38,30 @@ def drake_python(shared: Path) -> str:
     return str(python)
 
 
-def _run(command: list[str]) -> str:
+def _run(command):
     """The last line of what went wrong; "" for nothing."""
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     return (done.stderr.strip().splitlines() or ["?"])[-1] if done.returncode else ""
 
 
-def read(
-    python: str, file: Path, joints: Sequence[str], values: Sequence[Mapping[str, object]], weld: str | None
-) -> list[dict]:
+def read(python, file, joints, values, weld):
     """What `drake_reader` answers."""
     done = _read(python, file, joints, values, weld)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 
 
-def refusal(python: str, file: Path) -> str:
+def refusal(python, file):
     """Why Drake refuses a file; "" where it does not."""
     return _read(python, file, (), ({},), None).stderr
 
 
-def _read(
-    python: str, file: Path, joints: Sequence[str], values: Sequence[Mapping[str, object]], weld: str | None
-) -> "subprocess.CompletedProcess[str]":
-    given = {"file": str(file), "weld": weld, "joints": list(joints), "values": [dict(one) for one in values]}
+def _read(python, file, joints, values, weld):
+    request = {
+        "file": str(file),
+        "weld": weld,
+        "joints": list(joints),
+        "values": [dict(value) for value in values],
+    }
     command = [python, "-I", str(READER)]
-    return subprocess.run(command, input=json.dumps(given), capture_output=True, text=True, check=False)
+    return subprocess.run(command, input=json.dumps(request), capture_output=True, text=True, check=False)

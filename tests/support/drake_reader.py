@@ -16,19 +16,19 @@ from pydrake.multibody.tree import BodyIndex
 from pydrake.systems.framework import DiagramBuilder
 
 
-def main() -> None:
-    given = json.load(sys.stdin)
+def main():
+    request = json.load(sys.stdin)
     # Mimic needs a plant in steps of time, colliders a scene.
     builder = DiagramBuilder()
     config = MultibodyPlantConfig(time_step=0.001, discrete_contact_approximation="sap")
     plant, _ = AddMultibodyPlant(config, builder)
-    Parser(plant).AddModels(given["file"])
-    if given["weld"] is not None:
-        plant.WeldFrames(plant.world_frame(), plant.GetBodyByName(given["weld"]).body_frame())
+    Parser(plant).AddModels(request["file"])
+    if request["weld"] is not None:
+        plant.WeldFrames(plant.world_frame(), plant.GetBodyByName(request["weld"]).body_frame())
     plant.Finalize()
     diagram = builder.Build()
     context = plant.GetMyContextFromRoot(diagram.CreateDefaultContext())
-    json.dump([answer(plant, context, given["joints"], values) for values in given["values"]], sys.stdout)
+    json.dump([answer(plant, context, request["joints"], values) for values in request["values"]], sys.stdout)
 
 
 def answer(plant, context, joints, values):

@@ -6,8 +6,7 @@ angular velocity of the child relative to the parent in the child's frame. The U
 turns `<name>_x`, `<name>_y`, `<name>_z`, R = Rx Ry Rz, away from whose singularity values must be.
 """
 
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Mapping
 
 import mujoco
 import numpy as np
@@ -22,15 +21,15 @@ Values = Mapping[str, float | tuple[float, ...]]
 class Pinocchio:
     """The URDF, its root held where it is. Mimic joints move on their own, as in a bare tree."""
 
-    def __init__(self, urdf: bytes) -> None:
+    def __init__(self, urdf):
         self.model = pin.buildModelFromXML(urdf.decode())
         self.data = self.model.createData()
 
-    def _turns(self, name: str) -> list[str]:
+    def _turns(self, name):
         """The joints of a dof: itself, or a ball's three turns."""
         return [name] if self.model.existJointName(name) else [f"{name}_{axis}" for axis in "xyz"]
 
-    def _q(self, values: Values) -> np.ndarray:
+    def _q(self, values):
         q = pin.neutral(self.model)
         for name, value in values.items():
             numbers = _rotation(value).as_euler("XYZ") if isinstance(value, tuple) else [value]
@@ -42,11 +41,11 @@ class Pinocchio:
                 )
         return q
 
-    def _order(self, dofs: Sequence[str]) -> list[int]:
+    def _order(self, dofs):
         turns = [turn for name in dofs for turn in self._turns(name)]
         return [self.model.joints[self.model.getJointId(turn)].idx_v for turn in turns]
 
-    def _rates(self, values: Values, dofs: Sequence[str]) -> np.ndarray:
+    def _rates(self, values, dofs):
         """What takes the speeds of `dofs` to those of the joints: (n, n), blocks on the diagonal."""
         order = [(name, len(self._turns(name))) for name in dofs]
         made = np.eye(sum(width for _, width in order))
@@ -68,7 +67,7 @@ class Pinocchio:
             at += width
         return made
 
-    def poses(self, values: Values) -> dict[str, np.ndarray]:
+    def poses(self, values):
         pin.framesForwardKinematics(self.model, self.data, self._q(values))
         return {"world": np.eye(4)} | {
             frame.name: self.data.oMf[index].homogeneous
@@ -76,13 +75,13 @@ class Pinocchio:
             if frame.type == pin.FrameType.BODY
         }
 
-    def mass_matrix(self, values: Values, dofs: Sequence[str]) -> np.ndarray:
+    def mass_matrix(self, values, dofs):
         upper = np.triu(pin.crba(self.model, self.data, self._q(values)))
         full = upper + np.triu(upper, 1).T
         order, rates = self._order(dofs), self._rates(values, dofs)
         return rates.T @ full[np.ix_(order, order)] @ rates
 
-    def gravity(self, values: Values, dofs: Sequence[str]) -> np.ndarray:
+    def gravity(self, values, dofs):
         """∂U/∂q: what holds it still."""
         self.model.gravity.linear = GRAVITY
         torque = pin.computeGeneralizedGravity(self.model, self.data, self._q(values))
@@ -96,12 +95,12 @@ class Mujoco:
     `world` is the world body.
     """
 
-    def __init__(self, path: Path, start: Values | None = None) -> None:
+    def __init__(self, path, start=None):
         self.model = mujoco.MjModel.from_xml_path(str(path))
         self.data = mujoco.MjData(self.model)
         self.start = start or {}
 
-    def _set(self, values: Values) -> None:
+    def _set(self, values):
         mujoco.mj_resetData(self.model, self.data)
         for name, value in values.items():
             at = self.model.joint(name).qposadr[0]
@@ -115,17 +114,17 @@ class Mujoco:
         mujoco.mj_makeM(self.model, self.data)
         mujoco.mj_rne(self.model, self.data, 0, self.data.qfrc_bias)
 
-    def _order(self, dofs: Sequence[str]) -> list[int]:
-        found = []
+    def _order(self, dofs):
+        order = []
         for name in dofs:
             joint = self.model.joint(name)
             width = 3 if joint.type[0] == mujoco.mjtJoint.mjJNT_BALL else 1
-            found += range(int(joint.dofadr[0]), int(joint.dofadr[0]) + width)
-        return found
+            order += range(int(joint.dofadr[0]), int(joint.dofadr[0]) + width)
+        return order
 
-    def poses(self, values: Values) -> dict[str, np.ndarray]:
-        """Of bodies, and of the sites of links that have none, by their places on their bodies: MuJoCo's own
-        kinematics takes frames for the same that differ by up to 1e-6."""
+    def poses(self, values):
+        """Poses of bodies, and of the sites of links without a body, by their places on their bodies:
+        MuJoCo's own kinematics takes frames for the same that differ by up to 1e-6."""
         self._set(values)
         model, data, bodies = self.model, self.data, []
         for index in range(model.nbody):
@@ -133,15 +132,15 @@ class Mujoco:
             pose[:3, :3] = data.xmat[index].reshape(3, 3)
             pose[:3, 3] = data.xpos[index]
             bodies.append(pose)
-        found = {}
+        placed = {}
         for index in range(model.nsite):
             pose = np.eye(4)
             pose[:3, :3] = _rotation(model.site_quat[index]).as_matrix()
             pose[:3, 3] = model.site_pos[index]
-            found[model.site(index).name] = bodies[model.site_bodyid[index]] @ pose
-        return found | {model.body(index).name: pose for index, pose in enumerate(bodies)}
+            placed[model.site(index).name] = bodies[model.site_bodyid[index]] @ pose
+        return placed | {model.body(index).name: pose for index, pose in enumerate(bodies)}
 
-    def mass_matrix(self, values: Values, dofs: Sequence[str]) -> np.ndarray:
+    def mass_matrix(self, values, dofs):
         """Without armature, which is not part of the mechanism."""
         self._set(values)
         full = np.zeros((self.model.nv, self.model.nv))
@@ -150,10 +149,10 @@ class Mujoco:
         order = self._order(dofs)
         return full[np.ix_(order, order)] - np.diag(self.model.dof_armature[order])
 
-    def gravity(self, values: Values, dofs: Sequence[str]) -> np.ndarray:
+    def gravity(self, values, dofs):
         self._set(values)
         return np.array(self.data.qfrc_bias[self._order(dofs)])
 
 
-def _rotation(value: object) -> Rotation:
+def _rotation(value):
     return Rotation.from_quat(np.roll(np.asarray(value, dtype=float), -1))

@@ -66,7 +66,7 @@ FINAL = {
 """What does not pass: a fetch that meets one of these once ends with an error."""
 
 DECLINED = ("400", "404", "406", "410")
-"""Of these: what asks for another way, so that glTF stands in where it meets triangles."""
+"""The faults among these that ask for another way: glTF replaces the triangles that meet them."""
 
 SLOW = {"slow": Fault(body=None, pause_s=1.0)}
 """What takes longer than `HURRIED` waits."""
@@ -125,15 +125,15 @@ class Fetching:
         replies, ledger = Cache(Store(self.folder)).replies(), self.folder / "ledger"
         try:
             context = FetchContext(replies, server.environ, ledger=ledger, calls=calls, patience=patience)
-            found = stage.fetch(self.keys, context).bundle
+            outcome = stage.fetch(self.keys, context).bundle
         except SourceError as error:
-            found = error
+            outcome = error
         assert calls.made == server.count - billed
         if check_ledger:
             assert sum(year.counted for year in years(ledger)) == server.count
         assert max(trouble.lost.values(), default=0) <= MOST_BILLED
         assert verify(self.folder).broken == ()
-        return found, trouble
+        return outcome, trouble
 
 
 def reference(document: Document, kind: str = "m"):

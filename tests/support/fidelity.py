@@ -21,10 +21,10 @@ POINTS = 10_000
 """On a part, and on a collider."""
 
 _CRACK = 5e-4
-"""Of the diagonal: what is as near ahead of a collider's surface as this is one with it."""
+"""Points within this share of the diagonal ahead of a collider's surface count as on it."""
 
 _REACH = 4.0
-"""What is nearer to a part's box than so many tolerances is held against it first."""
+"""Points within this many tolerances of a part's box are compared with it first."""
 
 _DENSE = 0.25
 """The spacing of the points that stand for a part, in tolerances."""
@@ -61,8 +61,8 @@ def fidelity(
     tolerances: Sequence[float] | None = None,
     points: int = POINTS,
 ) -> Fidelity:
-    """Of one or several parts and the pieces of their collider, in one frame; the tolerances [m] of the parts
-    are the default ones unless said. `points`: how many on either surface are looked at."""
+    """The fidelity of the pieces of a collider to its part or parts, in one frame; the tolerances [m] of the
+    parts default to the product's. `points`: how many on either surface are looked at."""
     tolerances = tolerances or [tolerance_of(part) for part in parts]
     diagonal = float(np.linalg.norm(np.ptp(np.concatenate([part.vertices for part in parts]), axis=0)))
     outer = _outer(pieces, _CRACK * diagonal, points)
@@ -80,22 +80,22 @@ def fidelity(
 
 def _standing(solids: Sequence["_Solid"], tolerances: Sequence[float], points: Points) -> Points:
     """(n,): how far points are outside of the nearest part, in its tolerances."""
-    found = np.full(len(points), np.inf)
+    standing = np.full(len(points), np.inf)
     for reach in (_REACH, np.inf):  # first what is near, then what is near nothing
         for solid, tolerance in zip(solids, tolerances, strict=True):
             low, high = solid.bounds
             near = ((points >= low - reach * tolerance) & (points <= high + reach * tolerance)).all(axis=1)
-            some = np.flatnonzero(near & ((found > 0) if reach < np.inf else np.isinf(found)))
+            some = np.flatnonzero(near & ((standing > 0) if reach < np.inf else np.isinf(standing)))
             if len(some):
                 far = solid.outside(points[some], tolerance / 4) / tolerance
-                found[some] = np.minimum(found[some], far)
-    return found
+                standing[some] = np.minimum(standing[some], far)
+    return standing
 
 
 def _outer(pieces: Sequence["Piece"], crack: float, count: int) -> Points:
     """Points spread evenly over the outer surface of the pieces."""
     areas = np.array([piece.area for piece in pieces])
-    found = []
+    kept = []
     for number, (piece, share) in enumerate(zip(pieces, areas / areas.sum(), strict=True)):
         points, normals = piece.samples(max(20, round(count * share)), number)
         ahead = points + crack * normals
@@ -105,8 +105,8 @@ def _outer(pieces: Sequence["Piece"], crack: float, count: int) -> Points:
             if other is not piece:
                 buried = (other.planes(points[some]) <= 0) | (other.planes(ahead[some]) <= 0)
                 outer[some[buried]] = False
-        found.append(points[outer])
-    return np.concatenate(found)
+        kept.append(points[outer])
+    return np.concatenate(kept)
 
 
 def _bareness(points: Points, pieces: Sequence["Piece"]) -> Points:
@@ -146,19 +146,19 @@ class Hull(Piece):
         self._corners = hull.points[hull.simplices]
 
     def planes(self, points: Points) -> Points:
-        found = np.full(len(points), -np.inf)
+        heights = np.full(len(points), -np.inf)
         for normal, offset in zip(self._normals, self._offsets, strict=True):
-            np.maximum(found, points @ normal + offset, out=found)
-        return found
+            np.maximum(heights, points @ normal + offset, out=heights)
+        return heights
 
     def distance(self, points: Points) -> Points:
         beyond = self.planes(points)
         some = np.flatnonzero(beyond > 0)
-        found = np.full(len(some), np.inf)
+        gaps = np.full(len(some), np.inf)
         for corners in self._corners:
-            found = np.minimum(found, to_triangles(points[some], np.broadcast_to(corners, (len(some), 3, 3))))
+            gaps = np.minimum(gaps, to_triangles(points[some], np.broadcast_to(corners, (len(some), 3, 3))))
         result = np.zeros(len(points))
-        result[some] = found
+        result[some] = gaps
         return result
 
     def samples(self, count: int, seed: int) -> tuple[Points, Points]:
@@ -221,12 +221,12 @@ class Round(Piece):
 def pieces_of(model: mujoco.MjModel) -> Mapping[str, list[Piece]]:
     """The colliders of a robot by body, in the order of the geoms, in the frame of the body: all but what is
     only seen."""
-    found: dict[str, list[Piece]] = {}
+    hulls: dict[str, list[Piece]] = {}
     for geom in np.flatnonzero((model.geom_contype != 0) | (model.geom_conaffinity != 0)):
         if model.geom_bodyid[geom] == 0 and model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE:
             continue
-        found.setdefault(model.body(model.geom_bodyid[geom]).name, []).append(_piece(model, int(geom)))
-    return found
+        hulls.setdefault(model.body(model.geom_bodyid[geom]).name, []).append(_piece(model, int(geom)))
+    return hulls
 
 
 def pose_of(model: mujoco.MjModel, geom: int) -> Points:
@@ -288,7 +288,7 @@ class _Solid:
         """The winding number of points: the sum of the solid angles of all triangles (Van Oosterom and
         Strackee, 1983), those far away together as one dipole (Barill et al., "Fast winding numbers for soups
         and clouds", 2018)."""
-        found = np.zeros(len(points))
+        angles = np.zeros(len(points))
         for corners in self._clusters:
             normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
             sizes = np.linalg.norm(normals, axis=1)
@@ -297,9 +297,9 @@ class _Solid:
             away = middle - points
             far = np.linalg.norm(away, axis=1)
             near = far < _NEAR * reach
-            found[~near] += away[~near] @ normals.sum(axis=0) / far[~near] ** 3 / (4 * np.pi)
-            found[near] += solid_angles(points[near], corners) / (4 * np.pi)
-        return found
+            angles[~near] += away[~near] @ normals.sum(axis=0) / far[~near] ** 3 / (4 * np.pi)
+            angles[near] += solid_angles(points[near], corners) / (4 * np.pi)
+        return angles
 
     @cached_property
     def _clusters(self) -> list[Points]:
@@ -313,14 +313,14 @@ class _Solid:
 
 def solid_angles(points: Points, corners: Points) -> Points:
     """(n,): the sum of the solid angles of triangles (m, 3, 3) from points (n, 3)."""
-    found = np.zeros(len(points))
+    angles = np.zeros(len(points))
     for some in np.array_split(np.arange(len(points)), 1 + len(points) * len(corners) // 1_000_000):
         a, b, c = (corners[None, :, k] - points[some, None] for k in range(3))
-        p, q, r = (np.sqrt(np.einsum("ijk,ijk->ij", one, one)) for one in (a, b, c))
+        p, q, r = (np.sqrt(np.einsum("ijk,ijk->ij", corner, corner)) for corner in (a, b, c))
         volume = np.einsum("ijk,ijk->ij", a, np.cross(b, c))
         ab, bc, ca = (np.einsum("ijk,ijk->ij", u, v) for u, v in ((a, b), (b, c), (c, a)))
-        found[some] = 2 * np.arctan2(volume, p * q * r + ab * r + bc * p + ca * q).sum(axis=1)
-    return found
+        angles[some] = 2 * np.arctan2(volume, p * q * r + ab * r + bc * p + ca * q).sum(axis=1)
+    return angles
 
 
 def to_triangles(points: Points, corners: Points) -> Points:

@@ -21,6 +21,7 @@ FLOORS = (
     ("stages.show", ("stages.show",), "what is shown of a robot: live view, picture, tree"),
     ("stages.mujoco", ("stages.mujoco",), "compiles a model, and asks it"),
     ("stages.formats", ("stages.formats",), "text ↔ value: URDF, MJCF, SDF, robot.json, meshes"),
+    ("stages.targets", ("stages.targets",), "what engines take of a robot, in one table"),
     ("stages.robot", ("stages.robot",), "the value that the stages hand on, and its mechanics"),
 )
 """Name, packages and purpose of each floor, from the top."""
@@ -34,14 +35,14 @@ LETTER = 6.3
 """Width of a letter of a room's name."""
 
 
-def rooms(package: str) -> list[str]:
+def rooms(package):
     """The rooms of a package: its folders, or its modules where it has no folders."""
     folder = PROJECT / package.replace(".", "/")
     folders = sorted(path.parent.name for path in folder.glob("*/__init__.py"))
     return folders or sorted(path.stem for path in folder.glob("*.py") if path.stem != "__init__")
 
 
-def floor_of(module: str) -> str:
+def floor_of(module):
     """The name of the floor that a module lies on; "" for `conf`."""
     for name, packages, _ in FLOORS:
         if f"{module}.".startswith(tuple(f"{package}." for package in packages)):
@@ -49,7 +50,7 @@ def floor_of(module: str) -> str:
     return ""
 
 
-def picture() -> str:
+def picture():
     """The SVG."""
     right = WIDTH - MARGIN - LANES
     top, parts, places = MARGIN, [], {}
@@ -83,7 +84,7 @@ def picture() -> str:
     return "\n".join([*head, *parts, "</svg>", ""])
 
 
-def _floor(name: str, packages: tuple[str, ...], purpose: str, top: int, right: int) -> tuple[int, list[str]]:
+def _floor(name, packages, purpose, top, right):
     """The height of a floor, and its elements."""
     share = (right - MARGIN - 12) / len(packages)
     titles = len(packages) > 1
@@ -112,11 +113,11 @@ def _floor(name: str, packages: tuple[str, ...], purpose: str, top: int, right: 
     return height, parts
 
 
-def _text(x: float, y: int, size: float, text: str, look: str) -> str:
+def _text(x, y, size, text, look):
     return f'<text x="{x:.0f}" y="{y}" font-size="{size}"{look}>{escape(text)}</text>'
 
 
-def _lines(words: list[str], most: int) -> list[str]:
+def _lines(words, most):
     """The words in lines of at most so many letters."""
     lines = [""]
     for word in words:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from linkwright.stages.robot.model.robot import Array, Dynamics, Inertial, Joint, JointType, Robot, frozen
+from linkwright.stages.robot.model.robot import Array, Inertial, Joint, frozen
 from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
 from tests.support.robots import at, joint, loop, robot_with
 
@@ -12,14 +12,7 @@ ACROSS = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0.0], [0, 0, 0, 1]])
 BAR, RADIUS = 0.03, 0.002
 
 
-def hand(
-    seed: int,
-    fingers: int = 4,
-    stages: int = 2,
-    mass: float = 0.005,
-    closing: JointType = "revolute",
-    dynamics: Dynamics | None = None,
-) -> Robot:
+def hand(seed, fingers=4, stages=2, mass=0.005, closing="revolute", dynamics=None):
     """Fingers of four-bar linkages in a row, each bar of about `mass` [kg] and 3 cm; `closing` is the type of
     the mate that closes each. With revolute ones there are 2 · fingers · stages equalities."""
     rng = np.random.default_rng(seed)
@@ -43,15 +36,15 @@ def hand(
     bare = robot_with(joints, inertials=inertials)
     poses = link_poses(bare, saved_configuration(bare))
     loops = []
-    for number, (one, other, end, lever) in enumerate(closed):
-        met = np.linalg.inv(poses[other]) @ poses[one] @ end
+    for number, (first, other, end, lever) in enumerate(closed):
+        met = np.linalg.inv(poses[other]) @ poses[first] @ end
         loops.append(
-            loop(closing, one, other, end, met, name=f"loop{number}", lever=lever, solref=(0.005, 1.0))
+            loop(closing, first, other, end, met, name=f"loop{number}", lever=lever, solref=(0.005, 1.0))
         )
     return robot_with(joints, loops=loops, inertials=inertials)
 
 
-def rod(mass: float, length: float) -> Inertial:
+def rod(mass, length):
     """A solid cylinder along x."""
     along, across = mass * RADIUS**2 / 2, mass * (3 * RADIUS**2 + length**2) / 12
     return Inertial(mass, frozen((length / 2, 0, 0)), frozen(np.diag([along, across, across])))

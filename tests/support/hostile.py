@@ -1,8 +1,6 @@
 # ruff: noqa: E501
 """Robots whose YAML tries to run code; each would leave the file `MARK` behind."""
 
-from pathlib import Path
-
 MARK = "i-was-here"
 
 CODE = f"{{_target_: logging.FileHandler, filename: {MARK}}}"
@@ -62,13 +60,13 @@ ROBOTS: dict[str, tuple[str, str, dict[str, str]]] = {
 }  # fmt: skip
 
 
-def write(folder: Path, name: str, file: str = "robot/mine.yaml") -> None:
+def write(folder, name, file="robot/mine.yaml"):
     """Puts a hostile robot, or an experiment, and the files that it brings along into a folder."""
     entry, keys, more = ROBOTS[name]
     chosen = [] if "/source:" in entry else ["override /source: sample"]
     defaults = [entry, *chosen] if entry else chosen
     text = "".join(
-        ["# @package _global_\n", "defaults:\n", *(f"  - {one}\n" for one in defaults), keys, "\n"]
+        ["# @package _global_\n", "defaults:\n", *(f"  - {default}\n" for default in defaults), keys, "\n"]
     )
     for path, content in {file: text, **more}.items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)

@@ -16,47 +16,47 @@ BODY = '<body name="b"><joint type="hinge"/><geom size=".1"/></body>'
 LINK = '<link name="a"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
 
 
-def mjcf(world: str = BODY, more: str = "") -> str:
+def mjcf(world=BODY, more=""):
     return f"<mujoco>{more}<worldbody>{world}</worldbody></mujoco>"
 
 
-def urdf(inside: str) -> str:
+def urdf(inside):
     return f'<robot name="r">{inside}</robot>'
 
 
-def mesh_of(name: str) -> str:
+def mesh_of(name):
     return urdf(f'<link name="a"><visual><geometry><mesh filename="{name}"/></geometry></visual></link>')
 
 
-def fifo(path: Path) -> None:
+def fifo(path):
     os.mkfifo(path)
 
 
-def folder(path: Path) -> None:
+def folder(path):
     path.mkdir()
 
 
-def listener(path: Path) -> None:
+def listener(path):
     here = Path.cwd()
-    with socket.socket(socket.AF_UNIX) as one:
+    with socket.socket(socket.AF_UNIX) as server:
         os.chdir(path.parent)
-        one.bind(path.name)
+        server.bind(path.name)
         os.chdir(here)
 
 
-def link_to(target: str) -> Callable[[Path], None]:
+def link_to(target):
     return lambda path: path.symlink_to(target)
 
 
-def sparse(size: int) -> Callable[[Path], None]:
-    def make(path: Path) -> None:
+def sparse(size):
+    def make(path):
         with path.open("wb") as file:
             file.truncate(size)
 
     return make
 
 
-def png(width: int, height: int) -> bytes:
+def png(width, height):
     """A PNG whose header says that it is as large, with some of its pixels."""
     header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
     chunks = [(b"IHDR", header), (b"IDAT", zlib.compress(bytes(10_000_000), 9)), (b"IEND", b"")]
@@ -67,13 +67,13 @@ def png(width: int, height: int) -> bytes:
     return b"\x89PNG\r\n\x1a\n" + b"".join(rows)
 
 
-def bomb(use: str) -> str:
+def bomb(use):
     """Entities of entities, a billion of them."""
     names = "".join(f'<!ENTITY e{i} "{f"&e{i - 1};" * 10}">' for i in range(1, 10))
     return f'<!DOCTYPE mujoco [<!ENTITY e0 "aaaaaaaaaa">{names}]>{use}'
 
 
-def attached(depth: int) -> dict[str, Content]:
+def attached(depth):
     """Models in models, each in the next above twice."""
     twice = '<attach model="m" body="x" prefix="a"/><attach model="m" body="x" prefix="b"/>'
     files: dict[str, Content] = {
@@ -86,13 +86,13 @@ def attached(depth: int) -> dict[str, Content]:
     }
 
 
-def robot_json(**changes: object) -> str:
+def robot_json(**changes):
     return json.dumps(
         {"format": "linkwright-robot", "version": 1, "name": "r", "links": [], "joints": [], **changes}
     )
 
 
-def links(count: int) -> list[dict[str, object]]:
+def links(count):
     return [{"name": f"l{i}"} for i in range(count)]
 
 
@@ -154,7 +154,7 @@ ONE: dict[str, Mapping[str, Content]] = {
     "URDF: long name": {"m.urdf": urdf(f'<link name="{"a" * 9_000_000}"/>')},
     "URDF: a terabyte": {"m.urdf": sparse(1 << 40)},
 }  # fmt: skip
-"""What is checked is the first of the files. All are refused."""
+"""Name → files, the first of which is checked. All are refused."""
 
 BUILDS: dict[str, Mapping[str, Content]] = {
     "220,000 links": {TRUTH: robot_json(links=links(220_000))},

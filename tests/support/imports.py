@@ -1,29 +1,27 @@
 """The imports of the product: which module imports which, wherever in it."""
 
 import ast
-from collections.abc import Iterator
 from functools import cache
-from pathlib import Path
 
 import networkx as nx
 
 from tests.support.places import PROJECT, ROOMS
 
 
-def modules() -> list[Path]:
+def modules():
     return sorted(path for top in ROOMS for path in (PROJECT / top).rglob("*.py"))
 
 
 class _WithoutTypes(ast.NodeTransformer):
     """Leaves out what only type checkers read."""
 
-    def visit_If(self, node: ast.If) -> ast.AST:
+    def visit_If(self, node):
         if isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING":
             return ast.Pass()
         return self.generic_visit(node)
 
 
-def imported(path: Path, source: str, types: bool = True) -> Iterator[str]:
+def imported(path, source, types=True):
     """The full names that a module imports, wherever in it, also by `import_module`; those under
     `if TYPE_CHECKING` too where `types` is true."""
     package = ("linkwright", *path.relative_to(PROJECT).parts[:-1])
@@ -41,13 +39,13 @@ def imported(path: Path, source: str, types: bool = True) -> Iterator[str]:
                 yield str(node.args[0].value)
 
 
-def name_of(path: Path) -> str:
+def name_of(path):
     parts = path.relative_to(PROJECT).with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
 @cache
-def imports() -> nx.DiGraph:
+def imports():
     """Every module of the product and the modules of ours that it imports, wherever in it."""
     ours = {name_of(path): path for path in modules()}
     graph = nx.DiGraph()

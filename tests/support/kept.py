@@ -38,7 +38,7 @@ class Kept(dict):
         with self._one_at_a_time():
             self.facts[subject] = fact
 
-    def alone(self, subject):
+    def lock(self, subject):
         return self._alone[subject]
 
     @contextlib.contextmanager

@@ -23,7 +23,7 @@ KINDS = ("mesh/mesh.collider", "mesh/mesh.by_contact")
 LIBRARIES = ("numpy", "scipy", "manifold3d", "coacd", "coal", "mujoco")
 
 
-def seed(folder: Path) -> None:
+def seed(folder):
     """Makes `folder` a cache that knows the colliders of the sample."""
     for name, data in _records().items():
         path = folder / name
@@ -32,23 +32,23 @@ def seed(folder: Path) -> None:
 
 
 @cache
-def _records() -> dict[str, bytes]:
+def _records():
     """The records of colliders and their blobs, by path below the cache folder."""
     root = _built() / "cache"
-    found = {}
+    contents = {}
     for path in sorted((root / "ac").glob("*/*.json")):
         data = path.read_bytes()
         record = json.loads(data)
         if record["stage"] in KINDS:
-            found[str(path.relative_to(root))] = data
+            contents[str(path.relative_to(root))] = data
             for digest in record["outputs"].values():
                 blob = root / "cas" / digest[:2] / digest
-                found[str(blob.relative_to(root))] = blob.read_bytes()
-    assert found
-    return found
+                contents[str(blob.relative_to(root))] = blob.read_bytes()
+    assert contents
+    return contents
 
 
-def _built() -> Path:
+def _built():
     """A folder where the sample was built with this source and these libraries, by this or another run."""
     here = Path(tempfile.gettempdir()) / f"linkwright-tests-{os.getuid()}" / _state()
     here.mkdir(parents=True, exist_ok=True)
@@ -62,7 +62,7 @@ def _built() -> Path:
     return here
 
 
-def _state() -> str:
+def _state():
     """A digest of what colliders may depend on, beside what is in their keys."""
     every = sorted((PROJECT / "stages" / "mesh").rglob("*.py"))
     parts = [sha256(path.read_bytes()).hexdigest() for path in every]

@@ -3,10 +3,9 @@
 import os
 import signal
 import sys
-from collections.abc import Callable
 
 
-def killed_at(step: int, work: Callable[[], object]) -> bool:
+def killed_at(step, work):
     """Runs `work` in a child that dies by kill -9 at its step-th touch of the file system.
 
     False where it came to its end before that step. Linux and macOS only (fork).
@@ -15,7 +14,7 @@ def killed_at(step: int, work: Callable[[], object]) -> bool:
     if child == 0:
         seen = 0
 
-        def hook(event: str, _arguments: object) -> None:
+        def hook(event, _arguments):
             nonlocal seen
             if event == "open" or event.startswith(("os.", "shutil.", "tempfile.")):
                 seen += 1

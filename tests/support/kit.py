@@ -28,6 +28,16 @@ class Kit:
     def place(self, name: str, assembly: Assembly | None = None, **more: object):
         return (assembly or self.root).add(self.bar(name), **more)
 
+    def based(self, *names: str):
+        """A base that is fixed, and further bars."""
+        return (self.place("Base", fixed=True), *map(self.place, names))
+
+    def elbow(self, **mate: object):
+        """A base that is fixed, with an arm on a hinge."""
+        base, arm = self.based("Arm")
+        self.root.revolute("Elbow", (arm, TOP), (base, SIDE), **mate)
+        return base, arm
+
 
 def four_bar(kit: Kit, limits: bool = False, value: float = 0.5) -> None:
     """A parallelogram of four hinges about z, saved at `value` [rad], closed by its rocker's far end."""
@@ -39,3 +49,17 @@ def four_bar(kit: Kit, limits: bool = False, value: float = 0.5) -> None:
     kit.root.revolute("Pin", (coupler, np.eye(4)), (crank, far), value=-value, limits=bounds)
     kit.root.revolute("Swing", (rocker, np.eye(4)), (base, far), value=value, limits=bounds)
     kit.root.revolute("Close", (coupler, far), (rocker, far), closing=True, limits=bounds)
+
+
+def hinged(kit: Kit, value: float = 0.3) -> None:
+    """A fixed base, and an arm that turns on it within 1 rad either way."""
+    base, arm = kit.place("Base", fixed=True), kit.place("Arm")
+    kit.root.revolute("Elbow", (arm, TOP), (base, SIDE), value=value, limits=(-1, 1))
+
+
+def two_arms(kit: Kit):
+    """A fixed base with two equal arms, each held at its top; gives the base."""
+    base, left, right = kit.place("Base", fixed=True), kit.place("Left"), kit.place("Right")
+    kit.root.revolute("One", (left, TOP), (base, SIDE), value=0.3, limits=(-1, 1))
+    kit.root.revolute("Two", (right, TOP), (base, TOP), value=-0.2, limits=(-1, 1))
+    return base

@@ -1,8 +1,6 @@
 """Robots in MJCF that have everything the page shows, and a reading of their packs that knows no MuJoCo."""
 
 import struct
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -103,7 +101,7 @@ LOOPS = {
 }
 
 
-def stl(corners: npt.NDArray[Any]) -> bytes:
+def stl(corners):
     """A binary STL of triangles (m, 3, 3)."""
     kind = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")])
     faces = np.zeros(len(corners), dtype=kind)
@@ -111,7 +109,7 @@ def stl(corners: npt.NDArray[Any]) -> bytes:
     return bytes(80) + struct.pack("<I", len(corners)) + faces.tobytes()
 
 
-def bumpy(subdivisions: int = 2, size: float = 0.1, seed: int = 0) -> npt.NDArray[np.float64]:
+def bumpy(subdivisions=2, size=0.1, seed=0):
     """A closed surface that is no sphere, (m, 3, 3)."""
     import trimesh
 
@@ -121,7 +119,7 @@ def bumpy(subdivisions: int = 2, size: float = 0.1, seed: int = 0) -> npt.NDArra
     return np.asarray(points[ball.faces])
 
 
-def write(folder: Path, scene: str = SCENE, robot: str = INCLUDED) -> Path:
+def write(folder, scene=SCENE, robot=INCLUDED):
     """The files of a build: a scene, the robot that it includes, and its meshes."""
     (folder / "assets").mkdir(parents=True, exist_ok=True)
     (folder / "scene.xml").write_text(scene, encoding="utf-8")
@@ -131,27 +129,27 @@ def write(folder: Path, scene: str = SCENE, robot: str = INCLUDED) -> Path:
     return folder
 
 
-def times(a: Vector, b: Vector) -> Vector:
+def times(a, b):
     """The product of two quaternions, w first."""
     w, v, x, u = a[0], a[1:], b[0], b[1:]
     return np.array([w * x - v @ u, *(w * u + x * v + np.cross(v, u))])
 
 
-def turned(q: Vector, v: Vector) -> Vector:
+def turned(q, v):
     """A vector turned by a unit quaternion."""
     return np.asarray(v + 2 * np.cross(q[1:], np.cross(q[1:], v) + q[0] * v))
 
 
-def poses(header: dict[str, Any], qpos: Vector) -> list[tuple[Vector, Vector]]:
+def poses(header, qpos):
     """Position and quaternion of each body in the world, by the header alone."""
-    found: list[tuple[Vector, Vector]] = []
+    placed: list[tuple[Vector, Vector]] = []
     for index, body in enumerate(header["bodies"]):
         if index == 0:
-            found.append((np.zeros(3), np.array([1.0, 0, 0, 0])))
+            placed.append((np.zeros(3), np.array([1.0, 0, 0, 0])))
             continue
-        above, frame = found[body["parent"]]
+        above, frame = placed[body["parent"]]
         place, turn = above + turned(frame, np.array(body["pos"])), times(frame, np.array(body["quat"]))
-        for joint in (one for one in header["joints"] if one["body"] == index):
+        for joint in (entry for entry in header["joints"] if entry["body"] == index):
             at = joint["qpos"]
             if joint["type"] == "free":
                 place, turn = qpos[at : at + 3], qpos[at + 3 : at + 7] / np.linalg.norm(qpos[at + 3 : at + 7])
@@ -167,11 +165,11 @@ def poses(header: dict[str, Any], qpos: Vector) -> list[tuple[Vector, Vector]]:
                 way = qpos[at : at + 4] / np.linalg.norm(qpos[at : at + 4])
             turn = times(turn, way)
             place = anchor - turned(turn, np.array(joint["pos"]))
-        found.append((place, turn / np.linalg.norm(turn)))
-    return found
+        placed.append((place, turn / np.linalg.norm(turn)))
+    return placed
 
 
-def triangles(header: dict[str, Any], content: bytes, mesh: int) -> npt.NDArray[np.float64]:
+def triangles(header, content, mesh):
     """The corners (m, 3, 3) of a mesh of the pack."""
     entry = header["meshes"][mesh]
     place = entry["positions"]

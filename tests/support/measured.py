@@ -9,9 +9,7 @@ import json
 import resource
 import subprocess
 import sys
-from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 
 @dataclass(frozen=True)
@@ -19,12 +17,12 @@ class Done:
     status: int
     shown: str
     seconds: float
-    """Of the processor."""
+    """Processor time [s]."""
     memory: int
     """The largest of its processes [bytes]."""
 
 
-def measured(command: list[str], here: Path, environ: Mapping[str, str], timeout: float) -> Done:
+def measured(command, here, environ, timeout):
     """Runs the command in the folder `here`; its output and its errors are one text. `timeout` [s] is by the
     clock."""
     ran = subprocess.run(
@@ -40,7 +38,7 @@ def measured(command: list[str], here: Path, environ: Mapping[str, str], timeout
     return Done(**json.loads(ran.stdout))
 
 
-def _main(timeout: float, command: list[str]) -> None:
+def _main(timeout, command):
     with subprocess.Popen(
         command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
     ) as run:

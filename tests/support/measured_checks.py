@@ -6,26 +6,23 @@ import json
 import resource
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 
-from linkwright.stages.formats.described import Truth, described
-from linkwright.stages.robot.check import Check
+from linkwright.stages.formats.described import described
 from linkwright.stages.validate import validate
-from linkwright.stages.validate.compiled import Loaded
 from linkwright.stages.validate.engines import mujoco_engine
 from linkwright.stages.validate.section import ValidateSections
 
 
-def checks_of(folder: Path, truth: Truth) -> tuple[Check, ...]:
+def checks_of(folder, truth):
     return validate(folder, truth.written, ValidateSections.model_validate({}))
 
 
-def truth_of(folder: Path) -> Truth:
+def truth_of(folder):
     return described((folder / "robot.json").read_bytes())
 
 
-def _memory() -> int:
+def _memory():
     """The largest so far [bytes]. `ru_maxrss` begins with that of the process that started this."""
     status = Path("/proc/self/status")
     if not status.exists():
@@ -34,8 +31,8 @@ def _memory() -> int:
     return int(line.split()[1]) * 1024
 
 
-def _timed(load: Callable[[Path], Loaded], spent: list[float]) -> Callable[[Path], Loaded]:
-    def timed(path: Path) -> Loaded:
+def _timed(load, spent):
+    def timed(path):
         before = time.process_time()
         loaded = load(path)
         spent.append(time.process_time() - before)
@@ -44,7 +41,7 @@ def _timed(load: Callable[[Path], Loaded], spent: list[float]) -> Callable[[Path
     return timed
 
 
-def main() -> None:
+def main():
     folder, warm = map(Path, sys.argv[1:])
     checks_of(warm, truth_of(warm))
     truth = truth_of(folder)

@@ -1,8 +1,6 @@
 """MJCFs for tests: files written by hand or at random, and the robots that we make of them."""
 
 from importlib import import_module
-from pathlib import Path
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -12,41 +10,44 @@ from linkwright.stages.fetch.mjcf.gather import gather
 from linkwright.stages.fetch.mjcf.section import MjcfSourceSection
 from linkwright.stages.graph import build_robot
 from linkwright.stages.mesh import make_geometry
-from linkwright.stages.robot.bundle import Bundle
-from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.validate import validate
 from tests.support.building import plan_of
 from tests.support.engines import Mujoco
+from tests.support.exports import exported
 
 SOLID = '<inertial pos=".01 -.02 .03" mass="{mass}" fullinertia=".02 .03 .025 .001 -.002 .003"/>'
 
 
 def body(name, inside="", mass=1.0, **attributes):
     """A body with mass; `inside` holds joints, geoms and further bodies."""
-    given = "".join(f' {key}="{value}"' for key, value in attributes.items())
-    return f'<body name="{name}"{given}>{SOLID.format(mass=mass)}{inside}</body>'
+    text = "".join(f' {key}="{value}"' for key, value in attributes.items())
+    return f'<body name="{name}"{text}>{SOLID.format(mass=mass)}{inside}</body>'
 
 
 def model(world, more="", compiler='angle="radian"'):
     return f'<mujoco model="made up"><compiler {compiler}/><worldbody>{world}</worldbody>{more}</mujoco>'
 
 
-def written(folder: Path, text: str, name: str = "model.xml") -> Path:
+def written(folder, text, name="model.xml"):
     path = folder / name
     path.write_text(text)
     return path
 
 
-def bundle_of(path: Path) -> Bundle:
+def bundle_of(path):
     return gather(MjcfSourceSection(path=str(path)))[0]
 
 
-def robot_of(path: Path, **keys) -> Robot:
+def robot_of(path, **keys):
     return build_robot(bundle_of(path), plan_of(**keys))
 
 
-def built(path: Path, folder: Path, **keys: Any) -> tuple[list[Diagnostic], tuple[str, ...]]:
+def rebuilt(path, **keys):
+    """The export of the robot in this file, without meshes."""
+    return exported(robot_of(path, **keys), **keys)
+
+
+def built(path, folder, **keys):
     """Writes the files of all stages but the cache; what they report, and the checks that fail. Colliders
     are the file's own meshes."""
     plan = plan_of(
@@ -62,20 +63,20 @@ def built(path: Path, folder: Path, **keys: Any) -> tuple[list[Diagnostic], tupl
     bundle, warnings = gather(plan.source)
     robot = build_robot(bundle, plan)
     geometry = make_geometry(robot, bundle, plan, lambda kind, key, make: make())
-    exported = export(robot, geometry, plan)
-    for name, data in exported.files.items():
+    outcome = export(robot, geometry, plan)
+    for name, data in outcome.files.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_bytes(data)
-    checks = validate(folder, exported.written, plan)
+    checks = validate(folder, outcome.written, plan)
     failed = tuple(f"{check.name}: {check.detail[:120]}" for check in checks if check.fails)
-    return [*warnings, *robot.diagnostics, *geometry.diagnostics, *exported.diagnostics], failed
+    return [*warnings, *robot.diagnostics, *geometry.diagnostics, *outcome.diagnostics], failed
 
 
 class Original(Mujoco):
     """An MJCF as MuJoCo alone sees it, with the frames of a URDF in it: those of each body's last joint."""
 
     def poses(self, values):
-        found = super().poses(values)
+        placed = super().poses(values)
         for index in range(1, self.model.nbody):
             last = int(self.model.body_jntadr[index] + self.model.body_jntnum[index]) - 1
             turns = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_BALL)
@@ -83,11 +84,11 @@ class Original(Mujoco):
                 shift = np.eye(4)
                 shift[:3, 3] = self.model.jnt_pos[last]
                 name = self.model.body(index).name
-                found[name] = found[name] @ shift
-        return found
+                placed[name] = placed[name] @ shift
+        return placed
 
 
-def random_model(seed: int) -> str:
+def random_model(seed):
     """A tree of some bodies with any joints anywhere, on the world or on a fixed base."""
     rng = np.random.default_rng(seed)
 
@@ -132,7 +133,7 @@ def random_model(seed: int) -> str:
     return model("".join(write(child) for child in children[0]))
 
 
-def at_home(module: str, request: bytes, *_: object) -> bytes:
+def at_home(module, request, *_):
     """A guest's answer without a process of its own: the same code, for tests of what it makes."""
     answer: bytes = import_module(module).answer(request)
     return answer

@@ -8,16 +8,16 @@ Where = tuple[str, ...]
 LINE = re.compile(r"( *)(\S+) \(.\) *(.*)")
 
 
-def schema() -> list[tuple[Where, list[str]]]:
+def schema():
     """The path of each element and its attributes."""
-    found: list[tuple[Where, list[str]]] = []
+    elements: list[tuple[Where, list[str]]] = []
     for line in mujoco.mj_printSchema(False, True).splitlines():
         match = LINE.match(line)
         if match:
             level = len(match[1]) // 3
-            above = next((where for where, _ in reversed(found) if len(where) == level), ())
+            above = next((where for where, _ in reversed(elements) if len(where) == level), ())
             name = {"(world)body": "body", "mujoco": ""}.get(match[2], match[2])
-            found.append(((*above[:level], name), match[3].split()))
+            elements.append(((*above[:level], name), match[3].split()))
         elif line.strip():
-            found[-1][1].extend(line.split())
-    return [(where[1:], attributes) for where, attributes in found if attributes]
+            elements[-1][1].extend(line.split())
+    return [(where[1:], attributes) for where, attributes in elements if attributes]

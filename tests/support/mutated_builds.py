@@ -24,7 +24,7 @@ FORMATS: dict[str, Any] = {"urdf": {}, "mjcf": {}, "sdf": {}, "ros2": {}, "pytho
 FORMATS |= {"usd": {}} if find_spec("pxr") else {}
 
 FEW_FACES = {"max_faces": 300}
-"""Of what is seen: each check reads and compiles it several times."""
+"""Bounds the visual meshes: each check reads and compiles them several times."""
 
 SAMPLE = {
     "export": FORMATS,
@@ -102,6 +102,6 @@ def rover_document() -> Document:
 def hinge_document() -> Document:
     """Two parts on a hinge."""
     kit = Kit()
-    one, other = kit.place("One"), kit.place("Other")
-    kit.root.revolute("Hinge", (other, TOP), (one, TOP), limits=(-1, 1))
+    first, other = kit.place("One"), kit.place("Other")
+    kit.root.revolute("Hinge", (other, TOP), (first, TOP), limits=(-1, 1))
     return kit.document

@@ -16,11 +16,11 @@ AS_IT_IS = ("mesh.visual.max_faces=2000000",)
 """For tests of anything but visual meshes: decimating those of a real robot takes a minute."""
 
 
-def is_here(name: str) -> bool:
+def is_here(name):
     return name not in FILES or FILES[name][1].exists()
 
 
-def source_of(name: str) -> list[str]:
+def source_of(name):
     """The overrides that choose a robot."""
     if name not in FILES:
         return [f"robot={name}"]

@@ -42,19 +42,19 @@ class Reader(HTMLParser):
         self.links += [value for name, value in attrs if name in ("src", "href", "xlink:href", "data")]
         self.ids += [value for name, value in attrs if name == "id"]
         self.marks.append(f"svg {tag}" if "svg" in self.open else tag)
-        given = dict(attrs)
-        assert len(given) == len(attrs), f"an attribute twice: {tag} {attrs}"
-        assert not [name for name in given if name.startswith("on")]
+        attributes = dict(attrs)
+        assert len(attributes) == len(attrs), f"an attribute twice: {tag} {attrs}"
+        assert not [name for name in attributes if name.startswith("on")]
         if tag in self.PARENTS:
             assert self.open[-1] in self.PARENTS[tag], f"{tag} in {self.open}"
         if tag in self.BLOCKS:
             assert not {"p", "span", "a", "h2", "h3"} & set(self.open), f"{tag} in {self.open}"
         if tag == "img":
-            assert given["alt"]
+            assert attributes["alt"]
         if tag == "th":
-            assert given["scope"] == ("col" if "thead" in self.open else "row")
+            assert attributes["scope"] == ("col" if "thead" in self.open else "row")
         if tag == "html":
-            assert given["lang"] == "en"
+            assert attributes["lang"] == "en"
         if tag in ("h1", "h2", "h3", "h4"):
             self.headings.append(int(tag[1]))
         if tag not in self.VOID:
@@ -67,6 +67,8 @@ class Reader(HTMLParser):
         assert self.open.pop() == tag
 
     def handle_data(self, data):
+        if self.open[-1:] in (["script"], ["style"]):
+            return
         self.said.append(data)
         if "details" in self.open and "summary" not in self.open:
             self.folded.append(data)
@@ -74,3 +76,7 @@ class Reader(HTMLParser):
     @property
     def text(self):
         return "\n".join(self.said)
+
+    def lacking(self, *words):
+        """Those of these words that are not in the text."""
+        return [word for word in words if word not in self.text]

@@ -12,7 +12,6 @@ import mujoco
 import numpy as np
 
 from linkwright.stages.robot.model.poses import from_parts, rotation_from_rpy
-from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.robot.motion.kinematics import link_poses
 from tests.support.pinocchio import pin
 
@@ -28,18 +27,18 @@ class Seen:
     axes: dict[str, np.ndarray] = field(default_factory=dict)
     frames: dict[str, np.ndarray] = field(default_factory=dict)
 
-    def add(self, link: str, pose: np.ndarray, mass: float, com: np.ndarray, inertia: np.ndarray) -> None:
+    def add(self, link, pose, mass, com, inertia):
         turned = pose[:3, :3]
         self.links[link] = mass, pose[:3, :3] @ com + pose[:3, 3], turned @ inertia @ turned.T
 
 
-def ours(robot: Robot, q: Values) -> Seen:
+def ours(robot, q):
     """Our robot; of a loop the origins of its two sides as the peer calls its frames."""
     poses = {name: robot.world_from_root @ pose for name, pose in link_poses(robot, q).items()}
     seen = Seen()
     for link in robot.links:
-        one = link.inertial
-        seen.add(link.name, poses[link.name], one.mass, one.com, one.inertia)
+        inertial = link.inertial
+        seen.add(link.name, poses[link.name], inertial.mass, inertial.com, inertial.inertia)
     for joint in robot.joints:
         for dof in joint.dofs:
             seen.axes[dof.name] = (poses[joint.parent] @ joint.parent_from_joint)[:3, :3] @ dof.axis
@@ -51,7 +50,7 @@ def ours(robot: Robot, q: Values) -> Seen:
     return seen
 
 
-def of_urdf(text: str, q: Values) -> Seen:
+def of_urdf(text, q):
     """The peer's URDF; a frame there is a link X on a joint X_frame."""
     model = pin.buildModelFromXML(text)
     data = model.createData()
@@ -85,7 +84,7 @@ def of_urdf(text: str, q: Values) -> Seen:
     return seen
 
 
-def of_mjcf(text: str, q: Values) -> Seen:
+def of_mjcf(text, q):
     """The peer's MJCF, without its meshes."""
     root = ET.fromstring(text)
     for parent in list(root.iter()):
@@ -112,10 +111,10 @@ def of_mjcf(text: str, q: Values) -> Seen:
     return seen
 
 
-def limits_of(text: str) -> dict[str, tuple[float, float] | None]:
+def limits_of(text):
     """{joint: (lower, upper)} of a URDF or an MJCF; None where it turns without end."""
     root = ET.fromstring(text)
-    found: dict[str, tuple[float, float] | None] = {}
+    limits: dict[str, tuple[float, float] | None] = {}
     for joint in root.iter("joint"):
         name, kind, limit = joint.get("name"), joint.get("type"), joint.find("limit")
         if name is None or kind == "fixed":
@@ -125,25 +124,25 @@ def limits_of(text: str) -> dict[str, tuple[float, float] | None]:
         elif limit is not None and limit.get("lower"):
             low, high = limit.get("lower"), limit.get("upper")
         else:
-            found[name] = None
+            limits[name] = None
             continue
-        found[name] = float(low), float(high)
-    return found
+        limits[name] = float(low), float(high)
+    return limits
 
 
-def differences(one: Seen, other: Seen) -> dict[str, float]:
+def differences(first, other):
     """How far two views are apart, by what they show: masses and inertia relative, the rest absolute.
 
     Frames count where both have them; KeyError where links or joints are not the same.
     """
-    found = {}
-    for name in one.links.keys() | other.links.keys():
-        (mass, com, inertia), (other_mass, other_com, other_inertia) = one.links[name], other.links[name]
-        found[f"mass of {name}"] = abs(mass - other_mass) / mass
-        found[f"centre of mass of {name}"] = float(np.abs(com - other_com).max())
-        found[f"inertia of {name}"] = float(np.abs(inertia - other_inertia).max() / np.abs(inertia).max())
-    for name in one.axes.keys() | other.axes.keys():
-        found[f"axis of {name}"] = float(np.abs(one.axes[name] - other.axes[name]).max())
-    for name in one.frames.keys() & other.frames.keys():
-        found[f"frame {name}"] = float(np.abs(one.frames[name] - other.frames[name]).max())
-    return found
+    worst = {}
+    for name in first.links.keys() | other.links.keys():
+        (mass, com, inertia), (other_mass, other_com, other_inertia) = first.links[name], other.links[name]
+        worst[f"mass of {name}"] = abs(mass - other_mass) / mass
+        worst[f"centre of mass of {name}"] = float(np.abs(com - other_com).max())
+        worst[f"inertia of {name}"] = float(np.abs(inertia - other_inertia).max() / np.abs(inertia).max())
+    for name in first.axes.keys() | other.axes.keys():
+        worst[f"axis of {name}"] = float(np.abs(first.axes[name] - other.axes[name]).max())
+    for name in first.frames.keys() & other.frames.keys():
+        worst[f"frame {name}"] = float(np.abs(first.frames[name] - other.frames[name]).max())
+    return worst

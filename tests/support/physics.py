@@ -3,17 +3,15 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from hashlib import sha256
-from typing import Any
 
 import mujoco
 import numpy as np
-import trimesh
 
 from linkwright.stages.export import export
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.robot.bundle import Bundle
 from linkwright.stages.robot.model.geometry import Geometry
-from linkwright.stages.robot.model.robot import Inertial, Link, MeshRef, Part, Robot, frozen
+from linkwright.stages.robot.model.robot import Inertial, Link, MeshRef, Part, frozen
 from tests.support.building import plan_of
 from tests.support.robots import robot_with
 from tests.support.solids import bodies_of
@@ -22,7 +20,7 @@ VISUAL, COLLISION = 2, 3
 """The groups of geoms in an exported MJCF."""
 
 
-def robot_of_meshes(meshes: Mapping[str, trimesh.Trimesh]) -> tuple[Robot, Bundle]:
+def robot_of_meshes(meshes):
     """A robot of one fixed link, `base`, whose parts are these meshes where they are, and its files."""
     reply = bodies_of(meshes)
     digest = sha256(reply).hexdigest()
@@ -40,7 +38,7 @@ class Fixture:
     geometry: Geometry
     files: Mapping[str, bytes]
 
-    def spec(self) -> mujoco.MjSpec:
+    def spec(self):
         """The MJCF, to add things to; steps of 1 ms."""
         assets = {name: data for name, data in self.files.items() if not name.endswith(".xml")}
         spec = mujoco.MjSpec.from_string(self.files["robot.xml"].decode(), assets=assets)
@@ -48,7 +46,7 @@ class Fixture:
         return spec
 
 
-def fixture(mesh: trimesh.Trimesh, **section: Any) -> Fixture:
+def fixture(mesh, **section):
     """The part with the colliders that `mesh.collider=ladder` and these keys of `mesh` make."""
     robot, bundle = robot_of_meshes({"Part": mesh})
     plan = plan_of(mesh={"collider": "ladder", **section}, contact={"self": "none"}, ground={"kind": "none"})
@@ -56,7 +54,7 @@ def fixture(mesh: trimesh.Trimesh, **section: Any) -> Fixture:
     return Fixture(geometry, export(robot, geometry, plan).files)
 
 
-def with_dropped(spec: mujoco.MjSpec, kind: int, size: list[float], pos: list[float]) -> mujoco.MjSpec:
+def with_dropped(spec, kind, size, pos):
     """The same with a free body, `dropped`, of 10 g."""
     body = spec.worldbody.add_body(name="dropped", pos=pos)
     body.add_freejoint()
@@ -64,7 +62,7 @@ def with_dropped(spec: mujoco.MjSpec, kind: int, size: list[float], pos: list[fl
     return spec
 
 
-def settled(spec: mujoco.MjSpec, seconds: float) -> tuple[mujoco.MjModel, mujoco.MjData]:
+def settled(spec, seconds):
     """The model and its state after so long."""
     model = spec.compile()
     data = mujoco.MjData(model)

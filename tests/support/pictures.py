@@ -6,7 +6,6 @@ import struct
 import subprocess
 import sys
 import zlib
-from pathlib import Path
 
 import numpy as np
 
@@ -38,7 +37,7 @@ np.save(asked["to"], is_geom & ~np.isin(seen[:, :, 0], plane))
 """
 
 
-def pixels_of(data: bytes) -> np.ndarray:
+def pixels_of(data):
     """(height, width, 3) of a PNG of ours, whose rows are differences from those above."""
     assert png.problem(data) == ""
     width, height = struct.unpack_from(">II", data, 16)
@@ -47,16 +46,14 @@ def pixels_of(data: bytes) -> np.ndarray:
     return np.cumsum(rows[:, 1:], axis=0, dtype=np.uint8).reshape(height, width, 3)
 
 
-def robot_in(pixels: np.ndarray) -> np.ndarray:
+def robot_in(pixels):
     """(height, width): where a picture is coloured, which neither its ground nor a shadow is; for robots of
     strong colours."""
     values = pixels.astype(int)
     return values.max(axis=2) - values.min(axis=2) > 25
 
 
-def silhouette_by_driver(
-    to: Path, position: np.ndarray, quat: np.ndarray, fovy: float, size: tuple[int, int], **model: object
-) -> np.ndarray | None:
+def silhouette_by_driver(to, position, quat, fovy, size, **model):
     """(height, width): where MuJoCo sees the robot of `xml` or `path`, by a camera; None without a working
     graphics driver."""
     asked = {

@@ -3,13 +3,11 @@
 It has no wheel for every Python that we support, and what does not use it is tested there all the same.
 """
 
-from typing import Any
-
 import pytest
 
 
 class _Pinocchio:
-    def __getattr__(self, name: str) -> Any:
+    def __getattr__(self, name):
         return getattr(pytest.importorskip("pinocchio"), name)
 
 

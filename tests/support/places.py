@@ -10,7 +10,7 @@ SHARED = PROJECT.parent / "shared"
 """Recorded replies and robots of others: where it is not there, the tests that read it are skipped."""
 
 
-def link_package(folder: Path, tree: Path = PROJECT) -> None:
+def link_package(folder, tree=PROJECT):
     """Makes the package `linkwright` in a folder for Python's path, as the wheel lays it out, of links into a
     tree."""
     package = folder / "linkwright"

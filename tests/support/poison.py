@@ -4,7 +4,6 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
-import trimesh
 from trimesh.creation import annulus, box, icosphere
 
 
@@ -15,24 +14,24 @@ class Mesh(NamedTuple):
     faces: np.ndarray
 
 
-def of(mesh: trimesh.Trimesh) -> Mesh:
+def of(mesh):
     return Mesh(np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces, dtype=np.int64))
 
 
-def together(*meshes: Mesh) -> Mesh:
+def together(*meshes):
     starts = np.cumsum([0, *(len(points) for points, _ in meshes)])
     faces = [triangles + start for (_, triangles), start in zip(meshes, starts, strict=False)]
     return Mesh(np.concatenate([points for points, _ in meshes]), np.concatenate(faces))
 
 
-def shifted(mesh: Mesh, *by: float) -> Mesh:
+def shifted(mesh, *by):
     return Mesh(mesh[0] + np.array(by), mesh[1])
 
 
 RING = of(annulus(0.02, 0.03, 0.02, sections=24))
 
 
-def _not_manifold() -> Mesh:
+def _not_manifold():
     """A ring with fins: three and four triangles at an edge."""
     points, triangles = RING
     tips = points[triangles[:6, 0]] + [0.0, 0.0, 0.01]
@@ -40,54 +39,19 @@ def _not_manifold() -> Mesh:
     return Mesh(np.concatenate([points, tips]), np.concatenate([triangles, fins]))
 
 
-def _inverted() -> Mesh:
-    return Mesh(RING[0], RING[1][:, ::-1])
-
-
-def _half_inverted() -> Mesh:
+def _half_inverted():
     triangles = RING[1].copy()
     triangles[::2] = triangles[::2, ::-1]
     return Mesh(RING[0], triangles)
 
 
-def _no_volume() -> Mesh:
-    """A disc, both sides of it, without thickness."""
-    points, triangles = of(annulus(0.02, 0.03, 0.02, sections=24))
-    return Mesh(points * [1, 1, 0], triangles)
-
-
-def _one_triangle() -> Mesh:
-    return Mesh(np.array([[0.0, 0, 0], [0.05, 0, 0], [0, 0.05, 0]]), np.array([[0, 1, 2]]))
-
-
-def _nan() -> Mesh:
+def _nan():
     points = RING[0].copy()
     points[5, 1] = np.nan
     return Mesh(points, RING[1])
 
 
-def _needle() -> Mesh:
-    return of(box((0.1, 1e-9, 1e-9)))
-
-
-def _two_shells() -> Mesh:
-    return together(RING, shifted(RING, 0.1, 0.0, 0.0))
-
-
-def _two_overlapping() -> Mesh:
-    return together(RING, shifted(RING, 0.03, 0.0, 0.0))
-
-
-def _hollow() -> Mesh:
-    outer, inner = of(icosphere(2, 0.03)), of(icosphere(2, 0.02))
-    return together(outer, (inner[0], inner[1][:, ::-1]))
-
-
-def _doubled() -> Mesh:
-    return Mesh(RING[0], np.concatenate([RING[1], RING[1]]))
-
-
-def _self_intersecting() -> Mesh:
+def _self_intersecting():
     """A tube along a knot that runs through itself."""
     turns = np.linspace(0, 2 * np.pi, 60, endpoint=False)
     path = 0.03 * np.stack([np.sin(turns), np.sin(2 * turns), 0 * turns], axis=1)
@@ -102,36 +66,17 @@ def _self_intersecting() -> Mesh:
     i, j = np.meshgrid(np.arange(60), np.arange(10), indexing="ij")
     a, b = i * 10 + j, i * 10 + (j + 1) % 10
     c, d = (i + 1) % 60 * 10 + (j + 1) % 10, (i + 1) % 60 * 10 + j
-    triangles = np.concatenate([np.stack(one, axis=-1).reshape(-1, 3) for one in ([a, b, c], [a, c, d])])
+    triangles = np.concatenate([np.stack(half, axis=-1).reshape(-1, 3) for half in ([a, b, c], [a, c, d])])
     return Mesh(points.reshape(-1, 3), triangles)
 
 
-def _tangle() -> Mesh:
+def _tangle():
     """Triangles at random, from end to end of a box."""
     rng = np.random.default_rng(1)
     return Mesh(rng.uniform(-0.03, 0.03, (900, 3)), np.arange(900).reshape(-1, 3))
 
 
-def _open() -> Mesh:
-    points, triangles = RING
-    return Mesh(points, triangles[len(triangles) // 3 :])
-
-
-def _empty() -> Mesh:
-    return Mesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64))
-
-
-def _large() -> Mesh:
-    """A ball of a kilometre."""
-    return of(icosphere(2, 1000.0))
-
-
-def _far() -> Mesh:
-    """A ring ten kilometres away from the origin."""
-    return shifted(RING, 1e4, 0.0, 0.0)
-
-
-def torus(rough: float = 0.0, count: int = 1000) -> Mesh:
+def torus(rough=0.0, count=1000):
     """A torus of `count`² triangles, whose points are off by up to `rough` [m]."""
     around = count // 2
     i, j = np.meshgrid(np.arange(count), np.arange(around), indexing="ij")
@@ -141,26 +86,28 @@ def torus(rough: float = 0.0, count: int = 1000) -> Mesh:
     points = np.stack([out * np.cos(turn), out * np.sin(turn), radius * np.sin(tilt)], axis=-1)
     a, b = i * around + j, (i + 1) % count * around + j
     c, d = (i + 1) % count * around + (j + 1) % around, i * around + (j + 1) % around
-    triangles = np.concatenate([np.stack(one, axis=-1).reshape(-1, 3) for one in ([a, b, c], [a, c, d])])
+    triangles = np.concatenate([np.stack(half, axis=-1).reshape(-1, 3) for half in ([a, b, c], [a, c, d])])
     return Mesh(points.reshape(-1, 3), triangles)
 
 
+POINTS, FACES = RING
+BALL, CORE = of(icosphere(2, 0.03)), of(icosphere(2, 0.02))
 POISONED: Mapping[str, Callable[[], Mesh]] = {
     "not manifold": _not_manifold,
-    "inverted": _inverted,
+    "inverted": lambda: Mesh(POINTS, FACES[:, ::-1]),
     "half inverted": _half_inverted,
-    "no volume": _no_volume,
-    "one triangle": _one_triangle,
+    "no volume": lambda: Mesh(POINTS * [1, 1, 0], FACES),
+    "one triangle": lambda: Mesh(np.array([[0.0, 0, 0], [0.05, 0, 0], [0, 0.05, 0]]), np.array([[0, 1, 2]])),
     "NaN": _nan,
-    "needle": _needle,
-    "two shells": _two_shells,
-    "two overlapping": _two_overlapping,
-    "hollow": _hollow,
-    "doubled": _doubled,
+    "needle": lambda: of(box((0.1, 1e-9, 1e-9))),
+    "two shells": lambda: together(RING, shifted(RING, 0.1, 0.0, 0.0)),
+    "two overlapping": lambda: together(RING, shifted(RING, 0.03, 0.0, 0.0)),
+    "hollow": lambda: together(BALL, (CORE[0], CORE[1][:, ::-1])),
+    "doubled": lambda: Mesh(POINTS, np.concatenate([FACES, FACES])),
     "self-intersecting": _self_intersecting,
     "tangle": _tangle,
-    "open": _open,
-    "empty": _empty,
-    "large": _large,
-    "far": _far,
+    "open": lambda: Mesh(POINTS, FACES[len(FACES) // 3 :]),
+    "empty": lambda: Mesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)),
+    "large": lambda: of(icosphere(2, 1000.0)),
+    "far": lambda: shifted(RING, 1e4, 0.0, 0.0),
 }

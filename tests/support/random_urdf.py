@@ -13,7 +13,7 @@ AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, -1), (1, 1, 0), (0.3, -2, 0.7), 
 
 
 @st.composite
-def urdfs(draw: st.DrawFn, most: int = 8) -> str:
+def urdfs(draw, most=8):
     """The text of a URDF whose moving links all have mass, or carry one that has."""
     count = draw(st.integers(1, most))
     style = draw(st.sampled_from(NAMES))
@@ -39,17 +39,17 @@ def urdfs(draw: st.DrawFn, most: int = 8) -> str:
     return "\n".join(['<robot name="any">', *lines, "</robot>"])
 
 
-def _pose(draw: st.DrawFn) -> str:
+def _pose(draw):
     xyz = [draw(st.sampled_from(LENGTHS)) for _ in range(3)]
     rpy = [draw(st.sampled_from(ANGLES)) for _ in range(3)]
     return f'<origin xyz="{_text(xyz)}" rpy="{_text(rpy)}"/>'
 
 
-def _text(numbers: object) -> str:
+def _text(numbers):
     return " ".join(repr(float(number)) for number in numbers)  # type: ignore[attr-defined]
 
 
-def _link(name: str, draw: st.DrawFn | None) -> str:
+def _link(name, draw):
     if draw is None:
         return f'<link name="{name}"/>'
     mass = draw(st.sampled_from((0.01, 1.0, 12.5)))
@@ -62,7 +62,7 @@ def _link(name: str, draw: st.DrawFn | None) -> str:
     return f'<link name="{name}"><inertial>{_pose(draw)}{body}</inertial></link>'
 
 
-def _joint(draw: st.DrawFn, name: str, kind: str, parent: str, child: str, mimic: str) -> str:
+def _joint(draw, name, kind, parent, child, mimic):
     inside = [_pose(draw), f'<parent link="{parent}"/><child link="{child}"/>']
     if kind != "fixed":
         axis = np.array(draw(st.sampled_from(AXES)), dtype=float)

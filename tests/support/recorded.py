@@ -4,7 +4,6 @@ import hashlib
 import io
 import json
 import zipfile
-from collections.abc import Mapping
 from urllib.parse import urlsplit
 
 import pytest
@@ -13,7 +12,7 @@ from linkwright.stages.fetch.bundle.archive import read
 from linkwright.stages.fetch.onshape import requests
 from linkwright.stages.fetch.onshape.gather import gather
 from linkwright.stages.fetch.onshape.replies.recorded import Recorded
-from linkwright.stages.robot.bundle import Bundle, StudioKey
+from linkwright.stages.robot.bundle import StudioKey
 from tests.support.places import SHARED
 
 DATA = SHARED / "data" / "onshape"
@@ -22,24 +21,24 @@ KBOT = DATA / "kbot-headless"
 needs_data = pytest.mark.skipif(not DATA.is_dir(), reason="the recorded data is not beside this clone")
 
 
-def kbot_definition() -> bytes:
+def kbot_definition():
     return next(KBOT.glob("assembly_*_default.json")).read_bytes()
 
 
-def kbot_masses() -> dict[str, bytes]:
+def kbot_masses():
     """Recorded mass replies, one a part, by the request that other clients made for them."""
-    found = {}
+    replies = {}
     for file in sorted(KBOT.glob("part_*_mass_properties.json")):
         metadata = json.loads(file.with_name(file.name.replace("mass_properties", "metadata")).read_text())
         # .../api/metadata/d/<did>/m/<mid>/e/<eid>/p/<pid>, where <pid> may hold "/".
         path = urlsplit(metadata["href"]).path.partition("/api/metadata")[2]
         element, _, part = path.partition("/p/")
         request = f"/parts{element}/partid/{part.replace('/', '%2F').replace('+', '%2B')}/massproperties"
-        found[f"{request}?configuration=default"] = file.read_bytes()
-    return found
+        replies[f"{request}?configuration=default"] = file.read_bytes()
+    return replies
 
 
-def kscale_bundle() -> bytes:
+def kscale_bundle():
     """Gears across a sub-assembly that is used twice. Nobody recorded what its parts weigh."""
     definition = (DATA / "kscale_dummy_assembly.json").read_bytes()
     root = json.loads(definition)["rootAssembly"]
@@ -50,20 +49,20 @@ def kscale_bundle() -> bytes:
     return pack(definition, {f"{listed}?configuration=default": features, **weightless(definition)})
 
 
-def nb_bundle() -> bytes:
+def nb_bundle():
     """A chain of hinges through a sub-assembly that is used twice. Nobody recorded what its parts weigh."""
     definition = (DATA / "nb_toolkit_assembly.json").read_bytes()
     return pack(definition, weightless(definition))
 
 
-def weightless(definition: bytes) -> dict[str, bytes]:
+def weightless(definition):
     """Mass replies that know none of the parts, for every part studio of a definition."""
     studios = {StudioKey.of(part) for part in json.loads(definition)["parts"]}
     asked = [requests.mass_properties(studio, studio.document) for studio in sorted(studios)]
     return dict.fromkeys(asked, b'{"bodies": {}}')
 
 
-def pack(definition: bytes, replies: Mapping[str, bytes]) -> bytes:
+def pack(definition, replies):
     """A bundle of a recorded definition and the replies beside it."""
     root = json.loads(definition)["rootAssembly"]
     asked = (
@@ -93,16 +92,16 @@ def pack(definition: bytes, replies: Mapping[str, bytes]) -> bytes:
     return buffer.getvalue()
 
 
-def kbot_bundle() -> bytes:
+def kbot_bundle():
     return pack(kbot_definition(), kbot_masses())
 
 
-def bundle_in(archive: bytes) -> Bundle:
+def bundle_in(archive):
     """What a fetch gives of a bundle in a file."""
     return gather(Recorded(read(archive, "recorded"), "recorded"))
 
 
-def definition_in(archive: bytes) -> bytes:
+def definition_in(archive):
     """The assembly definition in a bundle."""
     recording = read(archive, "recorded")
     return recording.blobs[recording.definition]

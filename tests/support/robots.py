@@ -1,6 +1,6 @@
 """Robots made by hand: every type of joint and loop, without a document behind them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -8,12 +8,10 @@ import numpy as np
 from linkwright.stages.robot.dynamics.inertia import moved
 from linkwright.stages.robot.model.poses import at_rest, from_parts, inverse, rotation_from_quat
 from linkwright.stages.robot.model.robot import (
-    Array,
     Base,
     Dof,
     DofKind,
     Dynamics,
-    Frame,
     Inertial,
     Joint,
     JointType,
@@ -23,9 +21,7 @@ from linkwright.stages.robot.model.robot import (
     MateRef,
     Mobility,
     Part,
-    Primitive,
     Provenance,
-    Relation,
     Robot,
     Value,
     frozen,
@@ -52,17 +48,17 @@ LOOPS: tuple[JointType, ...] = tuple(kind for kind in CHAINS if kind != "free")
 CARRIED: tuple[JointType, ...] = ("prismatic", "cylindrical", "planar", "pin_slot", "parallel")
 
 
-def pose(rng: np.random.Generator, reach: float = 0.3) -> Array:
+def pose(rng, reach=0.3):
     """Some rigid transform (4, 4)."""
     return from_parts(rotation_from_quat(rng.normal(size=4)), rng.uniform(-reach, reach, 3))
 
 
-def at(*xyz: float) -> Array:
+def at(*xyz):
     """A shift (4, 4)."""
     return from_parts(np.eye(3), np.array(xyz, dtype=float))
 
 
-def some_value(kind: DofKind, rng: np.random.Generator, reach: float = 1.5) -> Value:
+def some_value(kind, rng, reach=1.5):
     """Some value of a dof: scalars within ±`reach`, quaternions of unit length."""
     if kind in ("turn", "slide"):
         return float(rng.uniform(-reach, reach))
@@ -71,64 +67,56 @@ def some_value(kind: DofKind, rng: np.random.Generator, reach: float = 1.5) -> V
     return tuple(float(x) for x in (*place, *(quat / np.linalg.norm(quat))))
 
 
-def some_values(robot: Robot, rng: np.random.Generator) -> dict[str, Value]:
+def some_values(robot, rng):
     """Some value for each dof of the tree."""
     return {dof.name: some_value(dof.kind, rng) for dof in robot.dofs}
 
 
 def dofs_of(
-    name: str,
-    kind: JointType,
-    saved: Sequence[Value] | None = None,
-    *,
-    backwards: bool = False,
-    mirrored: bool = False,
-    limits: Mapping[str, Limits] | None = None,
-    dynamics: Dynamics | None = None,
-    origins: Sequence[Array] = (),
-) -> tuple[Dof, ...]:
+    name, kind, saved=None, *, backwards=False, mirrored=False, limits=None, dynamics=None, origins=()
+):
     """A mate's dofs in the order of a tree's chain. `saved`: in the mate's own order; `limits`: by the
     dof's name; `origins`: of the second dof in the chain and those after it."""
     made = []
-    for index, (suffix, what, axis) in enumerate(CHAINS[kind]):
-        value: Value = at_rest(what) if saved is None else saved[index]
-        sign = -1.0 if mirrored and what == "slide" and axis == Z else 1.0
+    for index, (suffix, freedom, axis) in enumerate(CHAINS[kind]):
+        value: Value = at_rest(freedom) if saved is None else saved[index]
+        sign = -1.0 if mirrored and freedom == "slide" and axis == Z else 1.0
         if backwards:
             sign = -sign
-            if what == "ball" and isinstance(value, tuple):
+            if freedom == "ball" and isinstance(value, tuple):
                 value = (value[0], -value[1], -value[2], -value[3])
-        made.append((name + suffix, what, frozen(np.array(axis) * sign + 0.0), value))
+        made.append((name + suffix, freedom, frozen(np.array(axis) * sign + 0.0), value))
     if backwards:
         made.reverse()
     frames = [np.eye(4), *origins, *[np.eye(4)] * len(made)]
     return tuple(
         Dof(
             label,
-            what,
+            freedom,
             axis,
             frozen(frame),
             (limits or {}).get(label, Limits()),
             dynamics or Dynamics(),
             value,
         )
-        for (label, what, axis, value), frame in zip(made, frames, strict=False)
+        for (label, freedom, axis, value), frame in zip(made, frames, strict=False)
     )
 
 
 def joint(
-    kind: JointType,
-    parent: str,
-    child: str,
-    saved: Sequence[Value] | None = None,
+    kind,
+    parent,
+    child,
+    saved=None,
     *,
-    name: str | None = None,
-    place: Array | None = None,
-    backwards: bool = False,
-    mirrored: bool = False,
-    limits: Mapping[str, Limits] | None = None,
-    dynamics: Dynamics | None = None,
-    origins: Sequence[Array] = (),
-) -> Joint:
+    name=None,
+    place=None,
+    backwards=False,
+    mirrored=False,
+    limits=None,
+    dynamics=None,
+    origins=(),
+):
     """A joint called `<child>_joint` unless named, at `place` in its parent (the identity)."""
     name = name or f"{child}_joint"
     dofs = dofs_of(
@@ -147,18 +135,18 @@ def joint(
 
 
 def loop(
-    kind: JointType,
-    link_a: str,
-    link_b: str,
-    a_from_frame: Array,
-    b_from_frame: Array,
-    saved: Sequence[Value] | None = None,
+    kind,
+    link_a,
+    link_b,
+    a_from_frame,
+    b_from_frame,
+    saved=None,
     *,
-    name: str = "loop",
-    lever: float = 0.05,
-    limits: Mapping[str, Limits] | None = None,
-    solref: tuple[float, float] = (0.004, 1.0),
-) -> Loop:
+    name="loop",
+    lever=0.05,
+    limits=None,
+    solref=(0.004, 1.0),
+):
     """A mate that closes a loop: its first entity on `link_a`."""
     dofs = dofs_of(name, kind, saved, limits=limits)
     mate = MateRef((), name, name, kind.upper())
@@ -166,7 +154,7 @@ def loop(
     return Loop(name, kind, link_a, link_b, *frames, dofs, lever, solref, 0.0, mate)
 
 
-def solid(mass: float, com: Sequence[float] = (0.0, 0.0, 0.0), radius: float = 0.1) -> Inertial:
+def solid(mass, com=(0.0, 0.0, 0.0), radius=0.1):
     """An uneven body: moments in the ratio 4 : 5 : 6, with products of inertia."""
     twist = rotation_from_quat(np.array([1.0, 0.2, -0.3, 0.4]))
     tensor = mass * radius**2 * twist @ np.diag([0.4, 0.5, 0.6]) @ twist.T
@@ -174,19 +162,19 @@ def solid(mass: float, com: Sequence[float] = (0.0, 0.0, 0.0), radius: float = 0
 
 
 def robot_with(
-    joints: Sequence[Joint] = (),
+    joints=(),
     *,
-    loops: Sequence[Loop] = (),
-    relations: Sequence[Relation] = (),
-    frames: Sequence[Frame] = (),
-    root: str = "base",
-    fixed: bool = True,
-    world_from_root: Array | None = None,
-    inertials: Mapping[str, Inertial] | None = None,
-    given: Mapping[str, Inertial] | None = None,
-    shapes: Mapping[str, tuple[Primitive, ...]] | None = None,
-    name: str = "robot",
-) -> Robot:
+    loops=(),
+    relations=(),
+    frames=(),
+    root="base",
+    fixed=True,
+    world_from_root=None,
+    inertials=None,
+    given=None,
+    shapes=None,
+    name="robot",
+):
     """A robot of these joints: a link for the root and for each child, of one part each.
 
     `inertials`: of links by name, in place of made-up ones; `given`: the user's, on top of the part's.
@@ -195,7 +183,7 @@ def robot_with(
     names = [root, *(joint.child for joint in joints)]
     origin = np.eye(4) if world_from_root is None else world_from_root
 
-    def assembled(links: tuple[Link, ...]) -> Robot:
+    def assembled(links):
         coordinates = sum({"ball": 3, "free": 6}.get(d.kind, 1) for j in joints for d in j.dofs)
         return Robot(
             name=name,
@@ -237,7 +225,7 @@ def robot_with(
     return assembled(tuple(links))
 
 
-def robot_around(kind: JointType, rng: np.random.Generator, root: str, backwards: bool) -> Robot:
+def robot_around(kind, rng, root, backwards):
     """A joint of this type with origins of its own for its dofs, below a hinge (a free one below nothing) and
     above a slide that is mirrored."""
     origins = [pose(rng) for _ in range(3)]

@@ -1,9 +1,7 @@
 """How far two models that MuJoCo compiled move apart from the same start, under the same controls."""
 
-from collections.abc import Iterator
 from copy import copy
 from dataclasses import dataclass
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -17,7 +15,7 @@ ROUNDING = 1e-12
 """Robot files have their numbers to this share."""
 
 CHAOS = 100.0
-"""So many times as far apart as the original is from itself with rounded masses is still its own chaos."""
+"""Distances up to this many times that of the original from itself with rounded masses are its own chaos."""
 
 SEEDS = 8
 """Roundings of the original that are tried at most."""
@@ -39,11 +37,11 @@ class Apart:
     own: float
 
     @property
-    def same(self) -> bool:
+    def same(self):
         return self.off <= LIMIT
 
     @property
-    def chaotic(self) -> bool:
+    def chaotic(self):
         """Whether the original itself depends on the last digits so much."""
         return not self.same and self.off <= CHAOS * self.own
 
@@ -51,7 +49,7 @@ class Apart:
 class Pair:
     """A model and what was made of it, whose joints and actuators are those of the same names."""
 
-    def __init__(self, original: Any, made: Any) -> None:
+    def __init__(self, original, made):
         self.original, self.made = original, made
         self.qpos, self.qvel = self._joints()
         self.act, self.ctrl = self._actuators()
@@ -61,16 +59,16 @@ class Pair:
             if original.body_mocapid[body] >= 0
         ]
 
-    def _body(self, body: int) -> int:
+    def _body(self, body):
         """A body by its name; without a name by that which the reader gives it, else by its place."""
         name = self.original.body(body).name
         for called in (name, f"body_{body}"):
-            found = mujoco.mj_name2id(self.made, mujoco.mjtObj.mjOBJ_BODY, called) if called else -1
-            if found >= 0:
-                return int(found)
+            index = mujoco.mj_name2id(self.made, mujoco.mjtObj.mjOBJ_BODY, called) if called else -1
+            if index >= 0:
+                return int(index)
         return body
 
-    def _joints(self) -> tuple[Pairs, Pairs]:
+    def _joints(self):
         """Each number in `qpos` and in `qvel`."""
         original, made = self.original, self.made
         qpos: Pairs = []
@@ -84,17 +82,17 @@ class Pair:
             qvel += [(first + place, second + place) for place in range(speeds)]
         return qpos, qvel
 
-    def _joint(self, joint: int) -> int:
+    def _joint(self, joint):
         """A joint by its name; without a name by its place on its body."""
         original, made = self.original, self.made
         name = original.joint(joint).name
-        found = mujoco.mj_name2id(made, mujoco.mjtObj.mjOBJ_JOINT, name) if name else -1
-        if found >= 0:
-            return int(found)
+        index = mujoco.mj_name2id(made, mujoco.mjtObj.mjOBJ_JOINT, name) if name else -1
+        if index >= 0:
+            return int(index)
         body = int(original.jnt_bodyid[joint])
         return int(made.jnt_bodyid.tolist().index(self._body(body))) + joint - int(original.body_jntadr[body])
 
-    def _actuators(self) -> tuple[Pairs, Pairs]:
+    def _actuators(self):
         """Each number in `act` and in `ctrl`; what was lost is left out."""
         original, made = self.original, self.made
         act: Pairs = []
@@ -110,20 +108,20 @@ class Pair:
                 ]
         return act, ctrl
 
-    def start(self, key: int) -> tuple[Any, Any]:
+    def start(self, key):
         """Both at qpos0 (-1) or at a keyframe of the original."""
         was, now = mujoco.MjData(self.original), mujoco.MjData(self.made)
         if key >= 0:
             mujoco.mj_resetDataKeyframe(self.original, was, key)
         for name, pairs in (("qpos", self.qpos), ("qvel", self.qvel), ("act", self.act)):
-            for one, other in pairs:
-                getattr(now, name)[other] = getattr(was, name)[one]
-        for one, other in self.mocap:
-            now.mocap_pos[other], now.mocap_quat[other] = was.mocap_pos[one], was.mocap_quat[one]
+            for first, other in pairs:
+                getattr(now, name)[other] = getattr(was, name)[first]
+        for first, other in self.mocap:
+            now.mocap_pos[other], now.mocap_quat[other] = was.mocap_pos[first], was.mocap_quat[first]
         was.ctrl[:] = now.ctrl[:] = 0
         return was, now
 
-    def controls(self, seed: int | None, steps: int) -> Any:
+    def controls(self, seed, steps):
         """(steps, nu): zero without a seed, else constant for 20 steps each, within the ranges."""
         model = self.original
         if seed is None or not model.nu:
@@ -132,12 +130,12 @@ class Pair:
         pieces = np.random.default_rng(seed).uniform(low, high, (steps // 20 + 1, model.nu))
         return np.repeat(pieces, 20, axis=0)[:steps]
 
-    def apart(self, key: int, seed: int | None) -> float:
+    def apart(self, key, seed):
         """The largest difference of a joint's value over the run; infinite where only one of the two has
         values that are no numbers."""
         was, now = self.start(key)
         steps = max(1, round(SECONDS / self.original.opt.timestep))
-        one, other = (list(side) for side in zip(*self.qpos, strict=True))
+        columns, other = (list(side) for side in zip(*self.qpos, strict=True))
         worst = 0.0
         for controls in self.controls(seed, steps):
             was.ctrl[:] = controls
@@ -145,14 +143,14 @@ class Pair:
                 now.ctrl[its] = controls[own]
             mujoco.mj_step(self.original, was)
             mujoco.mj_step(self.made, now)
-            off = float(np.abs(was.qpos[one] - now.qpos[other]).max())
+            off = float(np.abs(was.qpos[columns] - now.qpos[other]).max())
             if not np.isfinite(off):
                 return worst if np.isnan(was.qpos).any() and np.isnan(now.qpos).any() else np.inf
             worst = max(worst, off)
         return worst
 
 
-def rounded(original: Any, seed: int) -> Any:
+def rounded(original, seed):
     """The model with other last digits of its masses and of the vertices of its meshes, which MuJoCo has in
     single precision."""
     made, rng = copy(original), np.random.default_rng(seed)
@@ -164,7 +162,7 @@ def rounded(original: Any, seed: int) -> Any:
     return made
 
 
-def runs(original: Any, made: Any) -> Iterator[tuple[float, str]]:
+def runs(original, made):
     """How far runs from qpos0 and from each keyframe are apart, without controls and with seeded ones, and
     their starts."""
     pair = Pair(original, made)
@@ -174,11 +172,11 @@ def runs(original: Any, made: Any) -> Iterator[tuple[float, str]]:
             yield pair.apart(key, seed), start + ("" if seed is None else " with controls")
 
 
-def farthest(original: Any, made: Any) -> Apart:
+def farthest(original, made):
     """The run that is the furthest from the original."""
     off, start = max(runs(original, made))
     own = 0.0
     for seed in range(SEEDS):
         if off > max(LIMIT, CHAOS * own):
-            own = max(own, *(found for found, _ in runs(original, rounded(original, seed))))
+            own = max(own, *(distance for distance, _ in runs(original, rounded(original, seed))))
     return Apart(off, start, own)

@@ -4,7 +4,7 @@ Nothing of the product is used. Joints count from the pose in which the file's l
 comes second to a link closes a loop, and does not belong to the tree.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 from lxml import etree
@@ -18,16 +18,16 @@ Values = Mapping[str, float | tuple[float, ...]]
 class Sdf:
     """The model of an SDF's text, its root held where the model is."""
 
-    def __init__(self, text: bytes) -> None:
+    def __init__(self, text):
         self.root = etree.fromstring(text)
         (self.top,) = self.root.findall("model")
-        self.links = {one.get("name"): one for one in self.top.findall("link")}
-        self.joints = {one.get("name"): one for one in self.top.findall("joint")}
-        self.frames = {one.get("name"): one for one in self.top.findall("frame")}
+        self.links = {link.get("name"): link for link in self.top.findall("link")}
+        self.joints = {joint.get("name"): joint for joint in self.top.findall("joint")}
+        self.frames = {frame.get("name"): frame for frame in self.top.findall("frame")}
         every = [*self.links, *self.joints, *self.frames]
         assert len(set(every)) == len(every), "a name is taken twice"
         for node in self.root.iter():
-            names = [one.get("name") for one in node if one.get("name") is not None]
+            names = [element.get("name") for element in node if element.get("name") is not None]
             assert len(set(names)) == len(names), (node.tag, names)
         self._places: dict[str, np.ndarray] = {}
         self.loops: list[str] = []
@@ -37,7 +37,7 @@ class Sdf:
         self._build()
         self.data = self.model.createData()
 
-    def place(self, name: str) -> np.ndarray:
+    def place(self, name):
         """model_from_frame (4, 4) of a link, joint or frame as the file has it."""
         if name in ("", "__model__"):
             return np.eye(4)
@@ -53,12 +53,12 @@ class Sdf:
             self._places[name] = self._pose(node, unless)
         return self._places[name]
 
-    def _pose(self, node: etree._Element, unless: str) -> np.ndarray:
+    def _pose(self, node, unless):
         pose = node.find("pose")
         above = self.place((pose.get("relative_to") if pose is not None else None) or unless)
         return above if pose is None else above @ transform(pose.text)
 
-    def _build(self) -> None:
+    def _build(self):
         waiting = list(self.joints)
         held = {node.findtext("child") for node in self.joints.values()}
         for name in self.links:
@@ -68,14 +68,14 @@ class Sdf:
                 self._carry(name, number, self.place(name))
         while waiting:
             # The first in the file that hangs on something.
-            name = next(one for one in waiting if self._above(one) in (*self._held, "world"))
+            name = next(joint for joint in waiting if self._above(joint) in (*self._held, "world"))
             waiting.remove(name)
             self._join(name)
 
-    def _above(self, joint: str) -> str:
+    def _above(self, joint):
         return str(self.joints[joint].findtext("parent"))
 
-    def _join(self, name: str) -> None:
+    def _join(self, name):
         node, child, place = self.joints[name], self.joints[name].findtext("child"), self.place(name)
         if child in self._held:
             self.loops.append(name)
@@ -93,18 +93,18 @@ class Sdf:
         assert kind in ("ball", "prismatic", "revolute", "continuous"), kind
         self._carry(child, self._add(above, made(), place, name), self.place(child))
 
-    def _add(self, above: int, kind: object, place: np.ndarray, name: str) -> int:
+    def _add(self, above, kind, place, name):
         # Pinocchio's joints are placed in the frame of the joint above.
         number = self.model.addJoint(above, kind, pin.SE3(np.linalg.inv(self._frames[above]) @ place), name)
         self._frames[number] = place
         return int(number)
 
-    def _carry(self, link: str, number: int, place: np.ndarray) -> None:
+    def _carry(self, link, number, place):
         in_joint = np.linalg.inv(self._frames[number]) @ place
         self._held[link] = number, in_joint
         inertial = self.links[link].find("inertial")
         keys = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-        get = {one: float(inertial.findtext(f"inertia/{one}")) for one in keys}
+        get = {key: float(inertial.findtext(f"inertia/{key}")) for key in keys}
         tensor = np.array(
             [
                 [get["ixx"], get["ixy"], get["ixz"]],
@@ -117,7 +117,7 @@ class Sdf:
         body = pin.Inertia(float(inertial.findtext("mass")), com[:3, 3], tensor)
         self.model.appendBodyToJoint(number, body, pin.SE3(in_joint))
 
-    def _q(self, values: Values) -> np.ndarray:
+    def _q(self, values):
         q = pin.neutral(self.model)
         for name, value in values.items():
             joint = self.model.joints[self.model.getJointId(name)]
@@ -126,19 +126,19 @@ class Sdf:
             q[joint.idx_q : joint.idx_q + joint.nq] = numbers
         return q
 
-    def poses(self, values: Values) -> dict[str, np.ndarray]:
+    def poses(self, values):
         """model_from_link (4, 4) of the links."""
         pin.forwardKinematics(self.model, self.data, self._q(values))
         return {link: self.data.oMi[joint].homogeneous @ at for link, (joint, at) in self._held.items()}
 
-    def ends(self, joint: str, values: Values) -> tuple[np.ndarray, np.ndarray]:
+    def ends(self, joint, values):
         """model_from_frame (4, 4) of a joint's frame as its parent has it, and as its child has it."""
         moved, at = self.poses(values), self.place(joint)
         parent, child = self._above(joint), self.joints[joint].findtext("child")
-        first, second = (moved[one] @ np.linalg.inv(self.place(one)) @ at for one in (parent, child))
+        first, second = (moved[link] @ np.linalg.inv(self.place(link)) @ at for link in (parent, child))
         return first, second
 
-    def mass_matrix(self, values: Values, joints: Sequence[str]) -> np.ndarray:
+    def mass_matrix(self, values, joints):
         """(n, n) of the speeds of these joints; a ball's is its angular velocity in the child's axes."""
         upper = np.triu(pin.crba(self.model, self.data, self._q(values)))
         full = upper + np.triu(upper, 1).T
@@ -149,16 +149,16 @@ class Sdf:
         return full[np.ix_(order, order)]
 
 
-def transform(text: str | None) -> np.ndarray:
+def transform(text):
     """The (4, 4) transform of an SDF's pose: x y z roll pitch yaw."""
-    numbers = np.array([float(one) for one in (text or "").split()])
+    numbers = np.array([float(word) for word in (text or "").split()])
     pose = np.eye(4)
     pose[:3, :3] = Rotation.from_euler("xyz", numbers[3:]).as_matrix()
     pose[:3, 3] = numbers[:3]
     return pose
 
 
-def axis_of(node: etree._Element) -> np.ndarray | None:
+def axis_of(node):
     """The axis (3,) of a joint, in its own frame."""
     text = node.findtext("axis/xyz")
-    return None if text is None else np.array([float(one) for one in text.split()])
+    return None if text is None else np.array([float(word) for word in text.split()])

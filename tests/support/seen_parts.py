@@ -1,4 +1,4 @@
-"""What is seen of each part of a robot, read from its source without the product's own code."""
+"""The visual triangles of each part of a robot, read from its source without the product's own code."""
 
 import re
 from collections.abc import Mapping
@@ -16,9 +16,9 @@ Seen = Mapping[str, list[tuple[str, trimesh.Trimesh]]]
 """By link, in the order of the source: the name of each mesh, and the mesh in the link's frame."""
 
 
-def of_urdf(path: Path) -> Seen:
+def of_urdf(path):
     """The meshes of a URDF's visuals."""
-    found: dict[str, list[tuple[str, trimesh.Trimesh]]] = {}
+    parts: dict[str, list[tuple[str, trimesh.Trimesh]]] = {}
     for link in ElementTree.parse(path).getroot().iterfind("link"):
         for visual in link.iterfind("visual"):
             mesh = visual.find("geometry/mesh")
@@ -26,11 +26,11 @@ def of_urdf(path: Path) -> Seen:
                 name = mesh.attrib["filename"].removeprefix("package://").lstrip("/")
                 surface = trimesh.load(path.parent / name, force="mesh", process=False)
                 surface.apply_transform(_origin(visual.find("origin")))
-                found.setdefault(link.attrib["name"], []).append((Path(name).stem, surface))
-    return found
+                parts.setdefault(link.attrib["name"], []).append((Path(name).stem, surface))
+    return parts
 
 
-def _origin(element: ElementTree.Element | None) -> np.ndarray:
+def _origin(element):
     pose = np.eye(4)
     if element is not None:
         xyz, rpy = ([float(x) for x in element.get(name, "0 0 0").split()] for name in ("xyz", "rpy"))
@@ -38,33 +38,33 @@ def _origin(element: ElementTree.Element | None) -> np.ndarray:
     return pose
 
 
-def of_mjcf(path: Path) -> Seen:
+def of_mjcf(path):
     """The meshes of an MJCF that do not collide."""
     model = mujoco.MjModel.from_xml_path(str(path))
-    found: dict[str, list[tuple[str, trimesh.Trimesh]]] = {}
+    parts: dict[str, list[tuple[str, trimesh.Trimesh]]] = {}
     for geom in range(model.ngeom):
         seen = not model.geom_contype[geom] and not model.geom_conaffinity[geom]
         if seen and model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH:
             name = model.mesh(model.geom_dataid[geom]).name
             body = model.body(model.geom_bodyid[geom]).name
-            found.setdefault(body, []).append((name, mesh_of(model, geom)))
-    return found
+            parts.setdefault(body, []).append((name, mesh_of(model, geom)))
+    return parts
 
 
-def of_parts(path: Path) -> Seen:
+def of_parts(path):
     """The meshes that are seen in an MJCF with one for each part and colour (`mesh.visual.merge=part`), those
     of one part together."""
-    found: dict[str, list[tuple[str, trimesh.Trimesh]]] = {}
+    surfaces: dict[str, list[tuple[str, trimesh.Trimesh]]] = {}
     for link, meshes in of_mjcf(path).items():
         parts: dict[str, list[trimesh.Trimesh]] = {}
         for name, mesh in meshes:
             word = re.sub(r"__\d+$", "", name.removeprefix(f"{link}_"))
             parts.setdefault(word, []).append(mesh)
-        found[link] = [(name, trimesh.util.concatenate(every)) for name, every in parts.items()]
-    return found
+        surfaces[link] = [(name, trimesh.util.concatenate(every)) for name, every in parts.items()]
+    return surfaces
 
 
-def chosen(seen: Seen, link: str, part: str) -> tuple[str, trimesh.Trimesh]:
+def chosen(seen, link, part):
     """The mesh of a part by the name that a report gives it: its number among the link's visuals, its own
     number among the geoms of an MJCF, or its name in CAD."""
     own = part.rpartition("/")[2]
@@ -72,5 +72,5 @@ def chosen(seen: Seen, link: str, part: str) -> tuple[str, trimesh.Trimesh]:
     if numbered:
         return seen[link][int(numbered[1]) - 1]
     word = re.sub(r"\W+", "_", own.lower()).strip("_").removesuffix("_1")
-    (found,) = [one for one in seen[link] if one[0] == word]
+    (found,) = [part for part in seen[link] if part[0] == word]
     return found

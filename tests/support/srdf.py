@@ -2,9 +2,7 @@
 used."""
 
 import math
-from collections.abc import Iterator
 from itertools import combinations
-from pathlib import Path
 
 import numpy as np
 from lxml import etree
@@ -31,23 +29,23 @@ UNREAD = "JointModelRevoluteUnboundedUnaligned"
 class Srdf:
     """An SRDF beside its URDF."""
 
-    def __init__(self, srdf: bytes, urdf: bytes) -> None:
+    def __init__(self, srdf, urdf):
         self.root, self.urdf = etree.fromstring(srdf), etree.fromstring(urdf)
-        self.links = [one.get("name") for one in self.urdf.findall("link")]
-        self.joints = {one.get("name"): one for one in self.urdf.findall("joint")}
-        self.above = {one.find("child").get("link"): one for one in self.joints.values()}
+        self.links = [link.get("name") for link in self.urdf.findall("link")]
+        self.joints = {joint.get("name"): joint for joint in self.urdf.findall("joint")}
+        self.above = {joint.find("child").get("link"): joint for joint in self.joints.values()}
 
-    def chain(self, base: str, tip: str) -> list[str] | None:
+    def chain(self, base, tip):
         """The joints from the tip up to the base; None where that is not above it."""
-        found = []
+        names = []
         while tip != base:
             if tip not in self.above:
                 return None
-            found.append(self.above[tip].get("name"))
+            names.append(self.above[tip].get("name"))
             tip = self.above[tip].find("parent").get("link")
-        return found
+        return names
 
-    def moves(self, joint: str) -> bool:
+    def moves(self, joint):
         return joint in self.joints and self.joints[joint].get("type") in (
             "revolute",
             "continuous",
@@ -55,46 +53,46 @@ class Srdf:
         )
 
     @property
-    def groups(self) -> dict[str, set[str]]:
+    def groups(self):
         """The moving joints of each group."""
-        found = {}
+        members = {}
         for group in self.root.findall("group"):
-            names = [one.get("name") for one in group.findall("joint")]
+            names = [joint.get("name") for joint in group.findall("joint")]
             for chain in group.findall("chain"):
                 names += self.chain(chain.get("base_link"), chain.get("tip_link")) or []
-            found[group.get("name")] = {name for name in names if self.moves(name)}
-        return found
+            members[group.get("name")] = {name for name in names if self.moves(name)}
+        return members
 
     @property
-    def disabled(self) -> dict[tuple[str, str], str]:
+    def disabled(self):
         """The reasons by pair of links."""
         every = self.root.findall("disable_collisions")
-        return {(one.get("link1"), one.get("link2")): one.get("reason") for one in every}
+        return {(element.get("link1"), element.get("link2")): element.get("reason") for element in every}
 
-    def states(self, group: str) -> dict[str, dict[str, float]]:
+    def states(self, group):
         """The poses of a group."""
         return {
-            state.get("name"): {one.get("name"): float(one.get("value")) for one in state}
+            state.get("name"): {element.get("name"): float(element.get("value")) for element in state}
             for state in self.root.findall("group_state")
             if state.get("group") == group
         }
 
-    def problems(self) -> list[str]:
+    def problems(self):
         """What MoveIt would not take, or would report."""
         return [*self._elements(), *self._groups(), *self._states(), *self._others(), *self._pairs()]
 
-    def _elements(self) -> Iterator[str]:
+    def _elements(self):
         if self.root.tag != "robot" or self.root.get("name") != self.urdf.get("name"):
             yield "the robot has another name"
         for node in self.root.iterchildren(tag=etree.Element):
             if set(node.attrib) != ATTRIBUTES.get(node.tag):
                 yield f"<{node.tag}> has {sorted(node.attrib)}"
         for tag in ("group", "end_effector", "virtual_joint", "passive_joint"):
-            names = [one.get("name") for one in self.root.findall(tag)]
+            names = [element.get("name") for element in self.root.findall(tag)]
             if len(set(names)) < len(names) or "" in names:
                 yield f"names of {tag} twice: {names}"
 
-    def _groups(self) -> Iterator[str]:
+    def _groups(self):
         for group in self.root.findall("group"):
             name = group.get("name")
             for joint in group.findall("joint"):
@@ -108,7 +106,7 @@ class Srdf:
                     return
         yield from (f"{name} is empty" for name, joints in self.groups.items() if not joints)
 
-    def _states(self) -> Iterator[str]:
+    def _states(self):
         seen = set()
         for state in self.root.findall("group_state"):
             key = state.get("name"), state.get("group")
@@ -116,7 +114,7 @@ class Srdf:
                 yield f"state {key} twice, or of no group"
                 continue
             seen.add(key)
-            names = [one.get("name") for one in state.findall("joint")]
+            names = [element.get("name") for element in state.findall("joint")]
             if sorted(names) != sorted(self.groups[key[1]]):
                 yield f"state {key} is not of the joints of its group"
             for joint in state.findall("joint"):
@@ -124,14 +122,14 @@ class Srdf:
                 if not low - 1e-9 <= float(joint.get("value")) <= high + 1e-9:
                     yield f"state {key}: {joint.get('name')} is outside its limits"
 
-    def range(self, joint: str) -> tuple[float, float]:
+    def range(self, joint):
         node = self.joints.get(joint)
         limit = None if node is None else node.find("limit")
         if limit is None or limit.get("lower") is None:
             return -math.inf, math.inf
         return float(limit.get("lower")), float(limit.get("upper"))
 
-    def _others(self) -> Iterator[str]:
+    def _others(self):
         roots = set(self.links) - set(self.above)
         for node in self.root.findall("virtual_joint"):
             if node.get("type") not in ("fixed", "floating", "planar") or node.get("name") in self.joints:
@@ -148,19 +146,19 @@ class Srdf:
             elif self.groups[group] & self.groups[arm]:
                 yield f"the end effector {node.get('name')} shares joints with its arm"
             else:
-                held = {self.joints[one].find("child").get("link") for one in self._all_joints(arm)}
+                held = {self.joints[joint].find("child").get("link") for joint in self._all_joints(arm)}
                 if node.get("parent_link") not in held:
                     yield f"{node.get('parent_link')} is not a link of {arm}"
 
-    def _all_joints(self, group: str) -> list[str]:
-        (node,) = [one for one in self.root.findall("group") if one.get("name") == group]
-        found = [one.get("name") for one in node.findall("joint")]
+    def _all_joints(self, group):
+        (node,) = [element for element in self.root.findall("group") if element.get("name") == group]
+        names = [joint.get("name") for joint in node.findall("joint")]
         for chain in node.findall("chain"):
-            found += self.chain(chain.get("base_link"), chain.get("tip_link")) or []
-        return found
+            names += self.chain(chain.get("base_link"), chain.get("tip_link")) or []
+        return names
 
-    def _pairs(self) -> Iterator[str]:
-        solid = {one.get("name") for one in self.urdf.findall("link") if one.find("collision") is not None}
+    def _pairs(self):
+        solid = {link.get("name") for link in self.urdf.findall("link") if link.find("collision") is not None}
         seen = set()
         for node in self.root.findall("disable_collisions"):
             pair = node.get("link1"), node.get("link2")
@@ -176,44 +174,51 @@ class Srdf:
 class InPinocchio:
     """A URDF and its SRDF as files, read by Pinocchio with its colliders."""
 
-    def __init__(self, folder: Path, name: str) -> None:
-        urdf, self._srdf = str(folder / f"{name}.urdf"), str(folder / f"{name}.srdf")
+    def __init__(self, folder):
+        (path,) = folder.glob("*.urdf")
+        urdf, self._srdf = str(path), str(path.with_suffix(".srdf"))
         self.model = pin.buildModelFromUrdf(urdf)
         self._geometry = pin.buildGeomFromUrdf(
             self.model, urdf, pin.GeometryType.COLLISION, package_dirs=[str(folder)]
         )
-        self._nodes = {one.get("name"): one for one in etree.parse(urdf).getroot().findall("joint")}
+        self._nodes = {joint.get("name"): joint for joint in etree.parse(urdf).getroot().findall("joint")}
 
-    def states(self) -> dict[str, dict[str, float]]:
-        """Of each pose the values of all joints, but for continuous ones about an axis along none of x, y and
-        z, whose values Pinocchio does not read (up to 4.1 at least)."""
+    def states(self):
+        """Pose → the values of its joints, except continuous joints about an axis along none of x, y and z,
+        whose values Pinocchio does not read (up to 4.1 at least)."""
         pin.loadReferenceConfigurations(self.model, self._srdf)
-        names = [one.key() for one in self.model.referenceConfigurations]
+        names = [
+            referenceconfiguration.key() for referenceconfiguration in self.model.referenceConfigurations
+        ]
         return {name: self._values(self.model.referenceConfigurations[name]) for name in names}
 
-    def active(self) -> set[frozenset[str]]:
+    def active(self):
         """The pairs of links that are checked once the SRDF is read."""
         self._geometry.addAllCollisionPairs()
         pin.removeCollisionPairs(self.model, self._geometry, self._srdf)
-        pairs = [(one.first, one.second) for one in self._geometry.collisionPairs]
-        return {frozenset((self._link(one), self._link(other))) for one, other in pairs} - {
-            frozenset((link,)) for link in {self._link(one) for one in range(self._geometry.ngeoms)}
+        pairs = [
+            (collisionpair.first, collisionpair.second) for collisionpair in self._geometry.collisionPairs
+        ]
+        return {frozenset((self._link(first), self._link(other))) for first, other in pairs} - {
+            frozenset((link,)) for link in {self._link(index) for index in range(self._geometry.ngeoms)}
         }
 
-    def is_rigid(self, one: str, other: str) -> bool:
+    def is_rigid(self, first, other):
         """Whether two links are on one joint of Pinocchio's tree."""
-        return len({self.model.frames[self.model.getBodyId(name)].parentJoint for name in (one, other)}) == 1
+        return (
+            len({self.model.frames[self.model.getBodyId(name)].parentJoint for name in (first, other)}) == 1
+        )
 
-    def touching(self, pairs: set[tuple[str, str]], count: int, seed: int) -> set[tuple[str, str]]:
+    def touching(self, pairs, count, seed):
         """Those of the pairs of links that touch at some of so many random values within the limits, with
         each mimic where it follows."""
         self._geometry.removeAllCollisionPairs()
         names = []
-        for one, other in combinations(range(self._geometry.ngeoms), 2):
-            links = self._link(one), self._link(other)
+        for first, other in combinations(range(self._geometry.ngeoms), 2):
+            links = self._link(first), self._link(other)
             for pair in (links, links[::-1]):
                 if pair in pairs:
-                    self._geometry.addCollisionPair(pin.CollisionPair(one, other))
+                    self._geometry.addCollisionPair(pin.CollisionPair(first, other))
                     names.append(pair)
         data, held = self.model.createData(), pin.GeometryData(self._geometry)
         random, found = np.random.default_rng(seed), set()
@@ -221,23 +226,25 @@ class InPinocchio:
             q = self._drawn(random)
             pin.computeCollisions(self.model, data, self._geometry, held, q, False)
             found |= {
-                pair for pair, one in zip(names, held.collisionResults, strict=True) if one.isCollision()
+                pair
+                for pair, collision in zip(names, held.collisionResults, strict=True)
+                if collision.isCollision()
             }
         return found
 
-    def _link(self, geometry: int) -> str:
-        found: str = self.model.frames[self._geometry.geometryObjects[geometry].parentFrame].name
-        return found
+    def _link(self, geometry):
+        name: str = self.model.frames[self._geometry.geometryObjects[geometry].parentFrame].name
+        return name
 
-    def _values(self, q: np.ndarray) -> dict[str, float]:
-        found = {}
+    def _values(self, q):
+        by_key = {}
         for name, joint in zip(self.model.names, self.model.joints, strict=True):
             if joint.nv == 1 and name != "universe" and joint.shortname() != UNREAD:
                 part = q[joint.idx_q : joint.idx_q + joint.nq]
-                found[name] = float(part[0]) if joint.nq == 1 else math.atan2(part[1], part[0])
-        return found
+                by_key[name] = float(part[0]) if joint.nq == 1 else math.atan2(part[1], part[0])
+        return by_key
 
-    def _drawn(self, random: np.random.Generator) -> np.ndarray:
+    def _drawn(self, random):
         values: dict[str, float] = {}
         for name, node in self._nodes.items():
             limit = node.find("limit")

@@ -3,22 +3,15 @@
 import io
 import struct
 import zlib
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 import trimesh
 
-from linkwright.pipeline.config.plan import Plan
-from linkwright.stages.fetch.source import Fetched
 from linkwright.stages.graph import build_robot
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.robot import codec
-from linkwright.stages.robot.model.geometry import Geometry
-from linkwright.stages.robot.model.robot import Robot
 from tests.support.building import plan_of, write
 
 Corners = npt.NDArray[np.float64]
@@ -28,24 +21,24 @@ QUADRANTS = ((255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 0))
 """The colours of the image: upper left, upper right, lower left, lower right."""
 
 
-def image(size: int = 4, colours: Any = QUADRANTS) -> bytes:
+def image(size=4, colours=QUADRANTS):
     """A PNG of four colours, written by hand."""
     half = size // 2
     rows = [bytes(colours[k]) * half + bytes(colours[k + 1]) * half for k in (0, 2) for _ in range(half)]
     return png(size, size, rows)
 
 
-def png(width: int, height: int, rows: list[bytes], depth: int = 8, colour: int = 2) -> bytes:
+def png(width, height, rows, depth=8, colour=2):
     head = struct.pack(">IIBBBBB", width, height, depth, colour, 0, 0, 0)
     pixels = zlib.compress(b"".join(b"\0" + row for row in rows))
     return b"\x89PNG\r\n\x1a\n" + b"".join(map(chunk, (b"IHDR", b"IDAT", b"IEND"), (head, pixels, b"")))
 
 
-def chunk(kind: bytes, content: bytes) -> bytes:
+def chunk(kind, content):
     return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
 
 
-def cube(side: float = 0.2, shift: tuple[float, float, float] = (0.3, 0.0, -0.1)) -> Corners:
+def cube(side=0.2, shift=(0.3, 0.0, -0.1)):
     """A cube with the image on each side, upright and smaller from one side to the next: every edge is a
     seam."""
     quads = []
@@ -65,7 +58,7 @@ def cube(side: float = 0.2, shift: tuple[float, float, float] = (0.3, 0.0, -0.1)
     return np.concatenate([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]])
 
 
-def obj(corners: Corners, material: str = "m", library: str = "m.mtl") -> bytes:
+def obj(corners, material="m", library="m.mtl"):
     """An OBJ that shares its points, and so has two or three pairs (u, v) at each."""
     points, place = np.unique(corners[..., :3].reshape(-1, 3), axis=0, return_inverse=True)
     pairs, uv = np.unique(corners[..., 3:].reshape(-1, 2), axis=0, return_inverse=True)
@@ -78,7 +71,7 @@ def obj(corners: Corners, material: str = "m", library: str = "m.mtl") -> bytes:
     return "\n".join(lines).encode() + b"\n"
 
 
-def put(folder: Path, **files: bytes) -> Path:
+def put(folder, **files):
     for name, data in files.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -86,21 +79,21 @@ def put(folder: Path, **files: bytes) -> Path:
     return folder
 
 
-def urdf(*visuals: str) -> bytes:
+def urdf(*visuals):
     """A robot of one link with these visuals."""
     inertia = '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
     inertial = f'<inertial><mass value="1"/>{inertia}</inertial>'
     return f'<robot name="robot"><link name="a">{inertial}{"".join(visuals)}</link></robot>'.encode()
 
 
-def visual(file: str, scale: str = "1 1 1", xyz: str = "0 0 0", inside: str = "") -> str:
+def visual(file, scale="1 1 1", xyz="0 0 0", inside=""):
     return (
         f'<visual><origin xyz="{xyz}"/><geometry><mesh filename="{file}" scale="{scale}"/></geometry>'
         f"{inside}</visual>"
     )
 
 
-def built(source: Any, **mesh: Any) -> tuple[Robot, Geometry, Plan, Fetched]:
+def built(source, **mesh):
     """A robot's file through the stages from fetch to mesh, once through the codec."""
     from linkwright.stages.fetch import fetch
     from linkwright.stages.fetch.source import FetchContext
@@ -110,26 +103,26 @@ def built(source: Any, **mesh: Any) -> tuple[Robot, Geometry, Plan, Fetched]:
     bundle = codec.decode_bundle(codec.encode_bundle(fetched.bundle))
     robot = build_robot(bundle, plan)
 
-    def memo(kind: str, key: Any, make: Callable[[], bytes]) -> bytes:
+    def memo(kind, key, make):
         return make()
 
     geometry = make_geometry(robot, bundle, plan, memo)
     return robot, codec.decode_geometry(codec.encode_geometry(geometry)), plan, fetched
 
 
-def exported(folder: Path, source: Any, **mesh: Any) -> tuple[Robot, Geometry, Plan]:
+def built_into(folder, source, **mesh):
     robot, geometry, plan, _ = built(source, **{"collider": "visual", **mesh})
     write(robot, folder, plan, geometry)
     return robot, geometry, plan
 
 
-def by_trimesh(path: Path) -> Corners:
+def by_trimesh(path):
     """The corners of an OBJ's triangles, as trimesh reads them."""
     mesh = trimesh.load(io.BytesIO(path.read_bytes()), file_type="obj", process=False)
     return np.concatenate([mesh.vertices, mesh.visual.uv], axis=1)[mesh.faces]
 
 
-def by_mujoco(model: mujoco.MjModel, mesh: int) -> Corners:
+def by_mujoco(model, mesh):
     """The corners of a mesh's triangles, as MuJoCo has them: its v points downwards."""
     first, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
     turn = np.zeros(9)
@@ -141,7 +134,7 @@ def by_mujoco(model: mujoco.MjModel, mesh: int) -> Corners:
     return np.concatenate([points[model.mesh_face[faces]], pairs[model.mesh_facetexcoord[faces]]], axis=-1)
 
 
-def ordered(corners: Corners) -> Corners:
+def ordered(corners):
     """Triangles in an order of their own, each from its least corner on, in the sense that it runs."""
     rounded = np.round(corners, 6) + 0.0
     keys = [[tuple(corner) for corner in triangle] for triangle in rounded.tolist()]

@@ -1,18 +1,13 @@
 """Which links of a robot touch: of boxes and spheres in closed form, and of an MJCF by MuJoCo."""
 
-from collections.abc import Iterable, Mapping
 from itertools import combinations, product
-from pathlib import Path
 
 import mujoco
 import numpy as np
 
-from linkwright.stages.export import export
-from linkwright.stages.export.writer import Exported
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.robot.bundle import Bundle
-from linkwright.stages.robot.model.geometry import Exclude, Geometry
-from linkwright.stages.robot.model.robot import Primitive, Robot, frozen
+from linkwright.stages.robot.model.robot import Primitive, frozen
 from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.validate.model.coordinates import set_values
 from tests.support.building import plan_of
@@ -38,28 +33,12 @@ def no_memo(kind, key, make):
     return make()
 
 
-def geometry_of(robot: Robot, memo=no_memo, **contact) -> Geometry:
+def geometry_of(robot, memo=no_memo, **contact):
     """The geometry of a robot of primitives alone; `self` is auto unless said."""
     return make_geometry(robot, NO_FILES, plan_of(contact={"self": "auto", **contact}), memo)
 
 
-def exported(robot: Robot, geometry: Geometry) -> Exported:
-    return export(robot, geometry, plan_of())
-
-
-def model_of(robot: Robot, geometry: Geometry, folder: Path) -> mujoco.MjModel:
-    """The exported MJCF, compiled."""
-    return compiled(exported(robot, geometry), robot, folder)
-
-
-def compiled(made: Exported, robot: Robot, folder: Path) -> mujoco.MjModel:
-    for name, data in made.files.items():
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_bytes(data)
-    return mujoco.MjModel.from_xml_path(str(folder / f"{robot.name}.xml"))
-
-
-def in_mujoco(model, robot: Robot, q) -> set[tuple[str, str]]:
+def in_mujoco(model, robot, q):
     """The pairs of links that are in contact at the values `q` of the tree's dofs and of the loops' own."""
     data = mujoco.MjData(model)
     set_values(model, data, robot, q, urdf=False)
@@ -67,7 +46,7 @@ def in_mujoco(model, robot: Robot, q) -> set[tuple[str, str]]:
     return contacts(model, data, robot)
 
 
-def geoms_in_mujoco(model, robot: Robot, q) -> set[tuple[Geom, Geom]]:
+def geoms_in_mujoco(model, robot, q):
     """The pairs of colliders that are in contact at these values."""
     data = mujoco.MjData(model)
     set_values(model, data, robot, q, urdf=False)
@@ -75,59 +54,59 @@ def geoms_in_mujoco(model, robot: Robot, q) -> set[tuple[Geom, Geom]]:
     return geom_contacts(model, data, robot)
 
 
-def contacts(model, data, robot: Robot) -> set[tuple[str, str]]:
+def contacts(model, data, robot):
     """The pairs of links in contact now, in the order of the links."""
-    return {(one, other) for (one, _), (other, _) in geom_contacts(model, data, robot)}
+    return {(first, other) for (first, _), (other, _) in geom_contacts(model, data, robot)}
 
 
-def geom_contacts(model, data, robot: Robot) -> set[tuple[Geom, Geom]]:
+def geom_contacts(model, data, robot):
     """The pairs of colliders in contact now, in the order of the links."""
     place = {link.name: index for index, link in enumerate(robot.links)}
     found = set()
     for contact in data.contact[: data.ncon]:
         found.add(
-            tuple(sorted((geom_of(model, geom) for geom in contact.geom), key=lambda one: place[one[0]]))
+            tuple(sorted((geom_of(model, geom) for geom in contact.geom), key=lambda named: place[named[0]]))
         )
     return found
 
 
-def geom_of(model, geom: int) -> Geom:
+def geom_of(model, geom):
     """The link of a collider of the model, and its position there."""
     link, _, position = model.geom(geom).name.rpartition("_collision")
     return link, int(position.removeprefix("_") or 0)
 
 
-def excluded(robot: Robot, excludes: Iterable[Exclude]) -> set[tuple[Geom, Geom]]:
+def excluded(robot, excludes):
     """The pairs of shapes that do not collide; of links of primitives alone, which all collide."""
     found = set()
-    for one in excludes:
-        a, b = one.link_a, one.link_b
+    for exclude in excludes:
+        a, b = exclude.link_a, exclude.link_b
         every = product(range(len(robot.link(a).shapes)), range(len(robot.link(b).shapes)))
-        found |= {((a, i), (b, j)) for i, j in one.geoms or every}
+        found |= {((a, i), (b, j)) for i, j in exclude.geoms or every}
     return found
 
 
-def apart(robot: Robot, q: Mapping) -> Pairs:
+def apart(robot, q):
     """The distance of each two links with shapes at `q`: negative by the depth where they overlap; where
     boxes are apart only a lower bound of it."""
     found: Pairs = {}
-    for ((one, _), (other, _)), off in geoms_apart(robot, q).items():
-        found[one, other] = min(off, found.get((one, other), np.inf))
+    for ((first, _), (other, _)), off in geoms_apart(robot, q).items():
+        found[first, other] = min(off, found.get((first, other), np.inf))
     return found
 
 
-def geoms_apart(robot: Robot, q: Mapping) -> dict[tuple[Geom, Geom], float]:
+def geoms_apart(robot, q):
     """The same of each two shapes of different links."""
     poses = link_poses(robot, q)
     found = {}
-    for one, other in combinations(robot.links, 2):
-        for (i, a), (j, b) in product(enumerate(one.shapes), enumerate(other.shapes)):
-            places = poses[one.name] @ a.link_from_shape, poses[other.name] @ b.link_from_shape
-            found[(one.name, i), (other.name, j)] = _between(a, places[0], b, places[1])
+    for first, other in combinations(robot.links, 2):
+        for (i, a), (j, b) in product(enumerate(first.shapes), enumerate(other.shapes)):
+            places = poses[first.name] @ a.link_from_shape, poses[other.name] @ b.link_from_shape
+            found[(first.name, i), (other.name, j)] = _between(a, places[0], b, places[1])
     return found
 
 
-def _between(a: Primitive, at: np.ndarray, b: Primitive, bt: np.ndarray) -> float:
+def _between(a, at, b, bt):
     if a.kind == b.kind == "sphere":
         return float(np.linalg.norm(at[:3, 3] - bt[:3, 3])) - a.size[0] - b.size[0]
     if "sphere" in (a.kind, b.kind):
@@ -135,14 +114,14 @@ def _between(a: Primitive, at: np.ndarray, b: Primitive, bt: np.ndarray) -> floa
     return _boxes(a, at, b, bt)
 
 
-def _ball_and_box(ball, at, box, bt) -> float:
+def _ball_and_box(ball, at, box, bt):
     local = bt[:3, :3].T @ (at[:3, 3] - bt[:3, 3])
     beyond = np.abs(local) - np.array(box.size) / 2
     outside = float(np.linalg.norm(np.maximum(beyond, 0)))
     return (outside if outside else float(beyond.max())) - ball.size[0]
 
 
-def _boxes(a, at, b, bt) -> float:
+def _boxes(a, at, b, bt):
     """By the separating axes of two boxes (Gottschalk, Lin and Manocha, 1996): normals, and products of
     edges."""
     rotations = at[:3, :3], bt[:3, :3]

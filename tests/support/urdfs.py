@@ -5,29 +5,22 @@ that were mended, and masses of links that move without any.
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from hashlib import sha256
-from pathlib import Path
 
 import numpy as np
 from lxml import etree
 
-from linkwright.pipeline.config.plan import Plan
-from linkwright.stages.export import Exported
 from linkwright.stages.graph import build_robot
-from linkwright.stages.robot.bundle import Bundle, FileBundle
+from linkwright.stages.robot.bundle import FileBundle
 from linkwright.stages.robot.codec import decode_robot, encode_robot
-from linkwright.stages.robot.model.robot import Inertial, Robot
 from tests.support.building import plan_of, write
 from tests.support.engines import Mujoco, Pinocchio
 
 SCALAR = ("revolute", "continuous", "prismatic")
 
 
-def urdf_bundle(
-    text: bytes, policy: str = "refuse", meshes: Mapping[str, bytes] | None = None, srdf: bytes = b""
-) -> Bundle:
+def urdf_bundle(text, policy="refuse", meshes=None, srdf=b""):
     """The bundle of a URDF's text; `meshes`: triangles in the compact form by mesh key; `srdf`: the text of
     an SRDF beside it, empty without one."""
     bodies = {"robot.urdf": text, **{f"mesh/{key}": data for key, data in (meshes or {}).items()}}
@@ -43,7 +36,7 @@ def urdf_bundle(
     )
 
 
-def urdf_robot(text: bytes | str, plan: Plan | None = None, policy: str = "refuse", srdf: str = "") -> Robot:
+def urdf_robot(text, plan=None, policy="refuse", srdf=""):
     """The robot that the graph stage makes of a URDF and the SRDF beside it, once through the codec."""
     data = text.encode() if isinstance(text, str) else text
     bundle = urdf_bundle(data, policy, srdf=srdf.encode())
@@ -60,11 +53,11 @@ class Apart:
     gravity: float
 
     @property
-    def worst(self) -> float:
+    def worst(self):
         return max(self.poses, self.mass_matrix, self.gravity)
 
 
-def parity(text: bytes, robot: Robot, files: Mapping[str, bytes], folder: Path, count: int = 3) -> Apart:
+def parity(text, robot, files, folder, count=3):
     """The exported URDF by Pinocchio and the MJCF in `folder` by MuJoCo, against Pinocchio on `text`, at
     `count` random values of all joints; links, frames and joints by the names that the file has."""
     original = Pinocchio(as_told(text, robot))
@@ -100,36 +93,36 @@ def parity(text: bytes, robot: Robot, files: Mapping[str, bytes], folder: Path, 
     return Apart(*map(float, apart))
 
 
-def relative(found: np.ndarray, expected: np.ndarray) -> float:
-    return float(np.abs(found - expected).max() / max(1.0, np.abs(expected).max()))
+def relative(actual, expected):
+    return float(np.abs(actual - expected).max() / max(1.0, np.abs(expected).max()))
 
 
-def as_told(text: bytes, robot: Robot) -> bytes:
+def as_told(text, robot):
     """The URDF with the inertials that the robot's diagnostics say were changed; without what else
     keeps Pinocchio from reading it: shapes."""
     root = etree.fromstring(text)
-    told = {d.where for d in robot.diagnostics if d.code in ("W-INERTIA", "W-INERTIA-LEAST")}
+    estimated = {d.where for d in robot.diagnostics if d.code in ("W-INERTIA", "W-INERTIA-LEAST")}
     carried = [d for d in robot.diagnostics if d.code.endswith("-URDF-MASSLESS")]
-    told |= {name for d in carried for name in d.message.rsplit(": ", 1)[1].split(", ")}
+    estimated |= {name for d in carried for name in d.message.rsplit(": ", 1)[1].split(", ")}
     links = {link.path[0]: link for link in robot.links if link.path}
     merged = {frame.source: frame.link for frame in robot.frames}
     for node in root.findall("link"):
         name = node.get("name")
-        mine = links.get(name)
+        link = links.get(name)
         into = merged.get(name)
-        changed = mine is not None and name in told
+        changed = link is not None and name in estimated
         carried_by = next((link for link in robot.links if link.name == into), None)
-        if changed or (carried_by is not None and carried_by.path[0] in told):
+        if changed or (carried_by is not None and carried_by.path[0] in estimated):
             for old in node.findall("inertial"):
                 node.remove(old)
-        if changed and mine is not None:
-            _write(node, mine.inertial)
+        if changed and link is not None:
+            _write(node, link.inertial)
         for shape in (*node.findall("visual"), *node.findall("collision")):
             node.remove(shape)
     return etree.tostring(root)
 
 
-def _write(node: etree._Element, inertial: Inertial) -> None:
+def _write(node, inertial):
     if inertial.mass == 0:
         return
     holder = etree.SubElement(node, "inertial")
@@ -140,7 +133,7 @@ def _write(node: etree._Element, inertial: Inertial) -> None:
     etree.SubElement(holder, "inertia", **{key: repr(float(value)) for key, value in numbers.items()})
 
 
-def same_bounds(text: bytes, robot: Robot, urdf: bytes) -> list[str]:
+def same_bounds(text, robot, urdf):
     """What the exported URDF has otherwise than `text`: ranges, effort, velocity and mimics, by joint.
 
     A range that the file leaves out, bounds at zero and placeholders are none, which the reader tells."""
@@ -164,7 +157,7 @@ def same_bounds(text: bytes, robot: Robot, urdf: bytes) -> list[str]:
     return wrong if len(mimics) == len(true_mimics) else [*wrong, "the number of mimics"]
 
 
-def lost_names(text: bytes, urdf: bytes) -> list[str]:
+def lost_names(text, urdf):
     """The links and joints of `text` that the exported URDF lacks by name, as "joint elbow"."""
     before, after = (
         {f"{node.tag} {node.get('name')}" for node in etree.fromstring(data).iterfind("*")}
@@ -173,7 +166,7 @@ def lost_names(text: bytes, urdf: bytes) -> list[str]:
     return sorted(name for name in before - after if name.startswith(("link ", "joint ")))
 
 
-def names_of(robot: Robot) -> dict[str, str]:
+def names_of(robot):
     """The robot's name of each joint by the file's."""
     return {joint.mate.name: joint.name for joint in robot.joints}
 
@@ -182,20 +175,20 @@ _STAND_INS = (1e3, 1e4, 1e5, 1e6)
 """Efforts and velocities of turns that stand for none."""
 
 
-def _bounds(text: bytes) -> dict[str, dict[str, float]]:
+def _bounds(text):
     found: dict[str, dict[str, float]] = {}
     for node in etree.fromstring(text).findall("joint"):
         if node.get("type") not in SCALAR:
             found[node.get("name")] = {}
             continue
         limit = node.find("limit")
-        given = {} if limit is None else {key: float(value) for key, value in limit.attrib.items()}
+        bounds = {} if limit is None else {key: float(value) for key, value in limit.attrib.items()}
         own = {
-            key: given[key]
+            key: bounds[key]
             for key in ("effort", "velocity")
-            if given.get(key, 0) > 0 and given[key] not in _STAND_INS
+            if bounds.get(key, 0) > 0 and bounds[key] not in _STAND_INS
         }
-        low, high = given.get("lower", 0.0), given.get("upper", 0.0)
+        low, high = bounds.get("lower", 0.0), bounds.get("upper", 0.0)
         stands_in = low == -high and high in (10.0, 100.0, 1000.0, 1e16)
         if node.get("type") in ("revolute", "prismatic") and limit is not None and (low, high) != (0, 0):
             # A joint whose range is nothing keeps the play that engines need.
@@ -209,7 +202,7 @@ def _bounds(text: bytes) -> dict[str, dict[str, float]]:
     return found
 
 
-def _mimics(text: bytes) -> dict[str, tuple[str, float, float]]:
+def _mimics(text):
     """Each follower's driver, factor and offset, of a chain the last driver's."""
     direct = {}
     for node in etree.fromstring(text).findall("joint"):
@@ -226,6 +219,6 @@ def _mimics(text: bytes) -> dict[str, tuple[str, float, float]]:
     return whole
 
 
-def written(robot: Robot, folder: Path) -> Exported:
+def written(robot, folder):
     """The robot's files without meshes, in `folder`."""
     return write(robot, folder)

@@ -5,9 +5,7 @@ Angles are in degrees in the file and in radians here.
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from pathlib import Path
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 import pytest
@@ -19,7 +17,7 @@ Values = Mapping[str, float | tuple[float, ...]]
 class _Pxr:
     """The modules of `pxr`, imported where a test first uses them; it is skipped where there are none."""
 
-    def __getattr__(self, name: str) -> Any:
+    def __getattr__(self, name):
         pytest.importorskip("pxr")
         return __import__("pxr", fromlist=[name]).__dict__[name]
 
@@ -29,7 +27,7 @@ pxr = _Pxr()
 UNITS = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
 
 
-def stage_of(files: Mapping[str, bytes], folder: Path, name: str = "robot") -> Any:
+def stage_of(files, folder, name="robot"):
     """The stage of the files of a robot of this name, written into `folder`."""
     for path, data in files.items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
@@ -37,67 +35,72 @@ def stage_of(files: Mapping[str, bytes], folder: Path, name: str = "robot") -> A
     return pxr.Usd.Stage.Open(str(folder / f"{name}.usda"))
 
 
-def complaints(stage: Any) -> list[str]:
+def complaints(stage):
     """What the validators of USD say of a stage."""
     registry = pxr.UsdValidation.ValidationRegistry()
     found = pxr.UsdValidation.ValidationContext(registry.GetOrLoadAllValidators()).Validate(stage)
-    return [f"{one.GetName()}: {one.GetMessage()}" for one in found]
+    return [f"{error.GetName()}: {error.GetMessage()}" for error in found]
 
 
-def parsed(stage: Any, kind: str) -> list[Any]:
+def parsed(stage, kind):
     """What the parser of UsdPhysics finds of a kind, such as `Articulation`; Newton reads by it."""
     physics = pxr.UsdPhysics
     newer = getattr(physics, "UsdPhysicsLoadStageFromPrimRange", None)
     found = (newer or physics.LoadUsdPhysicsFromRange)(stage, ["/"])
     return [
-        one for key, (_, many) in found.items() if key == getattr(physics.ObjectType, kind) for one in many
+        description
+        for key, (_, many) in found.items()
+        if key == getattr(physics.ObjectType, kind)
+        for description in many
     ]
 
 
 class Usd:
     """The robot of a stage: the stage's default prim."""
 
-    def __init__(self, stage: Any) -> None:
+    def __init__(self, stage):
         physics = pxr.UsdPhysics
         self.stage, self.root = stage, stage.GetDefaultPrim()
         assert pxr.UsdGeom.GetStageUpAxis(stage) == "Z"
         assert pxr.UsdGeom.GetStageMetersPerUnit(stage) == physics.GetStageKilogramsPerUnit(stage) == 1.0
         every = list(stage.Traverse())
-        self.bodies = {one.GetName(): one for one in every if one.HasAPI(physics.RigidBodyAPI)}
-        assert all(one.GetParent() == self.root for one in self.bodies.values()), "bodies are not flat"
-        joints = {one.GetName(): physics.Joint(one) for one in every if one.IsA(physics.Joint)}
-        self.loops = {name: one for name, one in joints.items() if one.GetExcludeFromArticulationAttr().Get()}
-        self.joints = {name: one for name, one in joints.items() if name not in self.loops}
-        self.roots = [one for one in every if one.HasAPI(physics.ArticulationRootAPI)]
+        self.bodies = {prim.GetName(): prim for prim in every if prim.HasAPI(physics.RigidBodyAPI)}
+        assert all(body.GetParent() == self.root for body in self.bodies.values()), "bodies are not flat"
+        joints = {prim.GetName(): physics.Joint(prim) for prim in every if prim.IsA(physics.Joint)}
+        self.loops = {
+            name: joint for name, joint in joints.items() if joint.GetExcludeFromArticulationAttr().Get()
+        }
+        self.joints = {name: joint for name, joint in joints.items() if name not in self.loops}
+        self.roots = [prim for prim in every if prim.HasAPI(physics.ArticulationRootAPI)]
         cache = pxr.UsdGeom.XformCache()
         self.stands = {
-            name: _matrix(cache.GetLocalToWorldTransform(one)) for name, one in self.bodies.items()
+            name: _matrix(cache.GetLocalToWorldTransform(prim)) for name, prim in self.bodies.items()
         }
         self.above: dict[str, str] = {}
-        for name, one in self.joints.items():
-            child = self.ends(one)[1]
+        for name, joint in self.joints.items():
+            child = self.ends(joint)[1]
             assert child not in self.above, f"two joints of the tree hold {child}"
             self.above[child] = name
 
-    def ends(self, joint: Any) -> tuple[str, str]:
+    def ends(self, joint):
         """The names of the prims that a joint is on; the first may be the robot's own."""
         (first,) = joint.GetBody0Rel().GetTargets()
         (second,) = joint.GetBody1Rel().GetTargets()
         return first.name, second.name
 
-    def frames(self, joint: Any) -> tuple[np.ndarray, np.ndarray]:
+    def frames(self, joint):
         """Its frame (4, 4) on both."""
         return (
             _pose(joint.GetLocalPos0Attr().Get(), joint.GetLocalRot0Attr().Get()),
             _pose(joint.GetLocalPos1Attr().Get(), joint.GetLocalRot1Attr().Get()),
         )
 
-    def poses(self, values: Values, free: Mapping[str, np.ndarray] | None = None) -> dict[str, np.ndarray]:
+    def poses(self, values, free=None):
         """world_from_body (4, 4) by the names of bodies. `values`: by joint, of a ball (w, x, y, z) in
         the axes of its second body; `free`: the pose of bodies that no joint holds, else where they stand."""
         found: dict[str, np.ndarray] = {}
 
-        def pose(body: str) -> np.ndarray:
+        def pose(body):
             if body == self.root.GetName() and body not in self.bodies:
                 return np.eye(4)
             if body not in found:
@@ -113,7 +116,7 @@ class Usd:
 
         return {body: pose(body) for body in self.bodies}
 
-    def mass(self, body: str) -> tuple[float, np.ndarray, np.ndarray]:
+    def mass(self, body):
         """Mass, centre of mass (3,) and inertia about it (3, 3) in the body's axes."""
         api = pxr.UsdPhysics.MassAPI(self.bodies[body])
         axes = _rotation(api.GetPrincipalAxesAttr().Get())
@@ -126,12 +129,12 @@ class Usd:
             axes @ np.diag(moments) @ axes.T,
         )
 
-    def mass_matrix(self, values: Values, joints: Sequence[str]) -> np.ndarray:
+    def mass_matrix(self, values, joints):
         """(n, n) of the speeds of these joints: Σ Jᵀ M J over the bodies; of a ball the angular velocity in
         the axes of its second body."""
         poses = self.poses(values)
         columns = {name: self._twists(name, poses) for name in joints}
-        total = np.zeros((sum(len(one) for one in columns.values()),) * 2)
+        total = np.zeros((sum(len(column) for column in columns.values()),) * 2)
         for body, pose in poses.items():
             mass, com, inertia = self.mass(body)
             at, turned = pose[:3, :3] @ com + pose[:3, 3], pose[:3, :3]
@@ -149,14 +152,14 @@ class Usd:
             total += jacobian.T @ spatial @ jacobian
         return total
 
-    def _moving(self, body: str) -> set[str]:
+    def _moving(self, body):
         names = set()
         while body in self.above:
             names.add(self.above[body])
             body = self.ends(self.joints[self.above[body]])[0]
         return names
 
-    def _twists(self, name: str, poses: Mapping[str, np.ndarray]) -> list[tuple[np.ndarray, ...]]:
+    def _twists(self, name, poses):
         joint = self.joints[name]
         place = poses[self.ends(joint)[1]] @ self.frames(joint)[1]
         kind, zero = joint.GetPrim().GetTypeName(), np.zeros(3)
@@ -166,7 +169,7 @@ class Usd:
         axis = place[:3, :3] @ UNITS[joint.GetPrim().GetAttribute("physics:axis").Get()]
         return [(zero, axis, place[:3, 3]) if "Prismatic" in kind else (axis, zero, place[:3, 3])]
 
-    def gap(self, loop: str, poses: Mapping[str, np.ndarray]) -> float:
+    def gap(self, loop, poses):
         """How far a loop is from closed [m, rad], in the directions that its joint holds."""
         joint = self.loops[loop]
         prim = joint.GetPrim()
@@ -186,10 +189,10 @@ class Usd:
                 offset = offset - axis * (offset @ axis)
         elif kind == "PhysicsJoint":
             locked = {
-                (one, axis)
-                for one in ("trans", "rot")
+                (motion, axis)
+                for motion in ("trans", "rot")
                 for axis in "XYZ"
-                if (limit := limits_of(prim, f"limit:{one}{axis}:physics:")) and limit[0] > limit[1]
+                if (limit := limits_of(prim, f"limit:{motion}{axis}:physics:")) and limit[0] > limit[1]
             }
             offset = np.array([offset[i] for i, axis in enumerate("XYZ") if ("trans", axis) in locked] or [0])
             loose = [i for i, axis in enumerate("XYZ") if ("rot", axis) not in locked]
@@ -199,35 +202,35 @@ class Usd:
                 turn = np.cross(axis, relative[:3, :3] @ axis)
         return max(float(np.linalg.norm(offset)), float(np.linalg.norm(turn)))
 
-    def limits(self, joint: str) -> tuple[float, float]:
+    def limits(self, joint):
         """[rad or m], infinite where it is open."""
         prim = (self.joints | self.loops)[joint].GetPrim()
         low, high = (prim.GetAttribute(f"physics:{end}Limit").Get() for end in ("lower", "upper"))
         scale = math.pi / 180 if prim.GetTypeName() == "PhysicsRevoluteJoint" else 1.0
         return low * scale, high * scale
 
-    def value(self, joint: str, name: str) -> Any:
+    def value(self, joint, name):
         """An attribute of a joint, None where it is not written."""
         attribute = (self.joints | self.loops)[joint].GetPrim().GetAttribute(name)
         return attribute.Get() if attribute else None
 
-    def target(self, joint: str, name: str) -> str:
+    def target(self, joint, name):
         """The name of what a relationship of a joint is to."""
         (path,) = (self.joints | self.loops)[joint].GetPrim().GetRelationship(name).GetTargets()
         return str(path.name)
 
-    def schemas(self, prim: Any) -> list[str]:
+    def schemas(self, prim):
         """The applied schemas, also those that are not known here."""
         return list(prim.GetPrimTypeInfo().GetAppliedAPISchemas())
 
 
-def limits_of(prim: Any, before: str) -> tuple[float, float] | None:
+def limits_of(prim, before):
     """The ends of a LimitAPI, None where there is none."""
     low, high = (prim.GetAttribute(f"{before}{end}") for end in ("low", "high"))
     return (low.Get() if low else -math.inf, high.Get() if high else math.inf) if low or high else None
 
 
-def _motion(prim: Any, value: float | tuple[float, ...], second: np.ndarray) -> np.ndarray:
+def _motion(prim, value, second):
     """What a joint moves its frame by; `second` (4, 4): that on its second body."""
     out = np.eye(4)
     kind = prim.GetTypeName()
@@ -247,16 +250,16 @@ def _motion(prim: Any, value: float | tuple[float, ...], second: np.ndarray) -> 
     return out
 
 
-def _rotation(quat: Any) -> np.ndarray:
+def _rotation(quat):
     return Rotation.from_quat([*quat.GetImaginary(), quat.GetReal()]).as_matrix()
 
 
-def _pose(position: Any, quat: Any) -> np.ndarray:
+def _pose(position, quat):
     out = np.eye(4)
     out[:3, :3], out[:3, 3] = _rotation(quat), position
     return out
 
 
-def _matrix(matrix: Any) -> np.ndarray:
+def _matrix(matrix):
     """Gf's matrices act on rows."""
     return np.array(matrix).T

@@ -2,7 +2,6 @@
 
 import ast
 import re
-from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -13,7 +12,7 @@ from linkwright.stages.graph.passes.relation_dofs import dof_relations
 from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.graph.tree import spanning_tree
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.errors import Diagnostic, Disconnected
+from linkwright.stages.robot.errors import Disconnected
 from linkwright.stages.robot.model.robot import Provenance
 from tests.support.places import PROJECT
 from tests.support.robots import joint, robot_with
@@ -24,31 +23,31 @@ ROW = re.compile(r"^\| `([EWIC]-[A-Z0-9-]+)` \| (.+?) \| (.+?) \| (.+?) \|$")
 MAKERS = ("tell", "report", "unmatched", "Diagnostic", "Loss")
 
 
-def spoken() -> dict[str, set[str]]:
+def spoken():
     """Every code in the source, and the top-level packages and stages that say it."""
-    found: dict[str, set[str]] = {}
+    codes = {}
     for package in ("pipeline", "stages"):
         for file in sorted((PROJECT / package).rglob("*.py")):
             parts = file.relative_to(PROJECT).parts
             place = parts[1] if parts[0] == "stages" else parts[0]
             for code in CODE.findall(file.read_text()):
-                found.setdefault(code, set()).add(place)
-    return found
+                codes.setdefault(code, set()).add(place)
+    return codes
 
 
-def written(file: str = "DIAGNOSTICS.md") -> list[tuple[str, str, str, str]]:
+def written(file="DIAGNOSTICS.md"):
     lines = (PROJECT / "stages" / file).read_text().splitlines()
     return [match.groups() for line in lines if (match := ROW.match(line))]
 
 
-def told(source: str) -> Iterator[tuple[int, str, list[ast.expr]]]:
+def diagnostics_of(source):
     """Line, code, and the arguments (message, where, hint) of each diagnostic that a module makes."""
     tree = ast.parse(source)
     named = {
-        target.id: one.value
-        for one in tree.body
-        if isinstance(one, ast.Assign)
-        for target in one.targets
+        target.id: statement.value
+        for statement in tree.body
+        if isinstance(statement, ast.Assign)
+        for target in statement.targets
         if isinstance(target, ast.Name)
     }
     for call in ast.walk(tree):
@@ -63,24 +62,24 @@ def told(source: str) -> Iterator[tuple[int, str, list[ast.expr]]]:
                 yield call.lineno, word.value, arguments
 
 
-def is_blank(value: ast.expr) -> bool:
+def is_blank(value):
     return isinstance(value, ast.Constant) and not value.value
 
 
-def incomplete(source: str, arguments: int = 3) -> list[tuple[int, str]]:
+def incomplete(source, arguments=3):
     """Line and code of each error or warning that lacks a message, a place or a hint."""
     return [
         (line, code)
-        for line, code, given in told(source)
-        if code[0] in "EW" and (len(given) < arguments or any(map(is_blank, given)))
+        for line, code, values in diagnostics_of(source)
+        if code[0] in "EW" and (len(values) < arguments or any(map(is_blank, values)))
     ]
 
 
-def test_the_table_is_complete() -> None:
+def test_the_table_is_complete():
     assert sorted(code for code, *_ in written()) == sorted(spoken())
 
 
-def test_the_table_of_checks_is_complete_and_in_order() -> None:
+def test_the_table_of_checks_is_complete_and_in_order():
     files = [file for name in ("pipeline", "stages") for file in (PROJECT / name).rglob("*.py")]
     codes = [code for code, *_ in written("CHECKS.md")]
     assert codes == sorted({code for file in files for code in CHECK.findall(file.read_text())})
@@ -91,29 +90,29 @@ def test_the_table_of_checks_is_complete_and_in_order() -> None:
     assert "stages/CHECKS.md" in (PROJECT / "README.md").read_text()
 
 
-def test_each_row_says_where_it_is_reported_what_it_means_and_what_to_do() -> None:
+def test_each_row_says_where_it_is_reported_what_it_means_and_what_to_do():
     said = spoken()
     for code, place, meaning, remedy in written():
-        # What the sink of diagnostics says itself, it says for the stages that the row names.
-        assert set(place.split(", ")) == said[code] or said[code] == {"robot"}, code
+        # The sink of diagnostics and the targets report for the stages that the row names.
+        assert set(place.split(", ")) == said[code] or said[code] <= {"robot", "targets"}, code
         assert len(meaning) > 15, code
         assert len(remedy) > 5 or remedy == "–", code
 
 
-def test_every_error_and_warning_of_a_stage_has_a_place_and_a_hint() -> None:
+def test_every_error_and_warning_of_a_stage_has_a_place_and_a_hint():
     lacking, seen = [], set()
     for file in sorted((PROJECT / "stages").rglob("*.py")):
         source = file.read_text()
-        seen |= {code for _, code, _ in told(source)}
+        seen |= {code for _, code, _ in diagnostics_of(source)}
         # Of what a URDF says wrong, one table has the hints of those that have none of their own.
-        known = HINTS if file.is_relative_to(PROJECT / "stages/formats/urdf") else {}
-        found = incomplete(source, 3)
-        lacking += [(file.relative_to(PROJECT), *one) for one in found if one[1] not in known]
+        hints = HINTS if file.is_relative_to(PROJECT / "stages/formats/urdf") else {}
+        rows = incomplete(source, 3)
+        lacking += [(file.relative_to(PROJECT), *row) for row in rows if row[1] not in hints]
     assert lacking == []
     assert seen == {code for code, places in spoken().items() if places != {"pipeline"}}
 
 
-def test_what_lacks_a_place_or_a_hint_is_found() -> None:
+def test_what_lacks_a_place_or_a_hint_is_found():
     source = [
         'RIGID = "W-A"',
         "log.report(RIGID, m, w)",
@@ -124,14 +123,14 @@ def test_what_lacks_a_place_or_a_hint_is_found() -> None:
     assert incomplete('log.report("I-D", m)\nlog.report("E-E", m, w, h)\n') == []
 
 
-def test_the_table_is_in_order_and_the_readme_leads_to_it() -> None:
+def test_the_table_is_in_order_and_the_readme_leads_to_it():
     codes = [code for code, *_ in written()]
     assert codes == sorted(codes, key=lambda code: ("EWI".index(code[0]), code))
     assert "stages/DIAGNOSTICS.md" in (PROJECT / "README.md").read_text()
 
 
 @pytest.mark.parametrize(("kind", "place"), [("GEAR", "in Onshape"), ("MIMIC", "in the file")])
-def test_a_relation_is_corrected_where_it_was_said(kind: str, place: str) -> None:
+def test_a_relation_is_corrected_where_it_was_said(kind, place):
     log = Diagnostics()
     robot = robot_with([joint("revolute", "base", "arm", [0.0], name="r1")])
     dof_relations(robot, [RelationSpec("Gear", kind, ("r1", "gone"), 1.0, 0.0, False)], log)
@@ -140,8 +139,8 @@ def test_a_relation_is_corrected_where_it_was_said(kind: str, place: str) -> Non
     assert [where for where in ("in Onshape", "in the file") if where in only.hint] == [place]
 
 
-def loose(has_saved_pose: bool) -> list[Diagnostic]:
-    """What is told of two links that nothing joins, however `root.disconnected` settles it."""
+def loose(has_saved_pose):
+    """The diagnostics on two links that nothing joins, however `root.disconnected` settles it."""
     bodies = tuple(RigidBody(name, (name,), (), frozenset({name}), "", np.eye(4)) for name in ("a", "b"))
     drawn = Mechanism(bodies, (), (), (), Provenance("", "", "", ""), root=0, has_saved_pose=has_saved_pose)
     with pytest.raises(Disconnected) as caught:
@@ -152,10 +151,10 @@ def loose(has_saved_pose: bool) -> list[Diagnostic]:
     return [*caught.value.problems, *log.found]
 
 
-def test_what_hangs_on_nothing_is_corrected_where_it_was_drawn() -> None:
+def test_what_hangs_on_nothing_is_corrected_where_it_was_drawn():
     for has_saved_pose, place in ((True, "in Onshape"), (False, "in the file")):
-        found = loose(has_saved_pose)
-        assert [one.code for one in found] == ["E-LOOSE", *["I-LOOSE"] * 3]
-        assert all(place in one.hint for one in found)
-    assert found[0].message == "1 link is not connected to the root"
-    assert found[0].where == "b"
+        diagnostics = loose(has_saved_pose)
+        assert [problem.code for problem in diagnostics] == ["E-LOOSE", *["I-LOOSE"] * 3]
+        assert all(place in problem.hint for problem in diagnostics)
+    assert diagnostics[0].message == "1 link is not connected to the root"
+    assert diagnostics[0].where == "b"

@@ -28,7 +28,7 @@ VARIANT = {"source.py", "reader.py", "writer.py"}
 
 PARAMETERS = 8
 
-LATE = 171
+LATE = 100
 """Imports inside functions, which a reader expects at the top. This number may only fall: what few runs need,
 and is slow to import, is imported late."""
 
@@ -37,12 +37,12 @@ SPEAKS_REST = ("/assemblies/", "/partstudios/", "tessellatedfaces", "masspropert
 
 
 @cache
-def parsed(path: Path) -> ast.Module:
+def parsed(path):
     return ast.parse(path.read_text())
 
 
 @cache
-def texts(path: Path) -> list[str]:
+def texts(path):
     """The strings of a module that are no documentation."""
     nodes = list(ast.walk(parsed(path)))
     documentation = {id(node.value) for node in nodes if isinstance(node, ast.Expr)}
@@ -50,7 +50,7 @@ def texts(path: Path) -> list[str]:
     return [node.value for node in constants if isinstance(node.value, str)]
 
 
-def room_of(name: str) -> str:
+def room_of(name):
     """The room of a stage that a module lies in: `stages/graph/urdf`; of others, nothing."""
     parts = name.split(".")
     inside = parts[0] == "stages" and len(parts) > 3
@@ -61,7 +61,9 @@ def test_no_modules_import_each_other_in_a_circle():
     """A face may hand its work to the modules of its own room, which know its table and its version."""
     graph = imports().copy()
     graph.remove_edges_from([(face, module) for face, module in graph.edges if module.startswith(f"{face}.")])
-    assert [sorted(one) for one in nx.strongly_connected_components(graph) if len(one) > 1] == []
+    assert [
+        sorted(component) for component in nx.strongly_connected_components(graph) if len(component) > 1
+    ] == []
 
 
 FLOORS = ("checks", "read", "usd", "sdf", "same")
@@ -70,23 +72,23 @@ FLOORS = ("checks", "read", "usd", "sdf", "same")
 
 def test_no_variant_of_a_stage_imports_its_sibling():
     """A source, a reader and a format stand alone."""
-    found = []
+    problems = []
     for importer, target in imports().edges:
         rooms = room_of(importer), room_of(target)
         stages = {room.rpartition("/")[0] for room in rooms}
         variants = all(any((PROJECT / room / file).is_file() for file in VARIANT) for room in rooms)
         if all(rooms) and len(stages) == 1 and variants and rooms[0] != rooms[1]:
-            found.append(f"{importer} imports {target}")
-    assert sorted(found) == []
+            problems.append(f"{importer} imports {target}")
+    assert sorted(problems) == []
 
 
-def rooms() -> dict[Path, list[Path]]:
+def rooms():
     """Every room of the product, and the modules in it beside its face."""
-    found: dict[Path, list[Path]] = defaultdict(list)
+    modules_of = defaultdict(list)
     for path in modules():
         if path.name != "__init__.py":
-            found[path.parent].append(path)
-    return found
+            modules_of[path.parent].append(path)
+    return modules_of
 
 
 def test_no_room_has_more_modules_than_can_be_seen_at_once():
@@ -106,7 +108,7 @@ def test_the_face_of_a_large_room_lists_its_modules():
 def test_rooms_side_by_side_import_each_other_one_way():
     """A room may use its neighbour, but not be used by it too; what lies flat beside them is free."""
     faces = {name_of(path) for path in modules() if path.name == "__init__.py"}
-    between: dict[str, nx.DiGraph] = defaultdict(nx.DiGraph)
+    between = defaultdict(nx.DiGraph)
     for importer, target in imports().edges:
         first, second = importer.split("."), target.split(".")
         depth = next((n for n, pair in enumerate(zip(first, second)) if pair[0] != pair[1]), None)
@@ -124,28 +126,30 @@ def test_no_module_is_longer_than_can_be_read_at_once():
 
 
 def test_no_function_is_longer_than_a_screen():
-    found = {
+    problems = {
         f"{name_of(path)}.{node.name}": node.end_lineno - node.lineno + 1
         for path in modules()
         for node in ast.walk(parsed(path))
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
         and node.end_lineno - node.lineno + 1 > FUNCTION_LINES
     }
-    assert found == {}
+    assert problems == {}
 
 
 def test_no_function_has_more_parameters_than_can_be_told_apart():
-    found = {}
+    numbers = {}
     for path in modules():
         for node in ast.walk(parsed(path)):
             if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
-                given = node.args
-                every = [*given.posonlyargs, *given.args, *given.kwonlyargs, given.vararg, given.kwarg]
-                found[f"{name_of(path)}.{node.name}"] = len([one for one in every if one is not None])
-    assert {name: number for name, number in found.items() if number > PARAMETERS} == {}
+                spec = node.args
+                arguments = [*spec.posonlyargs, *spec.args, *spec.kwonlyargs, spec.vararg, spec.kwarg]
+                numbers[f"{name_of(path)}.{node.name}"] = len(
+                    [argument for argument in arguments if argument is not None]
+                )
+    assert {name: number for name, number in numbers.items() if number > PARAMETERS} == {}
 
 
-def late_imports(path: Path) -> list[int]:
+def late_imports(path):
     """The lines of a module's imports inside functions."""
     functions = [n for n in ast.walk(parsed(path)) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef)]
     inside = {id(node): node for function in functions for node in ast.walk(function)}
@@ -172,7 +176,7 @@ def test_each_import_inside_of_a_function_has_a_reason():
 
 def test_no_module_is_imported_by_a_name_that_is_put_together():
     """An editor cannot follow it."""
-    found = [
+    problems = [
         f"{name_of(path)}:{node.lineno}"
         for path in modules()
         for node in ast.walk(parsed(path))
@@ -180,7 +184,7 @@ def test_no_module_is_imported_by_a_name_that_is_put_together():
         and "import_module" in ast.unparse(node.func)
         and any(isinstance(argument, ast.JoinedStr | ast.BinOp) for argument in node.args)
     ]
-    assert found == []
+    assert problems == []
 
 
 def test_no_two_classes_have_one_name():
@@ -200,17 +204,14 @@ def test_only_the_room_of_onshape_knows_its_rest_api(words):
     assert [name for name in speakers if not (PROJECT / Path(*name.split("."))).is_relative_to(room)] == []
 
 
-@pytest.mark.parametrize(
-    ("question", "answer"),
-    [
-        ("where mates become joints", "stages/graph/onshape/mates/joints.py"),
-        ("where HTTP is spoken", "stages/fetch/onshape/api/transport.py"),
-        ("where a URDF is parsed", "stages/formats/urdf/parse.py"),
-        ("where loops are closed in MJCF", "stages/export/mjcf/loops.py"),
-        ("where a collider is chosen", "stages/mesh/collide/choices.py"),
-        ("where a check is defined", "stages/validate/checks/__init__.py"),
-    ],
-)
+@pytest.mark.parametrize(("question", "answer"), [
+    ("where mates become joints", "stages/graph/onshape/mates/joints.py"),
+    ("where HTTP is spoken", "stages/fetch/onshape/api/transport.py"),
+    ("where a URDF is parsed", "stages/formats/urdf/parse.py"),
+    ("where loops are closed in MJCF", "stages/export/mjcf/loops.py"),
+    ("where a collider is chosen", "stages/mesh/collide/choices.py"),
+    ("where a check is defined", "stages/validate/checks/__init__.py"),
+])  # fmt: skip
 def test_a_name_answers_what_a_stranger_asks(question, answer):
     assert (PROJECT / answer).is_file(), question
 

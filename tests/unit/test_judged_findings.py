@@ -19,26 +19,23 @@ PALM = Finding('link "palm"', "ixx", "too much")
 def verdicts(tmp_path, model, code, level, *findings, text=TEXT):
     (tmp_path / "judged.yaml").write_text(text)
     check = Check(f"{model}: it", False, "some words", code=code, level=level, findings=findings)
-    found = judged(judgements(tmp_path / "judged.yaml"), model, check)
-    return [(line, None if one is None else one.true) for line, one in found]
+    measures = judged(judgements(tmp_path / "judged.yaml"), model, check)
+    return [(line, None if verdict is None else verdict.true) for line, verdict in measures]
 
 
-@pytest.mark.parametrize(
-    ("model", "code", "level", "expected"),
-    [
-        ("robots/arm.urdf", "C-INERTIAL", "error", [True, None]),
-        ("robots/leg.urdf", "C-INERTIAL", "error", [None, None]),
-        ("robots/arm.urdf", "C-INERTIAL", "warning", [None, None]),
-        ("robots/arm.urdf", "C-SOLID", "error", [None, None]),
-        ("a.xml", "C-START", "warning", [False, False]),
-        ("more/a.xml", "C-START", "warning", [None, None]),
-        ("more/b.xml", "C-START", "warning", [False, False]),
-    ],
-)
+@pytest.mark.parametrize(("model", "code", "level", "expected"), [
+    ("robots/arm.urdf", "C-INERTIAL", "error", [True, None]),
+    ("robots/leg.urdf", "C-INERTIAL", "error", [None, None]),
+    ("robots/arm.urdf", "C-INERTIAL", "warning", [None, None]),
+    ("robots/arm.urdf", "C-SOLID", "error", [None, None]),
+    ("a.xml", "C-START", "warning", [False, False]),
+    ("more/a.xml", "C-START", "warning", [None, None]),
+    ("more/b.xml", "C-START", "warning", [False, False]),
+])  # fmt: skip
 def test_a_finding_is_judged_by_model_code_level_and_line(model, code, level, expected, tmp_path):
-    found = verdicts(tmp_path, model, code, level, FINGER, PALM)
-    assert [true for _, true in found] == expected
-    assert found[0][0] == 'link "finger" ixx: too much'
+    by_number = verdicts(tmp_path, model, code, level, FINGER, PALM)
+    assert [true for _, true in by_number] == expected
+    assert by_number[0][0] == 'link "finger" ixx: too much'
 
 
 def test_a_check_without_findings_is_judged_by_its_detail(tmp_path):
@@ -54,7 +51,7 @@ def test_a_judgement_says_one_thing(ending, tmp_path):
 
 def test_what_was_looked_at_is_all_true():
     """A false alarm is mended, or has a place in the file until it is."""
-    found = judgements(FILE)
-    assert found
-    assert all(one.true and one.why for one in found)
-    assert all(one.code.startswith("C-") and one.level in ("error", "warning") for one in found)
+    rulings = judgements(FILE)
+    assert rulings
+    assert all(verdict.true and verdict.why for verdict in rulings)
+    assert all(problem.code.startswith("C-") and problem.level in ("error", "warning") for problem in rulings)

@@ -9,13 +9,14 @@ import json
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import mujoco
 import pytest
 
 from tests.support.command import environment
 from tests.support.places import PROJECT, ROOMS, link_package
+
+pytestmark = pytest.mark.e2e
 
 GOLDENS = """
 import sys
@@ -31,7 +32,7 @@ for name in sys.argv[1:]:
 class Tree:
     """A copy of the product and of its goldens, to which a test adds something."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder):
         self.folder = folder
         for name in (*ROOMS, "tests/config"):
             # With the compiled modules, which are valid in the copy: to compile them again takes a second.
@@ -41,27 +42,27 @@ class Tree:
         shutil.copy(PROJECT / "tests/__init__.py", folder / "tests")
         shutil.copy(PROJECT / "pyproject.toml", folder)
 
-    def add(self, path: str, text: str) -> None:
+    def add(self, path, text):
         file = self.folder / path
         file.parent.mkdir(parents=True, exist_ok=True)
         assert not file.exists()
         file.write_text(text, encoding="utf-8")
 
-    def add_line(self, path: str, before: str, line: str) -> None:
+    def add_line(self, path, before, line):
         """Adds a line to a table, in front of the one that is the text `before`."""
         file = self.folder / path
         text = file.read_text(encoding="utf-8")
         assert text.count(f"\n{before}\n") == 1
         file.write_text(text.replace(f"\n{before}\n", f"\n{line}\n{before}\n"), encoding="utf-8")
 
-    def add_after(self, path: str, before: str, line: str) -> None:
+    def add_after(self, path, before, line):
         """Adds a line behind the one that is the text `before`."""
         file = self.folder / path
         text = file.read_text(encoding="utf-8")
         assert text.count(f"\n{before}\n") == 1
         file.write_text(text.replace(f"\n{before}\n", f"\n{before}\n{line}\n"), encoding="utf-8")
 
-    def run(self, *arguments: str) -> str:
+    def run(self, *arguments):
         """The output of Python in the copy."""
         line = [sys.executable, *arguments]
         environ = environment(self.folder.parent, PYTHONPATH=str(self.folder))
@@ -69,7 +70,7 @@ class Tree:
         assert done.returncode == 0, done.stdout + done.stderr
         return done.stdout
 
-    def build(self, *overrides: str) -> Path:
+    def build(self, *overrides):
         """The folder of a build in which every check passed."""
         output = self.folder.parent / "built"
         # The installed command would run the product as it is, not its copy.
@@ -81,18 +82,18 @@ class Tree:
         )
         return output
 
-    def check_goldens(self, toy: str) -> None:
+    def check_goldens(self, toy):
         """Every file of `conf` has its golden: the toy's is right, and others did not change."""
         self.run("-c", GOLDENS, toy, "robot.sample", "export.urdf")
 
 
 @pytest.fixture
-def tree(tmp_path: Path) -> Tree:
+def tree(tmp_path):
     return Tree(tmp_path / "tree")
 
 
 @pytest.mark.slow
-def test_a_source_is_a_folder_a_line_an_option_and_its_golden(tree: Tree) -> None:
+def test_a_source_is_a_folder_a_line_an_option_and_its_golden(tree):
     tree.add("stages/fetch/toy/__init__.py", '"""A chain of links that no file describes."""\n')
     tree.add(
         "stages/fetch/toy/section.py",
@@ -165,7 +166,7 @@ class ToySource(Source):
 
 
 @pytest.mark.slow
-def test_a_format_is_a_folder_a_line_an_option_and_its_golden(tree: Tree) -> None:
+def test_a_format_is_a_folder_a_line_an_option_and_its_golden(tree):
     tree.add("stages/export/toy/__init__.py", '"""A list of the links, and of the files of the URDF."""\n')
     tree.add(
         "stages/export/toy/section.py",
@@ -222,7 +223,7 @@ class ToyWriter:
     assert not list(output.glob("*.urdf"))
 
 
-def test_a_check_is_a_file_and_a_line(tree: Tree) -> None:
+def test_a_check_is_a_file_and_a_line(tree):
     tree.add(
         "stages/validate/checks/toy.py",
         '''"""The robot is light."""
@@ -258,20 +259,20 @@ import json
 import numpy as np
 
 from linkwright.stages.robot.model.poses import inverse, motion
-from linkwright.stages.validate.same.found import (
-    FormatWords,
+from linkwright.stages.validate.same.read_robot import (
+    AttributeNames,
     FoundMimic,
-    FoundPlace,
+    FoundPose,
     Poses,
     ReadRobot,
     UnreadableFile,
     FoundJoint,
 )
-from linkwright.stages.validate.read.run import checks_by
+from linkwright.stages.validate.read.run import run_checks
 
 
 class ReadToy(ReadRobot):
-    words = FormatWords(
+    words = AttributeNames(
         mass="mass",
         com="com",
         inertia="inertia ",
@@ -285,14 +286,14 @@ class ReadToy(ReadRobot):
         try:
             self.toy = json.loads(path.read_bytes())
         except ValueError as error:
-            raise UnreadableFile(f"it is no JSON: {error}") from None
-        self.file, self.robot, self.still = path.name, written.robot, {}
-        self.standing = {dof.name: dof.saved for dof in written.robot.dofs}
+            raise UnreadableFile(f"it is not JSON: {error}") from None
+        self.file, self.robot, self.fixed_dofs = path.name, written.robot, {}
+        self.file_configuration = {dof.name: dof.saved for dof in written.robot.dofs}
 
-    def found(self):
+    def names_found(self):
         return {"link": self.toy["links"].keys(), "joint": self.toy["joints"].keys()}
 
-    def expected(self):
+    def names_expected(self):
         robot = self.robot
         return {
             "link": {link.name for link in robot.links},
@@ -337,17 +338,18 @@ class ReadToy(ReadRobot):
     def places(self, loop, q):
         own = self.toy["loops"][loop.name]
         for link, end, frame in (("a", own["a"], loop.a_from_frame), ("b", own["b"], loop.b_from_frame)):
-            yield FoundPlace(f'loop "{loop.name}"', (link, link), np.array(end), frame)
+            yield FoundPose(f'loop "{loop.name}"', (link, link), np.array(end), frame)
 
 
 def check_file(path, written, quick):
-    return checks_by(ReadToy, path, written, quick=quick)
+    return run_checks(ReadToy, path, written, quick=quick)
 """
 
 PROOF = """\
 import json, sys
 from pathlib import Path
 from linkwright.stages.formats.described import described
+from linkwright.stages.targets.section import TargetSection
 from linkwright.stages.validate import run
 
 folder = Path(sys.argv[1])
@@ -390,8 +392,10 @@ toy = {
 
 def failed(text):
     (folder / f"{robot.name}.toy").write_text(text)
-    found = [check for check in run.check_formats(folder, written, quick=False) if ".toy:" in check.name]
-    return [check.name.partition(": ")[2] for check in found if not check.passed]
+    results = run.check_formats(folder, written, TargetSection(), quick=False)
+    return [
+        check.name.partition(": ")[2] for check in results if ".toy:" in check.name and not check.passed
+    ]
 
 
 def changed(*path):
@@ -417,7 +421,7 @@ print(json.dumps({
 """
 
 
-def test_the_proof_of_a_format_is_a_reader_and_a_line(tree: Tree) -> None:
+def test_the_proof_of_a_format_is_a_reader_and_a_line(tree):
     """The reader says what a file has, and is below 200 lines; what it must have is compared already."""
     assert len(READER.splitlines()) < 200
     tree.add("stages/validate/read/toy.py", READER)
@@ -434,13 +438,9 @@ def test_the_proof_of_a_format_is_a_reader_and_a_line(tree: Tree) -> None:
     tree.add("proof.py", PROOF)
     said = json.loads(tree.run("proof.py", str(folder)))
     assert said == {
-        "none": [],
-        "text": ["reads"],
-        "mass": ["mass"],
-        "place": ["poses", "motion"],
-        "damping": ["joints"],
+        "none": [], "text": ["reads"], "mass": ["mass"], "place": ["poses", "motion"], "damping": ["joints"],
         "loop": ["loops"],
-    }
+    }  # fmt: skip
 
 
 READ_BACK = """
@@ -457,7 +457,7 @@ print(json.dumps([[link.density for link in links], row, "kg/m³" in markdown()]
 
 
 @pytest.mark.slow
-def test_a_fact_of_the_robot_is_a_field_and_a_line_of_each_writer(tree: Tree) -> None:
+def test_a_fact_of_the_robot_is_a_field_and_a_line_of_each_writer(tree):
     """The density of a link's material, which reaches robot.json and is read back, the MJCF and the page."""
     tree.add_after(
         "stages/robot/model/robot.py", "    shapes: tuple[Primitive, ...] = ()", "    density: float = 2712.5"
@@ -468,7 +468,7 @@ def test_a_fact_of_the_robot_is_a_field_and_a_line_of_each_writer(tree: Tree) ->
     tree.add_after(records, "    shapes: shapes of the user's own.", meaning)
     tree.add_after(
         "stages/export/mjcf/bodies.py",
-        "        axes = None if own is None else own.body_from_inertial",
+        "        axes = None if frame is None else frame.body_from_inertial",
         '        body.set("user", number(link.density))',
     )
     tree.add_line(

@@ -62,14 +62,16 @@ class Built:
         return mujoco.MjModel.from_xml_path(str(self.folder / "scene.xml"))
 
     @cached_property
-    def told(self) -> str:
-        """What the build says in words."""
-        return "\n".join(one["message"] for one in self.report["diagnostics"])
+    def messages(self) -> str:
+        """The messages of the build's diagnostics, a line each."""
+        return "\n".join(diagnostic["message"] for diagnostic in self.report["diagnostics"])
 
     @property
     def dofs(self) -> dict[str, dict]:
         """The dofs of the tree and of the loops, by name."""
-        return {dof["name"]: dof for one in self.robot["joints"] + self.robot["loops"] for dof in one["dofs"]}
+        return {
+            dof["name"]: dof for joint in self.robot["joints"] + self.robot["loops"] for dof in joint["dofs"]
+        }
 
     def at_home(self) -> mujoco.MjData:
         """The scene at `home`, with its controls."""

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 from lxml import etree
 
-from linkwright.stages.mujoco.warnings import listening
+from linkwright.stages.mujoco.warnings import collected_warnings
 from tests.support.checklist import Built, names, roles
 
 HULL = 64
@@ -21,9 +21,9 @@ HINGE, SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE
 def compiles(built: Built) -> Iterator[str]:
     """1: from any folder, without a warning."""
     for path in (built.path, built.folder / "scene.xml"):
-        with listening() as heard:
+        with collected_warnings() as heard:
             mujoco.MjModel.from_xml_path(str(path.resolve()))
-        yield from (f"{path.name}: {one}" for one in heard)
+        yield from (f"{path.name}: {warning}" for warning in heard)
 
 
 def roles_of_geoms(built: Built) -> Iterator[str]:
@@ -46,7 +46,7 @@ def colliders(built: Built) -> Iterator[str]:
     seen, solid = roles(model)
     bare = set(model.geom_bodyid[seen].tolist()) - set(model.geom_bodyid[solid].tolist())
     for name in (model.body(index).name for index in sorted(bare)):
-        if name not in built.told:
+        if name not in built.messages:
             yield f"{name} has no collider, and nobody says so"
 
 
@@ -59,15 +59,15 @@ def inertias(built: Built) -> Iterator[str]:
         if a <= 0 or a + b < c * (1 - 1e-9):
             yield f"{name}: inertia {a}, {b}, {c}"
         above = model.body_parentid[index]
-        if built.cad and above and model.body_mass[above] > RATIO * mass and name not in built.told:
+        if built.cad and above and model.body_mass[above] > RATIO * mass and name not in built.messages:
             yield f"{name} weighs {mass}, what it hangs on {model.body_mass[above]}"
 
 
 def total_mass(built: Built) -> Iterator[str]:
     """10: the mass is that of the source."""
-    found = float(built.model.body_mass.sum())
-    if built.mass is not None and abs(found - built.mass) > 1e-9 * built.mass:
-        yield f"{found} kg, not {built.mass}"
+    mass = float(built.model.body_mass.sum())
+    if built.mass is not None and abs(mass - built.mass) > 1e-9 * built.mass:
+        yield f"{mass} kg, not {built.mass}"
 
 
 def every_body_moves(built: Built) -> Iterator[str]:
@@ -77,7 +77,7 @@ def every_body_moves(built: Built) -> Iterator[str]:
         if not model.body_jntnum[index] and model.body_parentid[index]:
             yield f"{model.body(index).name} does not move"
     there = {*names(model, "body", model.nbody), *names(model, "site", model.nsite)}
-    wanted = [one["name"] for one in built.robot["links"] + built.robot["frames"]]
+    wanted = [link["name"] for link in built.robot["links"] + built.robot["frames"]]
     yield from (f"{name} is lost" for name in wanted if name not in there)
 
 
@@ -147,7 +147,7 @@ def option(built: Built) -> Iterator[str]:
         yield str(dict(said))
 
 
-def stance(built: Built) -> Iterator[str]:
+def placement(built: Built) -> Iterator[str]:
     """28: a free base has a joint with a name, and stands on the ground; a fixed one has none."""
     model = built.scene
     free = [index for index in range(model.njnt) if model.jnt_type[index] == mujoco.mjtJoint.mjJNT_FREE]
@@ -157,7 +157,7 @@ def stance(built: Built) -> Iterator[str]:
         return
     data, floor = built.at_home(), model.geom("floor").id
     solid = [int(index) for index in roles(model)[1]]
-    lowest = min(mujoco.mj_geomDistance(model, data, floor, one, 1.0, None) for one in solid)
+    lowest = min(mujoco.mj_geomDistance(model, data, floor, geom, 1.0, None) for geom in solid)
     if not -1e-6 <= lowest <= 2e-3:
         yield f"the lowest collider is {lowest} m above the ground"
 
@@ -180,13 +180,13 @@ def both_formats(built: Built) -> Iterator[str]:
     path = built.folder / f"{built.robot['name']}.urdf"
     root = etree.parse(str(path)).getroot()
     for link in root.iterfind("link"):
-        for one in (*link.findall("visual"), *link.findall("collision")):
-            link.remove(one)
+        for visual in (*link.findall("visual"), *link.findall("collision")):
+            link.remove(visual)
     spec = mujoco.MjSpec.from_string(etree.tostring(root).decode())
     other, model = spec.compile(), built.model
     urdf = names(other, "joint", other.njnt)
     mjcf = {model.joint(index).name: int(model.jnt_type[index]) for index in range(model.njnt)}
-    scalars = {one["name"] for joint in built.robot["joints"] for one in joint["dofs"]} & mjcf.keys()
+    scalars = {dof["name"] for joint in built.robot["joints"] for dof in joint["dofs"]} & mjcf.keys()
     balls = {name for name in scalars if mjcf[name] == mujoco.mjtJoint.mjJNT_BALL}
     expected = scalars - balls | {f"{name}_{axis}" for name in balls for axis in "xyz"}
     if set(urdf) != expected:
@@ -211,7 +211,7 @@ POINTS = (
     keyframe,
     pieces,
     option,
-    stance,
+    placement,
     equalities,
     both_formats,
 )

@@ -64,9 +64,9 @@ def no_contacts(built: Built) -> Iterator[str]:
     """19 and 22: at `home` nothing is in the way, but for what the build names."""
     data, model = built.at_home(), built.scene
     for contact in data.contact:
-        one, other = (model.body(model.geom_bodyid[geom]).name for geom in contact.geom)
-        if contact.dist < -DEEPEST and not (one in built.told and other in built.told):
-            yield f"{one} and {other}: {contact.dist} m"
+        first, other = (model.body(model.geom_bodyid[geom]).name for geom in contact.geom)
+        if contact.dist < -DEEPEST and not (first in built.messages and other in built.messages):
+            yield f"{first} and {other}: {contact.dist} m"
 
 
 def excludes(built: Built) -> Iterator[str]:

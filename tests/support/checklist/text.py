@@ -23,10 +23,10 @@ NOISE = 1e-12
 
 def the_robot_alone(built: Built) -> Iterator[str]:
     """2: the robot's file has no world; the scene has it all."""
-    for one in built.xml.find("worldbody"):
-        if one.tag in ("light", "camera"):
-            yield f"<{one.tag}> in the robot's world"
-        if one.tag == "geom" and one.get("type") == "plane":
+    for element in built.xml.find("worldbody"):
+        if element.tag in ("light", "camera"):
+            yield f"<{element.tag}> in the robot's world"
+        if element.tag == "geom" and element.get("type") == "plane":
             yield "a floor in the robot's file"
     scene = built.scene_xml
     if scene.find("include").get("file") != built.path.name:
@@ -45,8 +45,8 @@ def paths(built: Built) -> Iterator[str]:
         yield "autolimits is off"
     folder = compiler.get("meshdir", "")
     used = set()
-    for one in built.xml.iterfind("asset/*[@file]"):
-        file = f"{folder}/{one.get('file')}"
+    for element in built.xml.iterfind("asset/*[@file]"):
+        file = f"{folder}/{element.get('file')}"
         used.add(file)
         if file.startswith("/") or ".." in file or "://" in file:
             yield f"{file}: not a path below the model's folder"
@@ -54,7 +54,7 @@ def paths(built: Built) -> Iterator[str]:
             yield f"{file}: not there"
     urdf = built.folder / f"{built.robot['name']}.urdf"
     if urdf.exists():
-        used |= {one.get("filename") for one in etree.parse(str(urdf)).iterfind(".//mesh")}
+        used |= {mesh.get("filename") for mesh in etree.parse(str(urdf)).iterfind(".//mesh")}
     there = {str(path.relative_to(built.folder)) for path in (built.folder / "assets").glob("*")}
     materials = {file for file in there if file.endswith((".mtl", ".png"))}
     for file in sorted(there - used - materials):
@@ -64,9 +64,9 @@ def paths(built: Built) -> Iterator[str]:
 def classes(built: Built) -> Iterator[str]:
     """4: classes for what is seen and what collides; geoms repeat nothing that these say."""
     (root,) = built.xml.findall("default/default")
-    known = {one.get("class") for one in root.iterfind("default")}
-    if not root.get("class") or not {"visual", "collision"} <= known:
-        yield f"classes are {root.get('class')}: {known}"
+    names = {default.get("class") for default in root.iterfind("default")}
+    if not root.get("class") or not {"visual", "collision"} <= names:
+        yield f"classes are {root.get('class')}: {names}"
     for geom in built.xml.iterfind(".//worldbody//geom"):
         if geom.get("class") is None:
             yield f"a geom without a class: {dict(geom.attrib)}"
@@ -82,9 +82,9 @@ def nothing_twice(built: Built) -> Iterator[str]:
     """4: no attribute repeats what the element's class says."""
     said: dict[tuple[str, str], dict[str, str]] = {}
 
-    def read(one: etree._Element, above: str | None) -> None:
-        name = one.get("class")
-        for child in one:
+    def read(element: etree._Element, above: str | None) -> None:
+        name = element.get("class")
+        for child in element:
             if child.tag != "default":
                 inherited = said.get((above, child.tag), {}) if above else {}
                 said[name, child.tag] = {**inherited, **child.attrib}
@@ -92,30 +92,30 @@ def nothing_twice(built: Built) -> Iterator[str]:
             for (of, tag), attributes in list(said.items()):
                 if of == above:
                     said.setdefault((name, tag), attributes)
-        for child in one.iterfind("default"):
+        for child in element.iterfind("default"):
             read(child, name)
 
     for root in built.xml.iterfind("default/default"):
         read(root, None)
-    for one in built.xml.iterfind("*//*[@class]"):
-        for key, value in said.get((one.get("class"), one.tag), {}).items():
-            if one.tag != "default" and one.get(key) == value:
-                yield f"{one.tag} {one.get('name')}: {key} is that of its class"
+    for element in built.xml.iterfind("*//*[@class]"):
+        for key, value in said.get((element.get("class"), element.tag), {}).items():
+            if element.tag != "default" and element.get(key) == value:
+                yield f"{element.tag} {element.get('name')}: {key} is that of its class"
 
 
 def inertials(built: Built) -> Iterator[str]:
     """7 and 11: each body says its inertia, and all by the same convention."""
-    found = set()
+    spellings = set()
     for body in built.xml.iterfind(".//worldbody//body"):
         inertial = body.find("inertial")
         if inertial is None:
             yield f"{body.get('name')}: no <inertial>"
             continue
-        found |= {"diaginertia", "fullinertia"} & set(inertial.attrib)
+        spellings |= {"diaginertia", "fullinertia"} & set(inertial.attrib)
         quat = np.array([float(part) for part in inertial.get("quat", "1 0 0 0").split()])
         if quat[0] < 0 or abs(np.linalg.norm(quat) - 1) > 1e-9:
             yield f"{body.get('name')}: the inertia's quat is {quat}"
-    if len(found) > 1:
+    if len(spellings) > 1:
         yield "some inertias are diagonal, some are full"
 
 
@@ -123,7 +123,7 @@ def orders(built: Built) -> Iterator[str]:
     """18: actuators are named by their joints, in the tree's order, which the URDF's joints have too; an
     MJCF's are in its own order."""
     tree = [joint.get("name") for joint in built.xml.iterfind(".//worldbody//joint")]
-    driven = [(one.get("name"), one.get("joint")) for one in built.xml.iterfind("actuator/*")]
+    driven = [(element.get("name"), element.get("joint")) for element in built.xml.iterfind("actuator/*")]
     for name, joint in driven:
         if not name.startswith(joint):
             yield f"actuator {name} drives {joint}"
@@ -131,7 +131,7 @@ def orders(built: Built) -> Iterator[str]:
     if places != sorted(places) and not built.as_its_file:
         yield f"actuators are not in the tree's order: {driven}"
     urdf = etree.parse(str(built.folder / f"{built.robot['name']}.urdf")).getroot()
-    both = [one.get("name") for one in urdf.iterfind("joint") if one.get("name") in tree]
+    both = [joint.get("name") for joint in urdf.iterfind("joint") if joint.get("name") in tree]
     if both != [name for name in tree if name in both]:
         yield "the URDF's joints come in another order"
 
@@ -152,7 +152,7 @@ def assets(built: Built) -> Iterator[str]:
 
 def materials(built: Built) -> Iterator[str]:
     """26: colours are named materials, shared."""
-    colours = [one.get("rgba") for one in built.xml.iterfind("asset/material[@rgba]")]
+    colours = [material.get("rgba") for material in built.xml.iterfind("asset/material[@rgba]")]
     if len(colours) != len(set(colours)):
         yield "two materials of one colour"
     for geom in built.xml.iterfind(".//worldbody//geom"):
@@ -162,16 +162,16 @@ def materials(built: Built) -> Iterator[str]:
 
 def numbers(built: Built) -> Iterator[str]:
     """33: no noise beside large numbers, no negative zero."""
-    for one in (*built.xml.iter(), *built.scene_xml.iter()):
-        for key, text in one.attrib.items():
+    for element in (*built.xml.iter(), *built.scene_xml.iter()):
+        for key, text in element.attrib.items():
             words = text.split()
             if not words or not all(NUMBER.fullmatch(word) for word in words):
                 continue
             values = np.abs([float(word) for word in words])
             if any(word.startswith("-") and float(word) == 0 for word in words):
-                yield f"{one.tag} {key}: {text}"
+                yield f"{element.tag} {key}: {text}"
             if key != "qpos" and ((values > 0) & (values < NOISE * values.max())).any():
-                yield f"{one.tag} {key}: {text}"
+                yield f"{element.tag} {key}: {text}"
 
 
 def round_trip(built: Built) -> Iterator[str]:
@@ -192,9 +192,9 @@ def round_trip(built: Built) -> Iterator[str]:
         "geom_size",
         "key_qpos",
     ):
-        one, other = getattr(first, key), getattr(second, key)
-        apart = np.abs(one - other).max(initial=0.0)
-        if apart > WRITTEN * max(1.0, np.abs(one).max(initial=0.0)):
+        first_value, other = getattr(first, key), getattr(second, key)
+        apart = np.abs(first_value - other).max(initial=0.0)
+        if apart > WRITTEN * max(1.0, np.abs(first_value).max(initial=0.0)):
             yield f"{key}: {apart}"
 
 

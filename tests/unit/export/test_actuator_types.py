@@ -4,32 +4,28 @@ import importlib.metadata
 import json
 import math
 import re
-from pathlib import Path
-from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
 
 from linkwright.pipeline.run.preflight import plan_problems
-from linkwright.stages.export import export
 from linkwright.stages.robot.model.actuation import Actuation
-from linkwright.stages.robot.model.robot import Dynamics, Limits, Robot
+from linkwright.stages.robot.model.robot import Dynamics, Limits
 from linkwright.stages.validate import validate
-from tests.support.building import NO_MESHES, plan_of, write
-from tests.support.robots import joint, robot_with
-from tests.unit.export.test_actuators import (
+from tests.support.building import plan_of, write
+from tests.support.exports import compiled, exported
+from tests.support.pendulums import (
     ACROSS,
     ARM,
     GRAVITY,
     MASS,
     at_home,
-    compiled,
     lump,
     pendulum,
-    problem,
     targeted,
 )
+from tests.support.robots import joint, robot_with
 
 pytestmark = pytest.mark.usefixtures("no_score")
 
@@ -38,7 +34,7 @@ INSTALLED = tuple(map(int, re.findall(r"\d+", mujoco.__version__)[:2]))
 HEAVY = MASS * GRAVITY * ARM
 
 
-def since(*version: int) -> pytest.MarkDecorator:
+def since(*version):
     wanted = ".".join(map(str, version))
     return pytest.mark.skipif(version > INSTALLED, reason=f"needs MuJoCo {wanted}")
 
@@ -46,13 +42,13 @@ def since(*version: int) -> pytest.MarkDecorator:
 DC = {"type": "dcmotor", "motorconst": [0.5], "resistance": 2}
 
 
-def sledge(**dynamics: float) -> Robot:
+def sledge(**dynamics):
     """A mass of 2 kg that slides level."""
     slide = joint("prismatic", "base", "sledge", [0.0], place=ACROSS, dynamics=Dynamics(**dynamics))
     return robot_with([slide], inertials={"sledge": lump(MASS, 0, 0, 0)})
 
 
-def run(model: mujoco.MjModel, data: mujoco.MjData, seconds: float) -> None:
+def run(model, data, seconds):
     for _ in range(round(seconds / model.opt.timestep)):
         mujoco.mj_step(model, data)
 
@@ -83,19 +79,17 @@ GIVEN = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("entry", "field", "index", "value"), GIVEN)
-def test_what_is_given_is_in_the_compiled_model_and_passes_the_checks(
-    entry: dict, field: str, index: int, value: float, tmp_path: Path
-) -> None:
+def test_given_values_are_in_the_model_and_pass_the_checks(entry, field, index, value, tmp_path):
     plan, robot = plan_of(actuators={"*": entry}), pendulum(saved=0.2)
-    found = write(robot, tmp_path, plan)
+    outcome = write(robot, tmp_path, plan)
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
     assert np.ravel(getattr(model, f"actuator_{field}")[0])[index] == pytest.approx(value, rel=1e-12)
-    checks = validate(tmp_path, found.written, plan)
-    assert [one.name for one in checks if one.fails and "trial" not in one.name] == []
+    checks = validate(tmp_path, outcome.written, plan)
+    assert [check.name for check in checks if check.fails and "trial" not in check.name] == []
 
 
-def test_the_target_of_an_intvelocity_moves_at_the_speed_of_its_control_within_the_limits() -> None:
-    model = compiled(pendulum(saved=0.4, velocity=2.0), actuators={"*": "intvelocity"})
+def test_target_of_an_intvelocity_moves_at_its_control():
+    model = compiled(exported(pendulum(saved=0.4, velocity=2.0), actuators={"*": "intvelocity"}))
     assert list(model.actuator_ctrlrange[0]) == [-2, 2]
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
@@ -111,10 +105,10 @@ def test_the_target_of_an_intvelocity_moves_at_the_speed_of_its_control_within_t
     assert data.act[0] == -1.0
 
 
-def test_an_intvelocity_without_limits_has_a_wide_range_and_every_keyframe_its_target() -> None:
+def test_intvelocity_without_limits_has_a_wide_range():
     turn = joint("revolute", "base", "arm", [0.7], place=ACROSS)
     robot = robot_with([turn], inertials={"arm": lump(MASS, ARM, 0, 0)})
-    model = compiled(robot, actuators={"*": {"type": "intvelocity", "gear": 3}})
+    model = compiled(exported(robot, actuators={"*": {"type": "intvelocity", "gear": 3}}))
     assert list(model.actuator_actrange[0]) == [-3e6, 3e6]
     for key in range(model.nkey):
         data = mujoco.MjData(model)
@@ -124,10 +118,12 @@ def test_an_intvelocity_without_limits_has_a_wide_range_and_every_keyframe_its_t
 
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
-def test_a_damper_slows_a_sledge_as_the_closed_form_says(share: float) -> None:
+def test_a_damper_slows_a_sledge_as_the_closed_form_says(share):
     """m v' = −share · kv · v."""
     robot = sledge(armature=0.5)
-    model = compiled(robot, actuators={"*": {"type": "damper", "kv": 3}}, scene__option={"timestep": 1e-4})
+    model = compiled(
+        exported(robot, actuators={"*": {"type": "damper", "kv": 3}}, scene__option={"timestep": 1e-4})
+    )
     data = mujoco.MjData(model)
     data.qvel[0], data.ctrl[0] = 1.0, share
     run(model, data, 0.8)
@@ -135,24 +131,24 @@ def test_a_damper_slows_a_sledge_as_the_closed_form_says(share: float) -> None:
 
 
 @since(3, 12)
-def test_the_integral_part_of_a_pid_takes_the_sag_away_up_to_its_limit() -> None:
-    def sunk(**more: float) -> float:
+def test_integral_part_of_a_pid_takes_the_sag_away():
+    def sunk(**more):
         entry = {"type": "pid", "kp": 200, "kv": 20, **more}
-        return -float(targeted(compiled(pendulum(), actuators={"*": entry}), 12.0).qpos[0])
+        return -float(targeted(compiled(exported(pendulum(), actuators={"*": entry})), 12.0).qpos[0])
 
     assert sunk() == pytest.approx(HEAVY / 200, rel=0.01)
     assert abs(sunk(ki=200)) < 1e-3
     assert sunk(ki=200, imax=HEAVY / 2 / 200) == pytest.approx(HEAVY / 2 / 200, rel=0.02)
     for more in ({}, {"ki": 200}, {"ki": 200, "imax": HEAVY / 2 / 200}):
         entry = {"type": "pid", "kp": 200, "kv": 20, **more}
-        held = at_home(compiled(pendulum(), actuators={"*": entry}), 12.0)
+        held = at_home(compiled(exported(pendulum(), actuators={"*": entry})), 12.0)
         assert held.qpos[0] == pytest.approx(0.0, abs=1e-9)
 
 
 @since(3, 12)
-def test_the_target_of_a_pid_follows_at_most_at_its_slew_rate_and_rests_at_home() -> None:
+def test_target_of_a_pid_moves_at_most_at_its_slew_rate():
     entry = {"type": "pid", "slewmax": 0.5}
-    model = compiled(pendulum(saved=0.4), actuators={"*": entry})
+    model = compiled(exported(pendulum(saved=0.4), actuators={"*": entry}))
     data = at_home(model, 0.5)
     assert data.act[0] == pytest.approx(data.ctrl[0], rel=1e-9)
     assert data.qpos[0] == pytest.approx(0.4, abs=1e-9)
@@ -162,9 +158,9 @@ def test_the_target_of_a_pid_follows_at_most_at_its_slew_rate_and_rests_at_home(
 
 
 @since(3, 17)
-def test_a_pid_may_have_both_and_its_states_are_in_order() -> None:
+def test_a_pid_may_have_both_and_its_states_are_in_order():
     entry = {"type": "pid", "ki": 5, "slewmax": 0.5}
-    model = compiled(pendulum(saved=0.4), actuators={"*": entry})
+    model = compiled(exported(pendulum(saved=0.4), actuators={"*": entry}))
     weight = HEAVY * math.cos(0.4)
     assert list(model.key_act[model.key("home").id]) == pytest.approx([0.4, weight / 5])
     assert at_home(model, 1.0).qpos[0] == pytest.approx(0.4, abs=1e-9)
@@ -172,9 +168,9 @@ def test_a_pid_may_have_both_and_its_states_are_in_order() -> None:
 
 @since(3, 7)
 @pytest.mark.parametrize("gear", [1.0, -30.0])
-def test_a_dc_motor_has_its_stall_torque_and_its_no_load_speed(gear: float) -> None:
+def test_a_dc_motor_has_its_stall_torque_and_its_no_load_speed(gear):
     entry = {"type": "dcmotor", "nominal": [12, 3, 5], "gear": gear}
-    model = compiled(pendulum(), actuators={"*": entry})
+    model = compiled(exported(pendulum(), actuators={"*": entry}))
     data = mujoco.MjData(model)
     for speed, torque in ((0.0, 3.0), (2.5, 1.5), (5.0, 0.0)):
         data.ctrl[0], data.qvel[0] = 12, speed / gear
@@ -186,8 +182,8 @@ def test_a_dc_motor_has_its_stall_torque_and_its_no_load_speed(gear: float) -> N
 @pytest.mark.parametrize(
     "entry", [{"type": "dcmotor", "nominal": [12, 30, 5]}, {**DC, "motorconst": [0.4, 0.9], "gear": 20}]
 )
-def test_the_voltage_at_home_holds_the_weight(entry: dict) -> None:
-    model = compiled(pendulum(saved=0.4), actuators={"*": entry})
+def test_the_voltage_at_home_holds_the_weight(entry):
+    model = compiled(exported(pendulum(saved=0.4), actuators={"*": entry}))
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
     mujoco.mj_forward(model, data)
@@ -196,8 +192,8 @@ def test_the_voltage_at_home_holds_the_weight(entry: dict) -> None:
 
 @since(3, 5)
 @pytest.mark.parametrize(("delay", "steps"), [(0.01, 5), (0.002, 1), (0.0065, 4)])
-def test_a_control_acts_after_its_delay(delay: float, steps: int) -> None:
-    model = compiled(sledge(), actuators={"*": {"type": "motor", "delay": delay}})
+def test_a_control_acts_after_its_delay(delay, steps):
+    model = compiled(exported(sledge(), actuators={"*": {"type": "motor", "delay": delay}}))
     data = mujoco.MjData(model)
     data.ctrl[0] = 1.0
     forces = []
@@ -207,17 +203,20 @@ def test_a_control_acts_after_its_delay(delay: float, steps: int) -> None:
     assert forces == [0.0] * steps + [1.0] * 2
 
 
-def too_old(monkeypatch: pytest.MonkeyPatch, version: str, **actuators: Any) -> list[str]:
+def too_old(monkeypatch, version, **actuators):
     monkeypatch.setattr(importlib.metadata, "version", lambda name: version)
     plan = plan_of(actuators=actuators)
-    return [f"{one.code} {one.where}: {one.message} | {one.hint}" for one in plan_problems(plan)]
+    return [
+        f"{problem.code} {problem.where}: {problem.message} | {problem.hint}"
+        for problem in plan_problems(plan)
+    ]
 
 
-def test_what_the_installed_mujoco_lacks_is_told_with_both_versions(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_features_of_newer_mujocos_are_errors_with_both_versions(monkeypatch):
     assert too_old(monkeypatch, "3.4.0", a="pid", b=DC, c={"type": "motor", "delay": 0.1}, d="damper") == [
-        f"E-ACTUATOR actuators.{key}: {what} needs MuJoCo {first}; installed is 3.4.0 "
+        f"E-ACTUATOR actuators.{key}: {feature} needs MuJoCo {first}; installed is 3.4.0 "
         f'| pip install "mujoco>={first}"'
-        for key, what, first in (
+        for key, feature, first in (
             ("a", "type pid", "3.12"),
             ("b", "type dcmotor", "3.7"),
             ("c", "delay", "3.5"),
@@ -225,85 +224,35 @@ def test_what_the_installed_mujoco_lacks_is_told_with_both_versions(monkeypatch:
     ]
     both = {"type": "pid", "ki": 1, "slewmax": 1}
     assert too_old(monkeypatch, "3.12.0", a="pid", b=DC, c={"delay": 0.1}) == []
-    assert ["ki with slewmax needs MuJoCo 3.17" in one for one in too_old(monkeypatch, "3.13.0", a=both)] == [
-        True
-    ]
+    assert [
+        "ki with slewmax needs MuJoCo 3.17" in text for text in too_old(monkeypatch, "3.13.0", a=both)
+    ] == [True]
     assert too_old(monkeypatch, "3.17.0", a=both) == []
 
 
-@pytest.mark.parametrize(
-    ("entry", "text"),
-    [
-        ({"type": "damper", "ctrlrange": [-1, 1]}, "begins at 0 or above"),
-        ({"type": "damper", "kp": 3}, "type damper takes kv, forcerange, gear"),
-        ({"type": "dcmotor", "forcerange": [-1, 1]}, "type dcmotor takes motorconst"),
-        ({"type": "intvelocity", "ki": 3}, "type intvelocity takes kp"),
-        ({"type": "pid", "kv": 1, "dampratio": 1}, "exclude each other"),
-        ({"type": "motor", "delay": -0.1}, "greater than 0"),
-        ({"type": "motor", "interp": "spline"}, "zoh"),
-        ({"type": "dcmotor", "nominal": [12, 3]}, "3 numbers"),
-        ({"type": "dcmotor", "motorconst": [1, 2, 3], "resistance": 1}, "list of 2 numbers"),
-        ({"type": "servo"}, "intvelocity"),
-    ],
-)
-def test_a_bad_value_is_named_before_the_build(entry: dict, text: str) -> None:
-    from linkwright.pipeline.errors import ConfigError
-
-    with pytest.raises(ConfigError) as error:
-        plan_of(actuators={"arm": entry})
-    assert "actuators.arm" in str(error.value)
-    assert text in str(error.value)
-
-
-@pytest.mark.parametrize(
-    ("entry", "text", "hint"),
-    [
-        ({"type": "dcmotor", "resistance": 2}, "type dcmotor lacks its motor", "motorconst and resistance"),
-        (
-            {"type": "dcmotor", "resistance": 2, "nominal": [1, 2, 3]},
-            "nominal stands in place of resistance",
-            "give nominal, or",
-        ),
-        ({"type": "pid", "imax": 2}, "imax limits the integral part, and there is none", "give ki"),
-        ({"type": "motor", "interp": "linear"}, "there is no delay", "give delay"),
-    ],
-)
-def test_parameters_that_need_others_are_told(entry: dict, text: str, hint: str) -> None:
-    code, message, remedy = problem(pendulum(), **{"arm*": entry})
-    assert (code, message.startswith("'arm*': ")) == ("E-ACTUATOR", True)
-    assert message.endswith(", for arm_joint")
-    assert text in message
-    assert hint in remedy
-
-
-def test_entries_may_complete_each_other() -> None:
+def test_entries_may_complete_each_other():
     entries = {"*": {"type": "pid", "ki": 3}, "arm*": {"imax": 2}}
-    found = export(pendulum(), NO_MESHES, plan_of(actuators=entries)).written.actuation
-    assert isinstance(found, Actuation)
-    assert dict(found.actuators[0].terms) == {"input": "pos", "ki": "3", "imax": "2"}
-    assert found.actuators[0].sag == 0
+    driven = exported(pendulum(), actuators=entries).written.actuation
+    assert isinstance(driven, Actuation)
+    assert dict(driven.actuators[0].terms) == {"input": "pos", "ki": "3", "imax": "2"}
+    assert driven.actuators[0].sag == 0
 
 
-def test_limits_bound_a_pid_as_a_position_servo() -> None:
+def test_limits_bound_a_pid_as_a_position_servo():
     limits = {"arm_joint": Limits(-0.25, 0.5)}
     robot = robot_with([joint("revolute", "base", "arm", [0.0], place=ACROSS, limits=limits)])
-    found = export(robot, NO_MESHES, plan_of(actuators={"*": "pid"})).written.actuation
-    assert found is not None
-    assert found.actuators[0].control == (-0.25, 0.5)
+    driven = exported(robot, actuators={"*": "pid"}).written.actuation
+    assert driven.actuators[0].control == (-0.25, 0.5)
 
 
 @pytest.mark.parametrize("gear", [1.0, -4.0])
-def test_the_target_of_an_integrator_in_mujocos_own_words_is_in_the_keyframe_too(gear: float) -> None:
+def test_target_of_a_general_integrator_is_in_the_keyframe(gear):
     """As an MJCF's intvelocity reads when it is compiled."""
     entry = {
-        "type": "general",
-        "dyntype": "integrator",
-        "gainprm": [900],
-        "biastype": "affine",
-        "biasprm": [0, -900, -40],
-        "gear": gear,
-    }
-    model = compiled(pendulum(saved=0.4), actuators={"*": entry})
+        "type": "general", "dyntype": "integrator", "gainprm": [900], "biastype": "affine",
+        "biasprm": [0, -900, -40], "gear": gear,
+    }  # fmt: skip
+    model = compiled(exported(pendulum(saved=0.4), actuators={"*": entry}))
     sag = HEAVY * math.cos(0.4) / (900 * gear)
     assert model.key_act[model.key("home").id][0] == pytest.approx(0.4 * gear + sag, rel=1e-9)
     assert at_home(model, 2.0).qpos[0] == pytest.approx(0.4, abs=1e-9)
@@ -321,10 +270,10 @@ ORDER = [
 
 
 @pytest.mark.parametrize(("entry", "unit", "version"), ORDER)
-def test_the_order_of_the_controls_has_their_units(entry: Any, unit: str, version: tuple[int, int]) -> None:
+def test_the_order_of_the_controls_has_their_units(entry, unit, version):
     if version > INSTALLED:
         pytest.skip("not in this MuJoCo")
-    found = export(pendulum(), NO_MESHES, plan_of(actuators={"*": entry}))
-    table = json.loads(found.files["robot.json"])["order"]
-    (row,) = next(one["actuators"] for one in table.values() if one.get("actuators"))
+    outcome = exported(pendulum(), actuators={"*": entry})
+    table = json.loads(outcome.files["robot.json"])["order"]
+    (row,) = next(element["actuators"] for element in table.values() if element.get("actuators"))
     assert row["unit"] == unit

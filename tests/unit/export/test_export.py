@@ -1,7 +1,6 @@
 """What the files say, read back by the engines that will use them."""
 
 import math
-from pathlib import Path
 from types import SimpleNamespace
 
 import mujoco
@@ -10,7 +9,7 @@ import pytest
 
 from linkwright.stages.export import export
 from linkwright.stages.export.section import FORMATS, expected_paths
-from linkwright.stages.export.writer import FormatFiles, WriterInput
+from linkwright.stages.export.writer import FormatFiles
 from linkwright.stages.export.writers import WRITERS
 from linkwright.stages.formats.xml import parse
 from linkwright.stages.robot.motion.kinematics import saved_configuration
@@ -19,24 +18,23 @@ from linkwright.stages.validate.dynamics.mujoco_abilities import reads_mimic
 from tests.fake_onshape.frames import frame, turn
 from tests.support.building import NO_MESHES, plan_of, robot_of, write
 from tests.support.engines import Mujoco, Pinocchio
-from tests.support.kit import SIDE, TOP, Kit
+from tests.support.kit import SIDE, TOP
 from tests.support.places import PROJECT
 
 
-def two_links(kit: Kit, **more: object) -> None:
+def two_links(kit, **more):
     base, arm = kit.place("Base", fixed=True), kit.place("Arm")
     kit.root.revolute("Elbow", (arm, TOP), (base, SIDE), value=0.3, **more)
 
 
-def test_limits_effort_and_damping_arrive_in_both_files(kit: Kit, tmp_path: Path) -> None:
+def test_limits_effort_and_damping_arrive_in_both_files(kit, tmp_path):
     two_links(kit, limits=(-0.5, 1.5))
     joints = {"elbow": {"effort": 12, "velocity": 6, "damping": 0.1, "friction": 0.02, "armature": 0.01}}
     exported = write(robot_of(kit.document, plan_of(joints=joints)), tmp_path)
     assert [d.code for d in exported.diagnostics] == ["I-URDF-ARMATURE"]
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
     elbow = model.joint("elbow")
-    assert list(elbow.range) == [-0.5, 1.5]
-    assert list(model.jnt_actfrcrange[elbow.id]) == [-12, 12]
+    assert (list(elbow.range), list(model.jnt_actfrcrange[elbow.id])) == ([-0.5, 1.5], [-12, 12])
     assert (elbow.damping[0], elbow.frictionloss[0], elbow.armature[0]) == (0.1, 0.02, 0.01)
     limit = parse(exported.files["robot.urdf"]).find("joint/limit")
     assert dict(limit.attrib) == {"lower": "-0.5", "upper": "1.5", "effort": "12", "velocity": "6"}
@@ -44,9 +42,7 @@ def test_limits_effort_and_damping_arrive_in_both_files(kit: Kit, tmp_path: Path
     assert dict(dynamics.attrib) == {"damping": "0.1", "friction": "0.02"}
 
 
-def test_a_joint_without_limits_is_continuous_and_urdf_defaults_are_reported(
-    kit: Kit, tmp_path: Path
-) -> None:
+def test_joint_without_limits_is_continuous(kit, tmp_path):
     two_links(kit)
     exported = write(robot_of(kit.document), tmp_path)
     joint = parse(exported.files["robot.urdf"]).find("joint")
@@ -56,7 +52,7 @@ def test_a_joint_without_limits_is_continuous_and_urdf_defaults_are_reported(
     assert not mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml")).jnt_limited[0]
 
 
-def test_an_open_side_of_a_limit_stays_open_in_mujoco_and_ordered_in_urdf(kit: Kit, tmp_path: Path) -> None:
+def test_open_side_of_a_limit_stays_open_in_mujoco(kit, tmp_path):
     two_links(kit, limits=(0.2, None))
     exported = write(robot_of(kit.document), tmp_path)
     low, high = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml")).joint("elbow").range
@@ -66,7 +62,7 @@ def test_an_open_side_of_a_limit_stays_open_in_mujoco_and_ordered_in_urdf(kit: K
     assert float(limit.get("upper")) == pytest.approx(0.2 + 2 * math.pi)
 
 
-def test_qpos0_is_the_saved_pose_where_loops_do_not_close_at_zero(kit: Kit, tmp_path: Path) -> None:
+def test_qpos0_is_the_saved_pose_if_loops_are_open_at_zero(kit, tmp_path):
     crooked_bar(kit)
     robot = robot_of(kit.document)
     start = starting_point(robot)
@@ -82,7 +78,7 @@ def test_qpos0_is_the_saved_pose_where_loops_do_not_close_at_zero(kit: Kit, tmp_
     assert all(np.abs(here[name] - there[name]).max() < 1e-9 for name in there)
 
 
-def crooked_bar(kit: Kit) -> None:
+def crooked_bar(kit):
     """A four-bar whose mate zeros (frames turned by odd angles) are no closed configuration."""
     base, crank, rocker, coupler = (kit.place(n) for n in ("Base", "Crank", "Rocker", "Coupler"))
     kit.root.instances[0].fixed = True
@@ -93,7 +89,7 @@ def crooked_bar(kit: Kit) -> None:
     kit.root.revolute("Close", (coupler, far), (rocker, far), closing=True)
 
 
-def residual_at_start(robot: object, folder: Path) -> float:
+def residual_at_start(robot, folder):
     write(robot, folder)
     model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
     data = mujoco.MjData(model)
@@ -101,10 +97,10 @@ def residual_at_start(robot: object, folder: Path) -> float:
     return float(np.abs(data.efc_pos[data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY]).max())
 
 
-def test_a_gear_is_a_mimic_and_an_equality_with_the_same_numbers(kit: Kit, tmp_path: Path) -> None:
-    base, one, two = kit.place("Base", fixed=True), kit.place("One"), kit.place("Two")
-    first = kit.root.revolute("First", (one, TOP), (base, SIDE), value=0.2, limits=(-1, 1))
-    second = kit.root.revolute("Second", (two, TOP), (base, TOP), value=0.5, limits=(-2, 2))
+def test_a_gear_is_a_mimic_and_an_equality_with_the_same_numbers(kit, tmp_path):
+    base, part_a, part_b = kit.place("Base", fixed=True), kit.place("One"), kit.place("Two")
+    first = kit.root.revolute("First", (part_a, TOP), (base, SIDE), value=0.2, limits=(-1, 1))
+    second = kit.root.revolute("Second", (part_b, TOP), (base, TOP), value=0.5, limits=(-2, 2))
     kit.root.gear("Gear", first, second, 1.5)
     robot = robot_of(kit.document)
     assert residual_at_start(robot, tmp_path) < 1e-9
@@ -115,7 +111,7 @@ def test_a_gear_is_a_mimic_and_an_equality_with_the_same_numbers(kit: Kit, tmp_p
         assert np.allclose(model.eq_data[0][:2], [0.8, -1.5])
 
 
-def test_frames_are_sites_and_links_on_fixed_joints(kit: Kit, tmp_path: Path) -> None:
+def test_frames_are_sites_and_links_on_fixed_joints(kit, tmp_path):
     base, arm = kit.place("Base", fixed=True), kit.place("Arm")
     kit.root.revolute("Elbow", (arm, TOP), (base, SIDE), value=0.3, limits=(0, 1))
     kit.root.connector("Tool", arm, SIDE)
@@ -128,7 +124,7 @@ def test_frames_are_sites_and_links_on_fixed_joints(kit: Kit, tmp_path: Path) ->
     assert np.abs(tool - expected).max() < 1e-9
 
 
-def test_one_format_alone_is_written_alone(kit: Kit, tmp_path: Path) -> None:
+def test_one_format_alone_is_written_alone(kit, tmp_path):
     two_links(kit)
     robot = robot_of(kit.document)
     exported = write(robot, tmp_path / "u", plan_of(export={"urdf": {}}))
@@ -137,8 +133,8 @@ def test_one_format_alone_is_written_alone(kit: Kit, tmp_path: Path) -> None:
     assert sorted(exported.files) == ["robot.json", "robot.xml", "scene.xml"]
 
 
-def test_a_writer_has_a_folder_and_an_option_and_reads_only_writers_before_it() -> None:
-    before: list[str] = []
+def test_writer_has_a_folder_an_option_and_reads_earlier_writers():
+    before = []
     for name in WRITERS:
         assert (PROJECT / "stages/export" / name / "section.py").is_file()
         assert (PROJECT / "conf/export" / f"{name}.yaml").is_file()
@@ -147,11 +143,9 @@ def test_a_writer_has_a_folder_and_an_option_and_reads_only_writers_before_it() 
     assert before == list(FORMATS)
 
 
-def test_a_writer_is_given_the_files_that_it_reads_also_of_formats_that_are_not_chosen(
-    kit: Kit, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def write(given: WriterInput) -> FormatFiles:
-        return FormatFiles({"seen.txt": " ".join(given.files).encode()})
+def test_writer_reads_files_of_formats_that_are_not_chosen(kit, monkeypatch):
+    def write(inputs):
+        return FormatFiles({"seen.txt": " ".join(inputs.files).encode()})
 
     reader = SimpleNamespace(reads=("urdf",), write=write)
     monkeypatch.setattr("linkwright.stages.export.build.WRITERS", {**WRITERS, "reader": reader})
@@ -169,7 +163,7 @@ def test_a_writer_is_given_the_files_that_it_reads_also_of_formats_that_are_not_
         assert ("robot.urdf" in exported.files) == ("urdf" in chosen)
 
 
-def test_every_file_that_is_written_is_expected(kit: Kit, tmp_path: Path) -> None:
+def test_every_file_that_is_written_is_expected(kit, tmp_path):
     two_links(kit)
     plan = plan_of()
     exported = write(robot_of(kit.document), tmp_path, plan)

@@ -3,7 +3,6 @@ nothing of how they were found, and by closed forms."""
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -15,12 +14,13 @@ from scipy.optimize import linprog
 from linkwright.stages.export.ground.footing import balanced, supports
 from linkwright.stages.export.ground.standing import stand
 from linkwright.stages.robot.model.poses import from_parts, rotation_from_rpy
-from linkwright.stages.robot.model.robot import Dynamics, Keyframe, Limits, Primitive, Robot, frozen
+from linkwright.stages.robot.model.robot import Dynamics, Keyframe, Limits, Primitive, frozen
 from linkwright.stages.robot.motion.start_pose import keyframes
 from linkwright.stages.validate import validate
 from tests.support.building import plan_of, write
+from tests.support.exports import compiled, exported
+from tests.support.pendulums import ARM, GRAVITY, MASS, at_home, lump, pendulum
 from tests.support.robots import at, joint, robot_with
-from tests.unit.export.test_actuators import ARM, GRAVITY, MASS, at_home, compiled, lump, pendulum
 from tests.unit.export.test_standing import free, geometry_of, shaped
 
 UP = np.array([0.0, 0.0, GRAVITY])
@@ -30,7 +30,7 @@ THIGH, SHANK, BEND = 0.2, 0.2, 0.6
 LEGS = {"fl": (1, 1), "fr": (1, -1), "rl": (-1, 1), "rr": (-1, -1)}
 
 
-def dog(ahead: float = 0.0, effort: float | None = None) -> Robot:
+def dog(ahead=0.0, effort=None):
     """A body of 8 kg, its mass this far `ahead`, on four legs of two turns with balls for feet."""
     dynamics = Dynamics(effort=effort)
     joints, shapes, masses = [], {}, {"base": lump(8.0, ahead, 0.01, 0.02)}
@@ -50,16 +50,14 @@ def dog(ahead: float = 0.0, effort: float | None = None) -> Robot:
     return shaped(robot, base=[Primitive("box", (0.4, 0.2, 0.1), frozen(np.eye(4)))], **shapes)
 
 
-def scene_of(robot: Robot, folder: Path, **keys: object) -> mujoco.MjModel:
+def scene_of(robot, folder, **keys):
     write(robot, folder, plan_of(**keys), geometry_of(robot))
     return mujoco.MjModel.from_xml_path(str(folder / "scene.xml"))
 
 
 @pytest.mark.parametrize("ahead", [0.0, 0.1])
 @pytest.mark.parametrize("effort", [None, 30.0])
-def test_a_robot_on_four_legs_stands_as_it_is_at_home(
-    tmp_path: Path, ahead: float, effort: float | None
-) -> None:
+def test_a_robot_on_four_legs_stands_as_it_is_at_home(tmp_path, ahead, effort):
     model = scene_of(dog(ahead, effort), tmp_path, actuators={"*": "position"})
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
@@ -71,7 +69,7 @@ def test_a_robot_on_four_legs_stands_as_it_is_at_home(
 
 
 @pytest.mark.parametrize("ahead", [0.0, 0.1])
-def test_joints_and_ground_balance_the_whole_robot(tmp_path: Path, ahead: float) -> None:
+def test_joints_and_ground_balance_the_whole_robot(tmp_path, ahead):
     """M·0 + bias = actuators + Jᵀ · the forces of the ground, for the floating base too."""
     robot = dog(ahead)
     plan = plan_of(actuators={"*": "position"})
@@ -82,12 +80,12 @@ def test_joints_and_ground_balance_the_whole_robot(tmp_path: Path, ahead: float)
         data = mujoco.MjData(model)
         mujoco.mj_resetDataKeyframe(model, data, model.key(name).id)
         place = standing.placed(pose)
-        found = supports(robot, geometry, place, plan.ground, pose, UP)
-        assert len(found) == 4
+        feet = supports(robot, geometry, place, plan.ground, pose, UP)
+        assert len(feet) == 4
         model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
         mujoco.mj_forward(model, data)
         left = data.qfrc_bias - data.qfrc_actuator
-        for support in found:
+        for support in feet:
             point = (place @ np.append(support.point, 1.0))[:3]
             force = np.array([0, 0, support.mass * GRAVITY])
             mujoco.mj_applyFT(
@@ -97,7 +95,7 @@ def test_joints_and_ground_balance_the_whole_robot(tmp_path: Path, ahead: float)
         assert np.abs(left[:6]).max() > 1.0
 
 
-def test_a_robot_that_stands_nowhere_has_its_targets_at_the_pose(tmp_path: Path) -> None:
+def test_a_robot_that_stands_nowhere_has_its_targets_at_the_pose(tmp_path):
     for keys in ({"ground": {"kind": "none"}}, {"scene": {"pose": {"xyz": [0, 0, 2.0]}}}):
         model = scene_of(dog(), tmp_path, actuators={"*": "position"}, **keys)
         key = model.key("home")
@@ -107,11 +105,11 @@ def test_a_robot_that_stands_nowhere_has_its_targets_at_the_pose(tmp_path: Path)
     assert model.key("home").ctrl == pytest.approx(model.key("home").qpos[7:], abs=1e-12)
 
 
-def test_each_keyframe_is_held_with_soft_servos(tmp_path: Path) -> None:
+def test_each_keyframe_is_held_with_soft_servos(tmp_path):
     robot = replace(pendulum(saved=0.4), keyframes=(Keyframe("up", (("arm_joint", -0.7),)),))
     for kind in ("position", "intvelocity", "motor"):
         entry = {"type": kind} if kind == "motor" else {"type": kind, "kp": 60, "kv": 8}
-        model = compiled(robot, actuators={"*": entry})
+        model = compiled(exported(robot, actuators={"*": entry}))
         for key in range(model.nkey):
             data = mujoco.MjData(model)
             mujoco.mj_resetDataKeyframe(model, data, key)
@@ -123,31 +121,28 @@ def test_each_keyframe_is_held_with_soft_servos(tmp_path: Path) -> None:
     assert [check.name for check in checks if check.fails] == []
 
 
-def test_a_control_range_includes_the_target_that_holds_home_at_the_end_of_the_limits() -> None:
+def test_control_range_includes_the_target_that_holds_home():
     """The weight pulls the arm down, from the upper end of its range."""
-    model = compiled(pendulum(saved=1.0, effort=12.0), actuators={"*": "position"})
+    model = compiled(exported(pendulum(saved=1.0, effort=12.0), actuators={"*": "position"}))
     sag = MASS * GRAVITY * ARM * math.cos(1.0) / 120.0
     assert model.actuator("arm_joint").ctrlrange == pytest.approx([-1.0, 1.0 + sag], rel=1e-6)
     assert at_home(model, 3.0).qpos[0] == pytest.approx(1.0, abs=1e-6)
     entry = {"type": "position", "ctrlrange": [-1, 1]}
-    given_range = compiled(pendulum(saved=1.0, effort=12.0), actuators={"*": entry})
+    given_range = compiled(exported(pendulum(saved=1.0, effort=12.0), actuators={"*": entry}))
     assert given_range.actuator("arm_joint").ctrlrange == pytest.approx([-1.0, 1.0])
 
 
 SQUARE = np.array([[1.0, 1, 0], [1, -1, 0], [-1, 1, 0], [-1, -1, 0]])
 
 
-@pytest.mark.parametrize(
-    ("center", "shares"),
-    [
-        ((0, 0), [0.25, 0.25, 0.25, 0.25]),
-        ((1, 1), [1, 0, 0, 0]),
-        ((0.5, 0), [0.375, 0.375, 0.125, 0.125]),
-        ((0, 1), [0.5, 0, 0.5, 0]),
-        ((1.01, 0), [0, 0, 0, 0]),
-    ],
-)
-def test_four_points_share_a_weight(center: tuple[float, float], shares: list[float]) -> None:
+@pytest.mark.parametrize(("center", "shares"), [
+    ((0, 0), [0.25, 0.25, 0.25, 0.25]),
+    ((1, 1), [1, 0, 0, 0]),
+    ((0.5, 0), [0.375, 0.375, 0.125, 0.125]),
+    ((0, 1), [0.5, 0, 0.5, 0]),
+    ((1.01, 0), [0, 0, 0, 0]),
+])  # fmt: skip
+def test_four_points_share_a_weight(center, shares):
     assert balanced(SQUARE, np.array([*center, 0.7]), UP) == pytest.approx(shares, abs=1e-6)
 
 
@@ -160,7 +155,7 @@ NUMBERS = st.floats(-1.0, 1.0).map(lambda value: round(value, 2))
     center=st.tuples(NUMBERS, NUMBERS),
     up=st.tuples(NUMBERS, NUMBERS),
 )
-def test_a_weight_is_balanced_where_forces_that_push_can_do_it(points, center, up) -> None:
+def test_a_weight_is_balanced_where_forces_that_push_can_do_it(points, center, up):
     """Against a linear program; and of all shares that balance, none has a smaller sum of squares."""
     direction = np.array([*up, 2.0])
     places = np.array([[*point, 0.1 * index] for index, point in enumerate(points)])
@@ -186,7 +181,7 @@ def test_a_weight_is_balanced_where_forces_that_push_can_do_it(points, center, u
         assert nearest.fun > 1e-9 or _on_the_edge(flat.T)
 
 
-def _on_the_edge(flat: np.ndarray) -> bool:
+def _on_the_edge(flat):
     """Whether a weight is so near the edge of its points that rounding decides."""
     angles = np.linspace(0, 2 * np.pi, 3600)
     basis = np.linalg.svd(flat, full_matrices=True)[2][:2]

@@ -1,16 +1,12 @@
 """Default classes change no number of the compiled model, and nothing that a class holds is said again."""
 
-from pathlib import Path
-
 import mujoco
 import numpy as np
-import pytest
 from lxml import etree
 
 from linkwright.stages.export.mjcf import model as mjcf_model
 from linkwright.stages.mesh import make_geometry
-from linkwright.stages.robot.model.geometry import Geometry
-from linkwright.stages.robot.model.robot import Dynamics, Limits, Relation, Robot
+from linkwright.stages.robot.model.robot import Dynamics, Limits, Relation
 from tests.support.building import plan_of, write
 from tests.support.robots import at, joint, loop, robot_with
 from tests.support.touching import NO_FILES, ball, box, no_memo
@@ -19,7 +15,7 @@ from tests.unit.export.test_standing import shaped
 SOFT = {"friction": [0.8, 0.02, 0.001], "condim": 6, "priority": 1}
 
 
-def crawler() -> Robot:
+def crawler():
     """Joints of two motors, a slider, a ball, a loop and a relation; feet and a body that collide."""
     strong = Dynamics(damping=0.1, friction=0.02, armature=0.01, effort=20)
     weak = Dynamics(damping=0.05, armature=0.001, effort=3)
@@ -67,11 +63,11 @@ KEYS = {
 }
 
 
-def made_geometry(robot: Robot) -> Geometry:
+def made_geometry(robot):
     return make_geometry(robot, NO_FILES, plan_of(contact={"self": "auto"}, **KEYS), no_memo)
 
 
-def arrays(model: mujoco.MjModel) -> dict[str, np.ndarray]:
+def arrays(model):
     return {
         name: np.array(value)
         for name in dir(model)
@@ -81,17 +77,17 @@ def arrays(model: mujoco.MjModel) -> dict[str, np.ndarray]:
     }
 
 
-def both(folder: Path, monkeypatch: pytest.MonkeyPatch, robot: Robot, geometry: Geometry, keys):
+def both(folder, monkeypatch, robot, geometry, keys):
     """The model with classes and the same without them."""
-    found = []
+    models = []
     for name, classes in (("with", mjcf_model.write_classes), ("without", lambda *_: None)):
         monkeypatch.setattr(mjcf_model, "write_classes", classes)
         write(robot, folder / name, plan_of(**keys), geometry)
-        found.append(mujoco.MjModel.from_xml_path(str(folder / name / f"{robot.name}.xml")))
-    return found
+        models.append(mujoco.MjModel.from_xml_path(str(folder / name / f"{robot.name}.xml")))
+    return models
 
 
-def test_classes_change_no_number(tmp_path, monkeypatch) -> None:
+def test_classes_change_no_number(tmp_path, monkeypatch):
     robot = crawler()
     geometry = made_geometry(robot)
     made, plain = both(tmp_path, monkeypatch, robot, geometry, KEYS)
@@ -102,47 +98,42 @@ def test_classes_change_no_number(tmp_path, monkeypatch) -> None:
     assert different == []
 
 
-def test_nothing_is_said_again_that_a_class_holds(tmp_path, monkeypatch) -> None:
+def test_nothing_is_said_again_that_a_class_holds(tmp_path, monkeypatch):
     robot = crawler()
     write(robot, tmp_path, plan_of(**KEYS), made_geometry(robot))
     root = etree.parse(str(tmp_path / f"{robot.name}.xml")).getroot()
-    held: dict[str, dict[str, str]] = {}
+    held = {}
     for default in root.iter("default"):
-        own = {key: value for one in default if one.tag != "default" for key, value in one.items()}
+        attributes = {
+            key: value for element in default if element.tag != "default" for key, value in element.items()
+        }
         above = held.get(default.getparent().get("class"), {})
         if default.get("class"):
-            held[default.get("class")] = {**above, **own}
-    assert {
-        "hip",
-        "ankle",
-        "slide",
-        "ball",
-        "closure",
-        "motor",
-        "foot",
-    } <= set(held)
-    used = [one for one in root.iter() if one.get("class") and one.tag != "default"]
-    assert {one.get("class") for one in used} <= set(held)
-    for one in used:
-        again = {key for key, value in one.items() if held[one.get("class")].get(key) == value}
-        assert not again, etree.tostring(one)
+            held[default.get("class")] = {**above, **attributes}
+    assert {"hip", "ankle", "slide", "ball", "closure", "motor", "foot"} <= set(held)
+    used = [element for element in root.iter() if element.get("class") and element.tag != "default"]
+    assert {element.get("class") for element in used} <= set(held)
+    for element in used:
+        again = {key for key, value in element.items() if held[element.get("class")].get(key) == value}
+        assert not again, etree.tostring(element)
     joints = {
-        one.get("name"): one.get("class") for one in root.iter("joint") if one.get("class") != "closure"
+        element.get("name"): element.get("class")
+        for element in root.iter("joint")
+        if element.get("class") != "closure"
     }
     assert joints["hip_a"] == joints["hip_b"] == joints["hip_c"] == "hip"
     assert joints["ankle_a"] == joints["ankle_b"] == "ankle"
-    assert all(one.get("class") for one in root.find("worldbody").iter("geom", "joint"))
+    assert all(element.get("class") for element in root.find("worldbody").iter("geom", "joint"))
     for geom in root.find("worldbody").iter("geom"):
         assert not {"contype", "conaffinity", "group"} & set(geom.keys())
 
 
-def test_a_class_has_the_name_of_its_motor_or_what_only_its_joints_are_called(tmp_path) -> None:
+def test_class_is_named_after_its_motor_or_its_joints(tmp_path):
     robot = crawler()
     motors = {"hip_[ab]": {"motor": "sts3215"}, "ankle_*": "position"}
     write(robot, tmp_path, plan_of(actuators=motors), made_geometry(robot))
     root = etree.parse(str(tmp_path / f"{robot.name}.xml")).getroot()
-    classes = {one.get("name"): one.get("class") for one in root.find("worldbody").iter("joint")}
-    assert classes["hip_a"] == "sts3215"
-    assert classes["ankle_a"] == "ankle"
+    classes = {element.get("name"): element.get("class") for element in root.find("worldbody").iter("joint")}
+    assert (classes["hip_a"], classes["ankle_a"]) == ("sts3215", "ankle")
     # Not `hip`: others are called so, too.
     assert classes["hip_c"] == "hinge"

@@ -7,13 +7,15 @@ import mujoco
 import numpy as np
 import pytest
 
-from linkwright.stages.export.mjcf.contact.filters import CLASSES, filters
+from linkwright.stages.export.mjcf.contact.filters import MAX_CLASSES, filters
 from linkwright.stages.robot.contact.left_out import LeftOut
 from linkwright.stages.robot.model.geom_form import ContactProperties
 from linkwright.stages.robot.model.geometry import Exclude, Geometry, Shape
 from linkwright.stages.robot.motion.start_pose import home
+from tests.support.building import write
+from tests.support.exports import compiled, exported
 from tests.support.robots import joint, robot_with
-from tests.support.touching import ball, exported, geoms_in_mujoco, model_of
+from tests.support.touching import ball, geoms_in_mujoco
 
 
 def robot_of(counts, fixed=True):
@@ -31,37 +33,37 @@ def robot_of(counts, fixed=True):
 def every_pair(robot, geometry):
     """The pairs of shapes that collide, one by one."""
     left_out = LeftOut(robot)
-    excludes = {(one.link_a, one.link_b): one for one in geometry.excludes}
-    found = set()
-    for one, other in itertools.combinations([link.name for link in robot.links], 2):
-        if left_out.contains(one, other):
+    excludes = {(exclude.link_a, exclude.link_b): exclude for exclude in geometry.excludes}
+    pairs = set()
+    for first, other in itertools.combinations([link.name for link in robot.links], 2):
+        if left_out.contains(first, other):
             continue
-        exclude = excludes.get((one, other))
-        sizes = [range(len(geometry.of(link, "collision"))) for link in (one, other)]
+        exclude = excludes.get((first, other))
+        sizes = [range(len(geometry.of(link, "collision"))) for link in (first, other)]
         for i, j in itertools.product(*sizes):
             if exclude is None or (exclude.geoms and (i, j) not in exclude.geoms):
-                found.add(((one, i), (other, j)))
-    return found
+                pairs.add(((first, i), (other, j)))
+    return pairs
 
 
 def random_excludes(rng, counts):
     names = [f"l{index}" for index in range(len(counts))]
-    for (a, one), (b, other) in itertools.combinations(zip(names, counts, strict=True), 2):
+    for (a, first_count), (b, other) in itertools.combinations(zip(names, counts, strict=True), 2):
         if rng.random() < 0.5:
-            mask = rng.random((one, other)) < 0.3
+            mask = rng.random((first_count, other)) < 0.3
             geoms = () if mask.all() or rng.random() < 0.2 else np.argwhere(mask).tolist()
             yield Exclude(a, b, "Always", 0.0, tuple((i, j) for i, j in geoms))
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_any_excludes_of_geoms_are_kept_exactly(seed, tmp_path):
+def test_any_excludes_of_geoms_are_kept_exactly(seed):
     rng = np.random.default_rng(seed)
     counts = rng.integers(1, 6, rng.integers(2, 6)).tolist()
     robot, shapes = robot_of(counts, fixed=bool(rng.integers(2)))
     excludes = tuple(random_excludes(rng, counts))
     geometry = Geometry(tuple(shapes), {}, (), True, excludes)
     assert not filters(robot, geometry).wide
-    model = model_of(robot, geometry, tmp_path)
+    model = compiled(exported(robot, geometry))
     assert geoms_in_mujoco(model, robot, home(robot)) == every_pair(robot, geometry)
 
 
@@ -86,19 +88,19 @@ def contact_properties(model):
 
 
 @pytest.mark.parametrize(
-    ("one", "other"), list(itertools.combinations_with_replacement([None, RUBBER, GLASS, STRONG], 2))
+    ("first", "other"), list(itertools.combinations_with_replacement([None, RUBBER, GLASS, STRONG], 2))
 )
-def test_geoms_that_still_collide_do_so_as_without_an_exclude(one, other, tmp_path):
+def test_geoms_that_still_collide_do_so_as_without_an_exclude(first, other):
     """MuJoCo's own mixture of the properties of two geoms is the oracle, and of their margins the sum."""
     robot, shapes = robot_of([2, 2])
-    contacts = {"base": None, "l0": one, "l1": other}
+    contacts = {"base": None, "l0": first, "l1": other}
     shapes = [replace(shape, contact=contacts[shape.link]) for shape in shapes]
-    found = []
+    properties_of = []
     for excludes in ((), (Exclude("l0", "l1", "Always", 0.0, ((0, 0),)),)):
-        model = model_of(robot, Geometry(tuple(shapes), {}, (), True, excludes), tmp_path)
+        model = compiled(exported(robot, Geometry(tuple(shapes), {}, (), True, excludes)))
         assert model.npair == 3 * len(excludes)
-        found.append(contact_properties(model))
-    free, paired = found
+        properties_of.append(contact_properties(model))
+    free, paired = properties_of
     first, second = (model.geom(f"l{link}_collision_0").id for link in (0, 1))
     assert free.keys() - paired.keys() == {(first, second)}
     for geoms, properties in paired.items():
@@ -111,16 +113,17 @@ def test_geoms_that_still_collide_do_so_as_without_an_exclude(one, other, tmp_pa
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_two_copies_in_one_scene_collide_with_each_other(seed, tmp_path):
+def test_two_copies_in_one_scene_collide_with_each_other(seed):
     """Each geom of the one with each of the other, whatever each copy excludes within itself."""
     rng = np.random.default_rng(seed)
     counts = rng.integers(1, 4, 3).tolist()
     robot, shapes = robot_of(counts, fixed=False)
     geometry = Geometry(tuple(shapes), {}, (), True, tuple(random_excludes(rng, counts)))
-    alone = geoms_in_mujoco(model_of(robot, geometry, tmp_path), robot, home(robot))
+    outcome = exported(robot, geometry)
+    single = geoms_in_mujoco(compiled(outcome), robot, home(robot))
     spec = mujoco.MjSpec()
     for prefix in ("a_", "b_"):
-        copy = mujoco.MjSpec.from_file(str(tmp_path / "robot.xml"))
+        copy = mujoco.MjSpec.from_string(outcome.files["robot.xml"].decode())
         spec.attach(copy, prefix=prefix, frame=spec.worldbody.add_frame())
     model = spec.compile()
     data = mujoco.MjData(model)
@@ -131,11 +134,11 @@ def test_two_copies_in_one_scene_collide_with_each_other(seed, tmp_path):
     assert between == set(
         itertools.product(*([name for name in names if name[:2] == p] for p in ("a_", "b_")))
     )
-    assert len(met) - len(between) == 2 * len(alone)
+    assert len(met) - len(between) == 2 * len(single)
 
 
 def beside_the_world(number):
-    """So many balls of the world's own link, each excluded from a link on it that another excludes not."""
+    """A robot with this number of balls on the world's own link, each excluded from another link on it."""
     rows = [joint("revolute", "world", f"l{index}") for index in range(number)]
     robot = robot_with(rows, root="world")
     shapes = [
@@ -146,28 +149,32 @@ def beside_the_world(number):
     return robot, Geometry(tuple(shapes), {}, (), True, excludes)
 
 
-def test_geoms_of_the_world_are_told_apart_by_bits(tmp_path):
+def test_geoms_of_the_world_are_told_apart_by_bits():
     robot, geometry = beside_the_world(4)
-    found = filters(robot, geometry)
-    assert not found.pairs
-    assert len(set(found.bits.values())) == 4
-    model = model_of(robot, geometry, tmp_path)
+    masks = filters(robot, geometry)
+    assert not masks.pairs
+    assert len(set(masks.bits.values())) == 4
+    model = compiled(exported(robot, geometry))
     assert geoms_in_mujoco(model, robot, home(robot)) == every_pair(robot, geometry)
 
 
 @pytest.mark.slow
 def test_thirty_classes_are_told_apart_and_more_are_reported():
-    robot, geometry = beside_the_world(CLASSES)
+    robot, geometry = beside_the_world(MAX_CLASSES)
     assert filters(robot, geometry).wide == ()
-    robot, geometry = beside_the_world(CLASSES + 1)
-    found = filters(robot, geometry)
-    assert found.wide == found.pairs == (("world", f"l{CLASSES}"),)
-    losses = [one for one in exported(robot, geometry).diagnostics if one.code == "W-WIDE-EXCLUDE"]
+    robot, geometry = beside_the_world(MAX_CLASSES + 1)
+    masks = filters(robot, geometry)
+    assert masks.wide == masks.pairs == (("world", f"l{MAX_CLASSES}"),)
+    losses = [
+        diagnostic
+        for diagnostic in exported(robot, geometry).diagnostics
+        if diagnostic.code == "W-WIDE-EXCLUDE"
+    ]
     assert len(losses) == 1
-    assert f"world and l{CLASSES}" in losses[0].message
+    assert f"world and l{MAX_CLASSES}" in losses[0].message
 
 
-def test_what_does_not_touch_the_links_of_the_world_still_touches_the_ground(tmp_path):
+def test_ground_touches_links_that_the_world_excludes(tmp_path):
     """A root called `world` is MuJoCo's worldbody, in which the ground is too."""
     bare = robot_with([joint("revolute", "world", "arm")], root="world")
     for world in (0, 2):
@@ -178,18 +185,18 @@ def test_what_does_not_touch_the_links_of_the_world_still_touches_the_ground(tmp
         excludes = (Exclude("world", "arm", "User", 0.0),)
         geometry = Geometry(tuple(shapes), {}, (), True, excludes)
         assert filters(bare, geometry).pairs == ()
-        model_of(bare, geometry, tmp_path)
+        write(bare, tmp_path, geometry=geometry)
         model = mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml"))
         data = mujoco.MjData(model)
         mujoco.mj_forward(model, data)
-        met = {frozenset(model.geom(one).name for one in contact.geom) for contact in data.contact}
+        met = {frozenset(model.geom(geom).name for geom in contact.geom) for contact in data.contact}
         assert met == {frozenset(("floor", f"arm_collision_{index}")) for index in range(2)}
 
 
 def test_the_floor_and_objects_of_a_user_meet_every_class(tmp_path):
     """Whether they do or do not collide among themselves, as long as they have the lowest bit in contype."""
     robot, geometry = beside_the_world(3)
-    model_of(robot, geometry, tmp_path)
+    write(robot, tmp_path, geometry=geometry)
     spec = mujoco.MjSpec.from_file(str(tmp_path / "scene.xml"))
     for name, conaffinity in (("thing", 1), ("pusher", 0)):
         body = spec.worldbody.add_body(name=name)
@@ -203,12 +210,12 @@ def test_the_floor_and_objects_of_a_user_meet_every_class(tmp_path):
     mujoco.mj_forward(model, data)
     solid = {model.geom(index).name for index in range(model.ngeom) if model.geom(index).name.startswith("l")}
     assert len(solid) == 3
-    met = {frozenset(model.geom(one).name for one in contact.geom) for contact in data.contact[: data.ncon]}
+    met = {frozenset(model.geom(geom).name for geom in contact.geom) for contact in data.contact[: data.ncon]}
     for other in ("floor", "thing", "pusher"):
-        assert {frozenset((one, other)) for one in solid} <= met
+        assert {frozenset((geom, other)) for geom in solid} <= met
     low = spec.worldbody.add_geom(name="low", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.1, 0, 0])
     low.contype, low.conaffinity = 2, 2
     model = spec.compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    assert not [one for one in data.contact[: data.ncon] if model.geom("low").id in one.geom]
+    assert not [contact for contact in data.contact[: data.ncon] if model.geom("low").id in contact.geom]

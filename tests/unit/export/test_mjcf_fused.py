@@ -2,47 +2,43 @@
 
 import json
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
 
-from linkwright.pipeline.config.plan import Plan
 from linkwright.stages.formats.mjcf.form import MjcfForm
-from linkwright.stages.formats.mjcf.written import form_with
+from linkwright.stages.formats.mjcf.written import mjcf_form
 from linkwright.stages.formats.xml import parse
 from linkwright.stages.mesh.collide.primitives import shapes as primitive_shapes
-from linkwright.stages.robot.model.geometry import Exclude, Geometry, Shape, Touch
+from linkwright.stages.robot.model.geometry import Exclude, Geometry, Touch
 from linkwright.stages.robot.model.poses import from_parts, turn
-from linkwright.stages.robot.model.robot import Array, Frame, Primitive, Robot, Sensor, frozen
+from linkwright.stages.robot.model.robot import Frame, Primitive, Sensor, frozen
 from linkwright.stages.validate import validate
 from tests.support.building import plan_of, write
 from tests.support.engines import Mujoco, Pinocchio
+from tests.support.exports import messages_of
 from tests.support.robots import at, joint, loop, pose, robot_with, some_values
 
 PLACES = [pose(np.random.default_rng(seed)) for seed in range(6)]
 KEEP = {"mjcf": {"fixed_joints": "keep"}, "urdf": {}}
 
 
-def arm(root: str = "base", **more: Any) -> tuple[Robot, Geometry]:
+def arm(root="base", **more):
     """base – turn – arm – fixed – plate – fixed – tip – turn – hand; mast fixed to the base."""
     rows = [
-        joint("revolute", root, "arm", place=PLACES[0]),
-        joint("fixed", "arm", "plate", place=PLACES[1]),
-        joint("fixed", "plate", "tip", place=PLACES[2]),
-        joint("revolute", "tip", "hand", place=PLACES[3]),
+        joint("revolute", root, "arm", place=PLACES[0]), joint("fixed", "arm", "plate", place=PLACES[1]),
+        joint("fixed", "plate", "tip", place=PLACES[2]), joint("revolute", "tip", "hand", place=PLACES[3]),
         joint("fixed", root, "mast", place=PLACES[4]),
-    ]
+    ]  # fmt: skip
     box = Primitive("box", (0.02, 0.03, 0.04), frozen(PLACES[5]))
     shapes = dict.fromkeys(("arm", "plate", "tip", "hand", "mast"), (box,))
     frames = (Frame("tool", "tip", frozen(PLACES[5]), "Tool"), *more.pop("frames", ()))
     robot = robot_with(rows, root=root, frames=frames, shapes=shapes, **more)
-    return robot, Geometry(tuple(one for link in robot.links for one in primitive_shapes(link)), {})
+    return robot, Geometry(tuple(shape for link in robot.links for shape in primitive_shapes(link)), {})
 
 
-def written(robot: Robot, geometry: Geometry, folder: Path, plan: Plan | None = None) -> Mujoco:
+def written(robot, geometry, folder, plan=None):
     """The MJCF, checked by the validate stage."""
     exported = write(robot, folder, plan, geometry)
     checks = validate(folder, exported.written, plan or plan_of())
@@ -51,11 +47,11 @@ def written(robot: Robot, geometry: Geometry, folder: Path, plan: Plan | None = 
     return Mujoco(folder / "robot.xml")
 
 
-def bodies(engine: Mujoco) -> list[str]:
+def bodies(engine):
     return [engine.model.body(index).name for index in range(1, engine.model.nbody)]
 
 
-def test_it_moves_and_weighs_as_the_urdf_does(tmp_path: Path) -> None:
+def test_it_moves_and_weighs_as_the_urdf_does(tmp_path):
     robot, geometry = arm()
     fused = written(robot, geometry, tmp_path)
     assert bodies(fused) == ["base", "arm", "hand"]
@@ -64,10 +60,10 @@ def test_it_moves_and_weighs_as_the_urdf_does(tmp_path: Path) -> None:
     rng = np.random.default_rng(7)
     for _ in range(5):
         q = some_values(robot, rng)
-        found, expected = fused.poses(q), urdf.poses(q)
-        root_from_world = np.linalg.inv(found["base"])
+        actual, expected = fused.poses(q), urdf.poses(q)
+        root_from_world = np.linalg.inv(actual["base"])
         for name in [link.name for link in robot.links] + ["tool"]:
-            assert np.abs(root_from_world @ found[name] - expected[name]).max() < 1e-9, name
+            assert np.abs(root_from_world @ actual[name] - expected[name]).max() < 1e-9, name
         assert np.abs(fused.mass_matrix(q, dofs) - urdf.mass_matrix(q, dofs)).max() < 1e-9
         assert np.abs(fused.gravity(q, dofs) - urdf.gravity(q, dofs)).max() < 1e-9
 
@@ -76,7 +72,7 @@ def test_it_moves_and_weighs_as_the_urdf_does(tmp_path: Path) -> None:
     tuple(map(int, mujoco.__version__.split(".")[:2])) < (3, 4),
     reason="the fusestatic of MuJoCo 3.3.3 gives a body another inertia than 4.0; ours are alike",
 )
-def test_the_bodies_are_those_that_mujoco_makes_of_the_kept_ones(tmp_path: Path) -> None:
+def test_the_bodies_are_those_that_mujoco_makes_of_the_kept_ones(tmp_path):
     """Its own `fusestatic` is the oracle of masses, inertias and shapes."""
     robot, geometry = arm()
     fused = written(robot, geometry, tmp_path / "fused").model
@@ -87,27 +83,27 @@ def test_the_bodies_are_those_that_mujoco_makes_of_the_kept_ones(tmp_path: Path)
     oracle = mujoco.MjModel.from_xml_string(text)
     # Only bodies of the tree: it takes what is fixed to the world into the world.
     for name in ("arm", "hand"):
-        one, other = fused.body(name), oracle.body(name)
-        assert one.mass == pytest.approx(other.mass, rel=1e-12)
+        ours, other = fused.body(name), oracle.body(name)
+        assert ours.mass == pytest.approx(other.mass, rel=1e-12)
         tensors = []
-        for model, body in ((fused, one), (oracle, other)):
+        for model, body in ((fused, ours), (oracle, other)):
             axes = np.empty(9)
             mujoco.mju_quat2Mat(axes, model.body_iquat[body.id])
             turn = axes.reshape(3, 3)
             tensors.append(turn @ np.diag(body.inertia) @ turn.T)
         assert np.abs(tensors[0] - tensors[1]).max() < 1e-9 * np.abs(tensors[1]).max()
-        assert np.abs(one.ipos - other.ipos).max() < 1e-9
+        assert np.abs(ours.ipos - other.ipos).max() < 1e-9
     places = [np.array(sorted(_geoms(model).tolist())) for model in (fused, kept)]
     assert np.abs(places[0] - places[1]).max() < 1e-9
 
 
-def _geoms(model: Any) -> Array:
+def _geoms(model):
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     return np.hstack([data.geom_xpos, data.geom_xmat])
 
 
-def test_what_is_fixed_to_a_root_called_world_has_a_body(tmp_path: Path) -> None:
+def test_what_is_fixed_to_a_root_called_world_has_a_body(tmp_path):
     robot, geometry = arm("world")
     engine = written(robot, geometry, tmp_path)
     assert sorted(bodies(engine)) == ["arm", "hand", "mast"]
@@ -115,24 +111,24 @@ def test_what_is_fixed_to_a_root_called_world_has_a_body(tmp_path: Path) -> None
     assert engine.model.body_mass.sum() == pytest.approx(total, abs=1e-9)
 
 
-def test_robot_json_and_a_diagnostic_say_where_the_links_are(tmp_path: Path) -> None:
+def test_robot_json_and_a_diagnostic_say_where_the_links_are(tmp_path):
     robot, geometry = arm()
     exported = write(robot, tmp_path, None, geometry)
-    (told,) = [one.message for one in exported.diagnostics if one.code == "I-MJCF-MERGED"]
-    assert told.endswith("plate into arm, tip into arm, mast into base")
+    (message,) = messages_of(exported, "I-MJCF-MERGED")
+    assert message.endswith("plate into arm, tip into arm, mast into base")
     table = json.loads(exported.files["robot.json"])
-    found = {one["link"]: (one["into"], one["pose"]["xyz"]) for one in table["fused"]}
-    assert found["tip"][0] == "arm"
-    assert np.abs((PLACES[1] @ PLACES[2])[:3, 3] - found["tip"][1]).max() < 1e-11
+    places = {entry["link"]: (entry["into"], entry["pose"]["xyz"]) for entry in table["fused"]}
+    assert places["tip"][0] == "arm"
+    assert np.abs((PLACES[1] @ PLACES[2])[:3, 3] - places["tip"][1]).max() < 1e-11
     assert len(table["links"]) == len(robot.links)
     kept = write(robot, tmp_path, plan_of(export=KEEP), geometry)
     assert "fused" not in json.loads(kept.files["robot.json"])
-    assert not [one for one in kept.diagnostics if one.code == "I-MJCF-MERGED"]
+    assert not messages_of(kept, "I-MJCF-MERGED")
 
 
-def test_cameras_and_gravity_compensation_stay_with_the_link(tmp_path: Path) -> None:
+def test_cameras_and_gravity_compensation_stay_with_the_link(tmp_path):
     robot, geometry = arm()
-    keys: dict[str, Any] = {
+    keys = {
         "scene__cameras": {"eye": {"frame": "tip", "xyz": [0.1, 0, 0]}},
         "actuators": {"*": {"type": "position", "gravcomp": 1}},
     }
@@ -151,29 +147,29 @@ def test_cameras_and_gravity_compensation_stay_with_the_link(tmp_path: Path) -> 
     assert np.abs(forces[0] - forces[1]).max() < 1e-9
 
 
-def test_links_that_need_a_body_keep_it() -> None:
+def test_links_that_need_a_body_keep_it():
     robot, _ = arm()
-    assert form_with(robot) == MjcfForm(("plate", "tip", "mast"))
+    assert mjcf_form(robot) == MjcfForm(("plate", "tip", "mast"))
     on_tip = Sensor("spin", "frameangvel", "xbody", "tip")
-    assert form_with(replace(robot, sensors=(on_tip,))).fused == ("plate", "mast")
+    assert mjcf_form(replace(robot, sensors=(on_tip,))).fused == ("plate", "mast")
     # What is fused into a body moves its centre of mass, where its sensors are.
     at_centre = Sensor("place", "framepos", "body", "arm")
-    assert form_with(replace(robot, sensors=(at_centre,))).fused == ("tip", "mast")
+    assert mjcf_form(replace(robot, sensors=(at_centre,))).fused == ("tip", "mast")
     relative = replace(
         on_tip, target="site", name_of_target="tool", relative_to="xbody", name_of_relative="mast"
     )
-    assert form_with(replace(robot, sensors=(relative,))).fused == ("plate", "tip")
+    assert mjcf_form(replace(robot, sensors=(relative,))).fused == ("plate", "tip")
     elsewhere = Frame("tip", "hand", frozen(np.eye(4)), "")
-    assert form_with(replace(robot, frames=(elsewhere,))).fused == ("plate", "mast")
+    assert mjcf_form(replace(robot, frames=(elsewhere,))).fused == ("plate", "mast")
     same = Frame("tip", "tip", frozen(np.eye(4)), "")
-    assert form_with(replace(robot, frames=(same,))).fused == ("plate", "tip", "mast")
+    assert mjcf_form(replace(robot, frames=(same,))).fused == ("plate", "tip", "mast")
     rigid = loop("revolute", "tip", "arm", np.eye(4), PLACES[1] @ PLACES[2])
-    assert form_with(replace(robot, loops=(rigid,))).fused == ("plate", "mast")
+    assert mjcf_form(replace(robot, loops=(rigid,))).fused == ("plate", "mast")
     hand = loop("revolute", "hand", "mast", np.eye(4), np.eye(4))
-    assert form_with(replace(robot, loops=(hand,))).fused == ("plate", "tip", "mast")
+    assert mjcf_form(replace(robot, loops=(hand,))).fused == ("plate", "tip", "mast")
 
 
-def test_a_link_whose_frame_is_nearly_that_of_its_body_is_where_it_was(tmp_path: Path) -> None:
+def test_link_with_nearly_the_frame_of_its_body_stays(tmp_path):
     """MuJoCo takes frames for the same that differ by less than 1e-6; the file does not."""
     turned = from_parts(turn(np.array([0.0, 0.6, 0.8]), 6.5e-7), np.array([0.0, 0.0, 0.3]))
     robot = robot_with([joint("revolute", "base", "arm"), joint("fixed", "arm", "plate", place=turned)])
@@ -183,7 +179,7 @@ def test_a_link_whose_frame_is_nearly_that_of_its_body_is_where_it_was(tmp_path:
     assert np.abs(np.linalg.inv(poses["arm"]) @ poses["plate"] - turned).max() < 1e-12
 
 
-def test_a_site_of_the_name_is_there_once(tmp_path: Path) -> None:
+def test_a_site_of_the_name_is_there_once(tmp_path):
     robot, geometry = arm(frames=(Frame("mast", "mast", frozen(np.eye(4)), ""),))
     written(robot, geometry, tmp_path)
     names = [site.get("name") for site in parse((tmp_path / "robot.xml").read_bytes()).iter("site")]
@@ -191,7 +187,7 @@ def test_a_site_of_the_name_is_there_once(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", ["revolute", "ball", "fixed", "cylindrical"])
-def test_loops_hold_a_fused_link(tmp_path: Path, kind: Any) -> None:
+def test_loops_hold_a_fused_link(tmp_path, kind):
     """A link held by a loop that ends on a link that is fused, against the same with a body."""
     rows = [
         joint("revolute", "base", "arm"),
@@ -207,11 +203,11 @@ def test_loops_hold_a_fused_link(tmp_path: Path, kind: Any) -> None:
         model, data = engine.model, mujoco.MjData(engine.model)
         for _ in range(100):
             mujoco.mj_step(model, data)
-        ways.append([float(data.joint(one).qpos[0]) for one in ("arm_joint", "rod_joint")])
+        ways.append([float(data.joint(joint).qpos[0]) for joint in ("arm_joint", "rod_joint")])
     assert np.abs(np.array(ways[0]) - ways[1]).max() < 1e-4
 
 
-def side_by_side() -> tuple[Robot, tuple[Shape, ...]]:
+def side_by_side():
     """An arm with a plate fixed to it, and a rod: a ball of the rod is in one of each of the others."""
     rows = [
         joint("revolute", "base", "arm"),
@@ -221,32 +217,36 @@ def side_by_side() -> tuple[Robot, tuple[Shape, ...]]:
     ball = [Primitive("sphere", (0.1,), frozen(at(0, 0, height))) for height in (0.0, 1.0)]
     shapes = {"arm": (ball[0],), "plate": (ball[0],), "rod": (ball[0], ball[1])}
     robot = robot_with(rows, shapes=shapes)
-    return robot, tuple(one for link in robot.links for one in primitive_shapes(link))
+    return robot, tuple(shape for link in robot.links for shape in primitive_shapes(link))
 
 
-def touching(engine: Mujoco) -> set[frozenset[str]]:
+def touching(engine):
     mujoco.mj_forward(engine.model, engine.data)
     pairs = (contact.geom for contact in engine.data.contact[: engine.data.ncon])
     return {frozenset(engine.model.geom(geom).name for geom in pair) for pair in pairs}
 
 
 @pytest.mark.parametrize("excluded", [(), ("plate",), ("arm",), ("arm", "plate")])
-def test_excludes_are_by_the_links_that_were_meant(tmp_path: Path, excluded: tuple[str, ...]) -> None:
+def test_excludes_are_by_the_links_that_were_meant(tmp_path, excluded):
     robot, shapes = side_by_side()
     apart = tuple(Exclude(link, "rod", "User", 0.0) for link in excluded)
     meet = tuple(Touch(link, "rod", 0.2) for link in ("arm", "plate") if link not in excluded)
     geometry = Geometry(shapes, {}, self_contact=True, excludes=apart, touching=meet)
-    found = [
+    colliding = [
         touching(written(robot, geometry, tmp_path / name, plan))
         for name, plan in (("fused", plan_of()), ("kept", plan_of(export=KEEP)))
     ]
     expected = {"arm": {"arm_collision", "rod_collision_0"}, "plate": {"plate_collision", "rod_collision_1"}}
-    assert found[0] == found[1] == {frozenset(expected[link]) for link in expected if link not in excluded}
+    assert (
+        colliding[0]
+        == colliding[1]
+        == {frozenset(expected[link]) for link in expected if link not in excluded}
+    )
     pairs = parse((tmp_path / "fused" / "robot.xml").read_bytes()).findall("contact/exclude")
     assert len(pairs) == bool(excluded)
 
 
-def test_links_keep_bodies_to_be_excluded_alone(tmp_path: Path) -> None:
+def test_links_keep_bodies_to_be_excluded_alone(tmp_path):
     """Each plate is apart from another rod, from which the arm below it is not."""
     number = 3
     rows = []
@@ -257,7 +257,7 @@ def test_links_keep_bodies_to_be_excluded_alone(tmp_path: Path) -> None:
     ball = (Primitive("sphere", (0.1,), frozen(np.eye(4))),)
     robot = robot_with(rows)
     robot = replace(robot, links=tuple(replace(link, shapes=ball) for link in robot.links))
-    shapes = tuple(one for link in robot.links for one in primitive_shapes(link))
+    shapes = tuple(shape for link in robot.links for shape in primitive_shapes(link))
     apart = tuple(Exclude(f"plate_{index}", f"rod_{index}", "User", 0.0) for index in range(number))
     exported = write(robot, tmp_path, None, Geometry(shapes, {}, self_contact=True, excludes=apart))
     assert exported.written.mjcf_form.fused == ()

@@ -6,12 +6,11 @@ from pathlib import Path
 import pytest
 import yaml
 
-from linkwright.stages.export import export
-from linkwright.stages.robot.model.geometry import Geometry
-from linkwright.stages.robot.model.robot import Dynamics, Frame, Limits, Relation, Robot, frozen
-from tests.support.building import NO_MESHES, plan_of
+from linkwright.stages.robot.model.robot import Dynamics, Frame, Limits, Relation, frozen
+from tests.support.building import NO_MESHES
+from tests.support.exports import exported
 from tests.support.robots import at, joint, robot_with
-from tests.support.ros2 import IncludeLaunchDescription, Package, check_manifest, launched, moveit_of, packed
+from tests.support.ros2 import IncludeLaunchDescription, check_manifest, launched, moveit_of, packed
 from tests.support.srdf import Srdf
 from tests.support.touching import box, geometry_of
 
@@ -19,7 +18,7 @@ MOVING = Dynamics(effort=5.0, velocity=3.0)
 POSITION = {"actuators": {"*": "position"}}
 
 
-def chain(count: int, *, relations=(), frames=(), names=None, fixed=True, **more) -> Robot:
+def chain(count, *, relations=(), frames=(), names=None, fixed=True, **more):
     """An arm of hinges, 0.2 m apart, each but the last with a box."""
     names = names or [f"l{n}" for n in range(count)]
     rows, shapes = [], {"base": (box(0.05, 0.05, 0.05),)}
@@ -31,37 +30,37 @@ def chain(count: int, *, relations=(), frames=(), names=None, fixed=True, **more
     return robot_with(rows, shapes=shapes, relations=relations, frames=frames, fixed=fixed, **more)
 
 
-def made(robot: Robot, folder: Path, geometry: Geometry = NO_MESHES, ros2=None, **keys) -> Package:
-    files = export(robot, geometry, plan_of(export={"ros2": ros2 or {}}, **keys)).files
+def made(robot, folder, geometry=NO_MESHES, ros2=None, **keys):
+    files = exported(robot, geometry, export={"ros2": ros2 or {}}, **keys).files
     return packed(files, folder)
 
 
-def config(package: Package, name: str):
+def config(package, name):
     """A file of MoveIt's package, as ROS reads it."""
     return yaml.safe_load((moveit_of(package).folder / "config" / f"{name}.yaml").read_text())
 
 
-def semantic(package: Package) -> Srdf:
+def semantic(package):
     (path,) = (moveit_of(package).folder / "config").glob("*.srdf")
     return Srdf(path.read_bytes(), package.plain)
 
 
-def check(package: Package) -> None:
+def check(package):
     """Every name in the package means something."""
     srdf = semantic(package)
     assert srdf.problems() == []
     urdf = srdf.joints
-    active = {name for name, one in urdf.items() if srdf.moves(name) and one.find("mimic") is None} - {
-        one.get("name") for one in srdf.root.findall("passive_joint")
+    active = {name for name, value in urdf.items() if srdf.moves(name) and value.find("mimic") is None} - {
+        passive_joint.get("name") for passive_joint in srdf.root.findall("passive_joint")
     }
     limits = config(package, "joint_limits")["joint_limits"]
     assert set(limits) == active
-    for name, one in limits.items():
-        assert type(one["max_velocity"]) is float
-        assert type(one["max_acceleration"]) is float
-        assert one["max_velocity"] == pytest.approx(float(urdf[name].find("limit").get("velocity")))
-        assert one["max_acceleration"] > 0
-        assert one["has_velocity_limits"] is one["has_acceleration_limits"] is True
+    for name, limit in limits.items():
+        assert type(limit["max_velocity"]) is float
+        assert type(limit["max_acceleration"]) is float
+        assert limit["max_velocity"] == pytest.approx(float(urdf[name].find("limit").get("velocity")))
+        assert limit["max_acceleration"] > 0
+        assert limit["has_velocity_limits"] is limit["has_acceleration_limits"] is True
     assert set(config(package, "kinematics")) <= set(srdf.groups)
     moveit = moveit_of(package)
     needs = check_manifest(moveit)
@@ -70,18 +69,18 @@ def check(package: Package) -> None:
         controllers = config(package, "moveit_controllers")
         manager = controllers["moveit_simple_controller_manager"]
         assert controllers["moveit_controller_manager"].partition("/")[0] in needs
-        own = package.controllers()
+        ros_controllers = package.controllers()
         for name in manager["controller_names"]:
-            parameters = own[name]["ros__parameters"]
+            parameters = ros_controllers[name]["ros__parameters"]
             assert manager[name]["joints"] == parameters["joints"]
             assert set(manager[name]["joints"]) <= active
             assert parameters["allow_partial_joints_goal"] is True
-            kind = own["controller_manager"]["ros__parameters"][name]["type"]
+            kind = ros_controllers["controller_manager"]["ros__parameters"][name]["type"]
             assert kind == "joint_trajectory_controller/JointTrajectoryController"
 
 
 @pytest.mark.parametrize("count", [1, 3, 5, 6, 7])
-def test_an_arm_has_kinematics_limits_and_controllers(count, tmp_path) -> None:
+def test_an_arm_has_kinematics_limits_and_controllers(count, tmp_path):
     robot = chain(count)
     package = made(robot, tmp_path, geometry_of(robot), **POSITION)
     check(package)
@@ -93,11 +92,10 @@ def test_an_arm_has_kinematics_limits_and_controllers(count, tmp_path) -> None:
         assert solver["kinematics_solver"] == "kdl_kinematics_plugin/KDLKinematicsPlugin"
         assert solver.get("position_only_ik", False) == (count < 6)
     limits = config(package, "joint_limits")["joint_limits"]
-    assert limits["l0_joint"]["max_velocity"] == 3.0
-    assert limits["l0_joint"]["max_acceleration"] == 6.0
+    assert (limits["l0_joint"]["max_velocity"], limits["l0_joint"]["max_acceleration"]) == (3.0, 6.0)
 
 
-def test_names_that_ros_does_not_take_are_the_same_in_all_files(tmp_path) -> None:
+def test_names_that_ros_does_not_take_are_the_same_in_all_files(tmp_path):
     names = ["upper arm", "on", "1st/hand"]
     robot = chain(3, names=names, frames=[Frame("tool.tip", "1st/hand", frozen(at(0, 0, 0.1)), "")])
     robot_names = made(robot, tmp_path, geometry_of(robot), **POSITION)
@@ -108,7 +106,7 @@ def test_names_that_ros_does_not_take_are_the_same_in_all_files(tmp_path) -> Non
     assert set(config(robot_names, "kinematics")) == {"tool_tip"}
 
 
-def test_followers_have_no_limits_and_passive_joints_no_kinematics(tmp_path) -> None:
+def test_followers_have_no_limits_and_passive_joints_no_solver(tmp_path):
     robot = chain(4, relations=[Relation("gear", "l3_joint", "l2_joint", 0.5, 0.0)])
     package = made(robot, tmp_path, geometry_of(robot), **POSITION)
     check(package)
@@ -119,7 +117,7 @@ def test_followers_have_no_limits_and_passive_joints_no_kinematics(tmp_path) -> 
 
 
 @pytest.mark.parametrize("fixed", [True, False])
-def test_the_launch_file_starts_move_group_with_all_that_it_needs(fixed, tmp_path, monkeypatch) -> None:
+def test_launch_file_starts_move_group_with_its_parameters(fixed, tmp_path, monkeypatch):
     robot = chain(6, fixed=fixed)
     package = made(robot, tmp_path, geometry_of(robot), **POSITION)
     moveit = moveit_of(package)
@@ -127,11 +125,13 @@ def test_the_launch_file_starts_move_group_with_all_that_it_needs(fixed, tmp_pat
     parameters = {key: value for part in group.parameters for key, value in part.items()}
     assert group.executable == "move_group"
     assert parameters["allow_trajectory_execution"] is True
-    found = Srdf(parameters["robot_description_semantic"].encode(), parameters["robot_description"].encode())
-    assert found.problems() == []
-    assert set(parameters["robot_description_kinematics"]) == set(found.groups)
+    semantics = Srdf(
+        parameters["robot_description_semantic"].encode(), parameters["robot_description"].encode()
+    )
+    assert semantics.problems() == []
+    assert set(parameters["robot_description_kinematics"]) == set(semantics.groups)
     assert frame.arguments == ["--frame-id", "world", "--child-frame-id", "base"]
-    assert found.root.find("virtual_joint").get("parent_frame") == "world"
+    assert semantics.root.find("virtual_joint").get("parent_frame") == "world"
     assert isinstance(control, IncludeLaunchDescription)
     assert Path(control.source.path) == package.folder / "launch" / "control.launch.py"
     # What it is given are arguments of that file.
@@ -139,29 +139,29 @@ def test_the_launch_file_starts_move_group_with_all_that_it_needs(fixed, tmp_pat
     view = yaml.safe_load(Path(rviz.arguments[1]).read_text())
     assert view["Visualization Manager"]["Global Options"]["Fixed Frame"] == "world"
     planning = view["Visualization Manager"]["Displays"][1]["Planning Request"]
-    assert planning["Planning Group"] in found.groups
+    assert planning["Planning Group"] in semantics.groups
     quiet = launched(moveit, "moveit.launch.py", monkeypatch, rviz="false", robot="false", stand="false")
-    assert [one.executable for one in quiet] == ["move_group"]
+    assert [node.executable for node in quiet] == ["move_group"]
 
 
-def test_without_position_control_moveit_only_plans(tmp_path, monkeypatch) -> None:
+def test_without_position_control_moveit_only_plans(tmp_path, monkeypatch):
     robot = chain(3)
     package = made(robot, tmp_path, geometry_of(robot), actuators={"*": "motor"})
     check(package)
     assert not (moveit_of(package).folder / "config" / "moveit_controllers.yaml").exists()
     (group, *_) = launched(moveit_of(package), "moveit.launch.py", monkeypatch)
     assert group.parameters[1]["allow_trajectory_execution"] is False
-    told = export(robot, NO_MESHES, plan_of(export={"ros2": {}}, actuators={"*": "motor"})).diagnostics
-    assert "I-ROS2-MOVEIT" in {one.code for one in told}
+    diagnostics = exported(robot, export={"ros2": {}}, actuators={"*": "motor"}).diagnostics
+    assert "I-ROS2-MOVEIT" in {problem.code for problem in diagnostics}
 
 
-def test_without_anything_that_moves_or_if_not_wanted_there_is_no_package(tmp_path) -> None:
+def test_package_is_left_out_without_moving_joints(tmp_path):
     assert moveit_of(made(chain(3), tmp_path / "a", ros2={"moveit": False})) is None
     still = robot_with([joint("fixed", "base", "top")])
     assert moveit_of(made(still, tmp_path / "b")) is None
 
 
-def test_it_has_the_name_of_the_package_that_it_is_for(tmp_path) -> None:
+def test_it_has_the_name_of_the_package_that_it_is_for(tmp_path):
     named = made(chain(3), tmp_path, ros2={"package": "arm_description"})
     assert moveit_of(named).name == "arm_moveit_config"
 
@@ -170,7 +170,7 @@ def test_it_has_the_name_of_the_package_that_it_is_for(tmp_path) -> None:
     ("value", "text"),
     [(3.0, "3.0"), (0.1 + 0.2, "0.3"), (1e-7, "1.0e-07"), (2.5e20, "2.5e+20"), (1e6, "1000000.0")],
 )
-def test_numbers_are_real_ones_to_yaml(value, text) -> None:
+def test_numbers_are_real_ones_to_yaml(value, text):
     from linkwright.stages.export.ros2.moveit import _real
 
     assert _real(value) == text

@@ -2,9 +2,6 @@
 
 import json
 import re
-from collections.abc import Iterator
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +9,7 @@ import pytest
 from linkwright.stages.formats.xml import parse
 from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.robot.model.poses import rotation_from_rpy
-from linkwright.stages.robot.model.robot import Dynamics, Frame, Inertial, Limits, Relation, Robot, frozen
+from linkwright.stages.robot.model.robot import Dynamics, Frame, Inertial, Limits, Relation, frozen
 from tests.support.building import plan_of, write
 from tests.support.robots import from_parts, joint, robot_with
 
@@ -23,7 +20,7 @@ SCALED = ("mass", "inertia", "diaginertia", "solref", "solimp")
 """What may be small: measured by its own scale, or given."""
 
 
-def noisy(rng: np.random.Generator) -> np.ndarray:
+def noisy(rng):
     """A transform by quarter turns and lengths of a millimetre, with the noise of much arithmetic."""
     quarters = rng.integers(0, 4, 3) * np.pi / 2
     place = from_parts(
@@ -33,7 +30,7 @@ def noisy(rng: np.random.Generator) -> np.ndarray:
     return place
 
 
-def robot(seed: int) -> Robot:
+def robot(seed):
     rng = np.random.default_rng(seed)
     few = 7e-14
     ends = {"arm_joint": (-few, 1.5), "hand_joint": (-0.2, few), "finger_joint": (0.0, 0.05)}
@@ -41,15 +38,7 @@ def robot(seed: int) -> Robot:
     strong = Dynamics(effort=3.0)
     rows = [
         joint("revolute", "base", "arm", (few,), place=noisy(rng), limits=limits),
-        joint(
-            "prismatic",
-            "arm",
-            "hand",
-            (-few,),
-            place=noisy(rng),
-            limits=limits,
-            dynamics=strong,
-        ),
+        joint("prismatic", "arm", "hand", (-few,), place=noisy(rng), limits=limits, dynamics=strong),
         joint("fixed", "hand", "plate", place=noisy(rng)),
         joint("prismatic", "plate", "finger", (0.01,), place=noisy(rng), limits=limits),
         joint("revolute", "arm", "wheel", place=noisy(rng)),
@@ -59,29 +48,26 @@ def robot(seed: int) -> Robot:
     body = Inertial(0.7, frozen(np.array([0.0, few, 0.02])), frozen((tensor + tensor.T) / 2))
     relation = Relation("gears", "wheel_joint", "arm_joint", 0.5, few)
     return robot_with(
-        rows,
-        relations=[relation],
-        frames=frames,
-        fixed=bool(seed % 2),
+        rows, relations=[relation], frames=frames, fixed=bool(seed % 2),
         inertials={"hand": body, "plate": body},
-    )
+    )  # fmt: skip
 
 
-def words(text: str) -> list[float]:
-    found = re.fullmatch(r"[-+0-9.e ]+", text)
-    return [float(word) for word in text.split()] if found else []
+def words(text):
+    match = re.fullmatch(r"[-+0-9.e ]+", text)
+    return [float(word) for word in text.split()] if match else []
 
 
-def attributes(data: bytes) -> Iterator[tuple[str, str]]:
+def attributes(data):
     for node in parse(data).iter():
         yield from ((key, value) for key, value in node.attrib.items() if key not in SCALED)
 
 
-def leaves(value: Any, key: str = "") -> Iterator[tuple[str, Any]]:
+def leaves(value, key=""):
     if isinstance(value, dict):
         for name, inside in value.items():
             yield from leaves(inside, name)
-    elif isinstance(value, list) and not all(isinstance(one, int | float) for one in value):
+    elif isinstance(value, list) and not all(isinstance(item, int | float) for item in value):
         for inside in value:
             yield from leaves(inside, key)
     else:
@@ -89,18 +75,18 @@ def leaves(value: Any, key: str = "") -> Iterator[tuple[str, Any]]:
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_no_file_has_noise_or_a_negative_zero(tmp_path: Path, seed: int) -> None:
+def test_no_file_has_noise_or_a_negative_zero(tmp_path, seed):
     plan = plan_of(actuators={"*": "position"}, scene__cameras={"view": {"frame": "eye"}})
     files = write(robot(seed), tmp_path, plan, Geometry((), {})).files
     for name in ("robot.urdf", "robot.xml", "scene.xml"):
-        found = 0
+        total = 0
         for key, text in attributes(files[name]):
             numbers = words(text)
-            found += len(numbers)
-            assert not [one for one in numbers if 0 < abs(one) < NOISE], (name, key, text)
+            total += len(numbers)
+            assert not [number for number in numbers if 0 < abs(number) < NOISE], (name, key, text)
             assert "-0" not in text.split(), (name, key, text)
-        assert found > 40 or name == "scene.xml"
+        assert total > 40 or name == "scene.xml"
     for key, value in leaves(json.loads(files["robot.json"])):
         numbers = value if isinstance(value, list) else [value]
-        small = [one for one in numbers if isinstance(one, float) and 0 < abs(one) < NOISE]
+        small = [number for number in numbers if isinstance(number, float) and 0 < abs(number) < NOISE]
         assert not small or key in ("mass", "inertia"), (key, value)

@@ -1,7 +1,6 @@
 """robot.json says of each limit and of effort, velocity and dynamics where it comes from."""
 
 import json
-from pathlib import Path
 
 from linkwright.stages.robot.codec import decode_robot, encode_robot
 from tests.support.building import plan_of, robot_of, write
@@ -10,7 +9,7 @@ from tests.support.kit import SIDE, TOP, Kit
 KEYS = ("lower", "upper", "effort", "velocity", "damping", "friction", "armature")
 
 
-def found(folder: Path, limits: tuple[float | None, float | None], **keys: object) -> dict[str, str]:
+def provenance_of(folder, limits, **keys):
     kit = Kit()
     base, arm = kit.place("Base", fixed=True), kit.place("Arm")
     kit.root.revolute("Elbow", (arm, TOP), (base, SIDE), value=0.3, limits=limits)
@@ -21,27 +20,27 @@ def found(folder: Path, limits: tuple[float | None, float | None], **keys: objec
     return dof["provenance"]
 
 
-def of(*origins: str) -> dict[str, str]:
+def of(*origins):
     return dict(zip(KEYS, origins, strict=True))
 
 
-def test_limits_of_the_mate_are_the_sources_and_the_rest_is_unset(tmp_path: Path) -> None:
-    assert found(tmp_path, (0, 1)) == of("source", "source", *["unset"] * 5)
-    assert found(tmp_path, (None, 1)) == of("unset", "source", *["unset"] * 5)
+def test_limits_of_the_mate_are_those_of_the_source(tmp_path):
+    assert provenance_of(tmp_path, (0, 1)) == of("source", "source", *["unset"] * 5)
+    assert provenance_of(tmp_path, (None, 1)) == of("unset", "source", *["unset"] * 5)
 
 
-def test_what_the_key_joints_gives_is_given(tmp_path: Path) -> None:
+def test_what_the_key_joints_gives_is_given(tmp_path):
     joints = {"*": {"effort": 5, "damping": 0.1}, "elbow": {"limits": [None, 0.8]}}
     expected = of("unset", "given", "given", "unset", "given", "unset", "unset")
-    assert found(tmp_path, (0, 1), joints=joints) == expected
+    assert provenance_of(tmp_path, (0, 1), joints=joints) == expected
 
 
-def test_an_armature_that_was_chosen_is_estimated(tmp_path: Path) -> None:
-    driven = found(tmp_path, (0, 1), actuators={"*": {"type": "position"}})
+def test_an_armature_that_was_chosen_is_estimated(tmp_path):
+    driven = provenance_of(tmp_path, (0, 1), actuators={"*": {"type": "position"}})
     assert driven == of("source", "source", *["unset"] * 4, "estimated")
 
 
-def test_the_joint_of_an_added_link_has_given_limits(tmp_path: Path) -> None:
+def test_the_joint_of_an_added_link_has_given_limits(tmp_path):
     kit = Kit()
     kit.place("Base", fixed=True)
     lid = {"parent": "base", "mass": 0.1, "geometry": {"sphere": {"radius": 0.01}}}

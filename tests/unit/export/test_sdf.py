@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from linkwright.stages.export import export
 from linkwright.stages.formats.xml import parse
 from linkwright.stages.mesh.collide.primitives import shapes as primitive_shapes
 from linkwright.stages.robot.dynamics.mass_matrix import mass_matrix
 from linkwright.stages.robot.model.geometry import Geometry
-from linkwright.stages.robot.model.robot import Dynamics, Frame, Limits, Primitive, Relation, Robot, frozen
+from linkwright.stages.robot.model.robot import Dynamics, Frame, Limits, Primitive, Relation, frozen
 from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.robot.motion.start_pose import starting_point
-from tests.support.building import NO_MESHES, plan_of
+from tests.support.building import NO_MESHES
 from tests.support.engines import Pinocchio
+from tests.support.exports import exported
 from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_around, robot_with, some_values
 from tests.support.sdf import Sdf, axis_of, transform
 from tests.support.validators import ign_sdf
@@ -24,27 +24,27 @@ from tests.support.validators import ign_sdf
 TOLERANCE = 1e-9
 
 
-def exported(robot: Robot, geometry: Geometry = NO_MESHES, **keys):
+def sdf_export(robot, geometry=NO_MESHES, **keys):
     keys = {"export": {"sdf": {}, "urdf": {}}} | keys
-    return export(robot, geometry, plan_of(**keys))
+    return exported(robot, geometry, **keys)
 
 
-def sdf(robot: Robot, **keys) -> bytes:
-    return exported(robot, **keys).files["robot.sdf"]
+def sdf(robot, **keys):
+    return sdf_export(robot, **keys).files["robot.sdf"]
 
 
-def losses(robot: Robot, geometry: Geometry = NO_MESHES, **keys) -> dict[str, str]:
-    found = exported(robot, geometry, export={"sdf": {}}, **keys).diagnostics
-    return {one.code: one.message for one in found if one.where == "robot.sdf"}
+def losses(robot, geometry=NO_MESHES, **keys):
+    diagnostics = sdf_export(robot, geometry, export={"sdf": {}}, **keys).diagnostics
+    return {problem.code: problem.message for problem in diagnostics if problem.where == "robot.sdf"}
 
 
-def moving(robot: Robot, q: dict) -> dict:
+def moving(robot, q):
     """Values of what is a joint of the SDF, a free link being one of its own."""
-    free = {one.dofs[0].name: one.child for one in robot.joints if one.type == "free"}
+    free = {joint.dofs[0].name: joint.child for joint in robot.joints if joint.type == "free"}
     return {free.get(name, name): value for name, value in q.items()}
 
 
-def from_world(robot: Robot, q: dict) -> dict:
+def from_world(robot, q):
     """The same, with a free link's pose in the model as what its link is moved by from where it stands."""
     stands = link_poses(
         robot, {d.name: starting_point(robot)[d.name] for d in robot.dofs if d.kind == "free"}
@@ -62,21 +62,19 @@ def from_world(robot: Robot, q: dict) -> dict:
 @pytest.mark.parametrize("root", ["base", "world"])
 @pytest.mark.parametrize("backwards", [False, True])
 @pytest.mark.parametrize("kind", EVERY)
-def test_links_are_where_the_robots_own_kinematics_have_them_and_weigh_the_same(
-    kind, backwards, root
-) -> None:
+def test_links_are_where_kinematics_have_them_and_weigh_the_same(kind, backwards, root):
     rng = np.random.default_rng(EVERY.index(kind))
     robot = robot_around(kind, rng, root, backwards)
-    files = exported(robot).files
+    files = sdf_export(robot).files
     read, by_urdf = Sdf(files["robot.sdf"]), Pinocchio(files["robot.urdf"])
     own = [dof.name for dof in robot.dofs if dof.kind != "free"]
     fixed = [dof for dof in robot.dofs if dof.kind == "free"]
     sdf_name = {link.name: "world_link" if link.name == "world" else link.name for link in robot.links}
     for _ in range(5):
         q = some_values(robot, rng)
-        found, expected = read.poses(from_world(robot, q)), link_poses(robot, q)
+        actual, expected = read.poses(from_world(robot, q)), link_poses(robot, q)
         for link in expected:
-            assert np.abs(found[sdf_name[link]] - expected[link]).max() < TOLERANCE, link
+            assert np.abs(actual[sdf_name[link]] - expected[link]).max() < TOLERANCE, link
         if not fixed:
             mass = read.mass_matrix(q, own)
             scale = max(1.0, np.abs(mass).max())
@@ -86,7 +84,7 @@ def test_links_are_where_the_robots_own_kinematics_have_them_and_weigh_the_same(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", LOOPS)
-def test_a_loop_of_any_type_is_a_joint_that_closes_it_where_the_links_stand(kind) -> None:
+def test_loop_of_any_type_is_a_joint_that_closes_it(kind):
     # The saved pose closes the loop, and mate zero does not.
     rng = np.random.default_rng(LOOPS.index(kind))
     rows = [
@@ -108,9 +106,9 @@ def test_a_loop_of_any_type_is_a_joint_that_closes_it_where_the_links_stand(kind
     last = read.joints[read.loops[0]]
     assert last.findtext("child") == "two"
     # The SDF stands at the saved pose.
-    found = read.poses({})
+    actual = read.poses({})
     for link in poses:
-        assert np.abs(found[link] - poses[link]).max() < TOLERANCE
+        assert np.abs(actual[link] - poses[link]).max() < TOLERANCE
     # As its parent has it, through the links between, and as its child has it, the frame is the robot's.
     first, second = read.ends(read.loops[0], {})
     assert np.abs(second - poses["two"] @ near).max() < TOLERANCE
@@ -131,11 +129,11 @@ def test_a_loop_of_any_type_is_a_joint_that_closes_it_where_the_links_stand(kind
     assert "one_joint_x (0.2)" in losses(robot)["I-SDF-ZERO"]
 
 
-def at_values(kind, values) -> dict:
+def at_values(kind, values):
     return {dof.name: value for dof, value in zip(joint(kind, "base", "end").dofs, values, strict=True)}
 
 
-def test_limits_and_mimics_count_from_where_the_links_stand() -> None:
+def test_limits_and_mimics_count_from_where_the_links_stand():
     limits = {"one_joint": Limits(-1, 2)}
     rows = [
         joint("revolute", "base", "one", [0.5], limits=limits, dynamics=Dynamics(0.1, 0.2, None, 3, 4)),
@@ -146,23 +144,22 @@ def test_limits_and_mimics_count_from_where_the_links_stand() -> None:
     poses = link_poses(robot, {"one_joint": 0.5, "two_joint": 0.7})
     shut = loop("revolute", "two", "base", np.eye(4), poses["two"], [0.0])
     read = Sdf(sdf(replace(robot, loops=(shut,))))
-    one, three = read.joints["one_joint"], read.joints["three_joint"]
+    one_joint, three = read.joints["one_joint"], read.joints["three_joint"]
     number = {
-        key: float(one.findtext(f"axis/limit/{key}")) for key in ("lower", "upper", "effort", "velocity")
+        key: float(one_joint.findtext(f"axis/limit/{key}"))
+        for key in ("lower", "upper", "effort", "velocity")
     }
     assert number == pytest.approx({"lower": -1.5, "upper": 1.5, "effort": 3, "velocity": 4})
-    assert [one.findtext(f"axis/dynamics/{key}") for key in ("damping", "friction")] == ["0.1", "0.2"]
+    assert [one_joint.findtext(f"axis/dynamics/{key}") for key in ("damping", "friction")] == ["0.1", "0.2"]
     mimic = three.find("axis/mimic")
     # three stays at its own zero, and is 2 · 0.5 + 0.5 where one stands.
     assert (mimic.get("joint"), mimic.findtext("multiplier"), mimic.findtext("offset")) == (
-        "one_joint",
-        "2",
-        "1.5",
-    )
+        "one_joint", "2", "1.5",
+    )  # fmt: skip
     assert "three_joint" in losses(robot)["I-SDF-MIMIC"]
 
 
-def test_names_are_unique_across_kinds_and_what_changes_is_reported() -> None:
+def test_names_are_unique_across_kinds():
     rows = [joint("revolute", "base", "arm", name="arm"), joint("fixed", "arm", "__tip__", name="a::b")]
     robot = robot_with(rows, frames=[Frame("arm", "base", frozen(at(1, 2, 3)), "Arm")])
     read = Sdf(sdf(robot))
@@ -175,7 +172,7 @@ def test_names_are_unique_across_kinds_and_what_changes_is_reported() -> None:
 
 
 @pytest.mark.parametrize("fixed", [True, False])
-def test_a_fixed_base_is_held_by_the_world_and_the_model_stands_where_the_scene_puts_it(fixed) -> None:
+def test_fixed_base_is_held_by_the_world(fixed):
     robot = robot_with([joint("revolute", "base", "arm")], fixed=fixed)
     read = Sdf(sdf(robot, scene={"pose": {"xyz": [1, 2, 3], "rpy": [0.1, 0.2, 0.3]}}))
     held = [node for node in read.joints.values() if node.findtext("parent") == "world"]
@@ -184,7 +181,7 @@ def test_a_fixed_base_is_held_by_the_world_and_the_model_stands_where_the_scene_
     assert np.abs(transform(read.top.findtext("pose")) - expected).max() < TOLERANCE
 
 
-def sensed() -> tuple[Robot, Geometry, dict]:
+def sensed():
     box = Primitive("box", (0.2, 0.1, 0.1), frozen(np.eye(4)))
     capsule = Primitive("capsule", (0.05, 0.2), frozen(at(0, 0, 0.1)))
     robot = robot_with(
@@ -195,7 +192,7 @@ def sensed() -> tuple[Robot, Geometry, dict]:
         shapes={"arm": (box,), "hand": (capsule,)},
         frames=[Frame("eye", "hand", frozen(at(0, 0, 0.2)), "Eye")],
     )
-    geometry = Geometry(tuple(one for link in robot.links for one in primitive_shapes(link)), {})
+    geometry = Geometry(tuple(shape for link in robot.links for shape in primitive_shapes(link)), {})
     sensors = {
         "imu": {"type": "imu", "frame": "arm", "noise": {"gyro": 0.01}},
         "wrist": {"type": "force_torque", "frame": "hand"},
@@ -207,45 +204,41 @@ def sensed() -> tuple[Robot, Geometry, dict]:
     return robot, geometry, {"sensors": sensors, "actuators": {"*": {"type": "motor"}}}
 
 
-def test_sensors_are_those_of_sdf_and_look_where_ours_do() -> None:
+def test_sensors_are_those_of_sdf_and_look_where_ours_do():
     robot, geometry, keys = sensed()
-    root = parse(exported(robot, geometry, **keys).files["robot.sdf"])
-    found = {node.get("name"): node for node in root.iter("sensor")}
-    types = {name: node.get("type") for name, node in found.items()}
+    root = parse(sdf_export(robot, geometry, **keys).files["robot.sdf"])
+    sensors = {node.get("name"): node for node in root.iter("sensor")}
+    types = {name: node.get("type") for name, node in sensors.items()}
     assert types == {
-        "imu": "imu",
-        "wrist": "force_torque",
-        "skin": "contact",
-        "range": "gpu_lidar",
-        "look": "camera",
-    }
-    assert found["imu"].findtext("imu/angular_velocity/z/noise/stddev") == "0.01"
-    assert found["wrist"].getparent().get("name") == "hand_joint"
-    assert found["skin"].findtext("contact/collision") == "collision_1"
-    assert found["range"].findtext("lidar/range/max") == "4"
+        "imu": "imu", "wrist": "force_torque", "skin": "contact", "range": "gpu_lidar", "look": "camera",
+    }  # fmt: skip
+    assert sensors["imu"].findtext("imu/angular_velocity/z/noise/stddev") == "0.01"
+    assert sensors["wrist"].getparent().get("name") == "hand_joint"
+    assert sensors["skin"].findtext("contact/collision") == "collision_1"
+    assert sensors["range"].findtext("lidar/range/max") == "4"
     # Both look along the z axis of the frame; the image's top is where −y is.
     for name, up in (("range", None), ("look", [0, -1, 0])):
-        turned = transform(found[name].findtext("pose"))
+        turned = transform(sensors[name].findtext("pose"))
         assert np.allclose(turned[:3, 0], [0, 0, 1])
         assert up is None or np.allclose(turned[:3, 2], up)
     wide = 2 * math.atan(math.tan(math.radians(30)) * 320 / 240)
-    assert float(found["look"].findtext("camera/horizontal_fov")) == pytest.approx(wide)
+    assert float(sensors["look"].findtext("camera/horizontal_fov")) == pytest.approx(wide)
     said = losses(robot, geometry, **keys)
     assert "joints_arm_joint_pos" in said["I-SDF-SENSOR"]
     assert "arm_joint" in said["I-SDF-ACTUATOR"]
     assert said["W-BALL-CONE"].endswith(": hand_joint")
 
 
-def test_sdformats_own_tool_accepts_what_is_written(tmp_path) -> None:
+def test_sdformats_own_tool_accepts_what_is_written(tmp_path):
     rng = np.random.default_rng(0)
     rows = [joint(kind, "base", f"{kind}_link", place=pose(rng)) for kind in EVERY]
     rows.append(joint("revolute", "base", "last", name="base"))
     shut = loop("planar", "ball_link", "revolute_link", pose(rng), pose(rng))
-    every = robot_with(
+    with_each_kind = robot_with(
         rows, loops=[shut], relations=[Relation("Gear", "base", "revolute_link_joint", 2.0, 0.0)]
     )
     robot, geometry, keys = sensed()
-    for text in (sdf(every), exported(robot, geometry, **keys).files["robot.sdf"]):
+    for text in (sdf(with_each_kind), sdf_export(robot, geometry, **keys).files["robot.sdf"]):
         path = tmp_path / "robot.sdf"
         path.write_bytes(text)
         assert ign_sdf(path) == ""

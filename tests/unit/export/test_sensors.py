@@ -4,7 +4,6 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -12,16 +11,16 @@ import pytest
 import yaml
 
 from linkwright.pipeline.config.plan import Plan
-from linkwright.stages.export import Exported, export
 from linkwright.stages.export.configuration.sensor_section import MEASURES, SensorSection
 from linkwright.stages.formats.xml import parse
 from linkwright.stages.mesh.collide.primitives import shapes as primitive_shapes
-from linkwright.stages.robot.errors import ConfigError, ExportError
+from linkwright.stages.robot.errors import ExportError
 from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.robot.model.poses import from_parts, turn
-from linkwright.stages.robot.model.robot import Array, Frame, Limits, Primitive, Robot, Sensor, frozen
+from linkwright.stages.robot.model.robot import Frame, Limits, Primitive, Sensor, frozen
 from linkwright.stages.validate import validate
 from tests.support.building import NO_MESHES, plan_of, write
+from tests.support.exports import compiled, exported
 from tests.support.robots import at, joint, loop, pose, robot_with
 
 GRAVITY = 9.81
@@ -33,7 +32,7 @@ TILT = pose(np.random.default_rng(1))
 PLACE = pose(np.random.default_rng(2))
 
 
-def arm(**more: Any) -> Robot:
+def arm(**more):
     """base – turn with limits – arm – fixed – hand, with the frame `mount` – ball – eye."""
     joints = [
         joint("revolute", "base", "arm", place=PLACE, limits={"arm_joint": Limits(-1.0, 1.0)}),
@@ -45,19 +44,16 @@ def arm(**more: Any) -> Robot:
     return robot_with(joints, frames=frames, shapes=box, **more)
 
 
-def solid(robot: Robot) -> Geometry:
-    return Geometry(tuple(one for link in robot.links for one in primitive_shapes(link)), {})
+def solid(robot):
+    return Geometry(tuple(shape for link in robot.links for shape in primitive_shapes(link)), {})
 
 
-def exported(robot: Robot, geometry: Geometry | None = None, **keys: object) -> Exported:
-    return export(robot, solid(robot) if geometry is None else geometry, plan_of(**keys))
+def measured(robot, **keys):
+    """The export of a robot with its colliders."""
+    return exported(robot, solid(robot), **keys)
 
 
-def compiled(robot: Robot, **keys: object) -> mujoco.MjModel:
-    return mujoco.MjModel.from_xml_string(exported(robot, **keys).files["robot.xml"].decode())
-
-
-def forward(model: mujoco.MjModel, **speeds: float) -> mujoco.MjData:
+def forward(model, **speeds):
     """The state at the keyframe `home` with these speeds of joints."""
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
@@ -67,26 +63,26 @@ def forward(model: mujoco.MjModel, **speeds: float) -> mujoco.MjData:
     return data
 
 
-def read(data: mujoco.MjData, name: str) -> Array:
+def read(data, name):
     return np.array(data.sensor(name).data)
 
 
-def site(data: mujoco.MjData, name: str) -> Array:
+def site(data, name):
     """world_from_site (4, 4)."""
-    found = data.site(name)
-    return from_parts(found.xmat.reshape(3, 3), found.xpos)
+    named = data.site(name)
+    return from_parts(named.xmat.reshape(3, 3), named.xpos)
 
 
-def problem(robot: Robot, sensors: dict[str, Any], **keys: object) -> tuple[str, str, str, str]:
+def problem(robot, sensors, **keys):
     with pytest.raises(ExportError) as error:
-        exported(robot, sensors=sensors, **keys)
+        measured(robot, sensors=sensors, **keys)
     (only,) = error.value.problems
     return only.code, only.where, only.message, only.hint
 
 
-def elements(found: Exported) -> list[str]:
+def elements(outcome):
     """The sites, cameras and sensors of a model that the bare robot does not have, as text."""
-    root = parse(found.files["robot.xml"])
+    root = parse(outcome.files["robot.xml"])
     sensors = [node for section in root.iterchildren("sensor") for node in section]
     nodes = [*(node for node in root.iter("site", "camera") if node.get("name") not in ("mount", "hand"))]
     return [
@@ -95,23 +91,23 @@ def elements(found: Exported) -> list[str]:
     ]
 
 
-def of_golden(keys: dict[str, Any]) -> Exported:
-    return exported(arm(), **({"actuators": {"arm_joint": {"type": "motor"}}} | keys))
+def of_golden(keys):
+    return measured(arm(), **({"actuators": {"arm_joint": {"type": "motor"}}} | keys))
 
 
 @pytest.mark.parametrize("title", GOLDEN)
-def test_each_option_comes_to_its_golden_and_compiles(title: str) -> None:
+def test_each_option_comes_to_its_golden_and_compiles(title):
     keys, expected = GOLDEN[title]["keys"], GOLDEN[title]["elements"]
-    found = of_golden(keys)
-    assert elements(found) == expected, "if this is meant: python -m tests.unit.export.test_sensors"
-    model = mujoco.MjModel.from_xml_string(found.files["robot.xml"].decode())
+    outcome = of_golden(keys)
+    assert elements(outcome) == expected, "if this is meant: python -m tests.unit.export.test_sensors"
+    model = compiled(outcome)
     assert [model.sensor(index).name for index in range(model.nsensor)] == [
         text.split("name=")[1].split()[0] for text in expected if not text.startswith(("site ", "camera "))
     ]
-    assert found.files["robot.urdf"] == of_golden({}).files["robot.urdf"]
+    assert outcome.files["robot.urdf"] == of_golden({}).files["robot.urdf"]
 
 
-def test_every_type_and_all_that_it_measures_and_every_option_has_a_golden() -> None:
+def test_types_measurements_and_options_have_goldens():
     entries = [
         (entry, GOLDEN[title]["elements"])
         for title in GOLDEN
@@ -120,13 +116,15 @@ def test_every_type_and_all_that_it_measures_and_every_option_has_a_golden() -> 
     for kind, measures in MEASURES.items():
         tags = {text.split()[0] for entry, texts in entries if entry["type"] == kind for text in texts}
         assert set(measures.values()) <= tags, kind
-    given = {key for entry, _ in entries for key in entry}
-    assert given == set(SensorSection.model_fields)
+    keys = {key for entry, _ in entries for key in entry}
+    assert keys == set(SensorSection.model_fields)
 
 
-def test_an_accelerometer_at_rest_reads_gravity_upwards_in_the_axes_of_the_frame() -> None:
+def test_accelerometer_at_rest_reads_gravity_upwards():
     model = compiled(
-        arm(), sensors={"imu": {"type": "imu", "frame": "mount", "xyz": [0.1, 0, 0], "rpy": [1, 2, 3]}}
+        measured(
+            arm(), sensors={"imu": {"type": "imu", "frame": "mount", "xyz": [0.1, 0, 0], "rpy": [1, 2, 3]}}
+        )
     )
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_EQUALITY
     model.dof_damping[:] = 1e9  # holds it still
@@ -143,9 +141,9 @@ def test_an_accelerometer_at_rest_reads_gravity_upwards_in_the_axes_of_the_frame
     np.testing.assert_allclose(rotated.reshape(3, 3), world_from_imu[:3, :3], atol=1e-12)
 
 
-def test_a_gyro_reads_the_speed_of_the_joint_about_its_axis_and_a_velocimeter_what_that_moves() -> None:
+def test_gyro_and_velocimeter_read_the_motion_of_a_joint():
     measure = ["gyro", "velocimeter", "magnetometer"]
-    model = compiled(arm(), sensors={"mount": {"type": "imu", "measure": measure}})
+    model = compiled(measured(arm(), sensors={"mount": {"type": "imu", "measure": measure}}))
     data = forward(model, arm_joint=0.7)
     axis, anchor = data.joint("arm_joint").xaxis, data.joint("arm_joint").xanchor
     world_from_mount = site(data, "mount")
@@ -157,10 +155,13 @@ def test_a_gyro_reads_the_speed_of_the_joint_about_its_axis_and_a_velocimeter_wh
     np.testing.assert_allclose(read(data, "mount_magnetometer"), turned.T @ model.opt.magnetic, atol=1e-12)
 
 
-def test_sensors_of_joints_read_their_values_and_of_a_ball_its_quaternion() -> None:
-    every = ["pos", "vel", "actuator_force", "limit_pos", "limit_vel", "limit_force"]
-    sensors = {"all": {"type": "joint", "measure": every}, "one": {"type": "joint", "joints": "arm_joint"}}
-    model = compiled(arm(), sensors=sensors, actuators={"*": "motor"})
+def test_sensors_of_joints_read_their_values():
+    quantities = ["pos", "vel", "actuator_force", "limit_pos", "limit_vel", "limit_force"]
+    sensors = {
+        "all": {"type": "joint", "measure": quantities},
+        "one": {"type": "joint", "joints": "arm_joint"},
+    }
+    model = compiled(measured(arm(), sensors=sensors, actuators={"*": "motor"}))
     data = forward(model)
     data.joint("arm_joint").qpos[0], data.joint("arm_joint").qvel[0] = 1.1, 0.4
     data.ctrl[0] = 0.3
@@ -177,45 +178,43 @@ def test_sensors_of_joints_read_their_values_and_of_a_ball_its_quaternion() -> N
     assert "all_eye_joint_limit_pos" not in names
 
 
-def test_an_encoder_and_a_force_sensor_of_an_actuator_by_glob() -> None:
+def test_an_encoder_and_a_force_sensor_of_an_actuator_by_glob():
     actuators = {"*": {"type": "position", "kp": 50, "kv": 3, "gear": 2, "encoder": True, "force": True}}
-    model = compiled(arm(), actuators=actuators)
+    model = compiled(measured(arm(), actuators=actuators))
     data = forward(model)
     data.joint("arm_joint").qpos[0], data.joint("arm_joint").qvel[0], data.ctrl[0] = 0.5, 0.2, 0.7
     mujoco.mj_forward(model, data)
     assert [model.sensor(index).name for index in range(3)] == [
-        "arm_joint_pos",
-        "arm_joint_vel",
-        "arm_joint_force",
-    ]
+        "arm_joint_pos", "arm_joint_vel", "arm_joint_force",
+    ]  # fmt: skip
     assert read(data, "arm_joint_pos") == pytest.approx(2 * 0.5)
     assert read(data, "arm_joint_vel") == pytest.approx(2 * 0.2)
     assert read(data, "arm_joint_force") == pytest.approx(50 * (0.7 - 1.0) - 3 * 0.4)
 
 
-def test_an_entry_that_only_measures_drives_nothing() -> None:
-    measured = exported(arm(), actuators={"*": {"encoder": True}}).written
-    assert measured.actuation == exported(arm()).written.actuation
+def test_an_entry_that_only_measures_drives_nothing():
+    written = measured(arm(), actuators={"*": {"encoder": True}}).written
+    assert written.actuation == measured(arm()).written.actuation
     code, where, message, hint = problem(arm(), {}, actuators={"arm*": {"force": True}})
     assert (code, where) == ("E-SENSOR", "actuators.arm*")
     assert message == "nothing drives 'arm*', so there is nothing to measure"
     assert "type" in hint
-    exported(arm(), actuators={"arm*": {"force": False}})
+    measured(arm(), actuators={"arm*": {"force": False}})
 
 
-def test_a_later_entry_takes_an_encoder_away_and_an_actuator_may_have_a_sensor_with_noise() -> None:
+def test_later_entry_takes_an_encoder_away():
     actuators = {"*": {"type": "motor", "encoder": True}, "arm_joint": {"encoder": False, "force": True}}
     sensors = {"drive": {"type": "actuator", "measure": ["force", "pos"], "noise": {"pos": 0.1, "*": 0.2}}}
-    model = compiled(arm(), actuators=actuators, sensors=sensors)
+    model = compiled(measured(arm(), actuators=actuators, sensors=sensors))
     names = [model.sensor(index).name for index in range(model.nsensor)]
     assert names == ["arm_joint_force", "drive_arm_joint_force", "drive_arm_joint_pos"]
     np.testing.assert_allclose(model.sensor_noise, [0, 0.2, 0.2])
 
 
-def test_force_and_torque_are_those_that_hold_the_link_though_it_is_on_a_fixed_joint() -> None:
+def test_force_and_torque_are_those_that_hold_the_link():
     """Its weight, and that of what hangs on it, about the frame; a fixed link has a body of its own then."""
     robot = arm()
-    model = compiled(robot, sensors={"load": {"type": "force_torque", "frame": "mount"}})
+    model = compiled(measured(robot, sensors={"load": {"type": "force_torque", "frame": "mount"}}))
     model.dof_armature[:] = 1e9
     data = forward(model)
     held = [model.body(name).id for name in ("hand", "eye")]
@@ -230,14 +229,14 @@ def test_force_and_torque_are_those_that_hold_the_link_though_it_is_on_a_fixed_j
     np.testing.assert_allclose(read(data, "load_torque"), turned @ torque, atol=1e-6)
 
 
-def test_a_force_sensor_of_the_source_keeps_its_body_too() -> None:
+def test_a_force_sensor_of_the_source_keeps_its_body_too():
     robot = replace(arm(), sensors=(Sensor("load", "force", "site", "mount"),))
-    model = compiled(robot)
+    model = compiled(measured(robot))
     assert model.body("hand").id > 0
-    assert mujoco.mj_name2id(compiled(arm()), mujoco.mjtObj.mjOBJ_BODY, "hand") == -1
+    assert mujoco.mj_name2id(compiled(measured(arm())), mujoco.mjtObj.mjOBJ_BODY, "hand") == -1
 
 
-def cube(touch: object, folder: Path) -> tuple[mujoco.MjModel, mujoco.MjData]:
+def cube(touch, folder):
     """A cube that lies on the ground, after a second."""
     box = Primitive("box", (0.1, 0.1, 0.1), frozen(at(0.2, 0, 0)))
     robot = robot_with(
@@ -261,17 +260,17 @@ def cube(touch: object, folder: Path) -> tuple[mujoco.MjModel, mujoco.MjData]:
 @pytest.mark.parametrize(
     "keys", ["touch", {"type": "touch", "size": [0.2, 0.2, 0.2]}, {"type": "touch", "size": 0.2}], ids=str
 )
-def test_touch_reads_the_weight_of_what_lies_on_the_ground_and_nothing_elsewhere(
-    keys: object, tmp_path: Path
-) -> None:
+def test_touch_reads_the_weight_on_the_ground(keys, tmp_path):
     model, data = cube(keys, tmp_path)
     assert read(data, "pad") == pytest.approx(model.body_subtreemass[1] * GRAVITY, rel=0.01)
     assert read(data, "far") == 0
 
 
-def test_the_zone_of_a_touch_sensor_is_the_box_around_the_colliders_in_the_axes_of_its_frame() -> None:
+def test_zone_of_a_touch_sensor_is_the_box_around_the_colliders():
     robot = arm()
-    model = compiled(robot, sensors={"pad": {"type": "touch", "frame": "mount", "rpy": [0.3, 0.2, 0.1]}})
+    model = compiled(
+        measured(robot, sensors={"pad": {"type": "touch", "frame": "mount", "rpy": [0.3, 0.2, 0.1]}})
+    )
     data = forward(model)
     corners = np.array([[x, y, z] for x in (-0.05, 0.05) for y in (-0.1, 0.1) for z in (-0.15, 0.15)])
     world_from_hand = from_parts(data.body("arm").xmat.reshape(3, 3), data.body("arm").xpos) @ TILT
@@ -281,7 +280,7 @@ def test_the_zone_of_a_touch_sensor_is_the_box_around_the_colliders_in_the_axes_
     np.testing.assert_allclose(model.site("pad").size, reach + 1e-3, atol=1e-4)
 
 
-def test_a_rangefinder_reads_how_far_the_ground_is_along_its_z_axis(tmp_path: Path) -> None:
+def test_rangefinder_reads_the_distance_of_the_ground(tmp_path):
     slope = 0.4
     robot = robot_with([joint("revolute", "base", "arm", place=at(0, 0, 0.8))])
     down = {"type": "rangefinder", "frame": "base", "xyz": [0, 0, 0.5], "rpy": [math.pi - slope, 0, 0]}
@@ -293,13 +292,13 @@ def test_a_rangefinder_reads_how_far_the_ground_is_along_its_z_axis(tmp_path: Pa
     assert read(data, "up") == -1
 
 
-def test_a_frame_is_measured_in_the_world_and_relative_to_another() -> None:
-    every = ["pos", "quat", "xaxis", "yaxis", "zaxis", "linvel", "angvel"]
+def test_frame_is_measured_in_the_world_or_in_another():
+    quantities = ["pos", "quat", "xaxis", "yaxis", "zaxis", "linvel", "angvel"]
     sensors = {
-        "alone": {"type": "frame", "frame": "mount", "measure": [*every, "linacc", "angacc"]},
-        "eye": {"type": "frame", "relative_to": "arm", "measure": every},
+        "alone": {"type": "frame", "frame": "mount", "measure": [*quantities, "linacc", "angacc"]},
+        "eye": {"type": "frame", "relative_to": "arm", "measure": quantities},
     }
-    model = compiled(arm(), sensors=sensors)
+    model = compiled(measured(arm(), sensors=sensors))
     data = forward(model, arm_joint=0.7)
     mount = site(data, "mount")
     arm_, eye = (
@@ -322,51 +321,49 @@ def test_a_frame_is_measured_in_the_world_and_relative_to_another() -> None:
     assert len(read(data, "alone_angacc")) == 3
 
 
-def test_a_camera_looks_along_z_and_says_where_in_its_image_a_frame_is() -> None:
+def test_camera_looks_along_z_and_projects_frames():
     camera = {"type": "camera", "frame": "mount", "rpy": [0.2, 0.1, 0], "fovy": 60, "resolution": [200, 100]}
     ahead = Frame("ahead", "hand", frozen(PLACE @ TILT @ turn_of(0.2, 0.1) @ at(0.3, 0.2, 2.0)), "")
     base = arm()
     robot = replace(base, frames=(*base.frames, ahead))
-    model = compiled(robot, sensors={"view": {**camera, "sees": ["ahead", "eye"]}})
-    assert model.camera("view").fovy[0] == 60
-    assert model.cam_resolution[0].tolist() == [200, 100]
+    model = compiled(measured(robot, sensors={"view": {**camera, "sees": ["ahead", "eye"]}}))
+    assert (model.camera("view").fovy[0], model.cam_resolution[0].tolist()) == (60, [200, 100])
     data = forward(model)
     focal = 100 / 2 / math.tan(math.radians(30))
     np.testing.assert_allclose(read(data, "view_ahead"), [100 + focal * 0.15, 50 + focal * 0.1], atol=1e-4)
     assert len(read(data, "view_eye")) == 2
 
 
-def turn_of(roll: float, pitch: float) -> Array:
+def turn_of(roll, pitch):
     """Roll, then pitch about fixed axes (4, 4)."""
     across, along = np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0])
     return from_parts(turn(across, pitch) @ turn(along, roll), np.zeros(3))
 
 
-def test_lengths_and_angles_take_their_unit() -> None:
+def test_lengths_and_angles_take_their_unit():
     mount = {"frame": "hand", "xyz": ["25 mm", 0, 0], "rpy": [0, 0, "90 deg"]}
     sensors = {
         "it": {"type": "touch", "size": "2 cm", **mount},
         "eye": {"type": "camera", "fovy": "1 rad", "frame": "hand"},
     }
-    model = compiled(arm(), sensors=sensors)
+    model = compiled(measured(arm(), sensors=sensors))
     assert model.site("it").size[0] == pytest.approx(0.02)
     assert model.camera("eye").fovy[0] == pytest.approx(math.degrees(1))
-    table = json.loads(exported(arm(), sensors=sensors).files["robot.json"])["sensor_sites"][0]
+    table = json.loads(measured(arm(), sensors=sensors).files["robot.json"])["sensor_sites"][0]
     assert table["pose"]["xyz"] == [0.025, 0, 0]
     np.testing.assert_allclose(table["pose"]["quat"], [math.sqrt(0.5), 0, 0, math.sqrt(0.5)], atol=1e-11)
 
 
-def test_noise_and_cutoff_of_lengths_and_angles_take_their_unit() -> None:
+def test_noise_and_cutoff_of_lengths_and_angles_take_their_unit():
     sensors = {
         "it": {"type": "rangefinder", "frame": "hand", "cutoff": "400 cm"},
         "arm": {"type": "joint", "joints": "arm_joint", "noise": {"pos": "1 deg"}},
     }
-    model = compiled(arm(), sensors=sensors)
+    model = compiled(measured(arm(), sensors=sensors))
     assert model.sensor("it").cutoff[0] == pytest.approx(4)
     assert model.sensor("arm_pos").noise[0] == pytest.approx(math.radians(1))
     tree = plan_of(sensors=sensors).tree()
-    assert tree["sensors"]["arm"]["noise"] == {"pos": "1 deg"}
-    assert Plan.parse(tree).tree() == tree
+    assert (tree["sensors"]["arm"]["noise"], Plan.parse(tree).tree()) == ({"pos": "1 deg"}, tree)
     sensors["arm"]["noise"] = {"pos": "1 mm"}
     code, where, message, hint = problem(arm(), sensors)
     assert (code, where) == ("E-SENSOR", "sensors.arm")
@@ -374,169 +371,61 @@ def test_noise_and_cutoff_of_lengths_and_angles_take_their_unit() -> None:
     assert "deg" in hint
 
 
-def test_noise_and_cutoff_are_in_the_model_and_a_cutoff_bounds_what_is_measured() -> None:
+def test_noise_and_cutoff_are_in_the_model():
     keys = {"type": "imu", "frame": "mount", "noise": {"*": 0.01, "accelerometer": 0.05}, "cutoff": 0.3}
-    model = compiled(arm(), sensors={"imu": keys})
+    model = compiled(measured(arm(), sensors={"imu": keys}))
     np.testing.assert_allclose(model.sensor_noise, [0.01, 0.05, 0.01])
     np.testing.assert_allclose(model.sensor_cutoff, [0.3, 0.3, 0])
     data = forward(model, arm_joint=10.0)
     assert np.abs(read(data, "imu_gyro")).max() == pytest.approx(0.3)
 
 
-def test_robot_json_lists_sensors_with_their_places_and_cameras() -> None:
+def test_robot_json_lists_sensors_with_their_places_and_cameras():
     sensors = {
         "imu": {"type": "imu", "frame": "hand", "measure": ["gyro"], "noise": 0.01},
         "pad": {"type": "touch", "frame": "hand", "size": 0.1},
         "view": {"type": "camera", "frame": "hand", "xyz": [0, 0, 0.1]},
     }
-    table = json.loads(exported(arm(), sensors=sensors).files["robot.json"])
+    table = json.loads(measured(arm(), sensors=sensors).files["robot.json"])
     on = {"kind": "site", "name": "hand"}
     expected = {
-        "name": "imu_gyro",
-        "type": "gyro",
-        "on": on,
-        "relative_to": None,
-        "noise": 0.01,
-        "cutoff": 0.0,
-    }
+        "name": "imu_gyro", "type": "gyro", "on": on, "relative_to": None, "noise": 0.01, "cutoff": 0.0,
+    }  # fmt: skip
     assert table["sensors"][0] == expected
     identity = {"xyz": [0.0, 0.0, 0.0], "quat": [1.0, 0.0, 0.0, 0.0]}
     assert table["sensor_sites"] == [
         {"name": "pad", "link": "hand", "pose": identity, "shape": "sphere", "size": [0.1]}
     ]
     assert table["cameras"][0]["pose"]["xyz"] == [0, 0, 0.1]
-    assert "sensors" not in json.loads(exported(arm()).files["robot.json"])
+    assert "sensors" not in json.loads(measured(arm()).files["robot.json"])
 
 
-def test_what_validates_knows_the_sensors_and_names_of_sites_are_free(tmp_path: Path) -> None:
+def test_checks_pass_with_sensors_and_sites_have_free_names(tmp_path):
     base = arm()
     closed = loop("ball", "arm", "base", np.eye(4), PLACE, name="close")
     robot = robot_with(base.joints[:1], loops=(closed,))
     plan = plan_of(sensors={"close_a": {"type": "imu", "frame": "arm"}, "base": "imu"})
-    found = write(robot, tmp_path, plan)
+    outcome = write(robot, tmp_path, plan)
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
     names = [model.site(index).name for index in range(model.nsite)]
     assert len(set(names)) == len(names) == 4
-    checks = validate(tmp_path, found.written, plan)
+    checks = validate(tmp_path, outcome.written, plan)
     assert [check.name for check in checks if check.fails] == []
 
 
-@pytest.mark.parametrize(
-    ("sensors", "code", "where", "words"),
-    [
-        ({"imu": "imu"}, "E-FRAME", "sensors.imu.frame", ("no frame or link 'imu'", "mount")),
-        (
-            {"i": {"type": "imu", "frame": "mont"}},
-            "E-FRAME",
-            "sensors.i.frame",
-            ("'mont'", "did you mean mount?", "hand"),
-        ),
-        (
-            {"hand": {"type": "frame", "relative_to": "bse"}},
-            "E-FRAME",
-            "sensors.hand.relative_to",
-            ("'bse'", "did you mean base?"),
-        ),
-        (
-            {"hand": {"type": "camera", "sees": ["ey"]}},
-            "E-FRAME",
-            "sensors.hand.sees",
-            ("'ey'", "did you mean eye?"),
-        ),
-        (
-            {"j": {"type": "joint", "joints": "arm_jont"}},
-            "E-GLOB",
-            "sensors.j.joints",
-            ("did you mean arm_joint?", "eye_joint"),
-        ),
-        (
-            {"a": {"type": "actuator", "actuators": "x*"}},
-            "E-GLOB",
-            "sensors.a.actuators",
-            ("no actuator matches 'x*'", "none"),
-        ),
-        (
-            {"j": {"type": "joint", "joints": "eye_joint", "measure": ["limit_pos"]}},
-            "E-SENSOR",
-            "sensors.j.joints",
-            ("eye_joint is a ball", "leave limit_pos out"),
-        ),
-        ({"eye": "touch"}, "E-SENSOR", "sensors.eye", ("eye has no collider", "size")),
-        (
-            {"overview": {"type": "camera", "frame": "hand"}},
-            "E-SENSOR",
-            "sensors.overview",
-            ("already", "another name"),
-        ),
-        ({"né": {"type": "imu", "frame": "hand"}}, "E-SENSOR", "sensors.né", ("invalid name", "ne")),
-        (
-            {
-                "a": {"type": "joint", "joints": "arm_joint"},
-                "a_pos": {"type": "rangefinder", "frame": "hand"},
-            },
-            "E-SENSOR",
-            "sensors.a_pos",
-            ("'a_pos' is there already, from sensors.a",),
-        ),
-    ],
-    ids=lambda value: str(value)[:40],
-)  # fmt: skip
-def test_what_does_not_exist_or_cannot_be_measured_is_named(
-    sensors: dict[str, Any], code: str, where: str, words: tuple[str, ...]
-) -> None:
-    found = problem(arm(), sensors)
-    assert found[:2] == (code, where)
-    for word in words:
-        assert word in f"{found[2]} {found[3]}"
-
-
-def test_a_sensor_of_the_source_keeps_its_name() -> None:
+def test_a_sensor_of_the_source_keeps_its_name():
     robot = replace(arm(), sensors=(Sensor("arm_joint_pos", "jointpos", "joint", "arm_joint"),))
     actuators = {"arm_joint": {"type": "motor", "encoder": True}}
     code, where, message, _ = problem(robot, {}, actuators=actuators)
     assert (code, where) == ("E-SENSOR", "actuators.arm_joint.encoder")
     assert "'arm_joint_pos' is there already, from the source" in message
-    model = compiled(robot, sensors={"imu": {"type": "imu", "frame": "mount"}})
+    model = compiled(measured(robot, sensors={"imu": {"type": "imu", "frame": "mount"}}))
     assert [model.sensor(index).name for index in range(2)] == ["arm_joint_pos", "imu_gyro"]
-
-
-@pytest.mark.parametrize(
-    ("keys", "words"),
-    [
-        ({}, "type"),
-        ({"type": "sonar"}, "rangefinder"),
-        (
-            {"type": "imu", "joints": "*"},
-            "type imu takes frame, xyz, rpy, measure, noise, cutoff; not joints",
-        ),
-        (
-            {"type": "imu", "measure": ["gyr"]},
-            "type imu measures gyro, accelerometer, quat, velocimeter, magnetometer; not gyr",
-        ),
-        ({"type": "imu", "measure": []}, "measure must name something"),
-        ({"type": "joint", "measure": ["pos", "pos"]}, "measure must name each thing once"),
-        ({"type": "frame", "relative_to": "base", "measure": ["linacc"]}, "exclude relative_to"),
-        ({"type": "imu", "noise": {"acc": 1}}, "noise names acc, but measured are gyro, accelerometer, quat"),
-        ({"type": "imu", "cutoff": {"quat": 1}}, "cutoff does not go with quat"),
-        ({"type": "imu", "noise": -1}, "must be 0 or above"),
-        ({"type": "imu", "noise": "1 deg"}, "noise: gyro is no angle, as '1 deg' is"),
-        ({"type": "rangefinder", "cutoff": "1 deg"}, "distance is no angle"),
-        ({"type": "rangefinder", "cutoff": "1 stone"}, "'stone' is unknown"),
-        ({"type": "touch", "size": [1, 2]}, "radius of a ball"),
-        ({"type": "touch", "size": 0}, "greater than 0"),
-        ({"type": "camera", "fovy": 180}, "less than 180"),
-    ],
-    ids=str,
-)  # fmt: skip
-def test_a_bad_value_is_refused_with_what_is_allowed(keys: dict[str, Any], words: str) -> None:
-    with pytest.raises(ConfigError) as error:
-        Plan.parse({"name": "r", "source": {"kind": "sample"}, "sensors": {"it": keys}})
-    assert words in str(error.value) + str(getattr(error.value, "problems", ""))
 
 
 if __name__ == "__main__":
     made = {
-        title: {"keys": one["keys"], "elements": elements(of_golden(one["keys"]))}
-        for title, one in GOLDEN.items()
+        title: {"keys": golden["keys"], "elements": elements(of_golden(golden["keys"]))}
+        for title, golden in GOLDEN.items()
     }
     FILE.write_text(yaml.safe_dump(made, sort_keys=False, width=200), encoding="utf-8")

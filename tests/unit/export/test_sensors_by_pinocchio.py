@@ -3,24 +3,23 @@
 import mujoco
 import numpy as np
 
-from linkwright.stages.export import export
-from tests.fake_onshape.sample import sample_document
-from tests.support.building import NO_MESHES, plan_of, robot_of
+from tests.support.building import sample_robot
+from tests.support.exports import compiled, exported
 from tests.support.pinocchio import pin
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 
 
-def test_imus_and_frames_on_the_moving_sample_agree_with_pinocchio() -> None:
-    robot = robot_of(sample_document())
-    places = [*(one.name for one in robot.links), *(one.name for one in robot.frames)]
+def test_imus_and_frames_of_the_sample_agree_with_pinocchio():
+    robot = sample_robot()
+    places = [*(link.name for link in robot.links), *(frame.name for frame in robot.frames)]
     imu = {"type": "imu", "measure": ["gyro", "velocimeter", "accelerometer", "quat"]}
     frame = {"type": "frame", "measure": ["pos", "linvel", "angvel"]}
     sensors = {f"i_{name}": {**imu, "frame": name} for name in places}
     sensors |= {f"f_{name}": {**frame, "frame": name} for name in places}
-    found = export(robot, NO_MESHES, plan_of(sensors=sensors, scene={"pose": {"xyz": [0, 0, 0]}}))
-    model = mujoco.MjModel.from_xml_string(found.files["robot.xml"].decode())
-    other = pin.buildModelFromXML(found.files["robot.urdf"].decode())
+    outcome = exported(robot, sensors=sensors, scene={"pose": {"xyz": [0, 0, 0]}})
+    model = compiled(outcome)
+    other = pin.buildModelFromXML(outcome.files["robot.urdf"].decode())
     state = other.createData()
     data = mujoco.MjData(model)
     rng = np.random.default_rng(4)
@@ -54,6 +53,6 @@ def test_imus_and_frames_on_the_moving_sample_agree_with_pinocchio() -> None:
             same(data.sensor(f"f_{name}_angvel").data, seen.angular)
 
 
-def same(found: np.ndarray, expected: np.ndarray) -> None:
+def same(actual, expected):
     """To 1e-9 of what is large: the qacc of both may be hundreds."""
-    assert np.abs(found - expected).max() <= 1e-9 * max(1.0, np.abs(expected).max())
+    assert np.abs(actual - expected).max() <= 1e-9 * max(1.0, np.abs(expected).max())

@@ -2,16 +2,13 @@
 stands."""
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
 
 from linkwright.stages.export import export
 from linkwright.stages.export.actuators.actuate import actuate
-from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.model.actuation import Actuation
-from linkwright.stages.robot.model.robot import Dynamics, Limits, Robot
+from linkwright.stages.robot.model.robot import Dynamics, Limits
 from linkwright.stages.robot.motion.couplings import Couplings
 from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.robot.motion.loops import gap
@@ -19,11 +16,12 @@ from linkwright.stages.robot.motion.pose_batch import chosen
 from linkwright.stages.robot.motion.pose_samples import sampled_poses
 from linkwright.stages.robot.motion.start_pose import saved
 from tests.support.building import NO_MESHES, plan_of
+from tests.support.exports import exported, messages_of
+from tests.support.pendulums import ACROSS, ARM, GRAVITY, lump, pendulum
 from tests.support.robots import at, joint, loop, robot_with
-from tests.unit.export.test_actuators import ACROSS, ARM, GRAVITY, exported, lump, pendulum
 
 LENGTH = 0.5
-"""Of the bar [m]."""
+"""The length of the bar [m]."""
 
 ALONG_X = np.array([[0.0, 0, 1, 0], [0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1]])
 """A frame whose z axis is the world's x."""
@@ -32,10 +30,10 @@ ABOUT_Y = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 """A frame whose z axis is across x and z."""
 
 MASS = 25.0
-"""Of all that moves [kg]: a block, the bar, and a table."""
+"""The mass of all that moves [kg]: a block, the bar, and a table."""
 
 
-def lift(x: float, low: float = 0.1, high: float = LENGTH) -> Robot:
+def lift(x, low=0.1, high=LENGTH):
     """A bar whose foot slides along the ground (`drive`), saved at `x`, and whose head pushes a table up
     (`table`): at y = √(L² − x²) the drive bears x / y times the table, without end where the bar lies
     flat."""
@@ -43,17 +41,12 @@ def lift(x: float, low: float = 0.1, high: float = LENGTH) -> Robot:
     tilt = math.atan2(x, -y)
     joints = [
         joint(
-            "prismatic",
-            "base",
-            "block",
-            [x],
-            name="drive",
-            place=ALONG_X,
+            "prismatic", "base", "block", [x], name="drive", place=ALONG_X,
             limits={"drive": Limits(low, high)},
         ),
         joint("revolute", "block", "bar", [tilt], name="pivot", place=ABOUT_Y),
         joint("prismatic", "base", "table", [y], name="table"),
-    ]
+    ]  # fmt: skip
     turned = np.linalg.inv(ABOUT_Y) @ ALONG_X @ ABOUT_Y
     angle = math.atan2(turned[1, 0], turned[0, 0]) + tilt
     end = loop("revolute", "bar", "table", at(LENGTH, 0, 0), ABOUT_Y, saved=[angle])
@@ -64,26 +57,24 @@ def lift(x: float, low: float = 0.1, high: float = LENGTH) -> Robot:
     return robot
 
 
-def driven(robot: Robot, timestep: float = 0.002, **entries: Any) -> tuple[Actuation, dict[str, Diagnostic]]:
-    found, remarks = actuate(robot, plan_of(actuators=entries).actuators, timestep, np.eye(4))
-    return found, {remark.code: remark for remark in remarks}
+def driven(robot, timestep=0.002, **entries):
+    drives, remarks = actuate(robot, plan_of(actuators=entries).actuators, timestep, np.eye(4))
+    return drives, {remark.code: remark for remark in remarks}
 
 
 @pytest.mark.parametrize("x", [0.3, 0.49, LENGTH - 1e-5, LENGTH - 1e-9])
-def test_a_lift_that_may_lie_flat_has_a_servo_and_an_armature_of_its_size(x: float) -> None:
+def test_lift_that_may_be_flat_has_a_servo_of_its_size(x):
     """Where it lies flat, the load and the inertia on its drive have no end."""
-    found, _ = driven(lift(x), drive="position")
-    (servo,) = found.actuators
-    (armature,) = found.armatures
-    assert servo.load is not None
-    assert servo.kp is not None
+    drives, _ = driven(lift(x), drive="position")
+    (servo,) = drives.actuators
+    (armature,) = drives.armatures
     assert 200 < servo.load <= 10 * MASS * GRAVITY
     assert armature.value <= MASS
     assert servo.kp * servo.gear**2 <= MASS * (0.2 / 0.002) ** 2
     assert abs(servo.home - x) < 0.02
 
 
-def test_poses_near_the_flat_one_are_left_out_and_named() -> None:
+def test_poses_near_the_flat_one_are_left_out_and_named():
     _, remarks = driven(lift(LENGTH - 1e-5), drive="position")
     remark = remarks["I-SINGULAR"]
     assert "drive from 0." in remark.message
@@ -92,7 +83,7 @@ def test_poses_near_the_flat_one_are_left_out_and_named() -> None:
     assert "I-SINGULAR" not in remarks
 
 
-def test_a_pose_is_near_a_singular_one_where_the_bar_is_nearly_flat() -> None:
+def test_pose_with_a_nearly_flat_bar_is_near_singular():
     robot = lift(0.4999)
     poses = sampled_poses(robot, 64, 0.5, saved(robot))
     near = Couplings(robot, poses).near_singular(["drive"])["drive"]
@@ -105,35 +96,35 @@ def test_a_pose_is_near_a_singular_one_where_the_bar_is_nearly_flat() -> None:
     assert not Couplings(robot, away).near_singular(["table"])["table"].any()
 
 
-def test_a_servo_for_which_the_time_step_is_too_long_is_softer_and_the_one_that_would_do_is_told() -> None:
+def test_servo_is_softer_where_the_time_step_is_too_long():
     """A pendulum so short that its weight asks for a servo that is fast for the step."""
     swing = joint("revolute", "base", "arm", [0.0], place=ACROSS, limits={"arm_joint": Limits(-1, 1)})
     small = robot_with([swing], inertials={"arm": lump(1.0, 0.005, 0, 0)})
     inertia = 0.005**2 + 1e-4
-    found, remarks = driven(small, timestep=0.01, **{"*": "position"})
-    (servo,), (armature,) = found.actuators, found.armatures
+    drives, remarks = driven(small, timestep=0.01, **{"*": "position"})
+    (servo,), (armature,) = drives.actuators, drives.armatures
     assert armature.value <= inertia * 1.01
     assert servo.kp == pytest.approx(inertia * (0.4 / 0.01) ** 2, rel=0.01)
     remark = remarks["W-ACTUATOR-STEP"]
     assert "arm_joint (kp " in remark.message
     step = float(remark.hint.split("timestep: ")[1].split("}")[0])
     assert step < 0.01
-    found, remarks = driven(small, timestep=step, **{"*": "position"})
+    drives, remarks = driven(small, timestep=step, **{"*": "position"})
     assert "W-ACTUATOR-STEP" not in remarks
-    assert found.actuators[0].kp == pytest.approx(2 * 0.005 * GRAVITY / 0.01, rel=0.01)
+    assert drives.actuators[0].kp == pytest.approx(2 * 0.005 * GRAVITY / 0.01, rel=0.01)
 
 
-def test_a_stiffness_that_is_given_stays_and_gets_no_more_armature_than_the_dof_moves() -> None:
-    found, remarks = driven(pendulum(), **{"*": {"type": "position", "kp": 5e5}})
-    (armature,) = found.armatures
-    assert found.actuators[0].kp == 5e5
+def test_given_stiffness_stays_with_a_bounded_armature():
+    drives, remarks = driven(pendulum(), **{"*": {"type": "position", "kp": 5e5}})
+    (armature,) = drives.armatures
+    assert drives.actuators[0].kp == 5e5
     assert armature.value == pytest.approx(2.0 * (ARM**2 + 1e-4), rel=0.01)
     assert "arm_joint (kp 5e+05; 0.0002 s is short enough for 5e+05)" in remarks["W-ACTUATOR-STEP"].message
     _, remarks = driven(pendulum(armature=0.01), **{"*": {"type": "position", "kp": 5e5}})
     assert "W-ACTUATOR-STEP" not in remarks
 
 
-def test_an_armature_larger_than_what_the_joint_moves_at_home_is_a_warning() -> None:
+def test_armature_above_the_inertia_at_home_is_a_warning():
     """Two turns one on the other: folded at home the first moves little, stretched four times as much."""
     limits = {"fold": Limits(-3.1, 3.1), "swing": Limits(-1.0, 1.0)}
     rows = [
@@ -146,7 +137,7 @@ def test_an_armature_larger_than_what_the_joint_moves_at_home_is_a_warning() -> 
     assert "swing" not in remarks["I-ARMATURE"].message
 
 
-def two_legs(**dynamics: float) -> Robot:
+def two_legs(**dynamics):
     legs = [
         joint(
             *("revolute", "base", name, [0.0]),
@@ -160,12 +151,11 @@ def two_legs(**dynamics: float) -> Robot:
     return robot_with(legs, fixed=False, inertials=inertials)
 
 
-def test_a_leg_carries_the_robot_where_its_foot_stands_and_is_as_soft_as_twice_that_asks() -> None:
-    found, _ = driven(two_legs(), **{"*": "position"})
-    for servo in found.actuators:
-        assert servo.load is not None
+def test_leg_carries_the_robot_on_its_foot():
+    drives, _ = driven(two_legs(), **{"*": "position"})
+    for servo in drives.actuators:
         assert servo.kp == pytest.approx(2 * servo.load / 0.1, rel=0.01)
-    (most, *_) = (armature.value for armature in found.armatures)
+    (most, *_) = (armature.value for armature in drives.armatures)
     hanging, standing = 0.5 * 0.4**2, 10.0 * 0.3**2
     assert hanging < standing
     assert most <= standing
@@ -173,7 +163,7 @@ def test_a_leg_carries_the_robot_where_its_foot_stands_and_is_as_soft_as_twice_t
     assert [servo.kp for servo in strong.actuators] == [200.0, 200.0]
 
 
-def test_one_number_for_turns_and_slides_is_an_error_unless_a_later_entry_gives_a_kind_its_own() -> None:
+def test_number_for_turns_and_slides_is_an_error():
     joints = [
         joint("prismatic", "base", "column", [0.1], name="lift"),
         joint("revolute", "column", "arm", [0.0], place=ACROSS),
@@ -184,13 +174,13 @@ def test_one_number_for_turns_and_slides_is_an_error_unless_a_later_entry_gives_
     assert (lift_servo.kp, turn.kp) == (4000, 100)
 
 
-def test_servos_that_a_plain_reset_moves_are_named() -> None:
-    found = exported(pendulum(), actuators={"*": "position"})
-    assert "I-RESET" not in [remark.code for remark in found.diagnostics]
+def test_servos_that_a_plain_reset_moves_are_named():
+    outcome = exported(pendulum(), actuators={"*": "position"})
+    assert not messages_of(outcome, "I-RESET")
     limits = {"arm_joint": Limits(0.4, 1.0)}
     raised = robot_with([joint("revolute", "base", "arm", [0.6], place=ACROSS, limits=limits)])
-    found = exported(raised, actuators={"*": "position"})
-    (remark,) = (remark for remark in found.diagnostics if remark.code == "I-RESET")
+    outcome = exported(raised, actuators={"*": "position"})
+    (remark,) = (remark for remark in outcome.diagnostics if remark.code == "I-RESET")
     assert "arm_joint (from 0.6 to 0.4)" in remark.message
     assert "mj_resetDataKeyframe" in remark.hint
     plan = plan_of(actuators={"*": "motor"})

@@ -1,47 +1,42 @@
-"""What is exported stays whole and finite: the least armature, and stiffness that the time step can hold."""
+"""Exported models stay whole and finite: the least armature, and stiffness that the time step can hold."""
 
 import json
 import re
-from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
 
-from linkwright.stages.export import Exported, export
-from linkwright.stages.export.mjcf.loops import held
-from linkwright.stages.export.stability.steadied import steadied
+from linkwright.stages.export.mjcf.loops import stable_solref
+from linkwright.stages.export.stability.armatures import with_armatures
 from linkwright.stages.mujoco.trial import Trial, trial_run
 from linkwright.stages.robot.dynamics.driven import as_driven
 from linkwright.stages.robot.model.actuation import Actuation, Armature
-from linkwright.stages.robot.model.robot import Dynamics, Robot
+from linkwright.stages.robot.model.robot import Dynamics
 from linkwright.stages.validate import validate
-from tests.support.building import NO_MESHES, plan_of, robot_of, write
+from tests.support.building import plan_of, robot_of, write
 from tests.support.cases import mostly_slow
 from tests.support.checked import checked
+from tests.support.exports import compiled, exported, messages_of
 from tests.support.hands import hand
-from tests.support.kit import Kit, four_bar
+from tests.support.kit import four_bar
 from tests.support.robots import joint, loop, robot_with
 
 TILTED = {"pose": {"rpy": [0.5, 0.4, 0]}}
 
 
-def exported(robot: Robot, **keys: object) -> Exported:
-    return export(robot, NO_MESHES, plan_of(**{"scene": TILTED, **keys}))
+def tilted(robot, **keys):
+    return exported(robot, **{"scene": TILTED, **keys})
 
 
-def compiled(found: Exported) -> mujoco.MjModel:
-    return mujoco.MjModel.from_xml_string(found.files["robot.xml"].decode())
-
-
-def bare(model: mujoco.MjModel) -> mujoco.MjModel:
+def bare(model):
     """The same model without armature."""
     model.dof_armature[:] = 0
     mujoco.mj_setConst(model, mujoco.MjData(model))
     return model
 
 
-def opening(model: mujoco.MjModel, seconds: float) -> float:
+def opening(model, seconds):
     """The largest distance [m] between two sites that an equality connects, in a simulation from home; NaN if
     a number is none. Measured by the sites' places, at every step."""
     data = mujoco.MjData(model)
@@ -66,88 +61,79 @@ HANDS = [(seed, kind) for seed in range(6) for kind in ("revolute", "ball")]
 
 @unstable_hands
 @pytest.mark.parametrize(("seed", "kind"), mostly_slow(HANDS, 2))
-def test_a_hand_of_light_links_gets_the_least_armature_that_holds(seed: int, kind: str) -> None:
+def test_hand_of_light_links_gets_the_least_armature(seed, kind):
     robot = hand(seed, fingers=2 if seed == 0 else 4, closing=kind)
-    found = exported(robot)
-    model = compiled(found)
+    outcome = tilted(robot)
+    model = compiled(outcome)
     assert opening(model, 2.0) <= 1e-3
-    assert not opening(bare(compiled(found)), 2.0) <= 1e-3
-    assert found.written.actuation is not None
-    added = {one.dof: one.value for one in found.written.actuation.armatures}
+    assert not opening(bare(compiled(outcome)), 2.0) <= 1e-3
+    added = {armature.dof: armature.value for armature in outcome.written.actuation.armatures}
     assert max(added.values()) < 5e-4
-    (remark,) = (one for one in found.diagnostics if one.code == "W-ARMATURE")
+    (remark,) = messages_of(outcome, "W-ARMATURE")
     name, value = next(iter(added.items()))
-    assert f"{name} ({value:g})" in remark.message
+    assert f"{name} ({value:g})" in remark
     for dof in robot.dofs:
         assert model.dof_armature[model.joint(dof.name).dofadr[0]] == pytest.approx(added.get(dof.name, 0.0))
-    table = json.loads(found.files["robot.json"])
-    marked = [dof["name"] for one in table["joints"] for dof in one["dofs"] if "estimated" in dof]
+    table = json.loads(outcome.files["robot.json"])
+    marked = [dof["name"] for entry in table["joints"] for dof in entry["dofs"] if "estimated" in dof]
     assert sorted(marked) == sorted(added)
 
 
 @pytest.mark.parametrize(
     "dynamics", [Dynamics(damping=1e-3), Dynamics(friction=1e-3), Dynamics(armature=1e-4)]
 )
-def test_a_hand_that_holds_by_itself_gets_no_armature(dynamics: Dynamics) -> None:
-    found = exported(hand(0, dynamics=dynamics))
-    assert found.written.actuation is not None
-    assert found.written.actuation.armatures == ()
-    assert opening(compiled(found), 2.0) <= 1e-3
+def test_a_hand_that_holds_by_itself_gets_no_armature(dynamics):
+    outcome = tilted(hand(0, fingers=2, dynamics=dynamics))
+    assert outcome.written.actuation.armatures == ()
+    assert opening(compiled(outcome), 2.0) <= 1e-3
 
 
 @unstable_hands
-def test_where_it_is_taken_out_the_validation_names_the_joints_and_what_mends_it(tmp_path: Path) -> None:
+def test_trial_run_names_the_joints_that_lack_an_armature(tmp_path):
     robot, plan = hand(0, fingers=1), plan_of(scene=TILTED)
     exported = write(robot, tmp_path, plan)
     assert exported.written.actuation is not None
-    good = {one.name: one for one in validate(tmp_path, exported.written, plan)}
+    good = {check.name: check for check in validate(tmp_path, exported.written, plan)}
     assert good["scene.xml: trial run"].passed
     text = (tmp_path / "robot.xml").read_text()
     (tmp_path / "robot.xml").write_text(re.sub(r' armature="[^"]*"', "", text))
-    failed = [one for one in checked(tmp_path, robot, plan) if one.fails]
-    assert [one.name for one in failed] == ["scene.xml: trial run"]
+    failed = [check for check in checked(tmp_path, robot, plan) if check.fails]
+    assert [check.name for check in failed] == ["scene.xml: trial run"]
     first = failed[0].detail
     assert re.search("loop[01](_axis)? opened by|infinite", first)
     assert "f0" in first
     assert (
-        re.search(r"(armature|damping) would mend it: joints: \{f0\d_\w+_joint: ", first)
+        re.search(r"(armature|damping) would fix it: joints: \{f0\d_\w+_joint: ", first)
         or "timestep=" in first
     )
 
 
-def test_an_armature_that_is_given_stays_also_where_it_is_not_enough() -> None:
-    found = exported(hand(0, fingers=1, dynamics=Dynamics(armature=1e-9)))
-    assert found.written.actuation is not None
-    assert found.written.actuation.armatures == ()
-    assert set(compiled(found).dof_armature) == {1e-9}
+def test_given_armature_stays_even_if_it_is_too_small():
+    outcome = tilted(hand(0, fingers=1, dynamics=Dynamics(armature=1e-9)))
+    assert outcome.written.actuation.armatures == ()
+    assert set(compiled(outcome).dof_armature) == {1e-9}
 
 
-def test_the_same_hand_gives_the_same_bytes() -> None:
-    first, second = (exported(hand(0, fingers=1)).files for _ in range(2))
-    assert first == second
-
-
-def test_without_an_mjcf_there_is_no_trial_and_no_armature() -> None:
-    found = exported(hand(0), export={"urdf": {}})
-    assert found.written.actuation is not None
-    assert found.written.actuation.armatures == ()
+def test_without_an_mjcf_there_is_no_trial_and_no_armature():
+    outcome = tilted(hand(0, fingers=1), export={"urdf": {}})
+    assert outcome.written.actuation.armatures == ()
 
 
 @pytest.mark.parametrize("timestep", [0.001, 0.005, 0.01])
-def test_loops_and_relations_are_as_stiff_as_the_time_step_can_hold(kit: Kit, timestep: float) -> None:
+def test_loops_are_as_stiff_as_the_time_step_can_hold(kit, timestep):
     four_bar(kit)
     robot = robot_of(kit.document)
-    model = compiled(exported(robot, scene={"option": {"timestep": timestep}}))
+    model = compiled(tilted(robot, scene={"option": {"timestep": timestep}}))
     assert set(model.eq_solref[:, 0]) == {max(0.005, 2 * timestep)}
     assert opening(model, 2.0) <= 1e-3
 
 
-def test_a_stiffness_and_damping_stay_as_they_are_given() -> None:
-    assert held((-1000.0, -10.0), 0.01) == (-1000.0, -10.0)
-    assert held((0.05, 0.7), 0.01) == (0.05, 0.7)
+def test_a_stiffness_and_damping_stay_as_they_are_given():
+    assert stable_solref((-1000.0, -10.0), 0.01) == (-1000.0, -10.0)
+    assert stable_solref((0.05, 0.7), 0.01) == (0.05, 0.7)
 
 
-def test_a_carriers_dof_can_get_an_armature() -> None:
+def test_a_carriers_dof_can_get_an_armature():
     """With prismatic mates that close a loop: their dofs are joints of the MJCF, but not of the tree."""
     arms = [joint("revolute", "base", name, [0.0]) for name in ("one", "two")]
     slide = loop("prismatic", "one", "two", np.eye(4), np.eye(4), [0.0], name="rail")
@@ -156,48 +142,46 @@ def test_a_carriers_dof_can_get_an_armature() -> None:
     assert built.loops[0].dofs[0].dynamics.armature == 0.3
 
 
-def test_where_the_joint_that_fails_has_its_armature_the_others_get_one() -> None:
+def test_armature_goes_to_others_if_the_failing_joint_has_one():
     """A pendulum that hangs on a joint with an armature may throw that joint about."""
     arm = joint("revolute", "base", "arm", [0.0], dynamics=Dynamics(armature=1.0))
     robot = robot_with([arm, joint("revolute", "arm", "bob", [0.0]), joint("revolute", "base", "far", [0.0])])
     failed = arm.dofs[0].name
 
-    def run(_: Robot, actuation: Actuation, margin: float) -> Trial:
-        added = {one.dof: one.value for one in actuation.armatures}
+    def run(_, actuation, margin):
+        added = {armature.dof: armature.value for armature in actuation.armatures}
         return Trial("" if len(added) == 2 else "its speeds became infinite", margin, (failed,))
 
-    actuation, (remark,) = steadied(robot, Actuation(), run)
-    assert {one.dof for one in actuation.armatures} == {dof.name for dof in robot.dofs} - {failed}
+    actuation, (remark,) = with_armatures(robot, Actuation(), run)
+    assert {armature.dof for armature in actuation.armatures} == {dof.name for dof in robot.dofs} - {failed}
     assert remark.code == "W-ARMATURE"
 
 
-def test_where_no_armature_helps_none_is_added() -> None:
+def test_where_no_armature_helps_none_is_added():
     arm = joint("revolute", "base", "arm", [0.0])
-    tries: list[float] = []
+    tries = []
 
-    def run(_: Robot, actuation: Actuation, margin: float) -> Trial:
-        tries.append(sum(one.value for one in actuation.armatures))
+    def run(_, actuation, margin):
+        tries.append(sum(armature.value for armature in actuation.armatures))
         return Trial("its speeds became infinite", margin, (arm.dofs[0].name,))
 
-    assert steadied(robot_with([arm]), Actuation(), run) == (Actuation(), ())
+    assert with_armatures(robot_with([arm]), Actuation(), run) == (Actuation(), ())
     assert tries == sorted(set(tries))
 
 
 @unstable_hands
-def test_the_trial_run_names_the_joint_and_the_loop() -> None:
-    outcome = trial_run(bare(compiled(exported(hand(0, fingers=1, dynamics=Dynamics(armature=1e-9))))))
+def test_the_trial_run_names_the_joint_and_the_loop():
+    outcome = trial_run(bare(compiled(tilted(hand(0, fingers=1, dynamics=Dynamics(armature=1e-9))))))
     assert outcome.failed
     assert outcome.joints
     assert all(name.endswith("_joint") for name in outcome.joints)
     assert 0 < outcome.time <= 2.0
 
 
-def test_a_large_robot_runs_for_a_shorter_time() -> None:
+def test_a_large_robot_runs_for_a_shorter_time():
     chain, above = [], "base"
     for number in range(250):
         chain.append(joint("revolute", above, f"l{number}", [0.0]))
         above = f"l{number}"
-    model = mujoco.MjModel.from_xml_string(
-        export(robot_with(chain), NO_MESHES, plan_of()).files["robot.xml"].decode()
-    )
+    model = compiled(exported(robot_with(chain), export={"mjcf": {}}))
     assert trial_run(model).time == pytest.approx(2e-3 * int(1e7 / 250**2))

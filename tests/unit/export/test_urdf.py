@@ -16,7 +16,7 @@ from linkwright.stages.formats.xml import parse
 from linkwright.stages.mesh.collide.primitives import shapes as primitive_shapes
 from linkwright.stages.robot.dynamics.inertia import primitive_volume
 from linkwright.stages.robot.model.geometry import Geometry
-from linkwright.stages.robot.model.robot import Dynamics, Frame, Limits, Primitive, Relation, Robot, frozen
+from linkwright.stages.robot.model.robot import Dynamics, Frame, Limits, Primitive, Relation, frozen
 from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.validate.dynamics.mujoco_abilities import reads_mimic
 from tests.support.pinocchio import pin
@@ -24,25 +24,22 @@ from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_arou
 
 NO_SHAPES = Geometry((), {})
 SEVERAL = {
-    "cylindrical": ("slide", "turn"),
-    "planar": ("x", "y", "turn"),
-    "pin_slot": ("slide", "turn"),
-    "parallel": ("x", "y", "z", "turn"),
-    "ball": ("x", "y", "z"),
-}
+    "cylindrical": ("slide", "turn"), "planar": ("x", "y", "turn"), "pin_slot": ("slide", "turn"),
+    "parallel": ("x", "y", "z", "turn"), "ball": ("x", "y", "z"),
+}  # fmt: skip
 
 
-def urdf(robot: Robot, geometry: Geometry = NO_SHAPES) -> bytes:
+def urdf(robot, geometry=NO_SHAPES):
     return write_urdf(Written(robot, geometry=geometry))
 
 
-def losses(robot: Robot) -> dict[str, str]:
+def losses(robot):
     written = Written(robot)
-    found = of_format(Case("urdf", written, written.as_urdf.robot, "robot.urdf", None))
-    return {diagnostic.code: diagnostic.message for diagnostic in found}
+    diagnostics = of_format(Case("urdf", written, written.as_urdf.robot, "robot.urdf", None))
+    return {diagnostic.code: diagnostic.message for diagnostic in diagnostics}
 
 
-def scalars(robot: Robot, q: dict) -> dict[str, float]:
+def scalars(robot, q):
     """Values of the URDF's joints of one degree of freedom; a ball as x, y and z turns by scipy."""
     out = {}
     for dof in robot.dofs:
@@ -56,19 +53,19 @@ def scalars(robot: Robot, q: dict) -> dict[str, float]:
     return out
 
 
-def floats(robot: Robot, q: dict) -> dict[str, tuple[float, ...]]:
+def floats(robot, q):
     return {dof.name: q[dof.name] for dof in robot.dofs if dof.kind == "free"}
 
 
-def by_pinocchio(text: bytes, robot: Robot, q: dict) -> dict[str, np.ndarray]:
+def by_pinocchio(text, robot, q):
     model = pin.buildModelFromXML(text.decode())
     data = model.createData()
     values = pin.neutral(model)
     for name, value in scalars(robot, q).items():
-        found = model.joints[model.getJointId(name)]
-        assert found.nv == 1
-        given = [value] if found.nq == 1 else [math.cos(value), math.sin(value)]
-        values[found.idx_q : found.idx_q + found.nq] = given
+        turned = model.joints[model.getJointId(name)]
+        assert turned.nv == 1
+        coordinates = [value] if turned.nq == 1 else [math.cos(value), math.sin(value)]
+        values[turned.idx_q : turned.idx_q + turned.nq] = coordinates
     for name, (x, y, z, qw, qx, qy, qz) in floats(robot, q).items():
         start = model.joints[model.getJointId(name)].idx_q
         values[start : start + 7] = [x, y, z, qx, qy, qz, qw]
@@ -77,7 +74,7 @@ def by_pinocchio(text: bytes, robot: Robot, q: dict) -> dict[str, np.ndarray]:
     return {name: data.oMf[index].homogeneous for index, name in bodies}
 
 
-def by_mujoco(text: bytes, robot: Robot, q: dict) -> dict[str, np.ndarray]:
+def by_mujoco(text, robot, q):
     model = mujoco.MjModel.from_xml_string(text.decode())
     data = mujoco.MjData(model)
     for name, value in scalars(robot, q).items():
@@ -94,7 +91,7 @@ def by_mujoco(text: bytes, robot: Robot, q: dict) -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("root", ["base", "world"])
 @pytest.mark.parametrize("backwards", [False, True])
 @pytest.mark.parametrize("kind", EVERY)
-def test_links_are_where_the_robots_own_kinematics_have_them(kind, backwards, root) -> None:
+def test_links_are_where_the_robots_own_kinematics_have_them(kind, backwards, root):
     rng = np.random.default_rng(EVERY.index(kind))
     robot = robot_around(kind, rng, root, backwards)
     text = urdf(robot)
@@ -103,13 +100,13 @@ def test_links_are_where_the_robots_own_kinematics_have_them(kind, backwards, ro
         q = some_values(robot, rng)
         expected = link_poses(robot, q)
         for engine in engines:
-            found = engine(text, robot, q)
-            apart = {name: np.abs(found[name] - expected[name]).max() for name in expected if name != "world"}
+            poses = engine(text, robot, q)
+            apart = {name: np.abs(poses[name] - expected[name]).max() for name in expected if name != "world"}
             assert max(apart.values()) < 1e-12 * 8, (engine, apart)
 
 
 @pytest.mark.parametrize("fixed", [True, False])
-def test_the_mass_is_the_robots_and_what_is_between_is_next_to_nothing(fixed) -> None:
+def test_mass_is_the_robots_and_links_between_weigh_nothing(fixed):
     rng = np.random.default_rng(3)
     rows = [joint(kind, "base", f"{kind}_link", place=pose(rng)) for kind in LOOPS]
     robot = robot_with(rows, fixed=fixed)
@@ -126,7 +123,7 @@ def test_the_mass_is_the_robots_and_what_is_between_is_next_to_nothing(fixed) ->
     assert pin.computeTotalMass(there) == pytest.approx(total, abs=1e-10)
 
 
-def test_a_ball_moves_as_one_whatever_its_three_turns_are() -> None:
+def test_a_ball_moves_as_one_whatever_its_three_turns_are():
     # Kinetic energy of a spinning ball joint, by its angular velocity and by Pinocchio's Euler rates.
     rng = np.random.default_rng(4)
     robot = robot_with([joint("ball", "base", "arm", place=pose(rng))])
@@ -137,7 +134,7 @@ def test_a_ball_moves_as_one_whatever_its_three_turns_are() -> None:
     energy = pin.computeKineticEnergy(model, data, q, rates)
     step = 1e-6
 
-    def turned(t: float) -> np.ndarray:
+    def turned(t):
         return Rotation.from_euler("XYZ", angles + t * rates).as_matrix()
 
     spin = turned(0).T @ (turned(step) - turned(-step)) / (2 * step)
@@ -149,7 +146,7 @@ def test_a_ball_moves_as_one_whatever_its_three_turns_are() -> None:
 
 
 @pytest.mark.parametrize(("kind", "suffixes"), SEVERAL.items())
-def test_what_is_several_joints_is_reported_by_name_in_the_order_of_the_chain(kind, suffixes) -> None:
+def test_lowered_joints_are_reported_in_the_order_of_the_chain(kind, suffixes):
     message = losses(robot_with([joint(kind, "base", "arm")]))["I-URDF-LOWERED"]
     names = ", ".join(f"arm_joint_{suffix}" for suffix in suffixes)
     assert f"arm_joint ({kind}: {names})" in message
@@ -159,13 +156,11 @@ def test_what_is_several_joints_is_reported_by_name_in_the_order_of_the_chain(ki
         assert [part.child for part in item.joints] == [*item.between, "arm"]
 
 
-def test_names_that_are_made_up_take_no_other_ones() -> None:
+def test_names_that_are_made_up_take_no_other_ones():
     rows = [
-        joint("ball", "base", "hip", name="hip"),
-        joint("revolute", "base", "hip_1", name="hip_x"),
-        joint("cylindrical", "base", "rod", name="rod"),
-        joint("planar", "base", "puck", name="hip_1"),
-    ]
+        joint("ball", "base", "hip", name="hip"), joint("revolute", "base", "hip_1", name="hip_x"),
+        joint("cylindrical", "base", "rod", name="rod"), joint("planar", "base", "puck", name="hip_1"),
+    ]  # fmt: skip
     robot = robot_with(rows, frames=[Frame("hip_2", "base", frozen(np.eye(4)), "Hip")])
     ball, _, rod, puck = lower(robot)
     assert [part.name for part in ball.joints] == ["hip_x_2", "hip_y", "hip_z"]
@@ -179,7 +174,7 @@ def test_names_that_are_made_up_take_no_other_ones() -> None:
     assert "hip_2" in {node.get("name") for node in root.findall("link")}
 
 
-def test_limits_and_dynamics_are_each_dofs_own() -> None:
+def test_limits_and_dynamics_are_each_dofs_own():
     limits = {"arm_joint_x": Limits(-0.1, 0.2), "arm_joint_turn": Limits(None, 1.0)}
     dynamics = Dynamics(damping=0.5, effort=7, velocity=3)
     robot = robot_with([joint("planar", "base", "arm", limits=limits, dynamics=dynamics)])
@@ -194,17 +189,17 @@ def test_limits_and_dynamics_are_each_dofs_own() -> None:
     assert message.endswith("arm_joint_y: lower, upper; arm_joint_turn: lower")
 
 
-def test_what_urdf_cannot_express_is_reported() -> None:
+def test_what_urdf_cannot_express_is_reported():
     cone = joint("ball", "base", "arm", limits={"arm_joint": Limits(None, 0.5)})
-    found = losses(robot_with([cone, joint("ball", "arm", "hand"), joint("free", "base", "nut")]))
-    assert list(found) == ["I-URDF-LOWERED", "W-BALL-CONE", "I-URDF-FREE", "I-URDF-UNSET"]
-    assert found["W-BALL-CONE"].endswith(": arm_joint")
-    assert found["I-URDF-FREE"].endswith(": nut_joint")
-    assert found["I-URDF-UNSET"].endswith("arm_joint: effort, velocity; hand_joint: effort, velocity")
+    lost = losses(robot_with([cone, joint("ball", "arm", "hand"), joint("free", "base", "nut")]))
+    assert list(lost) == ["I-URDF-LOWERED", "W-BALL-CONE", "I-URDF-FREE", "I-URDF-UNSET"]
+    assert lost["W-BALL-CONE"].endswith(": arm_joint")
+    assert lost["I-URDF-FREE"].endswith(": nut_joint")
+    assert lost["I-URDF-UNSET"].endswith("arm_joint: effort, velocity; hand_joint: effort, velocity")
     assert losses(robot_with([joint("fixed", "base", "arm")])) == {}
 
 
-def test_a_relation_of_two_dofs_of_one_joint_is_a_mimic() -> None:
+def test_a_relation_of_two_dofs_of_one_joint_is_a_mimic():
     relation = Relation("Screw", "nut_joint_slide", "nut_joint_turn", 0.002, 0.1)
     robot = robot_with([joint("cylindrical", "base", "nut")], relations=[relation])
     nodes = {node.get("name"): node for node in parse(urdf(robot)).findall("joint")}
@@ -217,7 +212,7 @@ def test_a_relation_of_two_dofs_of_one_joint_is_a_mimic() -> None:
 
 
 @pytest.mark.parametrize("kind", LOOPS)
-def test_a_loop_of_any_type_is_a_frame_on_either_side(kind) -> None:
+def test_a_loop_of_any_type_is_a_frame_on_either_side(kind):
     rng = np.random.default_rng(6)
     near, far = pose(rng), pose(rng)
     rows = [
@@ -226,39 +221,34 @@ def test_a_loop_of_any_type_is_a_frame_on_either_side(kind) -> None:
     ]
     robot = robot_with(rows, loops=[loop(kind, "one", "two", near, far, name="shut")])
     q = some_values(robot, rng)
-    found, links = by_pinocchio(urdf(robot), robot, q), link_poses(robot, q)
-    assert np.abs(found["shut_a"] - links["one"] @ near).max() < 1e-11
-    assert np.abs(found["shut_b"] - links["two"] @ far).max() < 1e-11
+    poses, links = by_pinocchio(urdf(robot), robot, q), link_poses(robot, q)
+    assert np.abs(poses["shut_a"] - links["one"] @ near).max() < 1e-11
+    assert np.abs(poses["shut_b"] - links["two"] @ far).max() < 1e-11
     assert "shut" in losses(robot)["I-URDF-LOOP"]
 
 
-def test_a_root_called_world_has_no_inertial_and_is_mujocos_world() -> None:
+def test_root_called_world_is_mujocos_world():
     text = urdf(robot_with([joint("revolute", "world", "arm", place=at(1, 2, 3))], root="world"))
     assert len(parse(text).find("link[@name='world']")) == 0
     model = mujoco.MjModel.from_xml_string(text.decode())
     assert [model.body(index).name for index in range(model.nbody)] == ["world", "arm"]
 
 
-def test_a_free_body_of_the_world_stands_where_it_rests_in_mujoco() -> None:
+def test_free_body_of_the_world_is_where_it_rests():
     rng = np.random.default_rng(11)
     rows = [joint("free", "world", "nut", place=pose(rng)), joint("revolute", "nut", "arm", place=pose(rng))]
     robot = robot_with(rows, root="world")
-    expected, found = link_poses(robot), by_mujoco(urdf(robot), robot, {"arm_joint": 0.0, "nut_joint": ()})
-    assert max(np.abs(found[name] - expected[name]).max() for name in ("nut", "arm")) < 1e-11
+    expected, actual = link_poses(robot), by_mujoco(urdf(robot), robot, {"arm_joint": 0.0, "nut_joint": ()})
+    assert max(np.abs(actual[name] - expected[name]).max() for name in ("nut", "arm")) < 1e-11
 
 
 PLACE = pose(np.random.default_rng(8))
 RED = (1.0, 0.0, 0.0, 1.0)
-PRIMITIVES = {
-    "box": (0.1, 0.2, 0.3),
-    "sphere": (0.1,),
-    "cylinder": (0.1, 0.4),
-    "capsule": (0.1, 0.4),
-}
+PRIMITIVES = {"box": (0.1, 0.2, 0.3), "sphere": (0.1,), "cylinder": (0.1, 0.4), "capsule": (0.1, 0.4)}
 
 
 @pytest.mark.parametrize(("kind", "size"), PRIMITIVES.items())
-def test_a_primitive_is_seen_and_collides_where_it_is(kind, size) -> None:
+def test_a_primitive_is_seen_and_collides_where_it_is(kind, size):
     shape = Primitive(kind, size, frozen(PLACE), RED)
     robot = robot_with([joint("revolute", "base", "arm")], shapes={"arm": (shape,)})
     geometry = Geometry(tuple(primitive_shapes(robot.link("arm"))), {})
@@ -279,7 +269,7 @@ def test_a_primitive_is_seen_and_collides_where_it_is(kind, size) -> None:
     assert visual.ngeoms == len(tags)
 
 
-def assert_fills(model: mujoco.MjModel, shape: Primitive) -> None:
+def assert_fills(model, shape):
     """MuJoCo's rays from outside meet the surface where the primitive has it."""
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
@@ -292,7 +282,7 @@ def assert_fills(model: mujoco.MjModel, shape: Primitive) -> None:
         assert 2 - met == pytest.approx(radius_along(shape, direction), abs=1e-9)
 
 
-def radius_along(shape: Primitive, direction: np.ndarray) -> float:
+def radius_along(shape, direction):
     """How far the surface is from the middle of the shape in a direction, in closed form."""
     if shape.kind == "box":
         return float(np.min(np.array(shape.size) / 2 / np.abs(direction)))
@@ -307,7 +297,7 @@ def radius_along(shape: Primitive, direction: np.ndarray) -> float:
     return along * half + math.sqrt(radius**2 - half**2 * across**2)
 
 
-def test_a_primitive_that_is_only_seen_does_not_collide() -> None:
+def test_a_primitive_that_is_only_seen_does_not_collide():
     ghost = Primitive("box", (1.0, 1.0, 1.0), frozen(np.eye(4)), None, visual=True, collision=False)
     robot = robot_with([], shapes={"base": (ghost,)})
     text = urdf(robot, Geometry(tuple(primitive_shapes(robot.root)), {}))

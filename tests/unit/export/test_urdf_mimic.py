@@ -3,31 +3,30 @@
 import json
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
 
-from linkwright.stages.formats.urdf.as_written import form_with
+from linkwright.stages.formats.urdf.as_written import urdf_form
 from linkwright.stages.formats.written import Written
 from linkwright.stages.formats.xml import parse
-from linkwright.stages.robot.model.robot import Limits, Relation, Robot, frozen
+from linkwright.stages.robot.model.robot import Limits, Relation, frozen
 from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.robot.motion.loop_lines import linear_couplings
 from linkwright.stages.robot.motion.loops import gap
 from linkwright.stages.robot.motion.start_pose import home
 from linkwright.stages.validate.dynamics.mujoco_abilities import reads_mimic
 from tests.fake_onshape.frames import frame
-from tests.fake_onshape.sample import sample_document
-from tests.support.building import plan_of, robot_of, write
+from tests.support.building import plan_of, robot_of, sample_robot, write
 from tests.support.checked import checked
 from tests.support.engines import Mujoco, Pinocchio
+from tests.support.exports import messages_of
 from tests.support.kit import Kit, four_bar
 from tests.support.robots import at, joint, loop, robot_with
 
 
-def uneven(crank: float = 0.1, coupler: float = 0.24, rocker: float = 0.2, base: float = 0.25) -> Robot:
+def uneven(crank=0.1, coupler=0.24, rocker=0.2, base=0.25):
     """A four-bar of hinges about z whose rocker turns by no line, assembled by the law of cosines."""
     drive = 1.0
     tip = np.array([crank * np.cos(drive), crank * np.sin(drive)])
@@ -47,7 +46,7 @@ def uneven(crank: float = 0.1, coupler: float = 0.24, rocker: float = 0.2, base:
     return robot_with(rows, loops=[shut])
 
 
-def swing_of(drive: float, crank=0.1, coupler=0.24, rocker=0.2, base=0.25) -> float:
+def swing_of(drive, crank=0.1, coupler=0.24, rocker=0.2, base=0.25):
     """The rocker's angle in closed form, by Freudenstein's equation."""
     a = base - crank * np.cos(drive)
     b = -crank * np.sin(drive)
@@ -55,11 +54,13 @@ def swing_of(drive: float, crank=0.1, coupler=0.24, rocker=0.2, base=0.25) -> fl
     return float(np.arctan2(b, a) + np.arccos(c / np.hypot(a, b)))
 
 
-def sample() -> Robot:
-    return robot_of(sample_document())
+def parallelogram(**keys):
+    kit = Kit()
+    four_bar(kit, **keys)
+    return robot_of(kit.document)
 
 
-def mimics(text: bytes) -> dict[str, tuple[str, float, float]]:
+def mimics(text):
     return {
         node.getparent().get("name"): (
             node.get("joint"),
@@ -70,17 +71,18 @@ def mimics(text: bytes) -> dict[str, tuple[str, float, float]]:
     }
 
 
-def test_the_samples_parallelogram_is_minus_the_shoulder(tmp_path: Path) -> None:
-    robot = sample()
+def test_the_samples_parallelogram_is_minus_the_shoulder(tmp_path):
+    robot = sample_robot()
     exported = write(robot, tmp_path)
-    found = mimics(exported.files["robot.urdf"])
-    assert found["rod_lower_pivot"] == ("shoulder", -1.0, 0.0)
-    assert found["elbow_plate_pivot"] == ("shoulder", -1.0, 0.0)
+    couplings = mimics(exported.files["robot.urdf"])
+    assert couplings["rod_lower_pivot"] == ("shoulder", -1.0, 0.0)
+    assert couplings["elbow_plate_pivot"] == ("shoulder", -1.0, 0.0)
     table = json.loads(exported.files["robot.json"])
-    (shut,) = [one for one in table["loops"] if one["mimic"]]
+    (shut,) = [entry for entry in table["loops"] if entry["mimic"]]
     assert shut["name"] == "rod_upper_pivot"
-    one = table["couplings"][0]
-    assert (one["driver"], one["multiplier"], one["range"], one["error"]) == ("shoulder", -1, [-0.5, 1.1], 0)
+    coupling = table["couplings"][0]
+    assert (coupling["driver"], coupling["multiplier"]) == ("shoulder", -1)
+    assert (coupling["range"], coupling["error"]) == ([-0.5, 1.1], 0)
     assert not [
         check
         for check in checked(tmp_path, robot, plan_of(), urdf_form=exported.written.urdf_form)
@@ -89,11 +91,9 @@ def test_the_samples_parallelogram_is_minus_the_shoulder(tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("kind", ["sample", "kit"])
-def test_mimics_put_all_where_the_closed_loop_of_the_mjcf_does(kind: str, tmp_path: Path) -> None:
+def test_mimics_put_all_where_the_closed_loop_of_the_mjcf_does(kind, tmp_path):
     """MuJoCo's own solver closes the loop of the MJCF; Pinocchio reads the URDF, whose followers follow."""
-    kit = Kit()
-    four_bar(kit, limits=True)
-    robot = sample() if kind == "sample" else robot_of(kit.document)
+    robot = sample_robot() if kind == "sample" else parallelogram(limits=True)
     exported = write(robot, tmp_path)
     text = exported.files[f"{robot.name}.urdf"]
     follow = mimics(text)
@@ -105,12 +105,12 @@ def test_mimics_put_all_where_the_closed_loop_of_the_mjcf_does(kind: str, tmp_pa
         q = {dof.name: 0.0 for dof in robot.dofs} | {driver: float(value)}
         q |= {name: slope * q[by] + offset for name, (by, slope, offset) in follow.items()}
         expected = closed_by_mujoco(engine, q, list(follow))
-        found = pinocchio.poses(q)
+        actual = pinocchio.poses(q)
         for link in robot.links:
-            assert np.abs(found[link.name] - expected[link.name]).max() < 1e-9, (value, link.name)
+            assert np.abs(actual[link.name] - expected[link.name]).max() < 1e-9, (value, link.name)
 
 
-def closed_by_mujoco(engine: Mujoco, q: dict, followers: list[str]) -> dict[str, np.ndarray]:
+def closed_by_mujoco(engine, q, followers):
     """Poses with the equalities closed by Gauss-Newton steps on MuJoCo's own residuals, but for the
     followers all held, from beside where the mimics put these."""
     model, data = engine.model, engine.data
@@ -118,7 +118,7 @@ def closed_by_mujoco(engine: Mujoco, q: dict, followers: list[str]) -> dict[str,
     for name, value in q.items():
         beside = 1e-3 * (-1) ** followers.index(name) if name in followers else 0.0
         data.qpos[model.joint(name).qposadr[0]] = value + beside
-    others = [int(model.joint(name).dofadr[0]) for name in followers]
+    columns = [int(model.joint(name).dofadr[0]) for name in followers]
     for _ in range(20):
         mujoco.mj_fwdPosition(model, data)
         rows = data.efc_type[: data.nefc] == mujoco.mjtConstraint.mjCNSTR_EQUALITY
@@ -129,116 +129,103 @@ def closed_by_mujoco(engine: Mujoco, q: dict, followers: list[str]) -> dict[str,
             )
         else:
             dense = data.efc_J.reshape(data.nefc, model.nv)
-        step = np.linalg.lstsq(dense[rows][:, others], -data.efc_pos[: data.nefc][rows], rcond=1e-9)[0]
+        step = np.linalg.lstsq(dense[rows][:, columns], -data.efc_pos[: data.nefc][rows], rcond=1e-9)[0]
         speed = np.zeros(model.nv)
-        speed[others] = step
+        speed[columns] = step
         mujoco.mj_integratePos(model, data.qpos, speed, 1.0)
     mujoco.mj_kinematics(model, data)
-    found = {}
+    poses = {}
     for index in range(model.nbody):
         pose = np.eye(4)
         pose[:3, :3], pose[:3, 3] = data.xmat[index].reshape(3, 3), data.xpos[index]
-        found[model.body(index).name] = pose
-    return found
+        poses[model.body(index).name] = pose
+    return poses
 
 
-def test_mujoco_reads_the_mimics_of_the_urdf(tmp_path: Path) -> None:
+def test_mujoco_reads_the_mimics_of_the_urdf(tmp_path):
     if not reads_mimic():
         pytest.skip("this MuJoCo reads no <mimic>")
-    kit = Kit()
-    four_bar(kit)
-    write(robot_of(kit.document), tmp_path)
+    write(parallelogram(), tmp_path)
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.urdf"))
     assert sorted(model.eq_data[:, 1].tolist()) == [-1.0, -1.0]
 
 
-def test_what_is_not_linear_stays_open_with_the_best_line_and_its_error(tmp_path: Path) -> None:
+def test_nonlinear_coupling_has_the_best_line_and_its_error(tmp_path):
     robot = uneven()
-    found = {one.follower: one for one in linear_couplings(robot, home(robot))}
-    one = found["rocker_joint"]
-    assert not one.exact
-    assert one.driver == "crank_joint"
-    assert (one.low, one.high) == pytest.approx((0.4, 1.6))
+    couplings = {coupling.follower: coupling for coupling in linear_couplings(robot, home(robot))}
+    rocker = couplings["rocker_joint"]
+    assert not rocker.exact
+    assert rocker.driver == "crank_joint"
+    assert (rocker.low, rocker.high) == pytest.approx((0.4, 1.6))
     drives = np.linspace(0.4, 1.6, 65)
     swings = np.array([swing_of(drive) for drive in drives])
     slope, height = np.polyfit(drives, swings, 1)
-    assert (one.multiplier, one.offset) == pytest.approx((slope, height), abs=1e-9)
-    assert one.error == pytest.approx(np.abs(swings - slope * drives - height).max(), rel=1e-6)
+    assert (rocker.multiplier, rocker.offset) == pytest.approx((slope, height), abs=1e-9)
+    assert rocker.error == pytest.approx(np.abs(swings - slope * drives - height).max(), rel=1e-6)
     exported = write(robot, tmp_path)
     assert mimics(exported.files["robot.urdf"]) == {}
-    (told,) = [one.message for one in exported.diagnostics if one.code == "I-URDF-LOOP"]
-    assert re.search(r"rocker_joint = \S+ crank_joint \+ \S+, off by up to 0\.\d+", told)
+    (message,) = messages_of(exported, "I-URDF-LOOP")
+    assert re.search(r"rocker_joint = \S+ crank_joint \+ \S+, off by up to 0\.\d+", message)
     table = json.loads(exported.files["robot.json"])
-    assert [one["mimic"] for one in (*table["loops"], *table["couplings"])] == [False] * 3
+    assert [entry["mimic"] for entry in (*table["loops"], *table["couplings"])] == [False] * 3
 
 
-def test_a_line_that_is_off_by_a_millionth_is_not_exact() -> None:
-    kit = Kit()
-    four_bar(kit, limits=True)
-    robot = robot_of(kit.document)
+def test_a_line_that_is_off_by_a_millionth_is_not_exact():
+    robot = parallelogram(limits=True)
     (shut,) = robot.loops
     bent = shut.a_from_frame @ frame((1e-6, 0, 0))
     robot = replace(robot, loops=(replace(shut, a_from_frame=frozen(bent)),))
-    found = linear_couplings(robot, home(robot))
-    assert found
-    assert not any(one.exact for one in found)
-    assert all(1e-9 < one.error < 0.1 for one in found)
+    couplings = linear_couplings(robot, home(robot))
+    assert couplings
+    assert not any(coupling.exact for coupling in couplings)
+    assert all(1e-9 < coupling.error < 0.1 for coupling in couplings)
 
 
-def test_a_parallelogram_that_lies_flat_is_not_certified() -> None:
-    kit = Kit()
-    four_bar(kit, value=0.0)
-    robot = robot_of(kit.document)
+def test_a_parallelogram_that_lies_flat_is_not_certified():
+    robot = parallelogram(value=0.0)
     assert linear_couplings(robot, home(robot)) == ()
-    form = form_with(robot)
+    form = urdf_form(robot)
     assert (form.mimics, form.closed) == ((), ())
 
 
-def test_the_first_dof_drives_and_followers_of_followers_follow_it() -> None:
-    kit = Kit()
-    four_bar(kit, limits=True)
-    robot = robot_of(kit.document)
+def test_first_dof_drives_followers_of_followers():
+    robot = parallelogram(limits=True)
     names = sorted(dof.name for dof in robot.dofs)
     for first in names:
-        form = form_with(robot, first=[first])
-        assert {one.driver for one in form.mimics} == {first}
-        assert {one.follower for one in form.mimics} == set(names) - {first}
-        assert form.closed == tuple(one.name for one in robot.loops)
+        form = urdf_form(robot, preferred_drivers=[first])
+        assert {mimic.driver for mimic in form.mimics} == {first}
+        assert {mimic.follower for mimic in form.mimics} == set(names) - {first}
+        assert form.closed == tuple(loop.name for loop in robot.loops)
     wheel = joint("revolute", "base", "wheel")
     gear = Relation("gear", "wheel_joint", names[0], 2.0, 0.1)
     geared = replace(
-        robot,
-        links=(*robot.links, replace(robot.links[0], name="wheel", parts=())),
-        joints=(*robot.joints, wheel),
-        relations=(gear,),
-    )
-    form = form_with(geared, first=[names[1]])
-    line = next(one for one in form.mimics if one.follower == names[0])
+        robot, links=(*robot.links, replace(robot.links[0], name="wheel", parts=())),
+        joints=(*robot.joints, wheel), relations=(gear,),
+    )  # fmt: skip
+    form = urdf_form(geared, preferred_drivers=[names[1]])
+    line = next(mimic for mimic in form.mimics if mimic.follower == names[0])
     relation = next(
-        one for one in Written(geared, urdf_form=form).as_urdf.robot.relations if one.name == "gear"
+        row for row in Written(geared, urdf_form=form).as_urdf.robot.relations if row.name == "gear"
     )
-    assert relation.driver == names[1]
-    assert relation.multiplier == pytest.approx(2 * line.multiplier)
+    assert (relation.driver, relation.multiplier) == (names[1], pytest.approx(2 * line.multiplier))
     assert relation.offset == pytest.approx(2 * line.offset + 0.1)
 
 
-def test_certified_lines_close_the_loops_of_the_robots_own_kinematics() -> None:
-    robot = sample()
-    form = form_with(robot)
+def test_certified_lines_close_the_loops():
+    robot = sample_robot()
+    form = urdf_form(robot)
     for value in np.linspace(-0.5, 1.1, 9):
         q = dict(home(robot)) | {"shoulder": float(value)}
-        q |= {one.follower: one.multiplier * value + one.offset for one in form.mimics}
+        q |= {mimic.follower: mimic.multiplier * value + mimic.offset for mimic in form.mimics}
         poses = link_poses(robot, q)
-        assert max(gap(one, poses) for one in robot.loops if one.name in form.closed) < 1e-9
+        assert max(gap(loop, poses) for loop in robot.loops if loop.name in form.closed) < 1e-9
 
 
-def test_a_wrong_mimic_fails_the_check(tmp_path: Path) -> None:
-    kit = Kit()
-    four_bar(kit, limits=True)
-    robot = robot_of(kit.document)
+def test_a_wrong_mimic_fails_the_check(tmp_path):
+    robot = parallelogram(limits=True)
     exported = write(robot, tmp_path)
     first = exported.written.urdf_form.couplings[0]
     couplings = (replace(first, multiplier=1.1), *exported.written.urdf_form.couplings[1:])
     wrong = replace(exported.written.urdf_form, couplings=couplings)
-    failed = [one.name for one in checked(tmp_path, robot, plan_of(), urdf_form=wrong) if one.fails]
+    failed = [check.name for check in checked(tmp_path, robot, plan_of(), urdf_form=wrong) if check.fails]
     assert failed == ["robot.urdf: relations", "robot.urdf: loops"]

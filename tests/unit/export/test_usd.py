@@ -5,19 +5,12 @@ import json
 import math
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from linkwright.pipeline.run.preflight import plan_problems
-from linkwright.stages.export import export
-from linkwright.stages.formats.meshes.surface import Surface
-from linkwright.stages.mesh.collide.primitives import shapes as primitive_shapes
-from linkwright.stages.mesh.files.stl import write as write_stl
 from linkwright.stages.robot.dynamics.mass_matrix import mass_matrix
-from linkwright.stages.robot.model.geom_form import ContactProperties
-from linkwright.stages.robot.model.geometry import Exclude, Geometry, Shape
 from linkwright.stages.robot.model.poses import from_parts
 from linkwright.stages.robot.model.robot import (
     Actuator,
@@ -26,44 +19,45 @@ from linkwright.stages.robot.model.robot import (
     Inertial,
     Keyframe,
     Limits,
-    Primitive,
     Relation,
-    Robot,
     frozen,
 )
 from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.robot.motion.start_pose import home
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.engines import Pinocchio
+from tests.support.exports import exported
 from tests.support.places import PROJECT
 from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_around, robot_with, some_values
 from tests.support.usd import Usd, complaints, parsed, pxr, stage_of
 
+pytestmark = pytest.mark.usefixtures("no_thumbnails")
+
 TOLERANCE = 1e-5
-"""Of single precision, for robots of about a metre."""
+"""The tolerance of single precision, for robots of about a metre."""
 
 GROUND = {"ground": {"kind": "none"}}
 """Without one the robot's root is at the origin."""
 
 
-def exported(robot: Robot, geometry: Geometry = NO_MESHES, **keys):
+def usd_export(robot, geometry=NO_MESHES, **keys):
     assert pxr.Usd
     keys = {"export": {"usd": {}, "urdf": {}}} | GROUND | keys
-    return export(robot, geometry, plan_of(**keys))
+    return exported(robot, geometry, **keys)
 
 
-def read(folder: Path, robot: Robot, geometry: Geometry = NO_MESHES, **keys) -> Usd:
-    stage = stage_of(exported(robot, geometry, **keys).files, folder)
+def read(folder, robot, geometry=NO_MESHES, **keys):
+    stage = stage_of(usd_export(robot, geometry, **keys).files, folder)
     assert complaints(stage) == []
     return Usd(stage)
 
 
-def losses(robot: Robot, geometry: Geometry = NO_MESHES, **keys) -> dict[str, str]:
-    found = exported(robot, geometry, export={"usd": {}}, **keys).diagnostics
-    return {one.code: one.message for one in found if one.where == "robot.usda"}
+def losses(robot, geometry=NO_MESHES, **keys):
+    diagnostics = usd_export(robot, geometry, export={"usd": {}}, **keys).diagnostics
+    return {problem.code: problem.message for problem in diagnostics if problem.where == "robot.usda"}
 
 
-def simple(q: dict) -> dict:
+def simple(q):
     """The values of turns and slides: what engines know of the state of a USD. Every ball is at zero."""
     return {name: value for name, value in q.items() if not isinstance(value, tuple)}
 
@@ -71,21 +65,19 @@ def simple(q: dict) -> dict:
 @pytest.mark.parametrize("root", ["base", "world"])
 @pytest.mark.parametrize("backwards", [False, True])
 @pytest.mark.parametrize("kind", EVERY)
-def test_links_are_where_the_robots_own_kinematics_have_them_and_weigh_the_same(
-    kind, backwards, root, tmp_path
-) -> None:
+def test_links_are_where_kinematics_have_them_and_weigh_the_same(kind, backwards, root, tmp_path):
     rng = np.random.default_rng(EVERY.index(kind))
     robot = robot_around(kind, rng, root, backwards)
-    files = exported(robot).files
+    files = usd_export(robot).files
     usd, by_urdf = Usd(stage_of(files, tmp_path)), Pinocchio(files["robot.urdf"])
     own = [dof.name for dof in robot.dofs if dof.kind != "free"]
     for _ in range(3):
         q = some_values(robot, rng)
         expected = link_poses(robot, q)
-        free = {one.child: expected[one.child] for one in robot.joints if one.type == "free"}
-        found = usd.poses({name: value for name, value in q.items() if name in own}, free or None)
+        free = {joint.child: expected[joint.child] for joint in robot.joints if joint.type == "free"}
+        actual = usd.poses({name: value for name, value in q.items() if name in own}, free or None)
         for link in expected:
-            assert np.abs(found[link] - expected[link]).max() < TOLERANCE, link
+            assert np.abs(actual[link] - expected[link]).max() < TOLERANCE, link
         if kind != "free":
             mass = usd.mass_matrix(q, own)
             scale = max(1.0, np.abs(mass).max())
@@ -95,10 +87,10 @@ def test_links_are_where_the_robots_own_kinematics_have_them_and_weigh_the_same(
 
 @pytest.mark.parametrize("axis", [(0, 0, -1), (0, -1, 0), (-1, 0, 0), (0, 1, 0), (0.6, 0, -0.8)])
 @pytest.mark.parametrize("kind", ["revolute", "prismatic"])
-def test_an_axis_of_any_direction_is_one_of_the_frames(kind, axis, tmp_path) -> None:
+def test_an_axis_of_any_direction_is_one_of_the_frames(kind, axis, tmp_path):
     rng = np.random.default_rng(1)
-    one = joint(kind, "base", "one", place=pose(rng))
-    robot = robot_with([replace(one, dofs=(replace(one.dofs[0], axis=frozen(np.array(axis, float))),))])
+    turned = joint(kind, "base", "one", place=pose(rng))
+    robot = robot_with([replace(turned, dofs=(replace(turned.dofs[0], axis=frozen(np.array(axis, float))),))])
     usd = read(tmp_path, robot)
     for q in (-1.2, 0.7):
         expected = link_poses(robot, {"one_joint": q})["one"]
@@ -108,7 +100,7 @@ def test_an_axis_of_any_direction_is_one_of_the_frames(kind, axis, tmp_path) -> 
 @pytest.mark.slow
 @pytest.mark.parametrize("shifted", [False, True])
 @pytest.mark.parametrize("kind", LOOPS)
-def test_a_loop_of_any_type_is_one_joint_that_holds_what_the_mate_holds(kind, shifted, tmp_path) -> None:
+def test_loop_of_any_type_is_a_joint_that_holds_as_its_mate(kind, shifted, tmp_path):
     rng = np.random.default_rng(LOOPS.index(kind))
     rows = [
         joint("planar", "base", "one", [0.2, -0.1, 0.4], place=pose(rng)),
@@ -157,24 +149,23 @@ def test_a_loop_of_any_type_is_one_joint_that_holds_what_the_mate_holds(kind, sh
         off = end @ at(0.03, 0.03, 0.03) @ np.linalg.inv(near)
         tilted = end @ pose(rng, 0.0) @ np.linalg.inv(near)
         held = usd.gap(name, {**by_joints, "two": off}), usd.gap(name, {**by_joints, "two": tilted})
-        assert (held[0] > 1e-2) == (kind != "parallel")
-        assert (held[1] > 1e-2) == (kind != "ball")
+        assert (held[0] > 1e-2, held[1] > 1e-2) == (kind != "parallel", kind != "ball")
 
 
-def test_the_limits_of_a_loop_of_several_dofs_are_those_of_its_joint(tmp_path) -> None:
+def test_limits_of_a_loop_are_those_of_its_joint(tmp_path):
     robot = robot_with([joint("planar", "base", "one"), joint("ball", "one", "two")])
     limits = {"shut_x": Limits(-0.1, 0.2), "shut_turn": Limits(-1, 2)}
     shut = loop("planar", "two", "base", np.eye(4), np.eye(4), name="shut", limits=limits)
-    x, *others = shut.dofs
-    shut = replace(shut, dofs=(replace(x, axis=frozen(-x.axis)), *others))
+    x, *rest = shut.dofs
+    shut = replace(shut, dofs=(replace(x, axis=frozen(-x.axis)), *rest))
     usd = read(tmp_path, replace(robot, loops=(shut,)))
     for name, expected in (("transX", [-0.2, 0.1]), ("rotZ", np.degrees([-1, 2]))):
-        found = [usd.value("shut", f"limit:{name}:physics:{end}") for end in ("low", "high")]
-        assert found == pytest.approx(expected)
+        ends = [usd.value("shut", f"limit:{name}:physics:{end}") for end in ("low", "high")]
+        assert ends == pytest.approx(expected)
     assert usd.value("shut", "limit:transY:physics:low") is None
 
 
-def test_limits_dynamics_and_home_are_in_usds_units(tmp_path) -> None:
+def test_limits_dynamics_and_home_are_in_usds_units(tmp_path):
     dynamics = Dynamics(0.1, 0.2, 0.03, 4, 5)
     rows = [
         joint("revolute", "base", "one", [0.5], limits={"one_joint": Limits(-1, 2)}, dynamics=dynamics),
@@ -214,23 +205,23 @@ def test_limits_dynamics_and_home_are_in_usds_units(tmp_path) -> None:
     assert losses(robot)["I-USD-BALL"].endswith("three_joint")
 
 
-def test_a_ball_without_a_cone_is_at_zero_where_it_is_at_home(tmp_path) -> None:
+def test_a_ball_without_a_cone_is_at_zero_where_it_is_at_home(tmp_path):
     turned = (0.8, 0.0, 0.6, 0.0)
     rows = [joint("ball", "base", "one", [turned]), joint("ball", "one", "two", [turned])]
     rows[1] = joint("ball", "one", "two", [turned], limits={"two_joint": Limits(None, 2)})
     robot = robot_with(rows)
-    files = exported(robot).files
+    files = usd_export(robot).files
     assert json.loads(files["robot.json"])["usd"] == {"zeros": {"one_joint": list(turned)}}
     usd, at_home = Usd(stage_of(files, tmp_path)), link_poses(robot, home(robot))
     assert np.abs(usd.poses({})["one"] - at_home["one"]).max() < TOLERANCE
     # The cone is about z of the joint's own zero.
     assert np.abs(usd.poses({"two_joint": turned})["two"] - at_home["two"]).max() < TOLERANCE
-    found = losses(robot)
-    assert found["I-USD-ZERO"].endswith(": one_joint")
-    assert found["I-USD-START"].endswith(": two_joint")
+    lost = losses(robot)
+    assert lost["I-USD-ZERO"].endswith(": one_joint")
+    assert lost["I-USD-START"].endswith(": two_joint")
 
 
-def test_actuators_are_drives_at_the_dof(tmp_path) -> None:
+def test_actuators_are_drives_at_the_dof(tmp_path):
     rows = [joint("revolute", "base", f"link_{n}", [0.4], name=f"joint_{n}") for n in range(6)]
     rows[0] = joint("prismatic", "base", "link_0", [0.1], name="joint_0")
     robot = replace(
@@ -247,22 +238,21 @@ def test_actuators_are_drives_at_the_dof(tmp_path) -> None:
     usd = read(tmp_path, robot)
     names = ("stiffness", "damping", "maxForce", "targetPosition")
 
-    def drive(number: int, axis: str = "angular") -> tuple[float | None, ...]:
+    def drive(number, axis="angular"):
         return tuple(usd.value(f"joint_{number}", f"drive:{axis}:physics:{name}") for name in names)
 
-    one = math.pi / 180
+    degree = math.pi / 180
     # What slides up bears its link, of which the actuator holds 7 N.
     assert robot.link("link_0").inertial.mass * 9.81 > 7
     assert drive(0, "linear") == pytest.approx((900, 30, 7, 0.1 + 7 / 900))
-    assert drive(1) == pytest.approx((200 * one, 12 * one, 12, 0.4 / one))
-    assert drive(2)[:2] == pytest.approx((0, 8 * one))
-    assert drive(3)[:3] == pytest.approx((0, 0, 6))
-    assert drive(4) == pytest.approx((60 * one, 2 * one, math.inf, 0.4 / one))
-    assert drive(5) == (None,) * 4
+    assert drive(1) == pytest.approx((200 * degree, 12 * degree, 12, 0.4 / degree))
+    assert (drive(2)[:2], drive(3)[:3]) == (pytest.approx((0, 8 * degree)), pytest.approx((0, 0, 6)))
+    assert drive(4) == pytest.approx((60 * degree, 2 * degree, 1e9, 0.4 / degree))
+    assert drive(5)[:3] == (0, 0, 1e9)
     assert losses(robot)["I-USD-ACTUATOR"].endswith(": brake")
 
 
-def test_relations_are_mimics_of_newton_and_of_physx(tmp_path) -> None:
+def test_relations_are_mimics_of_newton_and_of_physx(tmp_path):
     rows = [
         joint("revolute", "base", "one", [0.2], place=at(1, 0, 0)),
         joint("revolute", "base", "two", [0.9]),
@@ -293,7 +283,7 @@ def test_relations_are_mimics_of_newton_and_of_physx(tmp_path) -> None:
 
 
 @pytest.mark.parametrize("fixed", [True, False])
-def test_the_articulation_begins_at_what_holds_the_robot_and_stands_at_home(fixed, tmp_path) -> None:
+def test_articulation_begins_at_the_base_and_is_at_home(fixed, tmp_path):
     rng = np.random.default_rng(3)
     robot = robot_with(
         [
@@ -305,23 +295,25 @@ def test_the_articulation_begins_at_what_holds_the_robot_and_stands_at_home(fixe
     robot = replace(robot, keyframes=(Keyframe("home", (("one_joint_turn", 0.7),)), Keyframe("up", ())))
     usd = read(tmp_path, robot, scene={"pose": {"xyz": [1, 2, 3], "rpy": [0, 0, math.pi / 2]}})
     world = from_parts(np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]]), np.array([1.0, 2, 3]))
-    expected = {link: world @ one for link, one in link_poses(robot, home(robot)).items()}
-    for link, one in expected.items():
-        assert np.abs(usd.stands[link] - one).max() < 1e-9, link
+    expected = {link: world @ pose for link, pose in link_poses(robot, home(robot)).items()}
+    for link, value in expected.items():
+        assert np.abs(usd.stands[link] - value).max() < 1e-9, link
     by_joints = usd.poses(simple(home(robot)))
-    for body, one in by_joints.items():
-        assert np.abs(usd.stands[body] - one).max() < TOLERANCE, body
+    for body, value in by_joints.items():
+        assert np.abs(usd.stands[body] - value).max() < TOLERANCE, body
     (root,) = usd.roots
     assert root.GetName() == ("root_joint" if fixed else "base")
     assert root.GetTypeName() == ("PhysicsFixedJoint" if fixed else "Xform")
     assert "I-USD-KEYFRAME" in losses(robot)
     # As the parser of UsdPhysics, which Newton uses, has it.
     (articulation,) = parsed(usd.stage, "Articulation")
-    assert [str(one.name) for one in articulation.articulatedBodies if one] == sorted(usd.bodies)
-    assert {one.name for one in articulation.articulatedJoints} == set(usd.joints)
+    assert [
+        str(articulatedbody.name) for articulatedbody in articulation.articulatedBodies if articulatedbody
+    ] == sorted(usd.bodies)
+    assert {articulatedjoint.name for articulatedjoint in articulation.articulatedJoints} == set(usd.joints)
 
 
-def test_bodies_of_a_plate_and_of_nothing_have_masses_that_engines_take(tmp_path) -> None:
+def test_bodies_of_a_plate_and_of_nothing_have_valid_masses(tmp_path):
     plate = Inertial(0.3, frozen(np.zeros(3)), frozen(np.diag([0.1, 0.2, 0.3]) / 3))
     nothing = Inertial(0.0, frozen(np.zeros(3)), frozen(np.zeros((3, 3))))
     robot = robot_with(
@@ -335,7 +327,7 @@ def test_bodies_of_a_plate_and_of_nothing_have_masses_that_engines_take(tmp_path
     assert usd.mass("tip")[0] == pytest.approx(1e-12)
 
 
-def test_a_missing_package_is_told_before_anything_is_built(monkeypatch) -> None:
+def test_a_missing_package_is_told_before_anything_is_built(monkeypatch):
     plan = plan_of(export={"usd": {}})
     find = importlib.util.find_spec
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "pxr" else find(name))
@@ -346,177 +338,19 @@ def test_a_missing_package_is_told_before_anything_is_built(monkeypatch) -> None
     assert plan_problems(plan_of()) == []
 
 
-def shaped() -> tuple[Robot, Geometry]:
-    kinds = {
-        "box": Primitive("box", (0.2, 0.1, 0.3), frozen(at(0, 0, 0.1)), (1.0, 0.5, 0.0, 1.0)),
-        "ball": Primitive("sphere", (0.05,), frozen(np.eye(4))),
-        "rod": Primitive("cylinder", (0.05, 0.2), frozen(np.eye(4))),
-        "pill": Primitive("capsule", (0.05, 0.2), frozen(at(0, 0.1, 0))),
-    }
-    rows = [joint("revolute", "base", name) for name in kinds]
-    robot = robot_with(
-        rows,
-        shapes={name: (one,) for name, one in kinds.items()},
-        frames=[Frame("eye", "pill", frozen(at(0, 0, 0.2)), "Eye")],
-    )
-    shapes = [one for link in robot.links for one in primitive_shapes(link)]
-    rough = ContactProperties(friction=(1.2, 0.01, 0.002), condim=6)
-    shapes = [
-        replace(one, contact=rough) if one.link == "ball" and one.role == "collision" else one
-        for one in shapes
-    ]
-    excludes = (
-        Exclude("base", "box", "Adjacent", 0.0),
-        Exclude("box", "rod", "User", 0.0),
-        Exclude("rod", "pill", "Always", 0.0, ((0, 0),)),
-    )
-    return robot, Geometry(tuple(shapes), {}, self_contact=True, excludes=excludes)
-
-
-def test_shapes_collide_as_they_are_and_look_as_they_do(tmp_path) -> None:
-    robot, geometry = shaped()
-    usd = read(tmp_path, robot, geometry)
-    get = usd.stage.GetPrimAtPath
-    path = str(usd.root.GetPath())
-    sizes = {
-        name: {key: get(f"{path}/{name}/collisions/collision_1").GetAttribute(key).Get() for key in keys}
-        for name, keys in {
-            "box": ["size", "xformOp:scale", "xformOp:translate"],
-            "ball": ["radius"],
-            "rod": ["radius", "height", "axis"],
-            "pill": ["radius", "height", "axis", "xformOp:translate"],
-        }.items()
-    }
-    assert sizes == {
-        "box": {"size": 1, "xformOp:scale": (0.2, 0.1, 0.3), "xformOp:translate": (0, 0, 0.1)},
-        "ball": {"radius": 0.05},
-        "rod": {"radius": 0.05, "height": 0.2, "axis": "Z"},
-        "pill": {"radius": 0.05, "height": 0.2, "axis": "Z", "xformOp:translate": (0, 0.1, 0)},
-    }
-    box = get(f"{path}/box/collisions/collision_1")
-    assert pxr.UsdGeom.Imageable(box).ComputePurpose() == "guide"
-    rough, _ = pxr.UsdShade.MaterialBindingAPI(
-        get(f"{path}/ball/collisions/collision_1")
-    ).ComputeBoundMaterial("physics")
-    names = ("physics:staticFriction", "physics:dynamicFriction", "newton:torsionalFriction")
-    values = [rough.GetPrim().GetAttribute(name).Get() for name in (*names, "newton:rollingFriction")]
-    assert values == pytest.approx([1.2, 1.2, 0.01, 0.002])
-    seen, _ = pxr.UsdShade.MaterialBindingAPI(get(f"{path}/box/visuals/visual_1")).ComputeBoundMaterial()
-    colour = seen.ComputeSurfaceSource()[0].GetInput("diffuseColor").Get()
-    # sRGB's 0.5 is 0.214 of the light.
-    assert colour == pytest.approx((1.0, 0.21404114, 0.0))
-    pairs = {
-        str(one.GetPath()).removeprefix(path): [str(to).removeprefix(path) for to in rel.GetTargets()]
-        for one in usd.stage.Traverse()
-        if (rel := one.GetRelationship("physics:filteredPairs"))
-    }
-    assert pairs == {
-        "/box": ["/rod"],
-        "/rod/collisions/collision_1": ["/pill/collisions/collision_1"],
-    }
-    for name in ("newton:selfCollisionEnabled", "physxArticulation:enabledSelfCollisions"):
-        assert usd.roots[0].GetAttribute(name).Get() is True
-    assert losses(robot, geometry)["I-USD-CONTACT"].endswith("ball: condim")
-
-
-def test_frames_and_cameras_are_where_they_were(tmp_path) -> None:
-    robot, geometry = shaped()
-    sensors = {
-        "look": {"type": "camera", "frame": "eye", "fovy": 60, "resolution": [320, 240]},
-        "imu": {"type": "imu", "frame": "pill"},
-    }
-    usd = read(tmp_path, robot, geometry, sensors=sensors)
-    prim = usd.stage.GetPrimAtPath(f"{usd.root.GetPath()}/pill/look")
-    cache = pxr.UsdGeom.XformCache()
-    eye = np.array(
-        cache.GetLocalToWorldTransform(usd.stage.GetPrimAtPath(f"{usd.root.GetPath()}/pill/eye"))
-    ).T
-    assert np.abs(eye - usd.stands["pill"] @ at(0, 0, 0.2)).max() < 1e-9
-    camera = pxr.UsdGeom.Camera(prim).GetCamera(0)
-    assert camera.GetFieldOfView(camera.FOVVertical) == pytest.approx(60, abs=1e-4)
-    assert camera.aspectRatio == pytest.approx(320 / 240)
-    looks = camera.frustum.ComputeViewDirection(), camera.frustum.ComputeUpVector()
-    # Ours looks along z of its frame, with y down.
-    assert np.abs(np.array(looks) - [eye[:3, 2], -eye[:3, 1]]).max() < 1e-6
-    assert "imu" in losses(robot, geometry, sensors=sensors)["I-USD-SENSOR"]
-
-
-def test_the_commands_of_the_page_run(tmp_path, monkeypatch, capsys) -> None:
+def test_the_commands_of_the_page_run(tmp_path, monkeypatch, capsys):
     page = (PROJECT / "pipeline/reference/formats/USD.md").read_text()
     (code,) = re.findall(r"<!-- test -->\n```py\n(.*?)```", page, re.DOTALL)
     limits = {"elbow": Limits(-1, 2)}
     robot = robot_with([joint("revolute", "base", "arm", name="elbow", limits=limits)], name="my_arm")
-    stage_of(exported(robot).files, tmp_path / "outputs" / "my_arm", "my_arm")
+    stage_of(usd_export(robot).files, tmp_path / "outputs" / "my_arm", "my_arm")
     monkeypatch.chdir(tmp_path)
     exec(compile(code, "USD.md", "exec"), {})
     name, *ends = capsys.readouterr().out.split()
-    assert name == "elbow"
-    assert [math.radians(float(end)) for end in ends] == pytest.approx([-1, 2])
+    assert (name, [math.radians(float(end)) for end in ends]) == ("elbow", pytest.approx([-1, 2]))
 
 
-@pytest.mark.parametrize("name", ["2 arms", "räder@home", "def", "world"])
-def test_a_robot_of_any_name_is_a_stage(name, tmp_path) -> None:
-    robot, geometry = shaped()
-    robot = replace(robot, name=name)
-    stage = stage_of(exported(robot, with_mesh(geometry)).files, tmp_path, name)
-    assert complaints(stage) == []
-    usd = Usd(stage)
-    mesh = stage.GetPrimAtPath(f"{usd.root.GetPath()}/base/collisions/collision_1")
-    assert len(mesh.GetAttribute("points").Get()) == 4
-
-
-def with_mesh(geometry: Geometry) -> Geometry:
-    """With a tetrahedron on the base, seen twice."""
-    corners = np.array([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]])
-    surface = Surface(corners, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]))
-    seen = Shape("base", "visual", "base.stl", (1.0, 0.0, 0.0, 0.5), 4, 4, 0.02, 1e-4)
-    hit = replace(seen, role="collision", colour=None)
-    return replace(
-        geometry, shapes=(hit, seen, seen, *geometry.shapes), files={"base.stl": write_stl(surface)}
-    )
-
-
-@pytest.mark.parametrize("encoding", ["binary", "text"])
-def test_a_mesh_is_there_once_and_seen_as_an_instance(encoding, tmp_path) -> None:
-    robot, geometry = shaped()
-    keys = {"export": {"usd": {"geometry": encoding}, "urdf": {}}}
-    files = exported(robot, with_mesh(geometry), **keys).files
-    assert files["robot_meshes.usd"].startswith(b"PXR-USDC" if encoding == "binary" else b"#usda 1.0")
-    stage = stage_of(files, tmp_path)
-    assert complaints(stage) == []
-    path = f"{stage.GetDefaultPrim().GetPath()}/base"
-    first, second = (stage.GetPrimAtPath(f"{path}/visuals/visual_{number}") for number in (1, 2))
-    assert first.IsInstance()
-    assert first.GetPrototype() == second.GetPrototype()
-    mesh = stage.GetPrimAtPath(f"{path}/collisions/collision_1")
-    assert pxr.UsdPhysics.MeshCollisionAPI(mesh).GetApproximationAttr().Get() == "convexHull"
-    points = np.array(mesh.GetAttribute("points").Get())
-    triangles = points[np.array(mesh.GetAttribute("faceVertexIndices").Get()).reshape(-1, 3)]
-    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    outwards = triangles.mean(axis=1) - points.mean(axis=0)
-    assert (np.einsum("ij,ij->i", normals, outwards) > 0).all()
-
-
-def test_an_image_is_the_texture_of_what_has_its_coordinates(tmp_path) -> None:
-    robot, geometry = shaped()
-    text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n"
-    seen = Shape("base", "visual", "label.obj", (1.0, 1.0, 1.0, 1.0), 3, 1, 0.5, 0.0, texture="label.png")
-    files = {"label.obj": text.encode(), "label.png": b"image"}
-    geometry = replace(geometry, shapes=(seen, *geometry.shapes), files=files)
-    stage = stage_of(exported(robot, geometry).files, tmp_path)
-    assert complaints(stage) == []
-    path = f"{stage.GetDefaultPrim().GetPath()}/base/visuals/visual_1"
-    instance = stage.GetPrimAtPath(path)
-    (mesh,) = instance.GetPrototype().GetChildren()
-    primvar = pxr.UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st")
-    assert primvar.GetInterpolation() == "faceVarying"
-    assert np.array(primvar.Get()).tolist() == [[0, 0], [1, 0], [0, 1]]
-    material, _ = pxr.UsdShade.MaterialBindingAPI(instance).ComputeBoundMaterial()
-    image = stage.GetPrimAtPath(f"{material.GetPath()}/image").GetAttribute("inputs:file").Get()
-    assert Path(image.resolvedPath).name == "label.png"
-
-
-def test_names_that_are_no_identifiers_are_told_and_shown(tmp_path) -> None:
+def test_names_that_are_no_identifiers_are_told_and_shown(tmp_path):
     rows = [
         joint("revolute", "base", "joints", name="2nd.axis"),
         joint("fixed", "joints", "wrist-link", name="wrist"),

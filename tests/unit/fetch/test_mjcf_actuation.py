@@ -1,17 +1,11 @@
 """Actuators and sensors of an MJCF are in the exported MJCF, and the robot answers to them as it did."""
 
-from pathlib import Path
-
 import mujoco
 import numpy as np
 import pytest
 
-from linkwright.stages.export import Exported, export
-from linkwright.stages.fetch.mjcf.gather import gather
-from linkwright.stages.graph import build_robot
-from linkwright.stages.robot.model.robot import Robot
-from tests.support.building import NO_MESHES, plan_of
-from tests.support.mjcfs import model, written
+from tests.support.exports import compiled
+from tests.support.mjcfs import model, rebuilt, robot_of, written
 
 pytestmark = pytest.mark.usefixtures("guests_at_home")
 
@@ -37,7 +31,7 @@ SENSORS = """<sensor>
 </sensor>"""
 
 
-def text(more: str = ACTUATORS + SENSORS) -> str:
+def text(more=ACTUATORS + SENSORS):
     """A chain of six hinges, a to f, on a base with the site `tip`."""
     links = ""
     for name in reversed("abcdef"):
@@ -47,55 +41,38 @@ def text(more: str = ACTUATORS + SENSORS) -> str:
     return model(base, OPTION + more)
 
 
-def robot_of(path: Path, **keys: object) -> Robot:
-    plan = plan_of(source={"kind": "mjcf", "path": str(path)}, root={"base": "fixed"}, **keys)
-    return build_robot(gather(plan.source)[0], plan)
-
-
-def exported(path: Path, **keys: object) -> Exported:
-    plan = plan_of(source={"kind": "mjcf", "path": str(path)}, root={"base": "fixed"}, **keys)
-    return export(build_robot(gather(plan.source)[0], plan), NO_MESHES, plan)
-
-
-def compiled(found: Exported) -> mujoco.MjModel:
-    return mujoco.MjModel.from_xml_string(found.files["robot.xml"].decode())
-
-
 @pytest.fixture
-def path(tmp_path: Path) -> Path:
+def path(tmp_path):
     return written(tmp_path, text())
 
 
-def test_each_actuator_has_its_parameters_and_its_place(path: Path) -> None:
-    was, now = mujoco.MjModel.from_xml_path(str(path)), compiled(exported(path))
-    assert now.nu == was.nu == 7
-    names = [now.actuator(index).name for index in range(now.nu)]
-    assert names == ["spin", "push", "b", "lag", "bent", "creep", "again"]
-    for field in ("gainprm", "biasprm", "dynprm", "gaintype", "biastype", "dyntype", "gear", "actlimited"):
-        mine, theirs = getattr(now, f"actuator_{field}"), getattr(was, f"actuator_{field}")
-        np.testing.assert_allclose(mine, theirs, rtol=1e-12, err_msg=field)
-    for field in ("ctrllimited", "ctrlrange", "forcelimited", "forcerange", "actrange"):
-        np.testing.assert_allclose(getattr(now, f"actuator_{field}"), getattr(was, f"actuator_{field}"))
+def names_of(model, kind, count):
+    return [getattr(model, kind)(index).name for index in range(count)]
 
 
-def test_each_sensor_measures_the_same(path: Path) -> None:
-    was, now = mujoco.MjModel.from_xml_path(str(path)), compiled(exported(path))
+def test_each_actuator_and_sensor_has_its_parameters_and_its_place(path):
+    was, now = mujoco.MjModel.from_xml_path(str(path)), compiled(rebuilt(path))
+    assert names_of(now, "actuator", now.nu) == ["spin", "push", "b", "lag", "bent", "creep", "again"]
+    for field in (
+        *("gainprm", "biasprm", "dynprm", "gaintype", "biastype", "dyntype", "gear", "actlimited"),
+        *("ctrllimited", "ctrlrange", "forcelimited", "forcerange", "actrange"),
+    ):
+        ours, theirs = getattr(now, f"actuator_{field}"), getattr(was, f"actuator_{field}")
+        np.testing.assert_allclose(ours, theirs, rtol=1e-12, err_msg=field)
     for field in ("type", "noise", "cutoff", "dim"):
         assert list(getattr(now, f"sensor_{field}")) == list(getattr(was, f"sensor_{field}"))
-    assert [now.sensor(i).name for i in range(now.nsensor)][:4] == [
-        *("imu", "tip_accelerometer", "angle", "c_jointvel"),
-    ]
+    assert names_of(now, "sensor", 4) == ["imu", "tip_accelerometer", "angle", "c_jointvel"]
 
 
-def test_it_moves_and_measures_as_it_did_under_any_controls(path: Path) -> None:
-    models = mujoco.MjModel.from_xml_path(str(path)), compiled(exported(path))
+def test_it_moves_and_measures_as_it_did_under_any_controls(path):
+    models = mujoco.MjModel.from_xml_path(str(path)), compiled(rebuilt(path))
     random = np.random.default_rng(3)
-    datas = [mujoco.MjData(one) for one in models]
+    datas = [mujoco.MjData(model) for model in models]
     for _ in range(200):
         controls = random.uniform(-1, 1, models[0].nu)
-        for one, data in zip(models, datas, strict=True):
+        for moved, data in zip(models, datas, strict=True):
             data.ctrl[:] = controls
-            mujoco.mj_step(one, data)
+            mujoco.mj_step(moved, data)
     was, now = datas
     assert np.abs(was.qpos).max() > 0.1
     np.testing.assert_allclose(now.qpos, was.qpos, atol=1e-9)
@@ -103,30 +80,27 @@ def test_it_moves_and_measures_as_it_did_under_any_controls(path: Path) -> None:
     np.testing.assert_allclose(now.sensordata, was.sensordata, atol=1e-6)
 
 
-def test_an_entry_that_only_measures_keeps_the_actuators_of_the_file(path: Path) -> None:
-    bare, found = exported(path), exported(path, actuators={"*": {"encoder": True}, "a": {"force": True}})
-    assert found.written.actuation == bare.written.actuation
-    model = compiled(found)
-    added = [model.sensor(i).name for i in range(compiled(bare).nsensor, model.nsensor)]
-    names = [model.actuator(i).name for i in range(model.nu)]
-    expected = [(f"{name}_pos", f"{name}_vel") for name in names]
-    assert [name for name in added if not name.endswith("_force")] == [
-        one for pair in expected for one in pair
-    ]
+def test_an_entry_that_only_measures_keeps_the_actuators_of_the_file(path):
+    bare, outcome = rebuilt(path), rebuilt(path, actuators={"*": {"encoder": True}, "a": {"force": True}})
+    assert outcome.written.actuation == bare.written.actuation
+    model = compiled(outcome)
+    added = names_of(model, "sensor", model.nsensor)[compiled(bare).nsensor :]
+    names = names_of(model, "actuator", model.nu)
+    encoders = [f"{name}_{quantity}" for name in names for quantity in ("pos", "vel")]
+    assert [name for name in added if not name.endswith("_force")] == encoders
     assert [name for name in added if name.endswith("_force")] == ["push_force", "again_force"]
 
 
-ZONES = {"sphere": "0.03", "capsule": "0.02 0.05", "ellipsoid": "0.1 0.2 0.3", "cylinder": "0.02 0.05"} | {
-    "box": "0.1 0.2 0.3"
-}
+BLOCK, LONG = "0.1 0.2 0.3", "0.02 0.05"
+ZONES = {"sphere": "0.03", "capsule": LONG, "ellipsoid": BLOCK, "cylinder": LONG, "box": BLOCK}
 
 
 @pytest.mark.parametrize("shape", ZONES)
-def test_a_touch_sensor_feels_in_the_same_shape_at_the_same_place(tmp_path: Path, shape: str) -> None:
+def test_a_touch_sensor_feels_in_the_same_shape_at_the_same_place(tmp_path, shape):
     zone = f'<site name="sole" pos="0.1 0.2 0.3" quat="1 2 3 4" type="{shape}" size="{ZONES[shape]}"/>'
     tree = text('<sensor><touch name="press" site="sole"/><gyro site="sole"/></sensor>')
     path = written(tmp_path, tree.replace('<site name="tip"', f'{zone}<site name="tip"'))
-    was, now = mujoco.MjModel.from_xml_path(str(path)), compiled(exported(path))
+    was, now = mujoco.MjModel.from_xml_path(str(path)), compiled(rebuilt(path))
     old, new = was.site("sole"), now.site(int(now.sensor("press").objid[0]))
     assert now.site(int(now.sensor(1).objid[0])).name == "sole"
     assert (new.type[0], now.body(int(new.bodyid[0])).name) == (old.type[0], "base")
@@ -136,78 +110,73 @@ def test_a_touch_sensor_feels_in_the_same_shape_at_the_same_place(tmp_path: Path
     np.testing.assert_allclose(np.abs(new.quat @ old.quat), 1.0, atol=1e-12)
 
 
-def test_renamed_joints_and_links_keep_theirs(path: Path) -> None:
+def test_renamed_joints_and_links_keep_theirs(path):
     names = {"joints": {"b": "elbow"}, "links": {"link_f": "hand"}}
-    model = compiled(exported(path, names=names))
+    model = compiled(rebuilt(path, names=names))
     servo = model.actuator("b")
     assert model.joint(int(servo.trnid[0])).name == "elbow"
     assert model.joint(int(model.sensor("angle").objid[0])).name == "elbow"
     assert model.body(int(model.sensor("place").objid[0])).name == "hand"
 
 
-def test_star_none_takes_them_out_and_sensors_of_them_too(path: Path) -> None:
-    model = compiled(exported(path, actuators={"*": "none"}))
-    assert model.nu == 0
-    names = {model.sensor(i).name for i in range(model.nsensor)}
-    assert {"angle", "imu"} <= names
-    assert not {"effort", "spin_actuatorpos"} & names
-
-
-def test_one_is_taken_out_or_replaced_and_the_others_stay(path: Path) -> None:
-    model = compiled(exported(path, actuators={"c": "none"}))
-    assert [model.actuator(i).name for i in range(model.nu)] == ["push", "b", "lag", "bent", "creep", "again"]
-    model = compiled(exported(path, actuators={"a": {"type": "position", "kp": 44}}))
-    names = [model.actuator(i).name for i in range(model.nu)]
-    assert names == ["spin", "b", "lag", "bent", "creep", "a"]
+def test_actuators_are_taken_out_or_replaced_and_the_others_stay(path, tmp_path):
+    for keys, names in (
+        ({"*": "none"}, []),
+        ({"c": "none"}, ["push", "b", "lag", "bent", "creep", "again"]),
+        ({"a": {"type": "position", "kp": 44}}, ["spin", "b", "lag", "bent", "creep", "a"]),
+    ):
+        model = compiled(rebuilt(path, actuators=keys))
+        assert names_of(model, "actuator", model.nu) == names
+        sensors = set(names_of(model, "sensor", model.nsensor))
+        assert {"angle", "imu"} <= sensors
+        assert "*" not in keys or not {"effort", "spin_actuatorpos"} & sensors
     assert model.actuator("a").gainprm[0] == 44
-
-
-def test_a_new_actuator_gets_a_name_that_no_other_has(tmp_path: Path) -> None:
+    # A new one gets a name that no other has.
     other = '<actuator><motor name="a" joint="b"/></actuator>'
-    model = compiled(exported(written(tmp_path, text(other)), actuators={"a": "motor"}))
-    assert [model.actuator(i).name for i in range(model.nu)] == ["a", "a_2"]
+    model = compiled(rebuilt(written(tmp_path, text(other)), actuators={"a": "motor"}))
+    assert names_of(model, "actuator", model.nu) == ["a", "a_2"]
 
 
-def test_at_home_each_joint_is_held_as_far_as_its_actuators_can(path: Path) -> None:
+def test_at_home_each_joint_is_held_as_far_as_its_actuators_can(path):
     """The forces of the compiled actuators against the weight: of two on one joint the first one holds it."""
     robot = robot_of(path)
-    assert [one.dof for one in robot.actuators] == ["c", "a", "b", "d", "e", "f", "a"]
-    found = exported(path)
-    assert found.written.actuation is not None
-    homes = {one.name: one.home for one in found.written.actuation.actuators}
+    assert [actuator.dof for actuator in robot.actuators] == ["c", "a", "b", "d", "e", "f", "a"]
+    outcome = rebuilt(path)
+    assert outcome.written.actuation is not None
+    homes = {actuator.name: actuator.home for actuator in outcome.written.actuation.actuators}
     assert homes["spin"] == homes["bent"] == homes["creep"] == homes["again"] == 0
-    assert found.advice == ""
-    model = compiled(found)
+    assert outcome.advice == ""
+    model = compiled(outcome)
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
     mujoco.mj_forward(model, data)
-    weight = {name: data.qfrc_bias[model.joint(name).dofadr[0]] for name in "abcdef"}
-    force = {name: data.qfrc_actuator[model.joint(name).dofadr[0]] for name in "abcdef"}
-    assert {name: force[name] for name in "df"} == pytest.approx(
-        {name: weight[name] for name in "df"}, rel=1e-9
+    weight, force = (
+        {name: forces[model.joint(name).dofadr[0]] for name in "abcdef"}
+        for forces in (data.qfrc_bias, data.qfrc_actuator)
     )
+    assert [force[name] for name in "df"] == pytest.approx([weight[name] for name in "df"], rel=1e-9)
     # At the ends of their ranges: 10 times a control of -2, and a force of -3.
     assert (force["a"], force["b"]) == pytest.approx((max(weight["a"], -20), max(weight["b"], -3)), rel=1e-9)
     assert weight["b"] < -3
 
 
 @pytest.mark.skipif(not hasattr(mujoco.mjtDyn, "mjDYN_PID"), reason="needs a MuJoCo with such actuators")
-def test_an_actuator_that_is_lost_is_a_warning(tmp_path: Path) -> None:
+def test_an_actuator_that_is_lost_is_a_warning(tmp_path):
     lost = """<actuator><pid name="hold" joint="a" kp="3" ki="1"/><motor name="stay" joint="b" group="3"/>
       </actuator><sensor><actuatorfrc name="of_hold" actuator="hold"/></sensor>"""
     robot = robot_of(written(tmp_path, text(lost)))
-    assert [one.name for one in robot.actuators] == ["stay"]
+    assert [actuator.name for actuator in robot.actuators] == ["stay"]
     assert robot.sensors == ()
-    told = {one.code: one.message for one in robot.diagnostics}
-    assert "1 × actuator (hold)" in told["W-MJCF-LEFT"]
-    assert "1 × sensor (of_hold)" in told["I-MJCF-LEFT"]
-    assert "stay" not in "".join(told.values())
+    messages = {diagnostic.code: diagnostic.message for diagnostic in robot.diagnostics}
+    assert "1 × actuator (hold)" in messages["W-MJCF-LEFT"]
+    assert "1 × sensor (of_hold)" in messages["I-MJCF-LEFT"]
+    assert "stay" not in "".join(messages.values())
 
 
-def test_an_exported_file_read_again_gives_the_same_file(path: Path, tmp_path: Path) -> None:
-    first = exported(path).files["robot.xml"]
+def test_an_exported_file_read_again_gives_the_same_file(path, tmp_path):
+    first = rebuilt(path).files["robot.xml"]
     (tmp_path / "again").mkdir()
     (tmp_path / "again" / "robot.xml").write_bytes(first)
-    second = exported(tmp_path / "again" / "robot.xml").files["robot.xml"]
+    second = rebuilt(tmp_path / "again" / "robot.xml").files["robot.xml"]
     parts = [data[data.index(b"<actuator>") : data.index(b"<keyframe>")] for data in (first, second)]
     assert parts[0] == parts[1]

@@ -34,27 +34,21 @@ def test_a_guest_makes_the_bundle_that_we_would(tmp_path, monkeypatch):
 
 
 def test_a_crash_of_the_compiler_is_one_message(tmp_path):
-    path = written(
-        tmp_path,
-        '<mujoco><asset><model name="m" file="model.xml"/></asset>'
-        '<worldbody><body><attach model="m" prefix="a"/></body></worldbody></mujoco>',
-    )
-    error = refused(path)
+    attach = '<worldbody><body><attach model="m" prefix="a"/></body></worldbody>'
+    asset = '<asset><model name="m" file="model.xml"/></asset>'
+    error = refused(written(tmp_path, f"<mujoco>{asset}{attach}</mujoco>"))
     assert "MuJoCo's compiler crashed (SIG" in error.message or "refuses it" in error.message
     assert "names itself" in error.hint or "MuJoCo's own" in error.hint
 
 
-@pytest.mark.parametrize(
-    ("bounds", "said"),
-    [
+def test_bounds_hold(tmp_path, monkeypatch):
+    for bounds, words in (
         (Bounds(0.001, 4 << 30, 1 << 30), "took longer"),
         (Bounds(60, 1 << 20, 1 << 30), "needed more than 0.00105 GB"),
         (Bounds(60, 4 << 30, 100), "made more than"),
-    ],
-)
-def test_bounds_hold(tmp_path, monkeypatch, bounds, said):
-    monkeypatch.setattr(gather, "BOUNDS", bounds)
-    assert f"MuJoCo's compiler {said}" in refused(written(tmp_path, MESHED)).message
+    ):
+        monkeypatch.setattr(gather, "BOUNDS", bounds)
+        assert f"MuJoCo's compiler {words}" in refused(written(tmp_path, MESHED)).message
 
 
 @pytest.mark.parametrize(
@@ -85,10 +79,7 @@ MANY = "9" * 400
     ("text", "said"),
     [
         (model('<replicate count="30000"><body/></replicate>'), "come to 30000 elements"),
-        (
-            model('<replicate count="101"><replicate count="100"><geom/></replicate></replicate>'),
-            "come to",
-        ),
+        (model('<replicate count="101"><replicate count="100"><geom/></replicate></replicate>'), "come to"),
         (model('<replicate count="2">' + "<geom/>" * 6000 + "</replicate>"), "come to 10002 elements"),
         (model(f'<replicate count="{MANY}"/>'), "come to inf"),
         (model('<body><composite type="cable" count="100000 1 1"/></body>'), "<composite>"),
@@ -113,26 +104,20 @@ def test_more_than_a_robot_has_is_refused_before_it_is_compiled(tmp_path, text, 
 
 def test_what_a_model_includes_is_bounded_too_and_the_guest_asks(tmp_path):
     written(tmp_path, model('<replicate count="30000"><body/></replicate>'), "inner.xml")
-    path = written(tmp_path, model('<include file="inner.xml"/>'))
-    assert "come to" in refused(path).message
+    assert "come to" in refused(written(tmp_path, model('<include file="inner.xml"/>'))).message
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
+def test_what_a_robot_may_have_is_let_through(tmp_path):
+    sizes = '<size nkey="100" memory="1T" njmax="100000"/><asset><hfield nrow="1000" ncol="1000"/></asset>'
+    for text in (
         model('<replicate count="100"><body><geom/></body></replicate>' * 10),
         model("<geom/>" * 20_000),
-        model(
-            "",
-            '<size nkey="100" memory="1T" njmax="100000"/><asset><hfield nrow="1000" ncol="1000"/></asset>',
-        ),
+        model("", sizes),
         model('<replicate count="x"/>'),
         "<mujoco>",
-    ],
-)
-def test_what_a_robot_may_have_is_let_through(tmp_path, text):
-    path = written(tmp_path, text)
-    mjcf_bounds.require(path, [path])
+    ):
+        path = written(tmp_path, text)
+        mjcf_bounds.require(path, [path])
 
 
 def test_bounds_take_time_in_proportion(tmp_path):
@@ -150,8 +135,8 @@ def test_bounds_take_time_in_proportion(tmp_path):
 def test_warnings_are_reported_in_bounds(tmp_path, monkeypatch):
     head = {"warnings": ["x" * 1000] * 1000, "model": 2, "meshes": [], "images": []}
     monkeypatch.setattr(guest, "ask", lambda *_: json.dumps(head).encode() + b"\n{}")
-    _, found = gather.gather(MjcfSourceSection(path=str(written(tmp_path, MESHED))))
-    assert (len(found), {len(one.message) for one in found}) == (100, {500})
+    _, problems = gather.gather(MjcfSourceSection(path=str(written(tmp_path, MESHED))))
+    assert (len(problems), {len(problem.message) for problem in problems}) == (100, {500})
 
 
 def test_a_guest_that_cannot_start_is_reported(tmp_path, monkeypatch):

@@ -27,7 +27,7 @@ from linkwright.stages.fetch.source import Fetched
 from linkwright.stages.robot.bundle import FileBundle
 
 class ToySource(RobotFileSource):
-    wanted, example = "a toy is a file", "robots/arm.toy"
+    description, example = "a toy is a file", "robots/arm.toy"
 
     def pinned(self, environ):
         return {"kind": "toy", "path": self._keys.path}
@@ -58,16 +58,10 @@ def test_a_new_source_is_one_folder_and_one_line(tmp_path):
     (room / "section.py").write_text(TOY_SECTION)
     (room / "source.py").write_text(TOY_SOURCE)
     (tmp_path / "arm.toy").touch()
-    run = subprocess.run(
-        [sys.executable, "-c", TOY_BUILD],
-        cwd=tmp_path,
-        env={"PYTHONPATH": f"{PROJECT}:{tmp_path}"},
-        capture_output=True,
-        text=True,
-    )
-    assert run.stderr == ""
-    found = "{'kind': 'toy', 'path': 'arm.toy'} False {'kind': 'toy'} arm.toy and 0 meshes"
-    assert run.stdout.strip() == found
+    environ, command = {"PYTHONPATH": f"{PROJECT}:{tmp_path}"}, [sys.executable, "-c", TOY_BUILD]
+    run = subprocess.run(command, cwd=tmp_path, env=environ, capture_output=True, text=True)
+    words = "{'kind': 'toy', 'path': 'arm.toy'} False {'kind': 'toy'} arm.toy and 0 meshes"
+    assert (run.stdout.strip(), run.stderr) == (words, "")
 
 
 def test_each_source_has_its_keys_and_its_preset():
@@ -81,12 +75,10 @@ def test_each_source_has_its_keys_and_its_preset():
 
 @pytest.mark.parametrize("room", ["onshape", "urdf", "mjcf", "bundle"])
 def test_no_room_imports_another(room):
-    others = {"onshape", "urdf", "mjcf", "bundle"} - {room}
+    rooms = {"onshape", "urdf", "mjcf", "bundle"} - {room}
     for path in (FETCH / room).rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text())):
-            names = [node.module or ""] if isinstance(node, ast.ImportFrom) else []
-            names += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
-            for name in names:
-                assert name.split(".")[:2] != ["stages", "fetch"] or not others & {*name.split(".")[2:3]}, (
-                    path
-                )
+            if isinstance(node, ast.ImportFrom | ast.Import):
+                names = [getattr(node, "module", None) or "", *(alias.name for alias in node.names)]
+                pieces = [name.removeprefix("linkwright.").split(".") for name in names]
+                assert not [p for p in pieces if p[:2] == ["stages", "fetch"] and rooms & {*p[2:3]}], path

@@ -1,17 +1,16 @@
 """xacro: expanded where it is named so and trusted, in a process that knows nothing of ours; else never."""
 
 import re
-from pathlib import Path
 
 import pytest
 
-from linkwright.pipeline.config.plan import Plan
 from linkwright.stages.fetch import pinned, preflight
 from linkwright.stages.fetch.urdf import expand
 from linkwright.stages.fetch.urdf.gather import gather
 from linkwright.stages.fetch.urdf.section import UrdfSourceSection
 from linkwright.stages.robot.errors import ConfigError, SourceError
 from linkwright.stages.robot.system import guest
+from tests.support.building import plan_of
 from tests.unit.fetch.test_urdf_files import block, put
 
 XMLNS = b'xmlns:xacro="http://www.ros.org/wiki/xacro"'
@@ -31,22 +30,22 @@ PART = (
 )
 
 
-def text_of(path: Path, environ: dict[str, str] | None = None, **keys: object) -> str:
+def text_of(path, environ=None, **keys):
     """What a trusted xacro file becomes."""
     bundle, _ = gather(UrdfSourceSection(path=str(path), trust=True, **keys), environ or {})
     return bundle.blobs[bundle.definition].decode()
 
 
-def robot(inside: str) -> bytes:
+def robot(inside):
     return b'<robot %s name="r">%s</robot>' % (XMLNS, inside.encode())
 
 
-def made(folder: Path, inside: str, environ: dict[str, str] | None = None, **keys: object) -> str:
+def made(folder, inside, environ=None, **keys):
     put(folder, **{"r.xacro": robot(inside)})
     return text_of(folder / "r.xacro", environ, **keys)
 
 
-def refused(folder: Path, inside: str, **keys: object) -> SourceError:
+def refused(folder, inside, **keys):
     with pytest.raises(SourceError) as caught:
         made(folder, inside, **keys)
     assert str(folder) not in str(caught.value)
@@ -55,13 +54,13 @@ def refused(folder: Path, inside: str, **keys: object) -> SourceError:
 
 @pytest.fixture
 def no_guest(monkeypatch):
-    def never(*_: object) -> bytes:
+    def never(*_):
         raise AssertionError("a guest was started")
 
     monkeypatch.setattr(guest, "ask", never)
 
 
-def test_one_is_expanded_with_its_arguments_and_the_packages_of_all_its_files(tmp_path):
+def test_a_xacro_is_expanded_with_its_arguments_and_packages(tmp_path):
     put(tmp_path, **{"r.urdf.xacro": XACRO, "p/part.xacro": PART, "p/a.stl": block()})
     put(tmp_path, **{"m/more.xacro": b'<robot %s><link name="more"/></robot>' % XMLNS})
     packages = {"parts": str(tmp_path / "p"), "more": str(tmp_path / "m")}
@@ -70,23 +69,15 @@ def test_one_is_expanded_with_its_arguments_and_the_packages_of_all_its_files(tm
     assert str(tmp_path) not in text
 
 
-@pytest.mark.parametrize("call", ["preflight", "pinned", "gather"])
 @pytest.mark.usefixtures("no_guest")
-def test_without_trust_it_is_not_run_and_the_error_says_why(tmp_path, call):
+def test_without_trust_it_is_not_run_and_the_error_says_why(tmp_path):
     put(tmp_path, **{"r.urdf.xacro": XACRO})
-    plan = Plan.model_validate(
-        {"name": "r", "source": {"kind": "urdf", "path": str(tmp_path / "r.urdf.xacro")}}
-    )
-    calls = {
-        "preflight": lambda: preflight(plan, {}),
-        "pinned": lambda: pinned(plan, {}),
-        "gather": lambda: gather(plan.source, {}),
-    }
-    with pytest.raises(ConfigError) as caught:
-        calls[call]()
-    assert caught.value.where == "source.trust"
-    assert "which is a program" in caught.value.message
-    assert "source.trust=true" in caught.value.hint
+    plan = plan_of(source={"kind": "urdf", "path": str(tmp_path / "r.urdf.xacro")})
+    for call in (preflight, pinned, lambda plan, environ: gather(plan.source, environ)):
+        with pytest.raises(ConfigError, match="which is a program") as caught:
+            call(plan, {})
+        assert caught.value.where == "source.trust"
+        assert "source.trust=true" in caught.value.hint
 
 
 def test_a_missing_xacro_is_known_before_any_work(tmp_path, monkeypatch):
@@ -94,7 +85,7 @@ def test_a_missing_xacro_is_known_before_any_work(tmp_path, monkeypatch):
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     source = {"kind": "urdf", "path": str(tmp_path / "r.xacro"), "trust": True}
     with pytest.raises(ConfigError, match=re.escape("pip install 'xacro")):
-        preflight(Plan.model_validate({"name": "r", "source": source}), {})
+        preflight(plan_of(source=source), {})
 
 
 @pytest.mark.parametrize(
@@ -104,10 +95,7 @@ def test_a_missing_xacro_is_known_before_any_work(tmp_path, monkeypatch):
         ('<link name="a"><xacro:if value="1"/></link>', "<xacro:if>"),
         ('<link name="a" xacro:b="1"/>', 'xacro:b="…"'),
         ('<link name="${a}"/>', "${a}"),
-        (
-            '<link name="a"><visual><geometry><mesh filename="$(find p)/a.stl"/></geometry></visual></link>',
-            "$(",
-        ),
+        ('<link name="a"><visual><geometry><mesh filename="$(x)"/></geometry></visual></link>', "$("),
         ("<ros2_control><param>${(lambda: 1)()}</param></ros2_control>", "${(lambda: 1)()}"),
     ],
 )
@@ -121,35 +109,26 @@ def test_a_urdf_with_anything_for_xacro_is_refused_with_the_way_out(tmp_path, in
     assert "r.urdf.xacro" in caught.value.hint
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        b'<robot name="r"><xacro:property name="m" value="1"/><link name="a"/></robot>',
-        b'<robot name="r" xmlns:x="http://ros.org/wiki/xacro"><x:property name="m"/><link name="a"/></robot>',
-        b'<robot name="r" xmlns:xacro="urn:any"><xacro:property name="m"/><link name="a"/></robot>',
-        b'<robot name="r"><link name="$(env HOME)"/></robot>',
-    ],
-)
 @pytest.mark.usefixtures("no_guest")
-def test_it_is_known_however_it_is_declared(tmp_path, text):
-    put(tmp_path, **{"r.urdf": text})
-    with pytest.raises(SourceError, match="is for xacro"):
-        gather(UrdfSourceSection(path=str(tmp_path / "r.urdf")), {})
-
-
-@pytest.mark.parametrize(
-    "inside",
-    [
+def test_xacro_is_known_however_it_is_declared(tmp_path):
+    path, link = tmp_path / "r.urdf", b'<link name="a"/></robot>'
+    for text in (
+        b'<robot name="r"><xacro:property name="m" value="1"/>' + link,
+        b'<robot name="r" xmlns:x="http://ros.org/wiki/xacro"><x:property name="m"/>' + link,
+        b'<robot name="r" xmlns:xacro="urn:any"><xacro:property name="m"/>' + link,
+        b'<robot name="r"><link name="$(env HOME)"/></robot>',
+    ):
+        path.write_bytes(text)
+        with pytest.raises(SourceError, match="is for xacro"):
+            gather(UrdfSourceSection(path=str(path)), {})
+    for inside in (
         '<link name="a"/>',
         '<link name="a$5"/><!-- <xacro:property/> ${a} -->',
         '<link name="a"/><gazebo><plugin><parameters>$(find p)/c.yaml</parameters></plugin></gazebo>',
-    ],
-)
-@pytest.mark.usefixtures("no_guest")
-def test_a_namespace_alone_needs_no_xacro(tmp_path, inside):
-    put(tmp_path, **{"r.urdf": robot(inside)})
-    bundle, _ = gather(UrdfSourceSection(path=str(tmp_path / "r.urdf")), {})
-    assert b'<link name="a' in bundle.blobs[bundle.definition]
+    ):
+        path.write_bytes(robot(inside))
+        bundle, _ = gather(UrdfSourceSection(path=str(path)), {})
+        assert b'<link name="a' in bundle.blobs[bundle.definition]
 
 
 ESCAPED = (
@@ -168,38 +147,24 @@ def test_what_is_trusted_sees_the_paths_of_ros_and_no_other_variable(tmp_path, m
     assert "can read only ROS's variables" in error.hint
 
 
-@pytest.mark.parametrize(
-    ("inside", "said", "hint"),
-    [
+def test_what_xacro_refuses_is_reported_as_ours(tmp_path):
+    for inside, words, hint in (
         ('<link name="$(find parts)"/>', "there is no package parts", "source.packages={parts: FOLDER}"),
         ('<link name="$(arg n)"/>', "argument n", "source.args"),
         ('<link name="${1/0}"/>', "division by zero", ""),
         ('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>', "call themselves", ""),
-    ],
-)
-def test_what_xacro_refuses_is_reported_as_ours(tmp_path, inside, said, hint):
-    error = refused(tmp_path, inside)
-    assert error.message.startswith("xacro cannot expand it: ")
-    assert said in error.message
-    assert hint in error.hint
+    ):
+        error = refused(tmp_path, inside)
+        assert error.message.startswith("xacro cannot expand it: ")
+        assert words in error.message
+        assert hint in error.hint
 
 
-@pytest.mark.parametrize(
-    ("inside", "bounds", "said"),
-    [
-        (
-            '<link name="${[0 for a in range(10**12)]}"/>',
-            guest.Bounds(1, 1 << 34, 100),
-            "took longer than 1 s",
-        ),
-        (
-            '<link name="${len(str(10) * 3 * 10**8)}"/>',
-            guest.Bounds(60, 200 << 20, 100),
-            "needed more than 0.21 GB",
-        ),
-        ('<link name="${str(10) * 10**5}"/>', guest.Bounds(60, 1 << 30, 10**5), "made more than 0.1 MB"),
-    ],
-)
-def test_what_is_trusted_has_bounds(tmp_path, monkeypatch, inside, bounds, said):
-    monkeypatch.setattr(expand, "BOUNDS", bounds)
-    assert said in refused(tmp_path, inside).message
+def test_what_is_trusted_has_bounds(tmp_path, monkeypatch):
+    for inside, bounds, words in (
+        ("[0 for a in range(10**12)]", (1, 1 << 34, 100), "took longer than 1 s"),
+        ("len(str(10) * 3 * 10**8)", (60, 200 << 20, 100), "needed more than 0.21 GB"),
+        ("str(10) * 10**5", (60, 1 << 30, 10**5), "made more than 0.1 MB"),
+    ):
+        monkeypatch.setattr(expand, "BOUNDS", guest.Bounds(*bounds))
+        assert words in refused(tmp_path, f'<link name="${{{inside}}}"/>').message

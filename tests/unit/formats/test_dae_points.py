@@ -34,13 +34,13 @@ SOLID = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]])
 """The points that the triangles use."""
 
 
-def distinct(points: np.ndarray) -> np.ndarray:
+def distinct(points):
     """The points, each once and sorted, to a micrometre: pycollada computes in single precision."""
     return np.unique(np.round(points, 6) + 0.0, axis=0)
 
 
-def test_points_are_placed_by_nodes_and_in_metres() -> None:
-    def scaled(points: np.ndarray) -> np.ndarray:
+def test_points_are_placed_by_nodes_and_in_metres():
+    def scaled(points):
         x, y, z = (points * [1, 2, 3]).T
         return 0.01 * np.stack([-y, x, z], axis=1)
 
@@ -48,7 +48,7 @@ def test_points_are_placed_by_nodes_and_in_metres() -> None:
     assert distinct(dae_points(DAE.encode())) == pytest.approx(distinct(expected), abs=1e-9)
 
 
-def test_points_are_those_of_pycollada() -> None:
+def test_points_are_those_of_pycollada():
     collada = pytest.importorskip("collada")
     document = collada.Collada(io.BytesIO(DAE.encode()))
     placed = [
@@ -73,17 +73,16 @@ def test_points_are_those_of_pycollada() -> None:
         ("<translate>0 0 1</translate>", "<skew>45 0 1 0 1 0 0</skew>"),
     ],
 )
-def test_a_file_that_is_not_whole_is_damaged(old: str, new: str) -> None:
+def test_a_file_that_is_not_whole_is_damaged(old, new):
     assert old in DAE
     with pytest.raises(Damaged):
         dae_points(DAE.replace(old, new).encode())
 
 
-def test_nodes_that_multiply_without_end_are_damaged() -> None:
+def test_nodes_that_multiply_without_end_are_damaged():
     """Each of twenty nodes uses the next one twice."""
-    nodes = "".join(
-        f'<node id="n{index}">{2 * f"""<instance_node url="#n{index + 1}"/>"""}</node>' for index in range(20)
-    )
+    use = '<instance_node url="#n{}"/>'.format
+    nodes = "".join(f'<node id="n{n}">{2 * use(n + 1)}</node>' for n in range(20))
     text = DAE.replace('<node id="part">', f'{nodes}<node id="n20"/><node id="part">')
     with pytest.raises(Damaged):
         dae_points(text.replace('url="#part"', 'url="#n0"').encode())

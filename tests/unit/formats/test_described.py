@@ -1,14 +1,13 @@
-"""robot.json is read back: each field of each kind of thing, and what is wrong with one is named."""
+"""robot.json is read back: each field of each kind of thing; faults are named."""
 
 import json
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 
 from linkwright.stages.export.robot_json import describe
-from linkwright.stages.formats.described import Truth, described
+from linkwright.stages.formats.described import described
 from linkwright.stages.formats.mjcf.form import MjcfForm
 from linkwright.stages.formats.robot_json.codec import RobotJsonError
 from linkwright.stages.formats.urdf.form import UrdfForm
@@ -27,7 +26,6 @@ from linkwright.stages.robot.model.robot import (
     MateValue,
     Primitive,
     Relation,
-    Robot,
     Sensor,
     Transmission,
     frozen,
@@ -44,7 +42,7 @@ BOX = Primitive("box", (0.1, 0.2, 0.3), frozen(at(0, 0, 0.1)), (0.1, 0.2, 0.3, 0
 ROD = Primitive("capsule", (0.01, 0.2), frozen(at(0, 0.1, 0)), None, False, True)
 
 
-def whole(seed: int) -> Robot:
+def whole(seed):
     """A robot with every type of joint and loop, and something of everything else."""
     rng = np.random.default_rng(seed)
     rows = []
@@ -55,20 +53,11 @@ def whole(seed: int) -> Robot:
             joint(kind, parent, f"link{index}", place=pose(rng), backwards=index % 2 == 0, origins=origins)
         )
     turn, slide = rows[1].dofs[0], rows[2].dofs[0]
-    rows[1] = replace(
-        rows[1],
-        dofs=(
-            replace(
-                turn,
-                limits=Limits(-1, None),
-                dynamics=Dynamics(0.1, 0.2, 0.003, 5, 6),
-                saved=0.3,
-                given=("limits", "effort"),
-                in_mate=MateValue(-1, 0.25),
-            ),
-        ),
-        mate=MateRef(("a", "b"), "F1", "Hinge", "REVOLUTE", "copy1"),
-    )
+    moved = replace(
+        turn, limits=Limits(-1, None), dynamics=Dynamics(0.1, 0.2, 0.003, 5, 6), saved=0.3,
+        given=("limits", "effort"), in_mate=MateValue(-1, 0.25),
+    )  # fmt: skip
+    rows[1] = replace(rows[1], dofs=(moved,), mate=MateRef(("a", "b"), "F1", "Hinge", "REVOLUTE", "copy1"))
     rows[2] = replace(rows[2], mate=None)
     loops = [
         loop(kind, "link1", "link2", pose(rng), pose(rng), name=f"loop{index}", lever=0.07)
@@ -78,26 +67,13 @@ def whole(seed: int) -> Robot:
         rows,
         loops=loops,
         relations=[Relation("belt", turn.name, slide.name, -2.5, 0.125)],
-        frames=[
-            Frame("tip", "link2", frozen(pose(rng)), "Tip"),
-            Frame("own", "link1", frozen(at(1, 0, 0)), ""),
-        ],
-        world_from_root=pose(rng),
-        given={"link1": solid(3.0)},
-        shapes={"link2": (BOX, ROD)},
-        fixed=False,
-    )
+        frames=[Frame("tip", "link2", frozen(pose(rng)), "Tip"), Frame("own", "link1", at(1, 0, 0), "")],
+        world_from_root=pose(rng), given={"link1": solid(3.0)}, shapes={"link2": (BOX, ROD)}, fixed=False,
+    )  # fmt: skip
     (part,) = robot.links[1].parts
     flip = np.diag([-1.0, 1.0, 1.0, 1.0])
-    part = replace(
-        part,
-        link_from_part=frozen(part.link_from_part @ flip),
-        world_from_part=frozen(part.world_from_part @ flip),
-        collides=False,
-        seen=False,
-        standard=True,
-        estimated=True,
-    )
+    flipped = {key: frozen(getattr(part, key) @ flip) for key in ("link_from_part", "world_from_part")}
+    part = replace(part, **flipped, collides=False, seen=False, standard=True, estimated=True)
     links = (robot.links[0], replace(robot.links[1], parts=(part,)), *robot.links[2:])
     return replace(
         robot,
@@ -130,22 +106,13 @@ SENSING = Sensing(
     ),
     (SensorCamera("eye", "link2", frozen(at(0, 1, 1)), 45.0, (640, 480)),),
 )
+PRIMITIVE = Primitive("box", (0.1, 0.2, 0.3), at(0, 0, 0.1))
+CONTACT = ContactProperties((1, 0.1, 0.01), 4, (0.01, 1), (0.9, 0.95, 0.001, 0.5, 2), 0.001, 3)
 GEOMETRY = Geometry(
     (
         Shape("link1", "collision", "a.stl", None, 8, 12, 0.25, 0.125, None, None, None, 1),
         Shape("link1", "visual", "b.obj", (0.1, 0.2, 0.3, 0.4), 8, 12, 0.25, 0.125, texture="c.png"),
-        Shape(
-            "link2",
-            "collision",
-            None,
-            None,
-            0,
-            0,
-            0.22,
-            0.006,
-            Primitive("box", (0.1, 0.2, 0.3), at(0, 0, 0.1)),
-            ContactProperties((1, 0.1, 0.01), 4, (0.01, 1), (0.9, 0.95, 0.001, 0.5, 2), 0.001, 3),
-        ),
+        Shape("link2", "collision", None, None, 0, 0, 0.22, 0.006, PRIMITIVE, CONTACT),
     ),
     {},
     self_contact=True,
@@ -168,53 +135,46 @@ SCENE = Scene(
 )
 
 
-def text(robot: Robot) -> bytes:
+def text(robot):
     form = MjcfForm(("link0",))
     written = Written(robot, ACTUATION, GEOMETRY, FORM, form, SENSING, AMENDMENTS, SCENE)
     return describe(written, files=["robot.xml", "assets/a.stl"])
 
 
-def read(robot: Robot) -> Truth:
-    return described(text(robot))
-
-
 @pytest.mark.parametrize("seed", range(3))
-def test_everything_is_read_back(seed: int) -> None:
+def test_everything_is_read_back(seed):
     robot = whole(seed)
-    truth = read(robot)
-    found = truth.written
-    assert differences(as_driven(robot, ACTUATION), found.robot, NEAR, {"base": "", "keyframes": ""}) == []
-    assert found.robot.base.joint == "base_free"
-    assert found.robot.keyframes == robot.keyframes
-    pairs = [(ACTUATION, found.actuation), (FORM, found.urdf_form), (SENSING, found.sensing)]
-    pairs += [(GEOMETRY, found.geometry), (AMENDMENTS, found.amendments), (SCENE, found.scene)]
-    for one, other in pairs:
-        assert differences(one, other, NEAR, {"files": ""}) == []
-    assert found.mjcf_form == MjcfForm(("link0",))
+    truth = described(text(robot))
+    again = truth.written
+    assert differences(as_driven(robot, ACTUATION), again.robot, NEAR, {"base": "", "keyframes": ""}) == []
+    assert again.robot.base.joint == "base_free"
+    assert again.robot.keyframes == robot.keyframes
+    pairs = [(ACTUATION, again.actuation), (FORM, again.urdf_form), (SENSING, again.sensing)]
+    pairs += [(GEOMETRY, again.geometry), (AMENDMENTS, again.amendments), (SCENE, again.scene)]
+    for first, other in pairs:
+        assert differences(first, other, NEAR, {"files": ""}) == []
+    assert again.mjcf_form == MjcfForm(("link0",))
     assert truth.files == ("assets/a.stl", "robot.xml")
 
 
-def test_what_a_build_that_ends_early_leaves_is_read_too() -> None:
-    robot = whole(0)
-    found = described(describe(Written(robot)))
-    assert found.written.geometry is None
-    assert found.written.scene is None
-    assert found.files == ()
-    assert found.written.urdf_form == UrdfForm()
+def test_the_robot_json_of_a_build_that_ends_early_is_read_too():
+    truth = described(describe(Written(whole(0))))
+    assert (truth.written.geometry, truth.written.scene, truth.files) == (None, None, ())
+    assert truth.written.urdf_form == UrdfForm()
 
 
-def leaves(value: Any, path: tuple[Any, ...] = ()) -> Any:
-    """The paths of all values; of a list of numbers that of the first."""
+def leaves(value, path=()):
+    """The paths of all values; for a list of numbers only the first."""
     pairs = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
-    numbers = isinstance(value, list) and all(isinstance(one, float) for one in value)
-    for key, one in list(pairs)[: 1 if numbers else None]:
-        yield from leaves(one, (*path, key))
+    numbers = isinstance(value, list) and all(isinstance(item, float) for item in value)
+    for key, item in list(pairs)[: 1 if numbers else None]:
+        yield from leaves(item, (*path, key))
     if not isinstance(value, dict | list):
         yield path
 
 
 @pytest.mark.slow
-def test_no_value_of_a_wrong_type_is_anything_but_a_named_error() -> None:
+def test_a_value_of_a_wrong_type_is_a_named_error_or_not_read():
     """Each value in its turn as a text, a table, or nothing: it is refused with its name, or not read."""
     table = json.loads(text(whole(0)))
     refused = 0
@@ -233,6 +193,6 @@ def test_no_value_of_a_wrong_type_is_anything_but_a_named_error() -> None:
 
 
 @pytest.mark.parametrize("data", [b"", b"[", b"[]", b"null", b"\xff", b"{}", b"[" * 100_000, b'{"a": 1e999}'])
-def test_what_is_no_robot_json_is_refused(data: bytes) -> None:
+def test_other_data_is_refused(data):
     with pytest.raises(RobotJsonError):
         described(data)

@@ -35,21 +35,24 @@ def test_what_has_what_it_claims_is_read():
         ({"bufferViews": {"byteStride": 1}}, "a stride of 1"),
         ({"bufferViews": {"byteLength": 10**12}}, "view 0 reaches beyond"),
         ({"buffers": [{"byteLength": 10**12, "uri": "elsewhere.bin"}]}, "reaches beyond"),
-        ({"nodes": [{"children": [0]}], "scenes": [{"nodes": [0]}]}, "no tree"),
-        ({"nodes": [*({"children": [n, n]} for n in range(1, 60)), {"mesh": 0}]}, "no tree"),
-        ({"nodes": [{"children": [1, 2]}, {"children": [3]}, {"children": [3]}, {"mesh": 0}]}, "no tree"),
+        ({"nodes": [{"children": [0]}], "scenes": [{"nodes": [0]}]}, "do not form a tree"),
+        ({"nodes": [*({"children": [n, n]} for n in range(1, 60)), {"mesh": 0}]}, "do not form a tree"),
+        (
+            {"nodes": [{"children": [1, 2]}, {"children": [3]}, {"children": [3]}, {"mesh": 0}]},
+            "do not form a tree",
+        ),
         ({"nodes": [{"mesh": 0}] * 500, "scenes": []}, "used too often"),
         ({"meshes": 7}, "damaged"),
     ],
 )
 def test_what_claims_more_than_it_has_is_refused(monkeypatch, changes, why):
-    monkeypatch.setattr(gltf, "_MOST_NUMBERS", 100_000)
+    monkeypatch.setattr(gltf, "_MAX_NUMBERS", 100_000)
     with pytest.raises(Unreadable, match=why):
         read(changed(**changes), "a.gltf", Companions())
 
 
 def test_a_text_of_brackets_is_refused_before_it_is_parsed(monkeypatch):
-    monkeypatch.setattr(gltf_claims, "MOST_VALUES", 100)
+    monkeypatch.setattr(gltf_claims, "MAX_VALUES", 100)
     with pytest.raises(Unreadable, match="larger than the limit"):
         read(b'{"nodes":[' + b"[]," * 1000 + b"[]]}", "a.gltf", Companions())
     with pytest.raises(Unreadable):

@@ -1,11 +1,11 @@
-"""The robot as it is written: what the cache keeps of it, and the robot of each format."""
+"""The robot as it is written, in the cache's form and back."""
 
 from dataclasses import fields
 
 import pytest
 
 from linkwright.stages.formats.mjcf import written as mjcf_written
-from linkwright.stages.formats.urdf.as_written import form_with
+from linkwright.stages.formats.urdf.as_written import urdf_form
 from linkwright.stages.formats.written import Written, decode, encode
 from linkwright.stages.robot.dynamics.driven import as_driven
 from tests.support.truth import differences
@@ -13,15 +13,14 @@ from tests.unit.formats.test_described import ACTUATION, AMENDMENTS, GEOMETRY, S
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_what_the_cache_keeps_is_read_as_it_was_written(seed: int) -> None:
-    """Nothing is left out: each field differs from its default, but for what no build knows."""
+def test_the_cached_robot_is_read_as_it_was_written(seed):
+    """Nothing is left out: each field differs from its default, except `srdf_form`, which no build sets."""
     robot = whole(seed)
-    forms = form_with(robot, merged=True), mjcf_written.form_with(robot)
+    forms = urdf_form(robot, merged=True), mjcf_written.mjcf_form(robot)
     written = Written(as_driven(robot, ACTUATION), ACTUATION, GEOMETRY, *forms, SENSING, AMENDMENTS, SCENE)
     bare = Written(robot)
-    same = [
-        field.name for field in fields(Written) if getattr(written, field.name) == getattr(bare, field.name)
-    ]
+    names = [field.name for field in fields(Written)]
+    same = [name for name in names if getattr(written, name) == getattr(bare, name)]
     assert same == ["srdf_form"]
-    found = decode(encode(written), robot, GEOMETRY)
-    assert differences(written, found, 0.0, {"option": "lists"}) == []
+    again = decode(encode(written), robot, GEOMETRY)
+    assert differences(written, again, 0.0, {"option": "lists"}) == []

@@ -1,4 +1,4 @@
-"""XML of a user's own: several elements as one text, and which format they are of."""
+"""The user's own XML: several elements in a text, and the format that they belong to."""
 
 import pytest
 
@@ -17,8 +17,8 @@ from tests.support.mujoco_schema import schema
         ("<a x='&lt;&#233;'/>", ['<a x="&lt;é"/>']),
     ],
 )
-def test_a_fragment_is_its_elements(text: str, elements: list[str]) -> None:
-    assert [to_text(one) for one in fragment(text)] == elements
+def test_a_fragment_is_its_elements(text, elements):
+    assert [to_text(element) for element in fragment(text)] == elements
 
 
 @pytest.mark.parametrize(
@@ -37,7 +37,7 @@ def test_a_fragment_is_its_elements(text: str, elements: list[str]) -> None:
         ("<a/></linkwright.fragment><linkwright.fragment>", "line 1, column"),
     ],
 )
-def test_what_is_no_fragment_is_named_with_line_and_column(text: str, place: str) -> None:
+def test_the_fault_of_a_text_is_named_with_line_and_column(text, place):
     with pytest.raises(Malformed) as caught:
         fragment(text)
     assert caught.value.quoted_place.startswith(place)
@@ -52,23 +52,23 @@ def test_what_is_no_fragment_is_named_with_line_and_column(text: str, place: str
         ("</secret>", "line 1, column 10: an end tag closes nothing"),
         ("secret <a/>", "line 1: text outside of an element"),
         ("<a>&secret;</a>", "line 1, column 12: an entity is not defined"),
-        ("<a secret='1' secret='2'/>", "line 1, column 25: an attribute stands twice in an element"),
+        ("<a secret='1' secret='2'/>", "line 1, column 25: an element has an attribute twice"),
         ("<a secret>", "line 1, column 10: an attribute has no value"),
         ("<a secret\x01='1'/>", "line 1"),
         ("<?secret", "line 1"),
     ],
 )
-def test_what_is_wrong_is_said_without_a_word_of_the_text(text: str, place: str) -> None:
+def test_a_fault_is_described_without_a_word_of_the_text(text, place):
     with pytest.raises(Malformed) as caught:
         fragment(text)
     assert caught.value.place.startswith(place)
     assert "ecret" not in f"{caught.value.place}{caught.value}"
 
 
-def test_every_element_of_mujoco_is_known() -> None:
-    found = {where for where, _ in schema() if where}
-    assert {tag for where in found for tag in where} <= MJCF
-    assert {where[0] for where in found} - {"body"} <= SECTIONS
+def test_every_element_of_mujoco_is_known():
+    places = {where for where, _ in schema() if where}
+    assert {tag for where in places for tag in where} <= MJCF
+    assert {where[0] for where in places} - {"body"} <= SECTIONS
     assert {"sensor", "worldbody"} <= SECTIONS
 
 
@@ -88,7 +88,7 @@ def test_every_element_of_mujoco_is_known() -> None:
         ("<site/><gazebo_/>", None),
     ],
 )
-def test_the_elements_say_which_format_they_are_of(text: str, language: str | None) -> None:
+def test_the_format_is_told_from_the_elements(text, language):
     elements = fragment(text)
     assert language_of(elements) == language
     assert (unknown_tag(elements) != "") == (language is None or ":" in text)

@@ -52,29 +52,19 @@ ALIKE = (
 COMPILED = (
     *(("actuator", name) for name in SHORTCUTS),
     *(("sensor", name) for name in ALIKE),
-    ("compiler",),
-    ("default",),
-    ("include",),
-    ("body", "frame"),
-    ("body", "replicate"),
-    ("body", "composite"),
-    ("body", "attach"),
-    ("asset", "model"),
-    ("asset", "mesh"),
+    *((name,) for name in ("compiler", "default", "include")),
+    *(("body", name) for name in ("frame", "replicate", "composite", "attach")),
+    *(("asset", name) for name in ("model", "mesh")),
 )
 """Elements that MuJoCo settles when it compiles: what they come to is looked at where it arrives."""
 
 WITHOUT_MEANING = {
     *("class", "childclass"),  # defaults are settled
-    "fuse",  # how MuJoCo compiles
-    "simple",  # whether MuJoCo looks for a quick way
-    "alignfree",
-    "inheritrange",  # comes to a range
+    *("fuse", "simple", "alignfree"),  # how MuJoCo compiles, and whether it looks for a quick way
+    *("inheritrange", "shellinertia", "fitscale"),  # come to a range, an inertia and a size
     *("directional", "focalpixel", "principalpixel"),  # come to a type, and to lengths
     "content_type",  # how a file is read
     "align",  # of a free joint: where its frame is, which the body's pose has
-    "shellinertia",  # comes to an inertia
-    "fitscale",  # comes to a size
     "nstack",  # is refused
     "material name",  # is only referred to in the file
     # Of things that the model below does not have: `unit/fetch/test_mjcf_keyframes.py` has them.
@@ -119,90 +109,26 @@ BASE = f"""<mujoco model="base"><compiler angle="radian"/><option><flag/></optio
 
 Values = Mapping[str, str | None]
 
+BETWEEN_SITES = {"site1": "toe", "site2": "pin", "body1": None, "body2": None, "anchor": None}
+
 SAID: Mapping[str, str | Values] = {
     **dict(
-        line.split(" = ")
-        for line in """pos = 0 .1 .2
-quat = 1 1 0 0
-axisangle = 1 0 0 1
-euler = 1 0 0
-zaxis = 1 0 0
-xyaxes = 0 1 0 -1 0 0
-user = 1 2
-group = 3
-rgba = 0 1 0 1
-mocap = true
-sleep = never
-mass = 2
-diaginertia = 2 2 3
-type = slide
-axis = 1 0 0
-stiffness = 1
-damping = 1
-range = -1 2
-limited = false
-solreflimit = .1 1
-solimplimit = .8 .9 .01
-solreffriction = .1 1
-solimpfriction = .8 .9 .01
-solref = .1 1
-solimp = .8 .9 .01
-springdamper = .1 .2
-actuatorfrcrange = -1 3
-size = .2 .2 .2
-contype = 3
-conaffinity = 3
-condim = 4
-friction = 2 .1 .1
-material = m
-castshadow = false
-surfacevel = 1 0 0 0 0 0
-fluidshape = ellipsoid
-active = false
-relpose = 0 0 0 1 1 0 0
-polycoef = 1 1 0 0 0
-joint1 = l
-joint2 = l
-body1 = root
-body2 = root
-geom1 = heel
-geom2 = ball
-target = foot
-resolution = 3 4
-sensorsize = .1 .2
-ambient = .1 .2 .3
-attenuation = 2 0 0
-springlength = .5
-tendon = f
-site = pin
-joint = l
-geom = ball
-sidesite = eye
-objname = root
-objtype = xbody
-coef = 3
-divisor = 4
-datatype = quaternion
-needstage = vel
-data = dist dir
-ctrlrange = -2 3
-forcerange = -2 3
-actrange = -2 3
-gear = 2
-dyntype = filter
-gaintype = affine
-biastype = affine
-elevation = 0 1 2 3
-texture = t
-memory = 10M
-cone = elliptic
-integrator = RK4
-jacobian = dense
-solver = CG
-gravity = 0 0 -1.6
-o_solref = .1 1
-o_solimp = .8 .9 .01
+        entry.strip().split(" = ")
+        for line in """pos = 0 .1 .2; quat = 1 1 0 0; axisangle = 1 0 0 1; euler = 1 0 0; zaxis = 1 0 0
+xyaxes = 0 1 0 -1 0 0; user = 1 2; group = 3; rgba = 0 1 0 1; mocap = true; sleep = never; mass = 2
+diaginertia = 2 2 3; type = slide; axis = 1 0 0; stiffness = 1; damping = 1; range = -1 2; limited = false
+solreflimit = .1 1; solimplimit = .8 .9 .01; solreffriction = .1 1; solimpfriction = .8 .9 .01; solref = .1 1
+solimp = .8 .9 .01; springdamper = .1 .2; actuatorfrcrange = -1 3; size = .2 .2 .2; contype = 3
+conaffinity = 3; condim = 4; friction = 2 .1 .1; material = m; castshadow = false; surfacevel = 1 0 0 0 0 0
+fluidshape = ellipsoid; active = false; relpose = 0 0 0 1 1 0 0; polycoef = 1 1 0 0 0; joint1 = l; joint2 = l
+body1 = root; body2 = root; geom1 = heel; geom2 = ball; target = foot; resolution = 3 4; sensorsize = .1 .2
+ambient = .1 .2 .3; attenuation = 2 0 0; springlength = .5; tendon = f; site = pin; joint = l; geom = ball
+sidesite = eye; objname = root; objtype = xbody; coef = 3; divisor = 4; datatype = quaternion; needstage = vel
+data = dist dir; ctrlrange = -2 3; forcerange = -2 3; actrange = -2 3; gear = 2; dyntype = filter
+gaintype = affine; biastype = affine; elevation = 0 1 2 3; texture = t; memory = 10M; cone = elliptic
+integrator = RK4; jacobian = dense; solver = CG; gravity = 0 0 -1.6; o_solref = .1 1; o_solimp = .8 .9 .01
 o_friction = 2 2 .1 .1 .1""".splitlines()
+        for entry in line.split(";")
     ),
     "fullinertia": {"fullinertia": "2 2 2 .1 0 0", "diaginertia": None},
     "actuatorfrclimited": {"actuatorfrclimited": "true", "actuatorfrcrange": "-3 3"},
@@ -210,94 +136,69 @@ o_friction = 2 2 .1 .1 .1""".splitlines()
     "fluidcoef": {"fluidshape": "ellipsoid", "fluidcoef": "1 1 1 1 1"},
     "hfield": {"hfield": "hills", "type": "hfield"},
     "mesh": {"mesh": "tet", "type": "mesh", "size": None},
-    "site1": {"site1": "toe", "site2": "pin", "body1": None, "body2": None, "anchor": None},
-    "site2": {"site1": "toe", "site2": "pin", "body1": None, "body2": None, "anchor": None},
+    **dict.fromkeys(("site1", "site2"), BETWEEN_SITES),
 }
 """What says something, by attribute: a value, or attributes that belong together (None: without that)."""
 
 YIELDS = {"springyield": ".5", "stiffness": "1"}
 LATE = {"nsample": "3", "delay": ".01", "interp": "linear"}
 LENS = {"sensorsize": ".1 .1", "resolution": "3 4", "focal": "1 1"}
+AIMED = {"target": "foot", "mode": "targetbody"}
+SEEN_FROM = {"refname": "hand", "reftype": "xbody"}
+NAMED = {"objname": "hand", "objtype": "xbody"}
+CRANK = {"cranksite": "tip", "slidersite": "toe", "cranklength": "1", "tendon": None}
+ACTIVE = {"actrange": "0 1", "dyntype": "filter", "actlimited": "true"}
+SENSORS = ("rangefinder", "tendonpos", "framepos", "subtreecom", "insidesite", "distance", "contact", "clock")
 
 ELSEWHERE: Mapping[tuple[str, str], str | Values] = {
-    ("flag", "gravity"): "disable",
-    ("headlight", "active"): "0",
-    ("flag", "sleep"): "enable",
+    **{
+        tuple(name.split()): value
+        for name, value in {
+            "flag gravity": "disable", "headlight active": "0", "flag sleep": "enable", "geom type": "box",
+            "site type": "box", "light type": "point", "light mode": "trackcom", "camera mode": "trackcom",
+            "camera projection": "orthographic", "contact data": "found force", "contact body2": "hand",
+            "contact subtree2": "hand", "contact reduce": "maxforce", "hfield size": "1 2 3 4",
+            "hfield nrow": "3", "hfield ncol": "3", "general lengthrange": "0 1", "subtreecom body": "hand",
+            "distance geom1": "ball", "distance geom2": "ball", "light range": "7", "camera output": "depth",
+            "global elevation": "7", "rgba joint": "0 1 0 1", "key qpos": "0 0 0 1 0 0 0 .5 0 0 0",
+            "key qvel": "0 0 0 0 0 0 .5 0 0 0", "camera target": AIMED, "light target": AIMED,
+            "camera sensorsize": LENS, "framepos refname": SEEN_FROM, "framepos reftype": SEEN_FROM,
+            "user objname": NAMED, "user objtype": NAMED, "general cranksite": CRANK,
+            "general slidersite": CRANK, "general cranklength": CRANK, "general actrange": ACTIVE,
+            "general actlimited": ACTIVE, "spatial springyield": YIELDS, "fixed springyield": YIELDS,
+            "tendon tendon2": {"tendon2": None},
+        }.items()
+    },
     ("flag", "ipc"): {"ipc": "enable", "../integrator": "discrete"},
-    ("geom", "type"): "box",
-    ("site", "type"): "box",
-    ("light", "type"): "point",
-    ("light", "mode"): "trackcom",
-    ("camera", "mode"): "trackcom",
-    ("camera", "target"): {"target": "foot", "mode": "targetbody"},
-    ("light", "target"): {"target": "foot", "mode": "targetbody"},
     ("camera", "focal"): {"focal": ".1 .2", "sensorsize": ".1 .1", "resolution": "3 4"},
     ("camera", "principal"): {"principal": ".1 .2", **LENS},
-    ("camera", "sensorsize"): LENS,
-    ("camera", "projection"): "orthographic",
-    ("contact", "data"): "found force",
     ("contact", "body1"): {"body1": "root", "geom1": None},
     ("contact", "site"): {"site": "tip", "geom1": None},
     ("contact", "subtree1"): {"subtree1": "root", "geom1": None},
-    ("contact", "body2"): "hand",
-    ("contact", "subtree2"): "hand",
-    ("contact", "reduce"): "maxforce",
     ("rangefinder", "camera"): {"camera": "view", "site": None},
     ("distance", "body1"): {"body1": "root", "geom1": None},
     ("distance", "body2"): {"body2": "root", "geom2": None},
-    ("framepos", "refname"): {"refname": "hand", "reftype": "xbody"},
-    ("framepos", "reftype"): {"refname": "hand", "reftype": "xbody"},
-    ("user", "objname"): {"objname": "hand", "objtype": "xbody"},
-    ("user", "objtype"): {"objname": "hand", "objtype": "xbody"},
-    ("hfield", "size"): "1 2 3 4",
-    ("hfield", "nrow"): "3",
-    ("hfield", "ncol"): "3",
     **{
         ("general", name): {name: value, "tendon": None}
         for name, value in {"body": "arm", "joint": "j", "jointinparent": "j", "site": "tip"}.items()
     },
-    ("general", "cranksite"): {"cranksite": "tip", "slidersite": "toe", "cranklength": "1", "tendon": None},
-    ("general", "slidersite"): {"cranksite": "tip", "slidersite": "toe", "cranklength": "1", "tendon": None},
-    ("general", "cranklength"): {"cranksite": "tip", "slidersite": "toe", "cranklength": "1", "tendon": None},
     ("general", "refsite"): {"site": "tip", "refsite": "toe", "tendon": None},
     ("general", "actdim"): {"actdim": "2", "dyntype": "user"},
-    ("general", "actrange"): {"actrange": "0 1", "dyntype": "filter", "actlimited": "true"},
-    ("general", "actlimited"): {"actrange": "0 1", "dyntype": "filter", "actlimited": "true"},
     ("general", "actearly"): {"actearly": "true", "dyntype": "filter"},
     ("general", "ctrllimited"): {"ctrlrange": "0 1", "ctrllimited": "true"},
     ("general", "forcelimited"): {"forcerange": "0 1", "forcelimited": "true"},
-    ("general", "lengthrange"): "0 1",
-    ("spatial", "limited"): {"range": "0 1", "limited": "true"},
-    ("fixed", "limited"): {"range": "0 1", "limited": "true"},
+    **{(kind, "limited"): {"range": "0 1", "limited": "true"} for kind in ("spatial", "fixed")},
     ("joint", "springref"): {"springref": ".3", "stiffness": "1"},
-    **dict.fromkeys((("spatial", "springyield"), ("fixed", "springyield")), YIELDS),
     ("general", "armature"): {"armature": "1", "joint": "j", "tendon": None},
-    **{("general", name): LATE for name in ("delay", "interp", "nsample")},
-    **{
-        (sensor, name): LATE
-        for sensor in ("rangefinder", "tendonpos", "framepos", "subtreecom", "insidesite", "distance")
-        for name in ("delay", "interp", "nsample")
-    },
-    **{(sensor, name): LATE for sensor in ("contact", "clock") for name in ("delay", "interp", "nsample")},
-    ("subtreecom", "body"): "hand",
-    ("distance", "geom1"): "ball",
-    ("distance", "geom2"): "ball",
+    **{(kind, name): LATE for kind in ("general", *SENSORS) for name in ("delay", "interp", "nsample")},
     ("tendon", "tendon1"): {"tendon1": "s", "tendon2": None},
-    ("tendon", "tendon2"): {"tendon2": None},
     ("user", "datatype"): {"datatype": "quaternion", "dim": "4"},
-    ("light", "range"): "7",
-    ("camera", "output"): "depth",
-    ("global", "elevation"): "7",
-    ("rgba", "joint"): "0 1 0 1",
-    ("key", "qpos"): "0 0 0 1 0 0 0 .5 0 0 0",
-    ("key", "qvel"): "0 0 0 0 0 0 .5 0 0 0",
-    ("geom", "mass"): {"mass": "2", "BODY": None},
-    ("geom", "density"): {"density": "2", "BODY": None},
-}
+    **{("geom", name): {name: "2", "BODY": None} for name in ("mass", "density")},
+}  # fmt: skip
 """The same of single elements."""
 
 ANY = ("0.7", "7", "2 2", ".1 .2 .3", ".1 .2 .3 .4", "true", "enable", "disable")
-"""Of other attributes the first of these that MuJoCo takes and that says something."""
+"""Values for other attributes: the first is used that MuJoCo takes and that says something."""
 
 
 ON_TOP = {"mocap", "sleep"}
@@ -320,10 +221,10 @@ def robot_of(tree: etree._Element) -> Robot:
 
 def values_of(element: str, attribute: str) -> list[Values]:
     """Attributes to set, in the order in which they are tried."""
-    given = ELSEWHERE.get((element, attribute), SAID.get(attribute))
-    if given is None:
+    text = ELSEWHERE.get((element, attribute), SAID.get(attribute))
+    if text is None:
         return [{attribute: value} for value in ANY]
-    return [{attribute: given} if isinstance(given, str) else given]
+    return [{attribute: text} if isinstance(text, str) else text]
 
 
 def changed(where: Where, values: Values) -> etree._Element:
@@ -331,11 +232,8 @@ def changed(where: Where, values: Values) -> etree._Element:
     tree = etree.fromstring(BASE)
     path = "/".join({"body": "worldbody/body/body"}.get(step, step) for step in where)
     path = "worldbody/body/freejoint" if path.endswith("freejoint") else path
-    path = (
-        f"worldbody/body[{2 if 'sleep' in values else 1}]"
-        if where == ("body",) and values.keys() & ON_TOP
-        else path
-    )
+    if where == ("body",) and values.keys() & ON_TOP:
+        path = f"worldbody/body[{2 if 'sleep' in values else 1}]"
     node = tree.find(path)
     assert node is not None, where
     for name, value in values.items():
@@ -359,10 +257,13 @@ def without_findings(robot: Robot) -> bytes:
     return encode_robot(replace(robot, diagnostics=()))
 
 
+def left(robot: Robot) -> list[str]:
+    return [note.message for note in robot.diagnostics if note.code.endswith("MJCF-LEFT")]
+
+
 def is_named(robot: Robot, where: Where, attribute: str) -> bool:
     """Whether a diagnostic has the names of the element and of the attribute beside each other."""
-    told = [one.message for one in robot.diagnostics if one.code.endswith("MJCF-LEFT")]
-    phrases = [re.findall(r"\w+", phrase) for message in told for phrase in re.split("[;:]", message)]
+    phrases = [re.findall(r"\w+", phrase) for message in left(robot) for phrase in re.split("[;:]", message)]
     section = {where[0]} & {"actuator", "contact", "equality", "sensor", "tendon"}
     elements = {where[-1].removeprefix("free"), *section}
     return any(attribute in words and elements & set(words) for words in phrases)
@@ -399,13 +300,13 @@ def walked() -> list[tuple[Where, list[str]]]:
 
 
 @pytest.fixture(scope="module")
-def base() -> Robot:
+def base():
     return robot_of(etree.fromstring(BASE))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("where", "attributes"), walked(), ids=["/".join(where) for where, _ in walked()])
-def test_each_attribute_is_carried_over_or_named(where: Where, attributes: list[str], base: Robot) -> None:
+def test_each_attribute_is_carried_over_or_named(where, attributes, base):
     assert lost(where, attributes, base) == []
 
 
@@ -417,34 +318,35 @@ WHOLE = {
     "flex": """<worldbody><flexcomp name="x" type="grid" dim="2" count="3 3 1" spacing="1 1 1" mass="1"
         radius=".01"/></worldbody>""",
 }
-"""What is left out as a whole, called x, by the words of the diagnostic."""
+"""Words of the diagnostic → elements that are left out as a whole, called x."""
 
 
 @pytest.mark.parametrize("words", WHOLE)
-def test_elements_that_are_left_out_as_a_whole_are_named(words: str) -> None:
+def test_elements_that_are_left_out_as_a_whole_are_named(words):
     robot = robot_of(etree.fromstring(BASE.replace("</mujoco>", f"{WHOLE[words]}</mujoco>")))
-    told = " ".join(one.message for one in robot.diagnostics if one.code.endswith("MJCF-LEFT"))
-    assert re.search(rf"\d × {words} \([^)]*\bx\b", told)
+    assert re.search(rf"\d × {words} \([^)]*\bx\b", " ".join(left(robot)))
 
 
-def test_what_is_silent_is_found(base: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_silent_is_found(base, monkeypatch):
     monkeypatch.setattr(unsupported, "of_elements", lambda *_: ())
     assert lost(("asset", "material"), ["shininess", "rgba"], base) == ["shininess is silent"]
 
 
-def test_the_walk_sees_the_schema() -> None:
-    known = dict(schema())
-    assert len(known) > 120
-    assert {"margin", "solreflimit", "actuatorgravcomp"} <= set(known["body", "joint"])
-    assert "fluidshape" in known["body", "geom"]
-    assert "contact" in known["option", "flag"]
+def test_the_walk_sees_the_schema():
+    elements = dict(schema())
+    assert len(elements) > 120
+    assert {"margin", "solreflimit", "actuatorgravcomp"} <= set(elements["body", "joint"])
+    assert "fluidshape" in elements["body", "geom"]
+    assert "contact" in elements["option", "flag"]
     assert len(walked()) > 15
 
 
-def test_defaults_are_nobodys_loss(base: Robot) -> None:
+def test_defaults_are_nobodys_loss(base):
     """Values that say what MuJoCo says anyway, typed or nearly so."""
     text = BASE.replace("<option>", '<option timestep="0.002" gravity="0 0 -9.80665" density="0">')
     text = text.replace('name="j"', 'name="j" margin="0" solreflimit="0.02 1" stiffness="0"')
     text = text.replace('name="ball"', 'name="ball" friction="1 0.005 0.0001" condim="3" solmix="1.0000001"')
-    told, usual = ([d.message for d in one.diagnostics] for one in (robot_of(etree.fromstring(text)), base))
-    assert told == usual
+    messages, usual = (
+        [d.message for d in robot.diagnostics] for robot in (robot_of(etree.fromstring(text)), base)
+    )
+    assert messages == usual

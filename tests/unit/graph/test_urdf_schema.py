@@ -6,7 +6,6 @@ ROS 2, MuJoCo, Drake and RaiSim.
 
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import mujoco
 import pytest
@@ -14,7 +13,8 @@ from lxml import etree
 
 from linkwright.stages.robot.codec import encode_robot
 from tests.support.building import plan_of, write
-from tests.support.checked import checked
+from tests.support.checked import failures
+from tests.support.reported import only, reports
 from tests.support.urdfs import urdf_robot
 
 BODY = """<inertial><origin xyz="0 0 .1" rpy="0 0 0"/><mass value="1"/>
@@ -26,15 +26,11 @@ def shape(role: str, solid: str) -> str:
     return f"<{role}>{SHAPE.format(shape=solid)}</{role}>"
 
 
-SOLIDS = (
-    'box size="1 1 1"',
-    'cylinder radius="1" length="1"',
-    'capsule radius="1" length="1"',
-    'sphere radius="1"',
-)
+SOLIDS = ('box size="1 1 1"', *(f'{kind} radius="1" length="1"' for kind in ("cylinder", "capsule")),
+          'sphere radius="1"')  # fmt: skip
 BASE = f"""<robot name="r" version="1.0" xmlns:drake="http://drake">
 <material name="red"><color rgba="1 0 0 1"/></material>
-<link name="base">{BODY}{"".join(shape("visual", one) for one in SOLIDS)}
+<link name="base">{BODY}{"".join(shape("visual", solid) for solid in SOLIDS)}
   <visual><geometry><mesh filename="a.stl" scale="1 1 1"/></geometry>
     <material name="red"/></visual>{shape("collision", SOLIDS[0])}</link>
 <link name="arm">{BODY}</link><link name="hand">{BODY}</link><link name="frame"/>
@@ -53,88 +49,33 @@ BASE = f"""<robot name="r" version="1.0" xmlns:drake="http://drake">
   <joint name="j"><command_interface name="position"/><state_interface name="velocity"/></joint>
   <sensor name="imu"><state_interface name="x"/></sensor></ros2_control></robot>"""
 
-SAID = """
-robot name other
-material[1] name blue
-material/color rgba 0 1 0 1
-material texture/filename wood.png
-link[2] name other
-link[2] type arm
-link/inertial/origin xyz 0 0 .2
-link/inertial/origin rpy 1 0 0
-link/inertial/origin quat_xyzw 1 0 0 1
-link/inertial/mass value 2
-link/inertial/inertia ixx 1.1
-link/inertial/inertia ixy .1
-link/inertial/inertia ixz .1
-link/inertial/inertia iyy 1.1
-link/inertial/inertia iyz .1
-link/inertial/inertia izz 1.1
-link/visual name look
-link/visual group g
-link/visual/origin xyz 0 0 .2
-link/visual/origin rpy 1 0 0
-link/visual/geometry/box size 1 2 3
-link/visual/geometry/cylinder radius 2
-link/visual/geometry/cylinder length 2
-link/visual/geometry/capsule radius 2
-link/visual/geometry/capsule length 2
-link/visual/geometry/sphere radius 2
-link/visual/geometry/mesh filename b.stl
-link/visual/geometry/mesh scale 1 2 3
-link/visual/material name white
-link/collision name touch
-link/collision group g
-link/collision/origin xyz 0 0 .2
-link/collision/origin rpy 1 0 0
-link/collision/geometry/box size 1 2 3
-link contact/lateral_friction/value 1
-link self_collision_checking/collision 1
-joint name other
-joint type prismatic
-joint dont_collapse true
-joint/origin xyz 0 0 2
-joint/origin rpy 1 0 0
-joint[2]/parent link base
-joint/axis xyz 0 1 0
-joint/limit lower -2
-joint/limit upper 2
-joint/limit effort 5
-joint/limit velocity 5
-joint/limit acceleration 5
-joint/limit deceleration 5
-joint/limit jerk 5
-joint/dynamics damping 2
-joint/dynamics friction 2
-joint/dynamics rotorInertia 2
-joint/dynamics rotor_inertia 2
-joint/dynamics armature 2
-joint/dynamics spring_stiffness 2
-joint safety_controller/k_velocity 1
-joint calibration/rising 1
-joint drake:spring/value 1
-joint[2]/mimic joint g
-joint[2]/mimic multiplier 2
-joint[2]/mimic offset 2
-transmission name other
-transmission/joint name k
-transmission/actuator name other
-transmission/actuator mechanicalReduction 7
-transmission/actuator drake:rotor_inertia/value 2
-ros2_control name other
-ros2_control type actuator
-ros2_control/hardware param x
-ros2_control/joint name k
-ros2_control/joint/command_interface name effort
-ros2_control gpio/name x
-robot gazebo/reference arm
-robot sensor/name eye
-robot mujoco/compiler/balanceinertia true
-robot mujoco/option/timestep .1
-robot drake:joint/name x
-link drake:note x
-joint colour red
-""".strip().splitlines()
+SAID = [line.strip() for line in """
+robot name other | material[1] name blue | material/color rgba 0 1 0 1 | material texture/filename wood.png
+link[2] name other | link[2] type arm | link/inertial/origin xyz 0 0 .2 | link/inertial/origin rpy 1 0 0
+link/inertial/origin quat_xyzw 1 0 0 1 | link/inertial/mass value 2 | link/inertial/inertia ixx 1.1
+link/inertial/inertia ixy .1 | link/inertial/inertia ixz .1 | link/inertial/inertia iyy 1.1
+link/inertial/inertia iyz .1 | link/inertial/inertia izz 1.1 | link/visual name look | link/visual group g
+link/visual/origin xyz 0 0 .2 | link/visual/origin rpy 1 0 0 | link/visual/geometry/box size 1 2 3
+link/visual/geometry/cylinder radius 2 | link/visual/geometry/cylinder length 2
+link/visual/geometry/capsule radius 2 | link/visual/geometry/capsule length 2
+link/visual/geometry/sphere radius 2 | link/visual/geometry/mesh filename b.stl
+link/visual/geometry/mesh scale 1 2 3 | link/visual/material name white | link/collision name touch
+link/collision group g | link/collision/origin xyz 0 0 .2 | link/collision/origin rpy 1 0 0
+link/collision/geometry/box size 1 2 3 | link contact/lateral_friction/value 1
+link self_collision_checking/collision 1 | joint name other | joint type prismatic
+joint dont_collapse true | joint/origin xyz 0 0 2 | joint/origin rpy 1 0 0 | joint[2]/parent link base
+joint/axis xyz 0 1 0 | joint/limit lower -2 | joint/limit upper 2 | joint/limit effort 5
+joint/limit velocity 5 | joint/limit acceleration 5 | joint/limit deceleration 5 | joint/limit jerk 5
+joint/dynamics damping 2 | joint/dynamics friction 2 | joint/dynamics rotorInertia 2
+joint/dynamics rotor_inertia 2 | joint/dynamics armature 2 | joint/dynamics spring_stiffness 2
+joint safety_controller/k_velocity 1 | joint calibration/rising 1 | joint drake:spring/value 1
+joint[2]/mimic joint g | joint[2]/mimic multiplier 2 | joint[2]/mimic offset 2 | transmission name other
+transmission/joint name k | transmission/actuator name other | transmission/actuator mechanicalReduction 7
+transmission/actuator drake:rotor_inertia/value 2 | ros2_control name other | ros2_control type actuator
+ros2_control/hardware param x | ros2_control/joint name k | ros2_control gpio/name x
+ros2_control/joint/command_interface name effort | robot gazebo/reference arm | robot sensor/name eye
+robot mujoco/compiler/balanceinertia true | robot mujoco/option/timestep .1 | robot drake:joint/name x
+link drake:note x | joint colour red""".strip().replace("\n", "|").split("|")]  # fmt: skip
 """What a URDF may say besides: where, the attribute (or the element to add, down to its attribute), and a
 value."""
 
@@ -144,17 +85,17 @@ WITHOUT_MEANING = {"robot name other"}
 
 def changed(line: str) -> bytes:
     """The URDF that says this too."""
-    where, what, *value = line.split(" ")
+    where, action, *value = line.split(" ")
     tree = etree.fromstring(BASE)
     path = where.removeprefix("robot").removeprefix("/")
     node = tree.find(path) if path else tree
-    *below, name = what.split("/")
+    *below, name = action.split("/")
     if (not below and name.startswith("drake:")) or name in ("mechanicalReduction", "param"):
         below, name = [name], ""
     for step in below:
         step = step.replace("drake:", "{http://drake}")
-        found = node.find(step)
-        node = etree.SubElement(node, step) if found is None else found
+        entry = node.find(step)
+        node = etree.SubElement(node, step) if entry is None else entry
     if name == "name" and not below and where in ("link[2]", "joint"):  # wherever it is named
         return BASE.replace(f'"{node.get("name")}"', f'"{value[0]}"').encode()
     if name:
@@ -165,43 +106,42 @@ def changed(line: str) -> bytes:
 
 
 def outcome(text: bytes) -> tuple[set[str], bytes]:
-    """What is told of what was left out, and the robot without that."""
+    """Returns the messages on what was left out, and the robot without them."""
     robot = urdf_robot(text)
     codes = ("I-URDF-LEFT", "W-URDF-UNKNOWN", "W-URDF-MIMIC", "W-URDF-MATERIAL", "I-URDF-TEXTURE")
-    told = {one.message for one in robot.diagnostics if one.code in codes}
-    return told, encode_robot(replace(robot, diagnostics=()))
+    messages = {diagnostic.message for diagnostic in robot.diagnostics if diagnostic.code in codes}
+    return messages, encode_robot(replace(robot, diagnostics=()))
 
 
 @pytest.fixture(scope="module")
-def base() -> tuple[set[str], bytes]:
+def base():
     return outcome(BASE.encode())
 
 
 @pytest.mark.parametrize("line", [line for line in SAID if line not in WITHOUT_MEANING])
-def test_what_a_urdf_says_is_carried_over_or_named(line: str, base: tuple[set[str], bytes]) -> None:
-    told, robot = outcome(changed(line))
+def test_what_a_urdf_says_is_carried_over_or_named(line, base):
+    messages, robot = outcome(changed(line))
     said = re.findall(r"[\w.]+", line.partition(" ")[2])
-    words = {word for message in told - base[0] for word in re.findall(r"[\w.]+", message)}
+    words = {word for message in messages - base[0] for word in re.findall(r"[\w.]+", message)}
     assert words & set(said) or robot != base[1]
 
 
-def test_nothing_is_left_out_of_a_plain_urdf(base: tuple[set[str], bytes]) -> None:
+def test_nothing_is_left_out_of_a_plain_urdf(base):
     assert base[0] == set()
 
 
-def test_how_joints_are_driven_is_written_back(tmp_path: Path) -> None:
-    robot = urdf_robot(BASE)
-    found, wanted = etree.fromstring(write(robot, tmp_path).files["robot.urdf"]), etree.fromstring(BASE)
+def test_how_joints_are_driven_is_written_back(tmp_path):
+    assert failures(tmp_path, urdf_robot(BASE)) == []
+    trees = etree.parse(tmp_path / "robot.urdf").getroot(), etree.fromstring(BASE)
     for kind in ("transmission", "ros2_control"):
         ours, theirs = (
-            [(one.tag, one.attrib, (one.text or "").strip()) for one in tree.find(kind).iter()]
-            for tree in (found, wanted)
+            [(node.tag, node.attrib, (node.text or "").strip()) for node in tree.find(kind).iter()]
+            for tree in trees
         )
         assert ours == theirs
-    assert [check for check in checked(tmp_path, robot, plan_of()) if check.fails] == []
 
 
-def test_what_drives_a_joint_follows_its_name(tmp_path: Path) -> None:
+def test_what_drives_a_joint_follows_its_name(tmp_path):
     text = BASE.replace(
         "</ros2_control>",
         """<joint name="k"><param name="mimic">j</param></joint><joint name="gone"/>
@@ -209,13 +149,12 @@ def test_what_drives_a_joint_follows_its_name(tmp_path: Path) -> None:
         <transmission name="v"><joint name="gone"/><joint name="j"/></transmission>""",
     )
     robot = urdf_robot(text, plan_of(names={"joints": {"j": "elbow"}}))
-    found = etree.fromstring(write(robot, tmp_path).files["robot.urdf"])
-    assert [one.get("name") for one in found.findall("transmission/joint")] == ["elbow"]
-    assert [one.get("name") for one in found.findall("ros2_control/joint")] == ["elbow", "k"]
-    assert found.findtext("ros2_control/joint/param") == "elbow"
-    assert found.find("ros2_control/transmission") is None
-    told = [(one.where, one.message) for one in robot.diagnostics if one.code == "W-URDF-CONTROL"]
-    assert [where for where, _ in told] == ["gone", "gone"]
+    root = etree.fromstring(write(robot, tmp_path).files["robot.urdf"])
+    assert [joint.get("name") for joint in root.findall("transmission/joint")] == ["elbow"]
+    assert [joint.get("name") for joint in root.findall("ros2_control/joint")] == ["elbow", "k"]
+    assert root.findtext("ros2_control/joint/param") == "elbow"
+    assert root.find("ros2_control/transmission") is None
+    assert reports(robot, "W-URDF-CONTROL") == [("W-URDF-CONTROL", "gone")] * 2
 
 
 @pytest.mark.parametrize(
@@ -227,13 +166,11 @@ def test_what_drives_a_joint_follows_its_name(tmp_path: Path) -> None:
         ("", 2e-3 * 50**2),
     ],
 )
-def test_the_inertia_of_a_rotor_is_the_armature(said: str, armature: float, tmp_path: Path) -> None:
+def test_the_inertia_of_a_rotor_is_the_armature(said, armature, tmp_path):
     drive = '<drake:rotor_inertia value="2e-3"/><drake:gear_ratio value="50"/></actuator>'
     text = BASE.replace('<dynamics damping="1" friction="1"/>', said).replace("</actuator>", drive)
     robot = urdf_robot(text)
     assert [dof.dynamics.armature for dof in robot.dofs if dof.name == "j"] == [armature]
-    exported = write(robot, tmp_path)
+    assert only(write(robot, tmp_path), "I-URDF-ARMATURE").message.endswith(": j")
     assert mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml")).joint("j").armature[0] == armature
-    (told,) = [one for one in exported.diagnostics if one.code == "I-URDF-ARMATURE"]
-    assert told.message.endswith(": j")
-    assert [check for check in checked(tmp_path, robot, plan_of()) if check.fails] == []
+    assert said or failures(tmp_path, robot) == []

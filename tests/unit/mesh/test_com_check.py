@@ -8,7 +8,7 @@ import pytest
 
 from linkwright.stages.mesh import tessellation
 from linkwright.stages.mesh.com_check import outside
-from linkwright.stages.mesh.surfaces.pieces import around
+from linkwright.stages.mesh.surfaces.pieces import enclosing_points
 from linkwright.stages.robot.model.robot import Inertial, Primitive, frozen
 from tests.unit.mesh.test_mesh import FLAT, INERTIAL, Memory, at, geometry, link_of, of_links, part
 
@@ -21,12 +21,12 @@ def with_com(*com, mass=1.0):
 
 def reported(*links, memo=None):
     """Link → the message of W-COM-OUTSIDE."""
-    found = geometry(of_links(*links), memo).diagnostics
-    return {d.where: d.message for d in found if d.code == "W-COM-OUTSIDE"}
+    diagnostics = geometry(of_links(*links), memo).diagnostics
+    return {row.where: row.message for row in diagnostics if row.code == "W-COM-OUTSIDE"}
 
 
 @pytest.mark.parametrize(
-    ("com", "apart"),
+    ("com", "distance"),
     [
         ((0.5, 0.5, 0.5), None),
         ((1.0, 1.0, 1.0), None),
@@ -36,77 +36,68 @@ def reported(*links, memo=None):
     ],
 )
 @pytest.mark.parametrize("where", [at(), at(3, -2, 1), at(1, mirror=True)])
-def test_a_part_that_weighs_where_it_is_not_is_named(com, apart, where):
-    found = reported(link_of("base", part("A", where, inertial=with_com(*com))))
-    if apart is None:
-        assert found == {}
-    else:
-        assert f"lies {apart} or more outside" in found["base"]
-        assert found["base"].endswith("for: A <1>")
+def test_part_whose_centre_of_mass_is_outside_is_named(com, distance, where):
+    message = reported(link_of("base", part("A", where, inertial=with_com(*com)))).get("base", "")
+    assert (f"lies {distance} or more outside" in message) == (distance is not None)
+    assert message.endswith("for: A <1>") or not message
 
 
-def test_only_the_culprits_are_named_and_links_that_balance_are_not():
-    astray = part("A", at(5), "Motor <1>", inertial=with_com(0.5, 0.5, 40, mass=9.0))
-    found = reported(
-        link_of("base", part("A"), astray), link_of("arm", part("B")), link_of("leaf", part("P"))
-    )
-    assert list(found) == ["base"]
-    assert found["base"].endswith("for: Motor <1>")
+BALL = (Primitive("sphere", (0.5,), at(4)),)
+UNSEEN = part("X", reply=None, inertial=with_com(50, 0, 0))
+ASTRAY = part("A", inertial=with_com(0.5, 0.5, 7))
+FAR_MOTOR = part("A", at(5), "Motor <1>", inertial=with_com(0.5, 0.5, 40, mass=9.0))
+COVER = part("A", at(5), "Cover <1>", inertial=with_com(0.5, 0.5, 0.5, mass=99.0))
+BY_USER = with_com(4.4, 0, 0)
 
 
-def test_a_part_astray_within_a_large_link_is_nothing_to_tell():
-    assert reported(link_of("base", part("A"), part("A", at(5), inertial=with_com(-1, 0.5, 0.5)))) == {}
+def leaf(*com):
+    return link_of("base", part("P", inertial=with_com(*com)))
 
 
-def test_what_is_only_seen_holds_the_centre_of_mass_too():
-    ghost = replace(
-        part("A", at(5), "Cover <1>", inertial=with_com(0.5, 0.5, 0.5, mass=99.0)), collides=False
-    )
-    assert reported(link_of("base", part("A"), ghost)) == {}
+@pytest.mark.parametrize(
+    ("link", "message"),
+    [
+        (link_of("base", part("A"), FAR_MOTOR), "for: Motor <1>"),
+        # Astray within a large link.
+        (link_of("base", part("A"), part("A", at(5), inertial=with_com(-1, 0.5, 0.5))), None),
+        # A part that is only seen holds the centre of mass too.
+        (link_of("base", part("A"), replace(COVER, collides=False)), None),
+        # A flat link must balance within its plane.
+        (leaf(*FLAT.com), None),
+        (leaf(1, 1, 0), None),
+        (leaf(0.5, 0.5, 0.5), "0.5 m or more"),
+        (leaf(0.5, 1.2, 0), "0.2 m or more"),
+        # Parts without triangles leave the rest to judge.
+        (link_of("base", part("A"), UNSEEN), None),
+        (link_of("base", UNSEEN), None),
+        (link_of("base", ASTRAY, UNSEEN), "for: A <1>"),
+        (link_of("base", part("A"), part("gone", inertial=with_com(9, 9, 9))), None),
+        (link_of("base", ASTRAY, part("X", reply=None, inertial=with_com(0, 0, 0, mass=0.0))), "A <1>"),
+        # A centre of mass by the user is compared with parts and shapes.
+        (link_of("base", part("A"), inertial=BY_USER), "were given"),
+        (link_of("base", part("A"), inertial=BY_USER, shapes=BALL), None),
+        (link_of("base", inertial=BY_USER, shapes=BALL), None),
+        (link_of("base", inertial=with_com(4.9, 0, 0), shapes=BALL), "lies 0.39"),
+        (link_of("base", inertial=BY_USER), None),
+        # It may be in a part that is not seen, and it replaces what the parts say.
+        (link_of("base", ASTRAY, part("X", reply=None), inertial=BY_USER), None),
+        (link_of("base", ASTRAY, inertial=INERTIAL), None),
+    ],
+)
+def test_links_out_of_balance_are_reported(link, message):
+    messages = reported(link, link_of("arm", part("B")))
+    assert set(messages) == ({"base"} if message else set())
+    assert message is None or message in messages["base"]
 
 
-def test_a_flat_link_must_balance_within_its_plane():
-    def leaf(com):
-        return link_of("leaf", part("P", inertial=with_com(*com)))
-
-    assert reported(leaf(FLAT.com)) == reported(leaf((1, 1, 0))) == {}
-    assert "0.5 m or more" in reported(leaf((0.5, 0.5, 0.5)))["leaf"]
-    assert "0.2 m or more" in reported(leaf((0.5, 1.2, 0)))["leaf"]
-
-
-def test_parts_without_triangles_leave_the_rest_to_judge():
-    unseen = part("X", reply=None, inertial=with_com(50, 0, 0))
-    astray = part("A", inertial=with_com(0.5, 0.5, 7))
-    assert reported(link_of("base", part("A"), unseen)) == {}
-    assert reported(link_of("base", unseen)) == {}
-    assert reported(link_of("base", astray, unseen))["base"].endswith("for: A <1>")
-    assert reported(link_of("base", part("A"), part("gone", inertial=with_com(9, 9, 9)))) == {}
-    weightless = part("X", reply=None, inertial=with_com(0, 0, 0, mass=0.0))
-    assert list(reported(link_of("base", astray, weightless))) == ["base"]
-
-
-def test_a_centre_of_mass_that_was_given_is_compared_with_parts_and_shapes():
-    ball = Primitive("sphere", (0.5,), at(4))
-    given = with_com(4.4, 0, 0)
-    assert "were given" in reported(link_of("base", part("A"), given=given))["base"]
-    assert reported(link_of("base", part("A"), given=given, shapes=(ball,))) == {}
-    assert reported(link_of("tool", given=given, shapes=(ball,))) == {}
-    assert "lies 0.39" in reported(link_of("tool", given=with_com(4.9, 0, 0), shapes=(ball,)))["tool"]
-    assert reported(link_of("tool", given=given)) == {}
-    # What was given may lie in what is not seen, and it stands for what the parts say.
-    astray = part("A", inertial=with_com(0.5, 0.5, 7))
-    assert reported(link_of("base", astray, part("X", reply=None), given=given)) == {}
-    assert reported(link_of("base", astray, given=INERTIAL)) == {}
-
-
-def test_it_is_reported_again_from_what_was_kept_and_by_todays_mass(monkeypatch):
+def test_report_comes_from_the_cache_and_by_the_mass_of_today(monkeypatch):
     memo = Memory()
     good, bad = (link_of("base", part("A", inertial=body)) for body in (INERTIAL, with_com(2, 2, 2)))
     assert reported(good, memo=memo) == {}
     assert list(reported(bad, memo=memo)) == list(reported(bad, memo=memo)) == ["base"]
     assert memo.made == 3
     # A link that balances needs no triangles to say so.
-    monkeypatch.setattr(tessellation, "read", None)
+    monkeypatch.setattr(tessellation, "decode_meshes", None)
     assert reported(good, memo=memo) == {}
 
 
@@ -123,19 +114,25 @@ def test_it_is_reported_again_from_what_was_kept_and_by_todays_mass(monkeypatch)
         (CUBE * 0, (0, 0, 0.25), 0.25),
     ],
 )
-def test_the_distance_from_a_hull(points, point, distance):
+def test_distance_from_a_hull(points, point, distance):
     turned = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
-    found = outside(points @ turned.T + 3, turned @ np.array(point) + 3)
-    assert found == pytest.approx(distance, abs=1e-6)
+    distances = outside(points @ turned.T + 3, turned @ np.array(point) + 3)
+    assert distances == pytest.approx(distance, abs=1e-6)
+
+
+def test_distance_from_a_hull_of_many_points_is_by_all_of_them():
+    """Inside and out, on a ball of which every fifth point is tried first."""
+    points = np.random.default_rng(1).normal(size=(50_000, 3))
+    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    assert outside(points, np.array([0.9, 0, 0])) == outside(points, np.array([0, 0.9995, 0])) == 0
+    assert outside(points, np.array([0, 0, 1.5])) == pytest.approx(0.5, abs=1e-3)
 
 
 @pytest.mark.parametrize("kind", ["box", "sphere", "cylinder", "capsule"])
-def test_the_points_around_a_primitive_hold_it_closely(kind):
+def test_points_around_a_primitive_hold_it_closely(kind):
     size = {"box": (0.4, 0.6, 1.0), "sphere": (0.3,)}.get(kind, (0.3, 1.0))
-    shape = Primitive(kind, size, at(2, mirror=False))
-    points = around(shape) - [2, 0, 0]
-    rng = np.random.default_rng(5)
-    for direction in rng.normal(size=(300, 3)):
+    points = enclosing_points(Primitive(kind, size, at(2))) - [2, 0, 0]
+    for direction in np.random.default_rng(5).normal(size=(300, 3)):
         direction /= np.linalg.norm(direction)
         reach = support(kind, size, direction)
         assert reach * (1 - 1e-12) <= (points @ direction).max() <= reach * 1.006
@@ -149,12 +146,3 @@ def support(kind, size, direction):
         return size[0]
     along = abs(direction[2]) * size[1] / 2
     return along + size[0] * (1.0 if kind == "capsule" else math.hypot(*direction[:2]))
-
-
-def test_of_many_points_those_beyond_the_hull_of_some_are_looked_at_among_all():
-    """Inside and out, on a ball of which every fifth point is looked at first."""
-    points = np.random.default_rng(1).normal(size=(50_000, 3))
-    points /= np.linalg.norm(points, axis=1, keepdims=True)
-    assert outside(points, np.array([0.9, 0, 0])) == 0
-    assert outside(points, np.array([0, 0.9995, 0])) == 0
-    assert outside(points, np.array([0, 0, 1.5])) == pytest.approx(0.5, abs=1e-3)

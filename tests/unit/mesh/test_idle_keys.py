@@ -30,11 +30,13 @@ from tests.support.building import plan_of
         ),
         ({"mesh__basis": "visual"}, (), "onshape", ["mesh.basis"]),
         ({"mesh__basis": "visual"}, (), "mjcf", []),
+        ({"mesh__glb_up": "y"}, (), "onshape", ["mesh.glb_up"]),
+        ({"mesh": {"glb_up": "y", "format": "glb"}}, (), "onshape", []),
         ({"contact__exclude": [["a", "b"]]}, (), "onshape", ["contact.exclude"]),
         ({"contact": {"exclude": [["a", "b"]], "self": "auto"}}, (), "onshape", []),
     ],
 )
-def test_a_key_that_nothing_reads_is_named(keys, makers, source, named) -> None:
+def test_a_key_that_nothing_reads_is_named(keys, makers, source, named):
     found = list(idle_keys(plan_of(**keys), makers, source))
-    assert [one.where for one in found] == named
-    assert {one.code for one in found} <= {"I-IDLE-KEY"}
+    assert [problem.where for problem in found] == named
+    assert {problem.code for problem in found} <= {"I-IDLE-KEY"}

@@ -1,28 +1,23 @@
 """The geometry of a robot is the same, to the byte, for any number of workers and any order of its parts."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 import trimesh
 
-from linkwright.pipeline.config.plan import Plan
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.mesh.by_contact import robot as by_contact
 from linkwright.stages.robot import codec
-from linkwright.stages.robot.bundle import Bundle
-from linkwright.stages.robot.model.geometry import Geometry
-from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.robot.system import process_usage
 from tests.support.building import plan_of
 from tests.support.physics import robot_of_meshes
 
 
-def angle(*lengths: float) -> trimesh.Trimesh:
+def angle(*lengths):
     """Two plates at a right angle."""
     x, y, z = lengths
-    plates = [trimesh.creation.box(bounds=[(0, 0, 0), one]) for one in ((x, y, 0.005), (0.005, y, z))]
+    plates = [trimesh.creation.box(bounds=[(0, 0, 0), corner]) for corner in ((x, y, 0.005), (0.005, y, z))]
     return trimesh.boolean.union(plates, engine="manifold")
 
 
@@ -33,27 +28,25 @@ SMALL = {
 }
 
 
-def shuffled(robot: Robot, seed: int) -> Robot:
+def shuffled(robot, seed):
     """The same robot with the parts of each link in another order."""
     rng = np.random.default_rng(seed)
     links = [
-        replace(link, parts=tuple(link.parts[one] for one in rng.permutation(len(link.parts))))
+        replace(link, parts=tuple(link.parts[index] for index in rng.permutation(len(link.parts))))
         for link in robot.links
     ]
     return replace(robot, links=tuple(links))
 
 
-def geometry(
-    robot: Robot, bundle: Bundle, plan: Plan, workers: int, monkeypatch: pytest.MonkeyPatch
-) -> Geometry:
+def geometry(robot, bundle, plan, workers, monkeypatch):
     monkeypatch.setattr(process_usage, "processors", lambda: workers)
-    monkeypatch.setattr(by_contact, "WORTH_A_PROCESS", 0)
+    monkeypatch.setattr(by_contact, "MIN_TRIANGLES_FOR_PROCESS", 0)
     return make_geometry(robot, bundle, plan, lambda kind, key, make: make())
 
 
-def assert_same(one: Geometry, other: Geometry) -> None:
-    assert one.files == other.files
-    assert codec.plain(one) == codec.plain(other)
+def assert_same(first, other):
+    assert first.files == other.files
+    assert codec.plain(first) == codec.plain(other)
 
 
 BY_PART = {"colliders": {"*": "ladder"}}
@@ -68,12 +61,10 @@ BY_PART = {"colliders": {"*": "ladder"}}
     ],
     ids=["primitives", "contact", "ladder"],
 )
-def test_workers_and_the_order_of_parts_change_no_byte(
-    mesh: dict[str, Any], colliders: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_workers_and_the_order_of_parts_change_no_byte(mesh, colliders, monkeypatch):
     robot, bundle = robot_of_meshes(SMALL)
     plan = plan_of(mesh=mesh, contact={"self": "auto"})
-    alone = geometry(robot, bundle, plan, 1, monkeypatch)
-    assert len(alone.colliders) == colliders
+    single = geometry(robot, bundle, plan, 1, monkeypatch)
+    assert len(single.colliders) == colliders
     for seed in (1, 2):
-        assert_same(geometry(shuffled(robot, seed), bundle, plan, 2, monkeypatch), alone)
+        assert_same(geometry(shuffled(robot, seed), bundle, plan, 2, monkeypatch), single)

@@ -6,9 +6,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 
 import pytest
 
@@ -17,7 +15,6 @@ from linkwright.stages.mesh.collide.improvement import helper, improved
 from linkwright.stages.mesh.collide.side_by_side import Making, side_by_side
 from linkwright.stages.robot.errors import DecompositionFailed
 from linkwright.stages.robot.system import process_usage
-from linkwright.stages.robot.system.guest import Guest
 from tests.support.decomposing import improved as alone
 from tests.support.decomposing import task
 from tests.support.places import PROJECT
@@ -38,7 +35,7 @@ def stand_in(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(pool, "helper", partial(helper, module="stand_in"))
 
-    def put(*lines: str) -> Callable[[], list[int]]:
+    def put(*lines):
         (tmp_path / "stand_in.py").write_text(
             STAND_IN.format(tmp_path) + "".join(f"    {line}\n" for line in lines)
         )
@@ -56,16 +53,16 @@ def answer(request):
 REFUSES = "return collision.encode(collision.Collision(note='no'))"
 
 
-def test_guests_make_the_same_in_any_order_whatever_they_made_before() -> None:
+def test_guests_make_the_same_in_any_order_whatever_they_made_before():
     """As guests that are asked nothing else do."""
     surfaces = [BRACKET, CLAMP, RING, BRACKET]
     makings = [Making(str(number), made(surface)) for number, surface in enumerate(surfaces)]
-    one = side_by_side(makings, workers=1)
-    two = side_by_side(makings[::-1], workers=2)
-    assert one == two[::-1] == [alone(task(surface)) for surface in surfaces]
+    forwards = side_by_side(makings, workers=1)
+    backwards = side_by_side(makings[::-1], workers=2)
+    assert forwards == backwards[::-1] == [alone(task(surface)) for surface in surfaces]
 
 
-def test_there_are_no_more_guests_than_workers_and_none_is_left(stand_in) -> None:
+def test_there_are_no_more_guests_than_workers_and_none_is_left(stand_in):
     guests = stand_in(REFUSES)
     results = side_by_side([Making("", made(CLAMP))] * 9, workers=2)
     assert len(set(results)) == 1
@@ -73,13 +70,13 @@ def test_there_are_no_more_guests_than_workers_and_none_is_left(stand_in) -> Non
     assert gone(guests())
 
 
-def test_where_nothing_is_decomposed_no_process_starts(monkeypatch) -> None:
+def test_where_nothing_is_decomposed_no_process_starts(monkeypatch):
     monkeypatch.setattr(subprocess, "Popen", None)
     assert side_by_side([Making("", lambda _: 1)] * 3, workers=2) == [1, 1, 1]
 
 
-def test_a_failure_is_the_result_of_its_own_maker_alone() -> None:
-    def fails(guest: Guest) -> int:
+def test_a_failure_is_the_result_of_its_own_maker_alone():
+    def fails(guest):
         raise DecompositionFailed("no")
 
     first, second, third = side_by_side(
@@ -89,11 +86,11 @@ def test_a_failure_is_the_result_of_its_own_maker_alone() -> None:
     assert isinstance(second, DecompositionFailed)
 
 
-def test_it_tells_what_runs_and_how_much_is_done() -> None:
-    lines: list[tuple[list[str], int, int]] = []
+def test_it_tells_what_runs_and_how_much_is_done():
+    lines = []
     gate = threading.Event()
 
-    def shown(running, done, total) -> None:
+    def shown(running, done, total):
         lines.append((list(running), done, total))
         if running == ["slow"]:
             gate.set()
@@ -103,10 +100,10 @@ def test_it_tells_what_runs_and_how_much_is_done() -> None:
     assert lines[-1] == ([], 2, 2)
 
 
-def test_another_error_ends_the_guests_of_all(stand_in) -> None:
+def test_another_error_ends_the_guests_of_all(stand_in):
     guests = stand_in("time.sleep(1000)")
 
-    def breaks(guest: Guest) -> bytes:
+    def breaks(guest):
         until = time.monotonic() + 30
         while not guests() and time.monotonic() < until:
             time.sleep(0.01)
@@ -140,8 +137,8 @@ except KeyboardInterrupt:
 
 
 @pytest.mark.skipif(os.name == "nt", reason="other signals")
-@pytest.mark.parametrize(("number", "told"), [("SIGINT", "interrupted\n"), ("SIGKILL", "")])
-def test_however_we_end_all_guests_end(number: str, told: str, tmp_path: Path, stand_in) -> None:
+@pytest.mark.parametrize(("number", "lines"), [("SIGINT", "interrupted\n"), ("SIGKILL", "")])
+def test_however_we_end_all_guests_end(number, lines, tmp_path, stand_in):
     guests = stand_in(f"if b'low' in request: {REFUSES}", "time.sleep(1000)")
     command = [sys.executable, "-c", ENDED, str(tmp_path)]
     with subprocess.Popen(command, cwd=PROJECT, stdout=subprocess.PIPE, text=True) as run:
@@ -150,10 +147,10 @@ def test_however_we_end_all_guests_end(number: str, told: str, tmp_path: Path, s
             time.sleep(0.02)
         run.send_signal(getattr(signal, number))
         said, _ = run.communicate(timeout=60)
-    assert said == told
+    assert said == lines
     assert gone(guests())
     assert len(guests()) == 2
 
 
-def test_there_is_at_least_one_processor() -> None:
+def test_there_is_at_least_one_processor():
     assert process_usage.processors() >= 1

@@ -38,7 +38,7 @@ def test_cones_are_sixths_of_determinants(surface, apex):
 
 @given(SURFACES)
 def test_closed_is_every_edge_as_often_in_either_sense(surface):
-    edges = Counter((one[k], one[(k + 1) % 3]) for one in surface.triangles.tolist() for k in range(3))
+    edges = Counter((row[k], row[(k + 1) % 3]) for row in surface.triangles.tolist() for k in range(3))
     as_often = all(edges[a, b] == edges[b, a] for a, b in edges)
     assert surface.closed() == (bool(edges) and as_often)
 
@@ -76,10 +76,10 @@ def test_points_within_the_tolerance_become_one_and_triangles_are_in_order(kind)
     graph.add_edges_from((used[i], used[j]) for i, j in zip(*np.nonzero(apart <= reach), strict=True))
     place = {}
     for group in nx.connected_components(graph):
-        place |= dict.fromkeys(group, min(tuple(points[one]) for one in group))
-    corners = [tuple(place[one] for one in row) for row in triangles.tolist()]
+        place |= dict.fromkeys(group, min(tuple(points[index]) for index in group))
+    corners = [tuple(place[index] for index in row) for row in triangles.tolist()]
     turned = [(*row[row.index(min(row)) :], *row[: row.index(min(row))]) for row in corners]
     left = [number for number, row in enumerate(corners) if len({*row}) == 3]
     expected = sorted(left, key=turned.__getitem__)
     assert kept.tolist() == expected
-    assert [tuple(map(tuple, row)) for row in surface.corners.tolist()] == [turned[one] for one in expected]
+    assert [tuple(map(tuple, row)) for row in surface.corners.tolist()] == [turned[k] for k in expected]

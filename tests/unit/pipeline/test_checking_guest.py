@@ -1,7 +1,6 @@
 """The guest that checks files: its verdict is that of this process, and its failures are errors."""
 
 import json
-from pathlib import Path
 from unittest.mock import patch
 
 import pytest
@@ -17,43 +16,32 @@ MODEL = '<mujoco><worldbody><body name="b"><joint/><geom size=".1"/></body></wor
 
 
 @pytest.fixture
-def model(tmp_path: Path) -> str:
+def model(tmp_path):
     (tmp_path / "m.xml").write_text(MODEL)
     return str(tmp_path / "m.xml")
 
 
-def test_the_verdict_is_that_of_this_process(model: str) -> None:
+def test_the_verdict_and_the_errors_are_those_of_this_process(model, tmp_path):
     assert ask.checked(model, "standard") == checked(model, "standard")
+    (tmp_path / "robot.json").write_text("[null]")
+    for place, message in ((tmp_path, "expected a table"), (tmp_path / "none", "no such file")):
+        with pytest.raises(OutputError, match=message):
+            ask.checked(str(place), "standard")
 
 
-def test_a_verdict_is_whole_on_the_other_side() -> None:
+def test_a_verdict_is_whole_on_the_other_side():
     finding = Finding('joint "a"', "range", "is 1")
-    checks = (
-        Check("m.xml: a", False, "off", 1.5, float("inf"), "C-A", "warning", (finding,)),
-        Check("b", True, "right"),
-    )
-    verdict = Verdict("r", "/r", "robot", "quick", checks, ("a note",))
+    failed = Check("m.xml: a", False, "off", 1.5, float("inf"), "C-A", "warning", (finding,))
+    verdict = Verdict("r", "/r", "robot", "quick", (failed, Check("b", True, "right")), ("a note",))
     assert wire.load(wire.dump(verdict)) == verdict
 
 
-def test_what_cannot_be_read_is_the_error_of_this_process(tmp_path: Path) -> None:
-    (tmp_path / "robot.json").write_text("[null]")
-    with pytest.raises(OutputError, match="expected a table"):
-        ask.checked(str(tmp_path), "standard")
-    with pytest.raises(OutputError, match="no such file"):
-        ask.checked(str(tmp_path / "none"), "standard")
-
-
-NO_VERDICTS = [b"", b"[]", b"{}", b"[" * 100_000, json.dumps({"checks": [None]}).encode()]
-
-
-@pytest.mark.parametrize("reply", NO_VERDICTS)
-def test_a_reply_that_is_no_verdict_is_an_error(model: str, reply: bytes) -> None:
-    with patch.object(guest, "ask", return_value=reply), pytest.raises(OutputError, match="no verdict"):
+@pytest.mark.parametrize(
+    "reply", [b"", b"[]", b"{}", b"[" * 100_000, json.dumps({"checks": [None]}).encode()]
+)
+def test_a_reply_that_is_no_verdict_and_a_guest_that_ends_are_errors(model, reply):
+    with patch.object(guest, "ask", return_value=reply), pytest.raises(OutputError, match="is not a verdict"):
         ask.checked(model, "standard")
-
-
-def test_a_guest_that_ends_is_an_error(model: str) -> None:
     ended = guest.Ended("crashed (SIGSEGV)")
     with patch.object(guest, "ask", side_effect=ended), pytest.raises(OutputError, match="crashed"):
         ask.checked(model, "standard")

@@ -21,14 +21,30 @@ from linkwright.stages.fetch.onshape.api.ledger import Ledger
 from tests.fake_onshape.server import OnshapeServer
 from tests.support.command import environment, linkwright
 from tests.support.faulty import desk
+from tests.support.outputs import OURS
 
 FULL = {errno.ENOSPC: "the disk is full", errno.EDQUOT: "the disk quota is used up"}
-OURS = b'{"linkwright-report": 1}'
 
 
 def plan(here, source, **more):
     data = {"name": "desk", "source": source, "output": str(here / "out" / "desk"), "until": "fetch"}
     return Plan.parse({**data, "cache": {"dir": str(here / "cache")}, **more})
+
+
+@pytest.fixture
+def server():
+    with OnshapeServer(desk()) as server:
+        yield server
+
+
+@pytest.fixture
+def asked(tmp_path, server):
+    """The plan of a fetch."""
+    return plan(tmp_path, {"kind": "onshape", "url": server.document_url()})
+
+
+def no_space(*_, **__):
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
 @contextlib.contextmanager
@@ -61,22 +77,19 @@ def refuse(monkeypatch, number, where, name="posix_fallocate"):
 @pytest.mark.parametrize("call", ["posix_fallocate", "fsync"])
 @pytest.mark.parametrize(("full", "kind"), [("out", OutputError), ("cache", CacheError)])
 def test_no_call_is_spent_where_there_is_no_room_for_its_reply(
-    tmp_path, monkeypatch, number, call, full, kind
+    tmp_path, monkeypatch, server, asked, number, call, full, kind
 ):
     refuse(monkeypatch, number, tmp_path / full, call)
-    with OnshapeServer(desk()) as server:
-        asked = plan(tmp_path, {"kind": "onshape", "url": server.document_url()})
-        with pytest.raises(kind, match=FULL[number]) as caught:
-            build(asked, environ=server.environ)
-        assert server.calls == []
+    with pytest.raises(kind, match=FULL[number]) as caught:
+        build(asked, environ=server.environ)
+    assert server.calls == []
     assert "free space there" in caught.value.hint
     assert str(tmp_path / full) in caught.value.where
 
 
 @pytest.mark.parametrize("full", ["out", "cache"])
-def test_no_call_is_spent_on_a_disk_that_is_really_full(tmp_path, full):
-    with disk(tmp_path / full, 600), OnshapeServer(desk()) as server:
-        asked = plan(tmp_path, {"kind": "onshape", "url": server.document_url()})
+def test_no_call_is_spent_on_a_disk_that_is_really_full(tmp_path, server, asked, full):
+    with disk(tmp_path / full, 600):
         with pytest.raises(LinkwrightError, match="the disk is full"):
             build(asked, environ=server.environ)
         assert server.calls == []
@@ -84,7 +97,9 @@ def test_no_call_is_spent_on_a_disk_that_is_really_full(tmp_path, full):
         assert "the disk is full" in report["error"]["message"]
 
 
-def test_the_room_that_is_asked_for_is_that_of_the_last_build_in_both_places_at_once(tmp_path, monkeypatch):
+def test_the_room_that_is_asked_for_is_that_of_the_last_build_in_both_places(
+    tmp_path, monkeypatch, server, asked
+):
     held, most = [], []
     taken = disk_space.reserved
 
@@ -97,17 +112,15 @@ def test_the_room_that_is_asked_for_is_that_of_the_last_build_in_both_places_at_
             held.pop()
 
     monkeypatch.setattr(disk_space, "reserved", counted)
-    with OnshapeServer(desk()) as server:
-        asked = plan(tmp_path, {"kind": "onshape", "url": server.document_url()})
-        build(asked, environ=server.environ)
-        assert most[-1] == [disk_space.LEAST] * 2
-        Output(asked.folder).publish({"report.json": OURS, "assets/a": b"x" * 2_000_000})
-        build(asked, environ=server.environ)
-        assert most[-1] == [2_000_000 + len(OURS)] * 2
-        shown = len(most)
-        build(plan(tmp_path, {"kind": "onshape", "url": server.document_url(), "offline": True}), environ={})
-        build(plan(tmp_path, {"kind": "sample"}, output=str(tmp_path / "sample")), environ={})
-        assert len(most) == shown, "no call, no probe"
+    build(asked, environ=server.environ)
+    assert most[-1] == [disk_space.MIN_FREE_BYTES] * 2
+    Output(asked.folder).publish({"report.json": OURS, "assets/a": b"x" * 2_000_000})
+    build(asked, environ=server.environ)
+    assert most[-1] == [2_000_000 + len(OURS)] * 2
+    shown = len(most)
+    build(plan(tmp_path, {"kind": "onshape", "url": server.document_url(), "offline": True}), environ={})
+    build(plan(tmp_path, {"kind": "sample"}, output=str(tmp_path / "sample")), environ={})
+    assert len(most) == shown, "no call, no probe"
     assert not [path for path in tmp_path.rglob("*") if path.name.startswith("room-")]
 
 
@@ -150,33 +163,24 @@ def test_a_store_and_an_output_on_a_full_disk_report_it_and_lose_nothing(tmp_pat
 
 
 def test_a_temporary_folder_that_cannot_be_made_is_named(tmp_path, monkeypatch):
-    def refuse(*_, **__):
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    monkeypatch.setattr(actions.tempfile, "TemporaryDirectory", refuse)
+    monkeypatch.setattr(actions.tempfile, "TemporaryDirectory", no_space)
     with pytest.raises(CacheError, match="no temporary folder can be made: the disk is full") as caught:
         build(plan(tmp_path, {"kind": "sample"}, cache={"mode": "bypass"}), environ={})
     assert "TMPDIR" in caught.value.hint
 
 
-def test_a_ledger_that_cannot_be_written_is_reported_once_and_loses_no_reply(tmp_path, monkeypatch):
-    def refuse(*_):
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    shown = []
+def test_a_ledger_that_cannot_be_written_is_reported_once_and_loses_no_reply(monkeypatch, server, asked):
+    lines = []
 
     class Ears:
         def __getattr__(self, name):
-            return lambda *words: shown.append(" ".join(map(str, words)))
+            return lambda *words: lines.append(" ".join(map(str, words)))
 
-    monkeypatch.setattr("linkwright.stages.fetch.onshape.api.ledger._append", refuse)
-    with OnshapeServer(desk()) as server:
-        asked = plan(tmp_path, {"kind": "onshape", "url": server.document_url()})
-        assert build(asked, Ears(), server.environ).exit_status == 0
-        assert server.count > 1
-    assert (
-        len([line for line in shown if "API calls are not counted" in line and "No space left" in line]) == 1
-    )
+    monkeypatch.setattr("linkwright.stages.fetch.onshape.api.ledger._append", no_space)
+    assert build(asked, Ears(), server.environ).exit_status == 0
+    assert server.count > 1
+    (line,) = [line for line in lines if "API calls are not counted" in line]
+    assert "No space left" in line
 
 
 @pytest.mark.parametrize("room_for", [0, 5])
@@ -213,10 +217,10 @@ def test_a_sweep_on_a_full_disk_reports_it_and_shows_how_its_jobs_ended(
         assert "2 of 2 jobs built and valid" in out
 
 
-LINK = """<link name="{0}"><inertial><mass value="1"/>
-  <inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
-  <visual><geometry><mesh filename="ball.stl"/></geometry></visual>
-  <collision><geometry><mesh filename="ball.stl"/></geometry></collision></link>"""
+TENSOR = '<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/>'
+SOLID = f'<inertial><mass value="1"/>{TENSOR}</inertial>'
+MESH = """<geometry><mesh filename="ball.stl"/></geometry>"""
+LINK = f"<link name='{{}}'>{SOLID}<visual>{MESH}</visual><collision>{MESH}</collision></link>"
 ARM = f"""<robot name="arm">{LINK.format("base")}{LINK.format("hand")}
 <joint name="wrist" type="revolute"><parent link="base"/><child link="hand"/><origin xyz="0 0 0.5"/>
   <axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="5" velocity="2"/></joint></robot>"""

@@ -44,24 +44,21 @@ def converted():
 """
 
 
-def ended(code: str, **more: object) -> subprocess.CompletedProcess[str]:
+def ended(code, **more):
     """What a process says that runs this code after `HEAD`."""
     line = [sys.executable, "-c", HEAD + code]
     return subprocess.run(line, cwd=PROJECT, capture_output=True, text=True, timeout=60, check=False, **more)
 
 
-@pytest.mark.parametrize(
-    ("work", "status", "lines"),
-    [
-        ("press()", 130, ["error: interrupted"]),
-        ("Loses(); interrupt.check()", 130, ["error: interrupted"]),
-        ("Loses(); sys.exit", 0, []),
-        ("Loses(); return 3", 3, []),
-        ("Loses(); return 1", 130, []),
-        ("Loses(); return 2", 130, []),
-        ("return 3", 3, []),
-    ],
-)
+@pytest.mark.parametrize(("work", "status", "lines"), [
+    ("press()", 130, ["error: interrupted"]),
+    ("Loses(); interrupt.check()", 130, ["error: interrupted"]),
+    ("Loses(); sys.exit", 0, []),
+    ("Loses(); return 3", 3, []),
+    ("Loses(); return 1", 130, []),
+    ("Loses(); return 2", 130, []),
+    ("return 3", 3, []),
+])  # fmt: skip
 def test_a_command_ends_with_130_or_as_it_finished(work, status, lines):
     done = ended(f"def run():\n    {work}\n    return 0\nsys.exit(interrupt.command(run))\n")
     said = [line for line in done.stderr.splitlines() if line.startswith("error:")]
@@ -73,9 +70,7 @@ def test_after_its_end_a_command_has_its_own_status():
     assert (done.returncode, done.stderr) == (3, "")
     done = ended("status = interrupt.command(press)\npress()\nsys.exit(status)\n")
     assert (done.returncode, done.stderr) == (130, "error: interrupted\n")
-
-
-def test_a_command_that_ignores_ctrl_c_from_the_start_still_does():
+    # A command that ignores Ctrl-C from the start still does.
     code = "def run():\n    press()\n    interrupt.check()\n    return 0\nsys.exit(interrupt.command(run))\n"
     done = ended(code, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN))
     assert (done.returncode, done.stderr) == (0, "")
@@ -89,20 +84,13 @@ def test_a_ring_of_errors_has_an_end():
     assert interrupt.behind(first)
 
 
-def test_an_error_that_a_library_makes_of_it_is_no_bug():
-    """As `cached_property` does in Python 3.11, for one of the first imports."""
-    code = "from linkwright.pipeline.cli import run\n\ndef build(plan):\n    converted()\n"
-    done = ended(f"{code}\nsys.exit(interrupt.command(lambda: run(['source=sample'], build)))\n")
-    assert done.returncode == 130
-    assert done.stderr.splitlines()[-1] == "error: interrupted"
-    assert "bug in linkwright" not in done.stderr
-
-
-def test_a_second_signal_while_the_first_is_reported_changes_nothing():
-    code = "from linkwright.pipeline import cli\n\ndef build(plan):\n"
-    code += "    cli._report = lambda error, detail: press()\n    press()\n"
+@pytest.mark.parametrize("build", ["converted()", "cli._report = lambda error, detail: press()\n    press()"])
+def test_a_converted_and_a_second_signal_are_the_interrupt(build):
+    """As `cached_property` converts it in Python 3.11, for one of the first imports; and while it is told."""
+    code = f"from linkwright.pipeline import cli\n\ndef build(plan):\n    {build}\n"
     done = ended(f"{code}\nsys.exit(interrupt.command(lambda: cli.run(['source=sample'], build)))\n")
-    assert (done.returncode, done.stderr) == (130, "error: interrupted\n")
+    assert (done.returncode, done.stderr.splitlines()[-1]) == (130, "error: interrupted")
+    assert "bug in linkwright" not in done.stderr
 
 
 @pytest.mark.slow
@@ -170,24 +158,21 @@ def plan(folder):
 def test_a_build_ends_where_it_was_lost_keeps_the_last_output_and_no_result(tmp_path, watched, kind, name):
     build(plan(tmp_path), environ={}, stages=fakes())
     left = sorted((tmp_path / "out").rglob("*"))
-    stages = tuple(
-        kind(stage.name, stage.files, version=2) if stage.name == name else stage for stage in fakes()
-    )
+    stages = [kind(s.name, s.files, version=2) if s.name == name else s for s in fakes()]
     with pytest.raises(KeyboardInterrupt):
-        build(plan(tmp_path), environ={}, stages=stages)
+        build(plan(tmp_path), environ={}, stages=tuple(stages))
     assert sorted((tmp_path / "out").rglob("*")) == left
     interrupt._CAME.clear()
     again = fakes(**{name: {"version": 2}})
     assert build(plan(tmp_path), environ={}, stages=again).exit_status == 0
-    made = next(stage for stage in again if stage.name == name)
+    (made,) = [stage for stage in again if stage.name == name]
     assert made.runs == 1, "what was cut short was not kept"
 
 
 def test_in_a_program_that_is_no_command_an_error_with_it_behind_is_an_interrupt(tmp_path, monkeypatch):
     monkeypatch.setattr(interrupt, "_CAME", threading.Event())
-    stages = (Converting("fetch"), *fakes()[1:])
     with pytest.raises(KeyboardInterrupt):
-        build(plan(tmp_path), environ={}, stages=stages)
+        build(plan(tmp_path), environ={}, stages=(Converting("fetch"), *fakes()[1:]))
     assert not (tmp_path / "out" / "arm.failed").exists()
 
 
@@ -217,22 +202,18 @@ def test_a_result_that_it_may_have_cut_short_is_not_kept(tmp_path, watched):
         assert cache.run(action, lambda: {"value": b"whole"})[0]["value"] == b"whole"
 
 
-@pytest.mark.parametrize("how", ["lost", "converted"])
-def test_a_sweep_ends_with_the_job_in_which_it_was_lost(tmp_path, monkeypatch, capsys, watched, how):
+@pytest.mark.parametrize("lost", [True, False])
+def test_a_sweep_ends_with_the_job_in_which_it_was_lost(tmp_path, monkeypatch, capsys, watched, lost):
     monkeypatch.chdir(tmp_path)
     started = []
 
-    def one(job):
+    def lost_build(job):
         started.append(job)
-        if how == "lost":
-            Loses()
-        else:
-            try:
-                os.kill(os.getpid(), signal.SIGINT)
-            except KeyboardInterrupt as error:
-                raise RuntimeError from error
+        if not lost:
+            Converting("fetch").run(None)
+        Loses()
         return Report("built", job.name, str(job.folder), job.until, 0)
 
-    assert run_command(["-m", "source=sample", "root=auto,free,fixed"], one) == 130
+    assert run_command(["-m", "source=sample", "root=auto,free,fixed"], lost_build) == 130
     assert len(started) == 1
     assert "error: interrupted" in capsys.readouterr().err

@@ -9,70 +9,51 @@ from linkwright.pipeline.run.build import build
 from linkwright.pipeline.show import live as made
 from linkwright.stages.show.live.pack import unpacked
 
-ARM = """<robot name="arm">
-  <link name="base"><visual><geometry><box size="0.2 0.2 0.1"/></geometry></visual>
-    <collision><geometry><box size="0.2 0.2 0.1"/></geometry></collision>
-    <inertial><mass value="2"/>
-      <inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+INERTIA = '<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/>'
+FOOT = '<geometry><box size="0.2 0.2 0.1"/></geometry>'
+ARM = f"""<robot name="arm">
+  <link name="base"><visual>{FOOT}</visual><collision>{FOOT}</collision>
+    <inertial><mass value="2"/>{INERTIA}</inertial></link>
   <link name="upper"><visual><geometry><box size="0.05 0.05 0.3"/></geometry></visual>
-    <inertial><origin xyz="0 0 0.15"/><mass value="1"/>
-      <inertia ixx="0.01" iyy="0.01" izz="0.002" ixy="0" ixz="0" iyz="0"/></inertial></link>
+    <inertial><origin xyz="0 0 0.15"/><mass value="1"/>{INERTIA}</inertial></link>
   <joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/><origin xyz="0 0 0.1"/>
     <axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="5" velocity="2"/></joint>
 </robot>"""
+SCENE = "linkwright.stages.show.live.scene.pack_of"
 
-pytestmark = pytest.mark.usefixtures("whole_page")
+pytestmark = [pytest.mark.e2e, pytest.mark.usefixtures("whole_page")]
 
 
 @pytest.fixture
 def plan(tmp_path):
     (tmp_path / "arm.urdf").write_text(ARM)
-
-    def of(**more):
-        keys = {
-            "name": "arm",
-            "source": {"kind": "urdf", "path": str(tmp_path / "arm.urdf")},
-            "root": {"base": "fixed"},
-            "output": str(tmp_path / "arm"),
-            "cache": {"dir": str(tmp_path / "cache")},
-            "validate": {"level": "quick"},
-        }
-        return Plan.parse({**keys, **more})
-
-    return of
+    keys = {"name": "arm", "source": {"kind": "urdf", "path": str(tmp_path / "arm.urdf")}}
+    keys |= {"root": {"base": "fixed"}, "validate": {"level": "quick"}}
+    keys |= {"output": str(tmp_path / "arm"), "cache": {"dir": str(tmp_path / "cache")}}
+    return lambda **more: Plan.parse({**keys, **more})
 
 
 @pytest.fixture
 def shown(monkeypatch):
     """What the pages of the builds show of the robot."""
-    found = []
-
-    def page(_, live):
-        found.append(live)
-        return b""
-
-    monkeypatch.setattr("linkwright.pipeline.run.state.with_view", page)
-    return found
+    views = []
+    monkeypatch.setattr("linkwright.pipeline.run.state.with_view", lambda _, live: views.append(live) or b"")
+    return views
 
 
 def test_the_view_is_made_once_and_then_comes_from_the_cache(plan, shown, monkeypatch):
     first = build(plan())
-    monkeypatch.setattr(
-        "linkwright.stages.show.live.scene.pack_of", lambda *_: pytest.fail("it is in the cache")
-    )
-    second = build(plan())
-    assert [one.name for one in first.stages] == [one.name for one in second.stages]
+    with monkeypatch.context() as patched:
+        patched.setattr(SCENE, lambda *_: pytest.fail("it is in the cache"))
+        second = build(plan())
+    assert [stage.name for stage in first.stages] == [stage.name for stage in second.stages]
     assert shown[0].pack == shown[1].pack
     header, _ = unpacked(shown[0].pack)
     assert [joint["name"] for joint in header["joints"]] == ["shoulder"]
     assert (shown[0].engine, shown[0].engine_path, shown[0].files) == ("whole", "", {})
-
-
-def test_another_number_of_triangles_makes_it_again_and_no_stage(plan, shown):
-    build(plan())
-    again = build(plan(page={"faces": 5}))
-    assert all(stage.cached for stage in again.stages)
-    assert unpacked(shown[1].pack)[0]["thinned"] is None, "boxes have no triangles"
+    # Another number of triangles makes the view again, and no stage.
+    assert all(stage.cached for stage in build(plan(page={"faces": 5})).stages)
+    assert unpacked(shown[2].pack)[0]["thinned"] is None, "boxes have no triangles"
 
 
 @pytest.mark.parametrize("error", [ValueError("no such mesh"), RuntimeError("a bug"), MemoryError()])
@@ -80,12 +61,12 @@ def test_what_cannot_be_made_fails_no_build_and_is_in_the_report(error, plan, mo
     def fail(*_):
         raise error
 
-    monkeypatch.setattr("linkwright.stages.show.live.scene.pack_of", fail)
+    monkeypatch.setattr(SCENE, fail)
     report = build(plan())
     assert report.exit_status == 0
-    (found,) = [one for one in report.diagnostics if one.code == made.CODE]
-    assert str(error) in found.message
-    assert found.message in (tmp_path / "arm" / "build.log").read_text()
+    (diagnostic,) = [diagnostic for diagnostic in report.diagnostics if diagnostic.code == made.CODE]
+    assert str(error) in diagnostic.message
+    assert diagnostic.message in (tmp_path / "arm" / "build.log").read_text()
 
 
 def test_a_file_that_mujoco_refuses_is_not_tried_again_but_an_accident_is(plan, monkeypatch):
@@ -96,7 +77,7 @@ def test_a_file_that_mujoco_refuses_is_not_tried_again_but_an_accident_is(plan, 
         raise errors.pop()
 
     errors = [ValueError("no"), RuntimeError("an accident")]
-    monkeypatch.setattr("linkwright.stages.show.live.scene.pack_of", fail)
+    monkeypatch.setattr(SCENE, fail)
     messages = [build(plan()).diagnostics[-1].message for _ in range(3)]
     assert len(tried) == 2
     assert [message.rpartition(": ")[2] for message in messages] == ["an accident", "no", "no"]
@@ -115,8 +96,10 @@ def test_an_engine_beside_the_page_is_a_file_of_the_build(plan, monkeypatch, tmp
 def test_the_jobs_of_a_sweep_share_the_engine_of_its_folder(plan, shown, tmp_path):
     build(plan(output=str(tmp_path / "sweep" / "a" / "b")), sweep=tmp_path / "sweep")
     build(plan(output=str(tmp_path / "sweep" / "c"), page={"live": "kinematics"}), sweep=tmp_path / "sweep")
-    found = [(one.engine, one.engine_path, dict(one.files)) for one in shown]
-    assert found == [("shared", "../../linkwright-engine.js", {}), ("none", "", {})]
+    assert [(page.engine, page.engine_path, dict(page.files)) for page in shown] == [
+        ("shared", "../../linkwright-engine.js", {}),
+        ("none", "", {}),
+    ]
 
 
 def test_a_build_without_export_and_a_plain_page_have_no_view(plan, shown, monkeypatch):
@@ -126,13 +109,8 @@ def test_a_build_without_export_and_a_plain_page_have_no_view(plan, shown, monke
     assert shown == [made.NOTHING, made.NOTHING]
 
 
-def test_the_page_gets_the_view(plan, shown):
-    build(plan())
-    assert shown[0].pack is not None
-
-
 def test_a_page_whose_robot_cannot_simulate_has_no_engine(plan, shown):
     for _ in range(2):
         build(plan(export={"urdf": {}}))
-    assert [one.engine for one in shown] == ["none", "none"]
+    assert [page.engine for page in shown] == ["none", "none"]
     assert unpacked(shown[1].pack)[0]["no_engine"]

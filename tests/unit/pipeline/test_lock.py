@@ -45,12 +45,9 @@ def while_held(path, shown, act):
     assert not thread.is_alive()
 
 
-def test_a_lock_that_cannot_be_made_is_an_error_at_once(no_lock):
+def test_a_lock_that_cannot_be_made_is_an_error_at_once_and_its_output_refused(tmp_path, no_lock):
     with pytest.raises(OSError, match="Is a directory"), lock.acquired(no_lock, silent):
         pass
-
-
-def test_an_output_whose_lock_cannot_be_made_is_refused(tmp_path, no_lock):
     with pytest.raises(OutputError, match="cannot be written"):
         Output(tmp_path / "arm").prepare()
     assert list(tmp_path.rglob("*")) == [no_lock.parent, no_lock]
@@ -65,17 +62,16 @@ def test_a_cache_without_locks_works_all_the_same(tmp_path):
 
 @pytest.mark.usefixtures("_impatient")
 def test_a_build_that_waits_for_another_of_its_folder_reports_it_and_goes_on(tmp_path):
-    shown = []
-    while_held(lock.beside(tmp_path / "arm"), shown, lambda tell: Output(tmp_path / "arm", tell).prepare())
-    assert shown == ["waiting for another build of arm"]
-
-
-@pytest.mark.usefixtures("_impatient")
-def test_a_folder_that_another_build_moves_in_is_not_judged_half_way(tmp_path):
-    output, shown = Output(tmp_path / "arm"), []
+    """And a folder that another build moves in is not judged half way."""
+    output = Output(tmp_path / "arm")
     output.prepare()
-    while_held(lock.place(output.target), shown, lambda tell: Output(output.target, tell).judge())
-    assert shown == ["waiting for another build of arm"]
+    for path, act in (
+        (lock.beside(output.target), lambda tell: Output(output.target, tell).prepare()),
+        (lock.place(output.target), lambda tell: Output(output.target, tell).judge()),
+    ):
+        shown = []
+        while_held(path, shown, act)
+        assert shown == ["waiting for another build of arm"]
 
 
 @pytest.mark.usefixtures("_impatient")
@@ -90,13 +86,6 @@ def test_a_build_that_waits_for_the_work_of_another_reports_it_and_takes_its_own
     while_held(tmp_path / "locks" / f"{action.key}.lock", shown, act)
     assert shown == ["waiting for another build of the same mesh"]
     assert made[0][0]["a"] == b"alpha"
-
-
-def test_a_lock_is_free_again_after_an_error(tmp_path):
-    with pytest.raises(ZeroDivisionError), lock.acquired(tmp_path / "lock", silent):
-        raise ZeroDivisionError
-    with lock.acquired(tmp_path / "lock", silent):
-        pass
 
 
 @pytest.mark.parametrize("where", ["file", "folder"])
@@ -118,36 +107,34 @@ def test_a_lock_file_stays_and_is_dropped_only_while_nobody_holds_it(tmp_path):
     path = lock.beside(tmp_path / "arm")
     with lock.acquired(path, silent):
         assert not lock.drop(path)
-        assert path.exists()
     assert path.exists()
-    assert lock.drop(path)
-    assert not path.exists()
-    assert not lock.drop(path)
-    assert not path.exists(), "what is not there is not made"
+    for dropped in (True, False):
+        assert lock.drop(path) == dropped
+        assert not path.exists(), "what is not there is not made"
 
 
-def test_a_lock_keeps_the_mode_that_its_folder_gave_it(tmp_path):
+def test_a_lock_keeps_its_mode_and_is_free_again_after_an_error(tmp_path):
     path = tmp_path / "shared.lock"
     path.touch()
     path.chmod(0o664)
+    with pytest.raises(ZeroDivisionError), lock.acquired(path, silent):
+        raise ZeroDivisionError
     with lock.acquired(path, silent):
         pass
     assert path.stat().st_mode & 0o777 == 0o664
 
 
-def test_an_acquired_lock_is_the_file_at_the_path_also_where_the_file_is_removed_meanwhile(
-    tmp_path, monkeypatch
-):
+def test_a_lock_is_the_file_at_the_path_also_if_it_is_removed_meanwhile(tmp_path, monkeypatch):
     path = tmp_path / "arm.lock"
     acquire, removed = filelock.FileLock.acquire, []
 
     def late(self, *arguments, **more):
-        found = acquire(self, *arguments, **more)
+        handle = acquire(self, *arguments, **more)
         if not removed:
             # As by one that had it just before, and removed it while this one was about to take it.
             path.unlink()
             removed.append(path)
-        return found
+        return handle
 
     monkeypatch.setattr(filelock.FileLock, "acquire", late)
     with lock.acquired(path, silent):

@@ -3,10 +3,8 @@
 import builtins
 import io
 import os
-from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -33,7 +31,7 @@ STANDS_FOR_NOTHING = {"HYDRA_FULL_ERROR", "HYDRA_DEPRECATION_WARNINGS_AS_ERRORS"
 
 
 @pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def here(tmp_path, monkeypatch):
     """A working folder with a robot, a motor, an element's file, and a folder of options beside it."""
     home = tmp_path / "home"
     files = {
@@ -55,14 +53,14 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @contextmanager
-def watched(monkeypatch: pytest.MonkeyPatch, folder: Path) -> Iterator[tuple[set[str], set[str]]]:
+def watched(monkeypatch, folder):
     """The paths below `folder` that Python asks the system for, and the variables that are read."""
     paths, names = set[str](), set[str]()
 
-    def watch(module: Any, name: str) -> None:
+    def watch(module, name):
         asked = getattr(module, name)
 
-        def tell(*args: Any, **more: Any) -> Any:
+        def tell(*args, **more):
             path = args[0] if args else more.get("path", ".")
             if isinstance(path, str | os.PathLike):
                 paths.add(os.path.normpath(Path.cwd() / path))
@@ -82,14 +80,10 @@ def watched(monkeypatch: pytest.MonkeyPatch, folder: Path) -> Iterator[tuple[set
     paths.intersection_update([path for path in paths if Path(path).is_relative_to(folder)])
 
 
-@pytest.mark.parametrize(
-    "overrides",
-    [["robot=arm"], ["robot=arm", "mesh=fine"], ["robot=../elsewhere/robot/far.yaml"], ["robot=glob(ar*)"]],
-    ids=" ".join,
-)
-def test_all_that_composing_asks_is_kept(
-    here: Path, monkeypatch: pytest.MonkeyPatch, overrides: list[str]
-) -> None:
+@pytest.mark.parametrize("overrides", [
+    ["robot=arm"], ["robot=arm", "mesh=fine"], ["robot=../elsewhere/robot/far.yaml"], ["robot=glob(ar*)"],
+], ids=" ".join)  # fmt: skip
+def test_all_that_composing_asks_is_kept(here, monkeypatch, overrides):
     with observed.recording("salt") as seen, watched(monkeypatch, here) as (paths, names):
         plan = compose_plan(overrides, ["../more"], judge=plan_problems).plan
         assert plan_problems(plan) == []
@@ -106,7 +100,7 @@ def test_all_that_composing_asks_is_kept(
     assert seen.lasts
 
 
-def test_what_is_kept_is_true_until_anything_of_it_changes(here: Path) -> None:
+def test_what_is_kept_is_true_until_anything_of_it_changes(here):
     with observed.recording("salt") as seen:
         plan_problems(compose_plan(["robot=arm"], ["../more"]).plan)
     assert observed.still_true(seen.answers, "salt")
@@ -119,12 +113,9 @@ def test_what_is_kept_is_true_until_anything_of_it_changes(here: Path) -> None:
             file.write_text(text)
         assert observed.still_true(seen.answers, "salt"), path
     for path in (
-        "home/extra/none.yaml",
-        "home/mesh/hull.yaml",
-        "home/motors/weak.yaml",
-        "more/robot/arm.yaml",
+        "home/extra/none.yaml", "home/mesh/hull.yaml", "home/motors/weak.yaml", "more/robot/arm.yaml",
         "home/group/new.yaml",
-    ):
+    ):  # fmt: skip
         (here / path).parent.mkdir(exist_ok=True)
         (here / path).write_text("")
         assert not observed.still_true(seen.answers, "salt"), path
@@ -134,9 +125,7 @@ def test_what_is_kept_is_true_until_anything_of_it_changes(here: Path) -> None:
 @pytest.mark.parametrize(
     "name", ["PLACE", "REACH", "HOME", "LINKWRIGHT_TRUST", "LINKWRIGHT_NEW", "ONSHAPE_SECRET_KEY"]
 )
-def test_a_variable_that_a_value_names_is_kept_as_a_digest(
-    here: Path, monkeypatch: pytest.MonkeyPatch, name: str
-) -> None:
+def test_a_variable_that_a_value_names_is_kept_as_a_digest(here, monkeypatch, name):
     with observed.recording("salt") as seen:
         compose_plan(["robot=arm"])
     monkeypatch.setenv(name, "0.125")
@@ -150,20 +139,17 @@ def test_a_variable_that_a_value_names_is_kept_as_a_digest(
 
 @pytest.mark.parametrize(
     ("overrides", "lasts"),
-    [
-        (["name=a"], True),
-        (["name=a_${now:%H}"], False),
-        (["vars={hour: '${now:%H}'}", "name=a_${vars.hour}"], False),
-    ],
+    [(["name=a"], True), (["name=a_${now:%H}"], False),
+     (["vars={hour: '${now:%H}'}", "name=a_${vars.hour}"], False)],
     ids=str,
-)
-def test_a_value_of_the_moment_lets_nothing_last(here: Path, overrides: list[str], lasts: bool) -> None:
+)  # fmt: skip
+def test_a_value_of_the_moment_lets_nothing_last(here, overrides, lasts):
     with observed.recording("salt") as seen:
         compose_plan(["robot=arm", *overrides], ["../more"])
     assert seen.lasts == lasts
 
 
-def test_a_file_that_changes_while_it_is_read_lets_nothing_last(here: Path) -> None:
+def test_a_file_that_changes_while_it_is_read_lets_nothing_last(here):
     file = here / "home" / "mount.xml"
     with observed.recording("salt") as seen:
         plan = compose_plan(["robot=arm"]).plan

@@ -4,8 +4,6 @@ import json
 import os
 import shutil
 import socket
-import subprocess
-import sys
 import zipfile
 from pathlib import Path
 
@@ -20,12 +18,13 @@ from tests.fake_onshape.document import Document
 from tests.fake_onshape.sample import sample_document
 from tests.fake_onshape.server import Fault, OnshapeServer
 from tests.support.command import robot_files
-from tests.support.places import PROJECT
+
+pytestmark = pytest.mark.e2e
 
 USER = "zaphod-beeblebrox"
 
 
-def make(output: str, source: dict, environ: dict | None = None, until: str = "export", **keys) -> Path:
+def make(output, source, environ=None, until="export", **keys):
     """Builds into a folder below the working one, without colliders, which take long; the folder."""
     tree = {"name": "arm", "source": source, "output": output, "until": until, **keys}
     tree["mesh"] = {"collider": "visual"}
@@ -59,6 +58,13 @@ def built(live, here):
     return here
 
 
+def assert_same_build(again, first):
+    assert robot_files(again) == robot_files(first)
+    reports = [json.loads((place / "report.json").read_text()) for place in (again, first)]
+    assert reports[0]["bundle"] == reports[1]["bundle"]
+    assert reports[0]["calls"]["made"] == 0
+
+
 def test_a_bundle_builds_the_same_bytes_where_there_is_neither_cache_nor_network(
     built, tmp_path_factory, monkeypatch, capsys
 ):
@@ -68,13 +74,7 @@ def test_a_bundle_builds_the_same_bytes_where_there_is_neither_cache_nor_network
     shutil.move("arm.zip", elsewhere)
     monkeypatch.chdir(elsewhere)
     monkeypatch.setenv("LINKWRIGHT_CACHE", str(elsewhere / "cache"))
-    again = make("again", {"kind": "bundle", "path": "arm.zip"})
-    assert robot_files(again) == robot_files(built / "outputs" / "arm")
-    reports = [
-        json.loads((place / "report.json").read_text()) for place in (again, built / "outputs" / "arm")
-    ]
-    assert reports[0]["bundle"] == reports[1]["bundle"]
-    assert reports[0]["calls"]["made"] == 0
+    assert_same_build(make("again", {"kind": "bundle", "path": "arm.zip"}), built / "outputs" / "arm")
 
 
 def desk():
@@ -90,29 +90,21 @@ def desk():
     return document
 
 
-@pytest.mark.parametrize(
-    ("how", "asked"),
-    [
-        ("a workspace", "partId="),
-        ("a version", "/v/"),
-        ("limits by features", "/features"),
-        ("triangles by glTF", "/gltf"),
-    ],
-)
+@pytest.mark.parametrize(("how", "asked"), [
+    ("a workspace", "partId="), ("a version", "/v/"), ("limits by features", "/features"),
+    ("triangles by glTF", "/gltf"),
+])  # fmt: skip
 def test_whatever_a_build_had_to_ask_for_its_bundle_has(here, how, asked):
     with OnshapeServer(desk(), newest=16 if how == "limits by features" else 17) as server:
         if how == "triangles by glTF":
-            server.fault = lambda method, target, number: (
-                Fault(406, b'{"message": "Not acceptable"}') if "/tessellatedfaces" in target else None
-            )
+            refusal = Fault(406, b'{"message": "Not acceptable"}')
+            server.fault = lambda method, target, number: refusal if "/tessellatedfaces" in target else None
         source = {"kind": "onshape", "url": server.document_url("v" if how == "a version" else "w")}
         make("outputs/arm", source, {**os.environ, **server.environ})
         assert any(asked in target for _, target, _ in server.calls)
     assert run(["bundle", "arm", "arm.zip"]) == 0
     again = make("again", {"kind": "bundle", "path": "arm.zip"}, cache={"dir": "another"})
-    assert robot_files(again) == robot_files(Path("outputs/arm"))
-    reports = [json.loads(Path(place, "report.json").read_text()) for place in ("again", "outputs/arm")]
-    assert reports[0]["bundle"] == reports[1]["bundle"]
+    assert_same_build(again, Path("outputs/arm"))
 
 
 def test_the_same_build_gives_the_same_zip_wherever_and_from_whatever_it_was_made(built, tmp_path_factory):
@@ -134,19 +126,28 @@ def test_nothing_of_the_key_the_user_the_host_or_the_place_is_inside(built):
     assert [secret for secret in shown if any(secret in content for content in contents)] == []
 
 
-def test_a_build_that_failed_after_fetch_can_be_bundled_too(here):
+def test_a_build_that_failed_can_be_bundled_if_its_fetch_ended(here, capsys):
     with pytest.raises(Exception, match="nothing-like-it"):
         make("bad", {"kind": "sample"}, root={"select": "nothing-like-it"})
     assert run(["bundle", "bad.failed", "bad.zip"]) == 0
     make("good", {"kind": "bundle", "path": "bad.zip"}, until="graph")
+    Path("broken.zip").write_text("no zip")
+    with pytest.raises(Exception, match="not a zip file"):
+        make("worse", {"kind": "bundle", "path": "broken.zip"})
+    assert run(["bundle", "worse.failed", "worse.zip"]) == 1
+    assert "ended before everything was fetched" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("lost", ["all", "a reply", "harmed"])
 def test_what_the_cache_no_longer_has_is_reported_with_how_to_get_it(built, capsys, lost):
+    assert run(["bundle", "arm", "arm.zip", "cache.dir=nowhere"]) == 1
+    assert "nowhere: the cache lacks inputs" in capsys.readouterr().err
+    shutil.copytree("cache", "elsewhere")
     if lost == "all":
         shutil.rmtree("cache")
     else:
-        reply = next(path for path in Path("cache/cas").rglob("*") if path.is_file() and _is_reply(path))
+        blobs = [path for path in Path("cache/cas").rglob("*") if path.is_file()]
+        reply = next(path for path in blobs if b'"rootAssembly"' in path.read_bytes())
         reply.chmod(0o644)
         reply.write_bytes(b"{") if lost == "harmed" else reply.unlink()
     assert run(["bundle", "arm", "arm.zip"]) == 1
@@ -154,16 +155,6 @@ def test_what_the_cache_no_longer_has_is_reported_with_how_to_get_it(built, caps
     assert f"{built / 'cache'}: the cache lacks inputs of outputs/arm" in shown
     assert "cache.dir=FOLDER" in shown
     assert not Path("arm.zip").exists()
-
-
-def _is_reply(path: Path) -> bool:
-    return b'"rootAssembly"' in path.read_bytes()
-
-
-def test_a_cache_that_is_named_is_the_one_that_is_looked_in(built, capsys):
-    assert run(["bundle", "arm", "arm.zip", "cache.dir=nowhere"]) == 1
-    assert "nowhere: the cache lacks inputs" in capsys.readouterr().err
-    shutil.move("cache", "elsewhere")
     assert run(["bundle", "arm", "arm.zip", "cache.dir=elsewhere"]) == 0
 
 
@@ -179,18 +170,15 @@ def test_an_older_bundle_is_replaced_and_nothing_else_is(built, capsys):
     assert not [path for path in Path().iterdir() if path.name.startswith(".arm.zip")]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "shown"),
-    [
-        ([], "got 0 arguments"),
-        (["arm"], "got 1 argument"),
-        (["arm", "a.zip", "b.zip"], "got 3 arguments"),
-        (["--fast", "arm", "a.zip"], "there is no option --fast"),
-        (["arm", "a.zip", "cache.dir="], "expected a folder"),
-        (["leg", "a.zip"], "there is no build in outputs/leg or leg"),
-        (["arm", "no/such/a.zip"], "there is no folder no/such"),
-    ],
-)
+@pytest.mark.parametrize(("arguments", "shown"), [
+    ([], "got 0 arguments"),
+    (["arm"], "got 1 argument"),
+    (["arm", "a.zip", "b.zip"], "got 3 arguments"),
+    (["--fast", "arm", "a.zip"], "there is no option --fast"),
+    (["arm", "a.zip", "cache.dir="], "expected a folder"),
+    (["leg", "a.zip"], "there is no build in outputs/leg or leg"),
+    (["arm", "no/such/a.zip"], "there is no folder no/such"),
+])  # fmt: skip
 def test_wrong_usage_is_reported_and_ends_with_2(built, capsys, arguments, shown):
     assert run(["bundle", *arguments]) == 2
     assert shown in capsys.readouterr().err
@@ -202,24 +190,3 @@ def test_a_build_that_stands_beside_under_another_name_is_named(here, capsys):
     assert run(["bundle", "arm", "arm.zip"]) == 2
     assert "there is outputs/arm.fetch: name it" in capsys.readouterr().err
     assert run(["bundle", "arm.fetch", "arm.zip"]) == 0
-
-
-def test_a_build_that_read_nothing_is_reported(here, capsys):
-    Path("broken.zip").write_text("no zip")
-    with pytest.raises(Exception, match="not a zip file"):
-        make("bad", {"kind": "bundle", "path": "broken.zip"})
-    assert run(["bundle", "bad.failed", "bad.zip"]) == 1
-    assert "ended before everything was fetched" in capsys.readouterr().err
-
-
-def test_its_help_imports_nothing_heavy():
-    code = (
-        "import sys; from linkwright.pipeline.cli import main; status = main(['bundle', '--help']); "
-        "heavy = 'hydra omegaconf pydantic numpy scipy mujoco httpx yaml rich'.split(); "
-        "print(sorted(set(heavy) & set(sys.modules)), status)"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=PROJECT, capture_output=True, text=True, check=True
-    )
-    assert done.stdout.startswith("linkwright bundle: ")
-    assert done.stdout.splitlines()[-1] == "[] 0"

@@ -34,7 +34,7 @@ def windows(monkeypatch):
     """What was opened, in place of windows."""
     import mujoco.viewer
 
-    opened: list[tuple[mujoco.MjModel, mujoco.MjData]] = []
+    opened = []
     monkeypatch.setattr(mujoco.viewer, "launch", lambda model, data: opened.append((model, data)))
     return opened
 
@@ -57,30 +57,23 @@ def test_a_robot_without_home_is_opened_as_it_is(built, windows):
     assert len(windows) == 1
 
 
-def test_without_a_display_the_page_is_named(built, windows):
-    with pytest.raises(OutputError, match="there is no display") as error:
-        view.run(["arm"], {"DISPLAY": ""}, "linux")
-    assert "outputs/arm/report.html" in str(error.value.hint)
-    assert windows == []
-
-
-def test_where_no_window_can_be_opened_the_page_is_named(built, monkeypatch):
+def test_where_no_window_can_be_opened_the_page_or_the_package_is_named(built, windows, monkeypatch):
     import mujoco.viewer
 
     def refuse(*_):
         raise mujoco.FatalError("could not initialize GLFW")
 
+    def refused(environ, message, hint):
+        with pytest.raises(OutputError, match=message) as error:
+            view.run(["arm"], environ, "linux")
+        assert hint in str(error.value.hint)
+
+    refused({"DISPLAY": ""}, "there is no display", "outputs/arm/report.html")
+    assert windows == []
     monkeypatch.setattr(mujoco.viewer, "launch", refuse)
-    with pytest.raises(OutputError, match="could not initialize GLFW") as error:
-        view.run(["arm"], SHOWN, "linux")
-    assert "report.html" in str(error.value.hint)
-
-
-def test_where_mujoco_has_no_viewer_the_package_is_named(built, monkeypatch):
+    refused(SHOWN, "could not initialize GLFW", "report.html")
     monkeypatch.setitem(sys.modules, "mujoco.viewer", None)
-    with pytest.raises(OutputError, match="viewer is not installed") as error:
-        view.run(["arm"], SHOWN, "linux")
-    assert "pip install mujoco" in str(error.value.hint)
+    refused(SHOWN, "viewer is not installed", "pip install mujoco")
 
 
 def test_a_mac_runs_it_by_mjpython(built, windows, monkeypatch, tmp_path):

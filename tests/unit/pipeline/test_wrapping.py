@@ -29,11 +29,8 @@ def test_lines_that_fit_stay_as_they_are():
 
 def test_what_is_wrapped_is_further_in_than_what_comes_next():
     assert wrapped("  E-KEY here: an unknown key\n      did you mean that one?", 22).split("\n") == [
-        "  E-KEY here: an",
-        "    unknown key",
-        "      did you mean",
-        "        that one?",
-    ]
+        "  E-KEY here: an", "    unknown key", "      did you mean", "        that one?",
+    ]  # fmt: skip
 
 
 def test_a_word_that_is_too_long_is_whole():

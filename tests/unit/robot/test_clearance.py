@@ -17,11 +17,11 @@ def engine(request):
 
 
 def poses(*places, turn=None):
-    found = np.tile(np.eye(4), (len(places), 1, 1))
-    found[:, :3, 3] = places
+    stacked = np.tile(np.eye(4), (len(places), 1, 1))
+    stacked[:, :3, 3] = places
     if turn is not None:
-        found[:, :3, :3] = turn
-    return found
+        stacked[:, :3, :3] = turn
+    return stacked
 
 
 def test_the_engine_is_coal_where_it_is_installed():
@@ -47,9 +47,9 @@ def test_a_mesh_inside_of_a_hollow_is_not_near(engine):
 def test_how_far_surfaces_are_apart(engine, gap):
     cube = engine.mesh(CUBE, FACES)
     along, corner, cuts = engine.poses(poses([1 + gap, 0.1, 0.2], [1 + gap] * 3, [0.9, 0.1, 0.2]))
-    assert engine.apart(cube, cube, along) == pytest.approx(gap, abs=1e-9)
-    assert engine.apart(cube, cube, corner) == pytest.approx(gap * np.sqrt(3), abs=1e-9)
-    assert engine.apart(cube, cube, cuts) <= 0
+    assert engine.distance(cube, cube, along) == pytest.approx(gap, abs=1e-9)
+    assert engine.distance(cube, cube, corner) == pytest.approx(gap * np.sqrt(3), abs=1e-9)
+    assert engine.distance(cube, cube, cuts) <= 0
 
 
 @pytest.mark.parametrize("shift", [0.4, 0.999, 1.0015, 1.5])

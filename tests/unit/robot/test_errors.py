@@ -11,27 +11,22 @@ from linkwright.stages.robot import errors as tree
 @pytest.mark.parametrize(
     ("error", "status"),
     [
-        (errors.ConfigError("x"), 2),
-        (errors.AuthError("x"), 1),
-        (errors.AssemblyError("x"), 1),
-        (errors.OutputError("x"), 1),
-        (errors.CacheError("x"), 1),
-        (errors.ValidationFailed("x"), 3),
-        (KeyboardInterrupt(), 130),
-        (ZeroDivisionError("x"), 1),
+        (errors.ConfigError("x"), 2), (errors.AuthError("x"), 1), (errors.AssemblyError("x"), 1),
+        (errors.OutputError("x"), 1), (errors.CacheError("x"), 1), (errors.ValidationFailed("x"), 3),
+        (KeyboardInterrupt(), 130), (ZeroDivisionError("x"), 1),
     ],
     ids=lambda value: type(value).__name__,
-)
+)  # fmt: skip
 def test_the_exit_status_of(error, status):
     assert errors.exit_status(error) == status
 
 
-def test_a_message_says_where_what_and_what_to_do_without_a_traceback():
+def test_a_message_says_where_what_and_what_to_do():
     error = errors.NotFound("there is no such element", where="source.url", hint="check the address")
     assert errors.render(error) == ("error: source.url: there is no such element\n  → check the address")
 
 
-def test_a_fault_of_the_program_says_so_and_where_its_traceback_is():
+def test_a_fault_of_the_program_says_where_its_traceback_is():
     text = errors.render(ZeroDivisionError("division by zero"))
     assert "bug in linkwright" in text
     assert "ZeroDivisionError: division by zero" in text

@@ -26,8 +26,12 @@ while True: pass
 """
 
 
+def limited(seconds: float = 60, memory: int = 1 << 30, reply: int = 10, **more: float) -> Bounds:
+    return Bounds(seconds, memory, reply, **more)
+
+
 @pytest.fixture
-def asked(tmp_path, monkeypatch):
+def run_guest(tmp_path, monkeypatch):
     """Has a guest run the lines of a function that gets `request` and returns the answer."""
     monkeypatch.syspath_prepend(tmp_path)
 
@@ -44,34 +48,32 @@ def gone(place: Path) -> bool:
     return processes.gone(map(int, place.read_text().split()))
 
 
-def test_it_answers_what_it_is_asked_and_prints_where_it_likes(asked):
-    assert asked("print('noise', flush=True)\nreturn request[::-1]", b"abc\n\0") == b"\0\ncba"
+def test_it_answers_what_it_is_asked_and_prints_where_it_likes(run_guest):
+    assert run_guest("print('noise', flush=True)\nreturn request[::-1]", b"abc\n\0") == b"\0\ncba"
 
 
-def test_it_sees_the_given_variables_no_terminal_and_no_module_of_the_working_folder(
-    asked, tmp_path, monkeypatch
-):
+def test_a_guest_sees_variables_but_no_terminal_or_local_module(run_guest, tmp_path, monkeypatch):
     (tmp_path / "work").mkdir()
-    (tmp_path / "work" / "colorsys.py").write_text("raise SystemExit(9)")
-    (tmp_path / "work" / "usercustomize.py").write_text("raise SystemExit(9)")
+    for name in ("colorsys.py", "usercustomize.py"):
+        (tmp_path / "work" / name).write_text("raise SystemExit(9)")
     monkeypatch.chdir(tmp_path / "work")
-    monkeypatch.setenv("ONSHAPE_SECRET_KEY", "very-secret")
-    monkeypatch.setenv("LD_LIBRARY_PATH", "/nowhere")
+    for name, value in (("ONSHAPE_SECRET_KEY", "very-secret"), ("LD_LIBRARY_PATH", "/nowhere")):
+        monkeypatch.setenv(name, value)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path / "work"))
-    told = asked(
+    output = run_guest(
         "import colorsys, json, os, sys\n"
         "alone = os.getpid() == os.getsid(0) == os.getpgid(0)\n"
         "return json.dumps([sorted(os.environ), alone, sys.stdin.read(), sys.flags.isolated]).encode()",
         ROS_PACKAGE_PATH="/opt/ros",
     )
-    assert told == b'[["ROS_PACKAGE_PATH"], true, "", 1]'
+    assert output == b'[["ROS_PACKAGE_PATH"], true, "", 1]'
 
 
 @pytest.mark.parametrize("kind", [SourceError, ConfigError])
-def test_its_errors_come_back_as_ours(asked, kind):
+def test_its_errors_come_back_as_ours(run_guest, kind):
     lines = f"from linkwright.stages.robot.errors import {kind.__name__} as E\nraise E('no', 'there', 'do')"
     with pytest.raises(kind) as caught:
-        asked(lines)
+        run_guest(lines)
     assert (caught.value.message, caught.value.where, caught.value.hint) == ("no", "there", "do")
 
 
@@ -90,33 +92,33 @@ def test_its_errors_come_back_as_ours(asked, kind):
         ("import os\nos.write(3, b'E' + bytes(7) + b'\\x02{}')\nos._exit(0)", "reported an invalid error"),
     ],
 )
-def test_however_it_ends_it_is_reported_in_words(asked, lines, said):
+def test_however_it_ends_it_is_reported_in_words(run_guest, lines, said):
     with pytest.raises(Ended) as caught:
-        asked(lines)
+        run_guest(lines)
     assert said in str(caught.value)
 
 
-def test_one_that_takes_too_long_ends_with_all_that_it_started(asked, tmp_path):
+def test_one_that_takes_too_long_ends_with_all_that_it_started(run_guest, tmp_path):
     place = tmp_path / "pids"
     with pytest.raises(Ended, match="took longer than 2 s"):
-        asked(ENDLESS, str(place).encode(), Bounds(seconds=2, memory=1 << 30, reply=10))
+        run_guest(ENDLESS, str(place).encode(), limited(2))
     assert gone(place)
 
 
-def test_one_that_only_computes_is_given_its_processor_time(asked):
+def test_one_that_only_computes_is_given_its_processor_time(run_guest):
     """What else the machine does is not counted, but within a limit: `shared` times as much by the clock."""
     waits = "import time\ntime.sleep(1.5)\nreturn b'done'"
-    assert asked(waits, bounds=Bounds(seconds=1, memory=1 << 30, reply=10, shared=20)) == b"done"
+    assert run_guest(waits, bounds=limited(1, shared=20)) == b"done"
     with pytest.raises(Ended, match="took longer than 1 s"):
-        asked("while True: pass", bounds=Bounds(seconds=1, memory=1 << 30, reply=10, shared=1000))
+        run_guest("while True: pass", bounds=limited(1, shared=1000))
     with pytest.raises(Ended, match=r"took longer than 0\.2 s"):
-        asked("import time\ntime.sleep(1000)", bounds=Bounds(0.2, memory=1 << 30, reply=10, shared=4))
+        run_guest("import time\ntime.sleep(1000)", bounds=limited(0.2, shared=4))
 
 
-def test_one_that_needs_too_much_memory_ends(asked):
+def test_one_that_needs_too_much_memory_ends(run_guest):
     lines = "import time\nheld = b'x' * (400 << 20)\ntime.sleep(1000)"
     with pytest.raises(Ended, match=r"needed more than 0\.22 GB of memory"):
-        asked(lines, bounds=Bounds(seconds=60, memory=210 << 20, reply=10))
+        run_guest(lines, bounds=limited(memory=210 << 20))
 
 
 COUNTED = """
@@ -136,22 +138,18 @@ return f"{os.getpid()} {len(before)}".encode()
 
 
 @pytest.fixture
-def counted(asked):
-    asked(COUNTED)
+def counted(run_guest):
+    run_guest(COUNTED)
     bounds = Bounds(seconds=60, memory=300 << 20, reply=1000)
-    with contextlib.closing(guest.Guest("visitor", bounds, {})) as found:
-        yield lambda word: tuple(map(int, found.ask(word.encode()).split()))
-
-
-def test_it_stays_for_the_next_request(counted):
-    (first, _), *others = [counted("") for _ in range(3)]
-    assert others == [(first, 2), (first, 3)]
+    with contextlib.closing(guest.Guest("visitor", bounds, {})) as used:
+        yield lambda word: tuple(map(int, used.ask(word.encode()).split()))
 
 
 @pytest.mark.parametrize("word", ["crash", "hunger", "garbage"])
-def test_what_fails_in_a_used_guest_is_asked_of_a_new_one(counted, word):
+def test_a_guest_stays_but_what_fails_in_it_is_asked_of_a_new_one(counted, word):
     """So that its result does not depend on what was asked before."""
     first, _ = counted("")
+    assert counted("") == (first, 2)
     second, times = counted(word)
     assert times == 1
     assert second != first
@@ -168,17 +166,17 @@ def test_one_that_grew_died_or_talked_since_is_asked_no_more(counted, word):
 
 
 @pytest.mark.slow
-def test_the_time_is_that_of_each_request(asked, monkeypatch):
+def test_the_time_is_that_of_each_request(run_guest, monkeypatch):
     """The kernel's limit too."""
     monkeypatch.setattr(guest, "_PATIENCE", 0.2)
-    asked("import time\ntime.sleep(0.7)\nreturn b'done'")
+    run_guest("import time\ntime.sleep(0.7)\nreturn b'done'")
     for shared in (1.0, 1.001):
         bounds = Bounds(seconds=1.5, memory=1 << 30, reply=10, shared=shared)
-        with contextlib.closing(guest.Guest("visitor", bounds, {})) as found:
-            assert [found.ask(b"") for _ in range(4)] == [b"done"] * 4
+        with contextlib.closing(guest.Guest("visitor", bounds, {})) as used:
+            assert [used.ask(b"") for _ in range(4)] == [b"done"] * 4
 
 
-def test_an_interrupt_ends_it_with_all_that_it_started(asked, tmp_path, monkeypatch):
+def test_an_interrupt_ends_it_with_all_that_it_started(run_guest, tmp_path, monkeypatch):
     place = tmp_path / "pids"
 
     def interrupted(process: int) -> int:
@@ -188,7 +186,7 @@ def test_an_interrupt_ends_it_with_all_that_it_started(asked, tmp_path, monkeypa
 
     monkeypatch.setattr(process_usage, "resident", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        asked(ENDLESS, str(place).encode())
+        run_guest(ENDLESS, str(place).encode())
     assert gone(place)
 
 
@@ -229,19 +227,13 @@ def test_it_finds_us_where_we_are_not_installed(tmp_path):
     link_package(tmp_path / "copy")
     environ = {"PYTHONPATH": os.pathsep.join([str(tmp_path / "copy"), str(tmp_path)])}
     (tmp_path / "stages").mkdir()
-    done = subprocess.run(
-        [sys.executable, "-S", "-c", code],
-        env=environ,
-        cwd=tmp_path / "stages",
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    how = {"env": environ, "cwd": tmp_path / "stages", "capture_output": True, "text": True, "check": False}
+    done = subprocess.run([sys.executable, "-S", "-c", code], **how)
     assert Path(done.stdout.strip()).resolve() == PROJECT / "stages" / "__init__.py", done.stderr
 
 
 def test_memory_is_known_without_proc_too(monkeypatch):
-    known = process_usage.resident(os.getpid())
+    resident = process_usage.resident(os.getpid())
     monkeypatch.setattr(process_usage, "_STATM", "/nowhere/{}")
-    assert process_usage.resident(os.getpid()) == pytest.approx(known, rel=0.2)
+    assert process_usage.resident(os.getpid()) == pytest.approx(resident, rel=0.2)
     assert process_usage.resident(2**22 + 1) == 0

@@ -11,10 +11,10 @@ from linkwright.stages.robot.model.robot import Limits, Relation, Robot, frozen
 from linkwright.stages.robot.motion.closing import Closer
 from linkwright.stages.robot.motion.dof_ranges import ranges
 from linkwright.stages.robot.motion.kinematics import link_poses
-from linkwright.stages.robot.motion.loops import across, closing, gap
+from linkwright.stages.robot.motion.loops import closing_values, gap, relative_pose
 from linkwright.stages.robot.motion.pose_batch import many_link_poses, repeated
 from linkwright.stages.robot.motion.start_pose import home, nearest, saved
-from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_with, some_values
+from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_around, robot_with, some_values
 
 A, B, C = 0.1, 0.13, 0.12
 """Lengths [m] of a four-bar's crank, coupler and rocker; its base is 0.15 m long."""
@@ -29,25 +29,24 @@ def four_bar(limits: dict[str, Limits] | None = None, crank: float = 1.1) -> Rob
     tip = far + B * np.array([math.cos(toward - inner), math.sin(toward - inner)])
     rocker = math.atan2(tip[1], tip[0])
     coupler = math.atan2(*(tip - far)[::-1])
+    rows = (
+        ("base", "crank", "drive", 0, crank),
+        ("crank", "coupler", "pin", A, coupler - crank),
+        ("base", "rocker", "swing", 0.15, rocker),
+    )
     joints = [
-        joint("revolute", "base", "crank", name="drive", saved=[crank], limits=limits),
-        joint(
-            "revolute",
-            "crank",
-            "coupler",
-            place=at(A, 0, 0),
-            name="pin",
-            saved=[coupler - crank],
-            limits=limits,
-        ),
-        joint(
-            "revolute", "base", "rocker", place=at(0.15, 0, 0), name="swing", saved=[rocker], limits=limits
-        ),
+        joint("revolute", above, below, [saved], name=name, place=at(x, 0, 0), limits=limits)
+        for above, below, name, x, saved in rows
     ]
     end = loop("revolute", "coupler", "rocker", at(B, 0, 0), at(C, 0, 0), saved=[coupler - rocker])
     robot = robot_with(joints, loops=[end])
-    assert gap(robot.loops[0], link_poses(robot, saved(robot))) < 1e-12
+    assert opening(robot, saved(robot)) < 1e-12
     return robot
+
+
+def opening(robot: Robot, q) -> float:
+    """How far the loop is open [m or rad]."""
+    return gap(robot.loops[0], link_poses(robot, q))
 
 
 def reordered(robot: Robot) -> Robot:
@@ -63,55 +62,43 @@ def test_home_is_the_saved_pose_where_that_is_within_the_limits():
     assert home(robot) == saved(robot)
 
 
-def test_home_closes_the_loop_within_the_limits_and_is_the_nearest():
+def test_home_closes_the_loop_and_is_the_nearest_pose():
     robot = four_bar({"drive": Limits(1.3, 2.0), "swing": Limits(-3.0, 3.0)})
-    found = home(robot)
-    poses = link_poses(robot, found)
-    assert gap(robot.loops[0], poses) < 1e-9
-    assert found["drive"] == pytest.approx(1.3, abs=1e-9)
-    start = saved(robot)
-    names = ["drive", "pin", "swing", "loop"]
+    nearest_pose, start = home(robot), saved(robot)
+    assert opening(robot, nearest_pose) < 1e-9
+    assert nearest_pose["drive"] == pytest.approx(1.3, abs=1e-9)
     shares = {"drive": 0.7, "pin": 2 * math.pi, "swing": 6.0, "loop": 2 * math.pi}
 
     def open_by(x):
-        values = dict(zip(names, x, strict=True))
-        off = across(robot.loops[0], link_poses(robot, values))
-        own = closing(robot.loops[0], off)["loop"]
-        return [*off[:2, 3] * 10, own - values["loop"]]
+        values = dict(zip(shares, x, strict=True))
+        off = relative_pose(robot.loops[0], link_poses(robot, values))
+        return [*off[:2, 3] * 10, closing_values(robot.loops[0], off)["loop"] - values["loop"]]
 
     oracle = minimize(
-        lambda x: sum(((x[i] - start[name]) / shares[name]) ** 2 for i, name in enumerate(names)),
-        [start[name] for name in names],
+        lambda x: sum(((q - start[name]) / shares[name]) ** 2 for name, q in zip(shares, x, strict=True)),
+        [start[name] for name in shares],
         method="SLSQP",
         bounds=[(1.3, 2.0), (None, None), (-3, 3), (None, None)],
         constraints={"type": "eq", "fun": open_by},
         options={"ftol": 1e-14, "maxiter": 500},
     )
     assert oracle.success
-    assert [found[name] for name in names] == pytest.approx(oracle.x, abs=1e-5)
+    assert [nearest_pose[name] for name in shares] == pytest.approx(oracle.x, abs=1e-5)
 
 
 def test_home_where_another_dof_of_the_loop_is_at_its_limit():
-    free = four_bar()
-    swing = saved(free)["swing"]
+    swing = saved(four_bar())["swing"]
     robot = four_bar({"swing": Limits(swing + 0.1, None)})
-    found = home(robot)
-    assert found["swing"] == pytest.approx(swing + 0.1, abs=1e-12)
-    assert gap(robot.loops[0], link_poses(robot, found)) < 1e-9
+    assert home(robot)["swing"] == pytest.approx(swing + 0.1, abs=1e-12)
+    assert opening(robot, home(robot)) < 1e-9
 
 
-def test_limits_that_no_closed_pose_fulfils_are_kept_and_the_loop_stays_open():
-    far = saved(four_bar())
-    limits = {
-        "drive": Limits(1.3, 2.0),
-        "pin": Limits(far["pin"] + 2, None),
-        "swing": Limits(None, far["swing"] - 2),
-    }
+def test_limits_that_no_closed_pose_fulfils_leave_the_loop_open():
+    far, drive = saved(four_bar()), Limits(1.3, 2.0)
+    limits = {"drive": drive, "pin": Limits(far["pin"] + 2, None), "swing": Limits(None, far["swing"] - 2)}
     robot = four_bar(limits)
-    found = home(robot)
-    for name, limit in limits.items():
-        assert limit.contains(found[name])
-    assert gap(robot.loops[0], link_poses(robot, found)) > 1e-3
+    assert all(limit.contains(home(robot)[name]) for name, limit in limits.items())
+    assert opening(robot, home(robot)) > 1e-3
 
 
 def test_a_driver_stops_where_its_follower_does():
@@ -126,9 +113,9 @@ def test_a_driver_stops_where_its_follower_does():
 
 def test_given_values_hold_and_the_rest_of_the_loop_follows():
     robot = four_bar({"drive": Limits(0.0, 2.0)})
-    found = nearest(robot, saved(robot), {"drive": 0.9})
-    assert found["drive"] == 0.9
-    assert gap(robot.loops[0], link_poses(robot, found)) < 1e-9
+    pose = nearest(robot, saved(robot), {"drive": 0.9})
+    assert pose["drive"] == 0.9
+    assert opening(robot, pose) < 1e-9
 
 
 def test_home_does_not_depend_on_the_order_of_joints_and_loops():
@@ -137,42 +124,31 @@ def test_home_does_not_depend_on_the_order_of_joints_and_loops():
 
 
 @pytest.mark.parametrize("kind", EVERY)
-def test_many_poses_at_once_are_those_one_by_one(kind):
+def test_many_poses_at_once_are_those_of_single_rows(kind):
     rng = np.random.default_rng(5)
-    origins = [frozen(pose(rng)) for _ in range(3)]
-    joints = [
-        joint(kind, "base", "one", place=pose(rng), backwards=True, origins=origins),
-        joint("revolute", "one", "two", place=pose(rng)),
-    ]
-    robot = robot_with(joints)
+    robot = robot_around(kind, rng, "base", backwards=True)
     rows = [some_values(robot, rng) for _ in range(3)]
-    batch = {name: np.array([row[name] for row in rows]) for name in rows[0]}
-    together = many_link_poses(robot, batch)
+    together = many_link_poses(robot, {name: np.array([row[name] for row in rows]) for name in rows[0]})
     for index, row in enumerate(rows):
-        for link, found in link_poses(robot, row).items():
-            np.testing.assert_allclose(together[link][index], found, atol=1e-14)
+        for link, expected in link_poses(robot, row).items():
+            np.testing.assert_allclose(together[link][index], expected, atol=1e-14)
 
 
 @pytest.mark.parametrize("kind", LOOPS)
 def test_every_type_of_loop_closes_from_near_by(kind):
     """A closed chain of many dofs, whose values are then shaken: it closes again."""
     rng = np.random.default_rng(11)
-    joints = [
-        joint("ball", "base", "one", place=pose(rng)),
-        joint("planar", "one", "two", place=pose(rng)),
-        joint("cylindrical", "base", "three", place=pose(rng)),
-        joint("ball", "three", "four", place=pose(rng)),
-    ]
-    bare = robot_with(joints)
-    poses = link_poses(bare)
+    rows = ("ball base one", "planar one two", "cylindrical base three", "ball three four")
+    joints = [joint(*row.split(), place=pose(rng)) for row in rows]
+    poses = link_poses(robot_with(joints))
     end = poses["two"] @ pose(rng)
-    fit = [np.linalg.inv(poses[link]) @ end for link in ("two", "four")]
-    robot = robot_with(joints, loops=[loop(kind, "two", "four", *map(frozen, fit))])
+    fit = [frozen(np.linalg.inv(poses[link]) @ end) for link in ("two", "four")]
+    robot = robot_with(joints, loops=[loop(kind, "two", "four", *fit)])
     values = repeated(saved(robot), 4)
     for value in values.values():
         value += rng.normal(scale=0.05, size=value.shape)
     settled, closed = Closer(robot).settled(values)
     assert closed.all()
     for row in range(4):
-        one = {name: float(v[row]) if v.ndim == 1 else tuple(v[row]) for name, v in settled.items()}
-        assert gap(robot.loops[0], link_poses(robot, one)) < 1e-6
+        q = {name: float(v[row]) if v.ndim == 1 else tuple(v[row]) for name, v in settled.items()}
+        assert opening(robot, q) < 1e-6

@@ -28,51 +28,46 @@ def rotation(quat: tuple[float, ...]) -> np.ndarray:
 
 
 @given(quats)
-def test_rpy_gives_the_rotation_back(quat: tuple[float, ...]) -> None:
+def test_rpy_and_quaternion_give_the_rotation_back(quat):
     r = rotation(quat)
     assert np.abs(rotation_from_rpy(rpy_from_rotation(r)) - r).max() < 1e-14
-
-
-@given(angles, st.sampled_from([math.pi / 2, -math.pi / 2]), st.floats(-1e-5, 1e-5), angles)
-def test_rpy_is_exact_at_and_near_a_right_angle(roll: float, pitch: float, off: float, yaw: float) -> None:
-    r = rotation_from_rpy((roll, pitch + off, yaw))
-    assert np.abs(rotation_from_rpy(rpy_from_rotation(r)) - r).max() < 1e-12
-
-
-@given(angles, angles, angles)
-def test_rpy_is_extrinsic_xyz(roll: float, pitch: float, yaw: float) -> None:
-    expected = Rotation.from_euler("xyz", [roll, pitch, yaw]).as_matrix()
-    assert np.abs(rotation_from_rpy((roll, pitch, yaw)) - expected).max() < 1e-14
-
-
-@given(quats)
-def test_quaternion_gives_the_rotation_back_with_w_not_negative(quat: tuple[float, ...]) -> None:
-    r = rotation(quat)
     q = quat_from_rotation(r)
     assert q[0] >= 0
     assert abs(np.linalg.norm(q) - 1) < 1e-15
     assert np.abs(rotation_from_quat(q) - r).max() < 5e-15
 
 
+@given(angles, st.sampled_from([math.pi / 2, -math.pi / 2]), st.floats(-1e-5, 1e-5), angles)
+def test_rpy_is_exact_at_and_near_a_right_angle(roll, pitch, off, yaw):
+    r = rotation_from_rpy((roll, pitch + off, yaw))
+    assert np.abs(rotation_from_rpy(rpy_from_rotation(r)) - r).max() < 1e-12
+
+
+@given(angles, angles, angles)
+def test_rpy_is_extrinsic_xyz(roll, pitch, yaw):
+    expected = Rotation.from_euler("xyz", [roll, pitch, yaw]).as_matrix()
+    assert np.abs(rotation_from_rpy((roll, pitch, yaw)) - expected).max() < 1e-14
+
+
 @pytest.mark.parametrize("axis", range(3))
-def test_half_turns_have_a_quaternion(axis: int) -> None:
+def test_half_turns_have_a_quaternion(axis):
     r = turn(np.eye(3)[axis], math.pi)
     assert np.abs(rotation_from_quat(quat_from_rotation(r)) - r).max() < 1e-15
 
 
 @given(quats, angles)
-def test_turn_is_scipys_rotation_vector(quat: tuple[float, ...], angle: float) -> None:
+def test_turn_is_scipys_rotation_vector(quat, angle):
     axis = rotation(quat)[:, 0]
     assert np.abs(turn(axis, angle) - Rotation.from_rotvec(axis * angle).as_matrix()).max() < 1e-14
 
 
 @given(quats, st.tuples(*[st.floats(-3, 3)] * 3))
-def test_inverse_cancels(quat: tuple[float, ...], position: tuple[float, ...]) -> None:
+def test_inverse_cancels(quat, position):
     pose = from_parts(rotation(quat), np.array(position))
     assert np.abs(inverse(pose) @ pose - np.eye(4)).max() < 1e-14
 
 
-def test_backwards_motion_is_motion_of_the_negated_value() -> None:
+def test_backwards_motion_is_motion_of_the_negated_value():
     axis = np.array([0.0, 0.6, 0.8])
     for kind in ("revolute", "prismatic"):
         assert np.allclose(inverse(motion(kind, axis, 0.3)), motion(kind, axis, -0.3), atol=1e-15)

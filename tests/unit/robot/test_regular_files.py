@@ -1,5 +1,6 @@
 """Regular files alone are read, wherever a source names one: nothing blocks, nothing is read for ever."""
 
+import contextlib
 import os
 import socket
 from pathlib import Path
@@ -9,9 +10,12 @@ import pytest
 from linkwright.pipeline.config.plan import Plan
 from linkwright.stages.fetch import pinned, preflight
 from linkwright.stages.fetch.bundle.section import BundleSourceSection
+from linkwright.stages.fetch.mjcf import files
 from linkwright.stages.fetch.mjcf.gather import gather as gather_mjcf
 from linkwright.stages.fetch.mjcf.section import MjcfSourceSection
+from linkwright.stages.fetch.urdf import survey
 from linkwright.stages.fetch.urdf.gather import gather as gather_urdf
+from linkwright.stages.fetch.urdf.meshes.companions import Companions, companions
 from linkwright.stages.fetch.urdf.ros_packages import Packages
 from linkwright.stages.fetch.urdf.section import UrdfSourceSection
 from linkwright.stages.robot.errors import ConfigError, SourceError
@@ -36,15 +40,10 @@ def made(kind: str, folder: Path, suffix: str = ".stl") -> Path:
     if kind == "pipe":
         os.mkfifo(path)
     elif kind == "socket":
-        with socket.socket(socket.AF_UNIX) as one:
-            cwd = Path.cwd()
-            os.chdir(folder)  # its whole path may be longer than a socket's can be
-            one.bind(path.name)
-            os.chdir(cwd)
-    elif kind == "device":
-        path.symlink_to("/dev/zero")
-    elif kind == "kernel":
-        path.symlink_to("/proc/self/mountinfo")
+        with socket.socket(socket.AF_UNIX) as listener, contextlib.chdir(folder):
+            listener.bind(path.name)  # its whole path may be longer than a socket's can be
+    elif kind in ("device", "kernel"):
+        path.symlink_to({"device": "/dev/zero", "kernel": "/proc/self/mountinfo"}[kind])
     elif kind == "huge":
         with path.open("wb") as file:
             file.truncate(HUGE)
@@ -52,16 +51,23 @@ def made(kind: str, folder: Path, suffix: str = ".stl") -> Path:
 
 
 KINDS = ["pipe", "socket", "device"]
+SECTIONS = [UrdfSourceSection, MjcfSourceSection, BundleSourceSection]
+
+
+def plan_of(source) -> Plan:
+    return Plan.model_validate({"name": "r", "source": source})
+
+
+def urdf(*meshes: str) -> str:
+    shapes = (f'<visual><geometry><mesh filename="{n}.stl"/></geometry></visual>' for n in meshes)
+    return f'<robot name="r"><link name="a">{"".join(shapes)}</link></robot>'
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_is_no_file_is_neither_opened_nor_read(tmp_path, kind):
     path = made(kind, tmp_path)
-    assert (regular_files.is_file(path), regular_files.is_special(path), regular_files.is_endless(path)) == (
-        False,
-        True,
-        True,
-    )
+    looks = (regular_files.is_file, regular_files.is_special, regular_files.is_endless)
+    assert [look(path) for look in looks] == [False, True, True]
     for read in (regular_files.content, regular_files.digest):
         with pytest.raises(OSError, match="regular"):
             read(path, 100)
@@ -92,10 +98,8 @@ def test_what_a_kernel_shows_as_a_file_is_empty(tmp_path):
 @pytest.mark.parametrize("kind", [*KINDS, "kernel", "huge"])
 def test_a_mesh_of_a_urdf(tmp_path, kind):
     made(kind, tmp_path)
-    shape = '<visual><geometry><mesh filename="x.stl"/></geometry></visual>'
-    text = f'<robot name="r"><link name="a">{shape}</link></robot>'
-    source = UrdfSourceSection(path=str(written(tmp_path, text, "r.urdf")))
-    pinned(Plan.model_validate({"name": "r", "source": source}), {})
+    source = UrdfSourceSection(path=str(written(tmp_path, urdf("x"), "r.urdf")))
+    pinned(plan_of(source), {})
     with pytest.raises(SourceError) as caught:
         gather_urdf(source, {})
     (problem,) = caught.value.problems
@@ -115,42 +119,37 @@ def test_a_mesh_of_a_urdf(tmp_path, kind):
 def test_a_file_of_an_mjcf(tmp_path, kind, text):
     made(kind, tmp_path)
     source = MjcfSourceSection(path=str(written(tmp_path, text)))
-    plan = Plan.model_validate({"name": "r", "source": source})
-    for call in (lambda: pinned(plan, {}), lambda: gather_mjcf(source)):
+    for call in (lambda: pinned(plan_of(source), {}), lambda: gather_mjcf(source)):
         with pytest.raises(SourceError, match=r"it names (sub/)?x\.stl"):
             call()
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("keys", [UrdfSourceSection, MjcfSourceSection, BundleSourceSection])
+@pytest.mark.parametrize("keys", SECTIONS)
 def test_the_source_itself(tmp_path, kind, keys):
-    plan = Plan.model_validate({"name": "r", "source": keys(path=str(made(kind, tmp_path)))})
+    plan = plan_of(keys(path=str(made(kind, tmp_path))))
     with pytest.raises(ConfigError, match="a device, a pipe or a socket"):
         preflight(plan, {})
     with pytest.raises(SourceError, match="it cannot be read: it is a device, a pipe or a socket"):
         pinned(plan, {})
 
 
-@pytest.mark.parametrize("keys", [UrdfSourceSection, MjcfSourceSection, BundleSourceSection])
+@pytest.mark.parametrize("keys", SECTIONS)
 def test_a_source_larger_than_is_read(tmp_path, keys):
     with pytest.raises(SourceError, match=r"4398046511104 bytes|longer than 32 MB"):
-        pinned(Plan.model_validate({"name": "r", "source": keys(path=str(made("huge", tmp_path)))}), {})
+        pinned(plan_of(keys(path=str(made("huge", tmp_path)))), {})
 
 
 def test_the_files_of_a_robot_are_bounded_together(tmp_path, monkeypatch):
-    from linkwright.stages.fetch.mjcf import files
-    from linkwright.stages.fetch.urdf import survey
-
     for name in ("a.stl", "b.stl"):
         (tmp_path / name).write_bytes(bytes(600))
-    shapes = "".join(f'<visual><geometry><mesh filename="{n}.stl"/></geometry></visual>' for n in "ab")
-    urdf = written(tmp_path, f'<robot name="r"><link name="a">{shapes}</link></robot>', "r.urdf")
     mjcf = written(tmp_path, model("", '<asset><mesh file="a.stl"/><mesh file="b.stl"/></asset>'))
     monkeypatch.setattr(survey, "LARGEST_ROBOT", 1000)
     monkeypatch.setattr(files, "LARGEST_MODEL", 1000)
-    for source in (UrdfSourceSection(path=str(urdf)), MjcfSourceSection(path=str(mjcf))):
+    text = written(tmp_path, urdf("a", "b"), "r.urdf")
+    for source in (UrdfSourceSection(path=str(text)), MjcfSourceSection(path=str(mjcf))):
         with pytest.raises(SourceError, match="have more than 1e-06 GB"):
-            pinned(Plan.model_validate({"name": "r", "source": source}), {})
+            pinned(plan_of(source), {})
 
 
 def test_a_package_whose_description_is_a_pipe_is_passed_by(tmp_path):
@@ -162,7 +161,5 @@ def test_a_package_whose_description_is_a_pipe_is_passed_by(tmp_path):
 
 
 def test_the_material_of_an_obj_that_is_a_pipe_is_none(tmp_path):
-    from linkwright.stages.fetch.urdf.meshes.companions import Companions, companions
-
     os.mkfifo(tmp_path / "m.mtl")
     assert companions(tmp_path / "a.obj", b"mtllib m.mtl\n", []) == Companions()

@@ -2,14 +2,13 @@
 
 import ast
 
-import pytest
 from pydantic import Field
 
 from linkwright.stages.robot.section import Section
 
 
 class Base(Section):
-    """What is shared."""
+    """The shared keys."""
 
     width: float = 1.0
     """How wide [m],
@@ -20,7 +19,7 @@ class Base(Section):
 
 
 class Inner(Base):
-    """What is asked."""
+    """The keys in question."""
 
     shade: str = "red"
     """Another word."""
@@ -32,7 +31,7 @@ class Inner(Base):
 
     silent: int = 0
 
-    def later(self) -> None:
+    def later(self):
         """No field."""
 
 
@@ -46,18 +45,14 @@ MEANINGS = {
 
 def test_the_text_under_each_field_is_its_meaning():
     assert Inner.meanings() == MEANINGS
-
-
-def test_the_json_schema_has_the_meanings():
     properties = Inner.model_json_schema()["properties"]
-    found = {key: one["description"] for key, one in properties.items() if "description" in one}
-    assert found == MEANINGS
+    texts = {key: entry["description"] for key, entry in properties.items() if "description" in entry}
+    assert texts == MEANINGS
 
 
-def test_no_source_is_parsed_before_a_meaning_is_asked_for(monkeypatch: pytest.MonkeyPatch):
-    parsed = []
-    parse = ast.parse
-    monkeypatch.setattr(ast, "parse", lambda *given, **more: parsed.append(given) or parse(*given, **more))
+def test_no_source_is_parsed_before_a_meaning_is_asked_for(monkeypatch):
+    parsed, parse = [], ast.parse
+    monkeypatch.setattr(ast, "parse", lambda *args, **more: parsed.append(args) or parse(*args, **more))
 
     class Late(Section):
         """Defined at run time."""
@@ -70,7 +65,5 @@ def test_no_source_is_parsed_before_a_meaning_is_asked_for(monkeypatch: pytest.M
 
 
 def test_a_section_without_source_has_no_meanings():
-    made = type(
-        "Made", (Section,), {"__annotations__": {"width": float}, "width": 1.0, "__module__": "nowhere"}
-    )
-    assert made.meanings() == {}
+    inside = {"__annotations__": {"width": float}, "width": 1.0, "__module__": "nowhere"}
+    assert type("Made", (Section,), inside).meanings() == {}

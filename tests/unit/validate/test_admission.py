@@ -18,7 +18,7 @@ def put(path: Path, text: str | bytes) -> Path:
     return path
 
 
-def test_sizes_are_those_of_texts_and_of_what_they_name(tmp_path: Path) -> None:
+def test_sizes_are_those_of_texts_and_of_what_they_name(tmp_path):
     model = put(tmp_path / "m.xml", MESH.format("a.stl"))
     put(tmp_path / "a.stl", bytes(100))
     put(tmp_path / "b.stl", bytes(1000))
@@ -27,7 +27,7 @@ def test_sizes_are_those_of_texts_and_of_what_they_name(tmp_path: Path) -> None:
     assert admitted(tmp_path) == sizes
 
 
-def test_of_a_build_every_file_counts(tmp_path: Path) -> None:
+def test_of_a_build_every_file_counts(tmp_path):
     put(tmp_path / "robot.json", "{}")
     (tmp_path / "assets").mkdir()
     put(tmp_path / "assets" / "b.stl", bytes(1000))
@@ -36,7 +36,7 @@ def test_of_a_build_every_file_counts(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(os.name == "nt", reason="it has no pipes")
 @pytest.mark.parametrize("name", ["a.stl", "/dev/zero", "a.xml"])
-def test_what_is_no_file_is_refused(tmp_path: Path, name: str) -> None:
+def test_what_is_no_file_is_refused(tmp_path, name):
     text = f'<mujoco><include file="{name}"/></mujoco>' if name.endswith("xml") else MESH.format(name)
     model = put(tmp_path / "m.xml", text)
     if not name.startswith("/"):
@@ -46,7 +46,7 @@ def test_what_is_no_file_is_refused(tmp_path: Path, name: str) -> None:
 
 
 @pytest.mark.skipif(os.name == "nt", reason="it has no pipes")
-def test_what_no_check_reads_may_be_anything(tmp_path: Path) -> None:
+def test_what_no_check_reads_may_be_anything(tmp_path):
     put(tmp_path / "m.xml", "<mujoco/>")
     os.mkfifo(tmp_path / "console")
     (tmp_path / "deeper").mkdir()
@@ -58,14 +58,12 @@ def test_what_no_check_reads_may_be_anything(tmp_path: Path) -> None:
     ("key", "most", "text", "words"),
     [
         ("LARGEST_TEXT", 10, "<mujoco><worldbody/></mujoco>", "longer than"),
-        ("MOST_MARKS", 3, "<mujoco><worldbody/></mujoco>" + "<!-- -->" * 3, "elements or tables"),
-        ("MOST_ELEMENTS", 1, "<mujoco><worldbody/></mujoco>", "more than 1 elements"),
-        ("LARGEST", 10, "<mujoco><worldbody/></mujoco>", "more than"),
+        ("MAX_MARKS", 3, "<mujoco><worldbody/></mujoco>" + "<!-- -->" * 3, "elements or tables"),
+        ("MAX_ELEMENTS", 1, "<mujoco><worldbody/></mujoco>", "more than 1 elements"),
+        ("MAX_TOTAL_BYTES", 10, "<mujoco><worldbody/></mujoco>", "more than"),
     ],
 )
-def test_what_is_too_large_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, key: str, most: int, text: str, words: str
-) -> None:
+def test_what_is_too_large_is_refused(tmp_path, monkeypatch, key, most, text, words):
     model = put(tmp_path / "m.xml", text)
     admitted(model)
     monkeypatch.setattr(admission, key, most)
@@ -73,7 +71,7 @@ def test_what_is_too_large_is_refused(
         admitted(model)
 
 
-def test_the_pixels_of_all_images_count(tmp_path: Path) -> None:
+def test_the_pixels_of_all_images_count(tmp_path):
     head = b"\x89PNG\r\n\x1a\n" + struct.pack(">I4sII", 13, b"IHDR", 6000, 6000)
     textures = "".join(f'<texture name="{name}" type="2d" file="{name}.png"/>' for name in "ab")
     model = put(tmp_path / "m.xml", f"<mujoco><asset>{textures}</asset></mujoco>")
@@ -84,12 +82,14 @@ def test_the_pixels_of_all_images_count(tmp_path: Path) -> None:
         admitted(model)
 
 
-def test_a_name_that_no_file_can_have_is_left_to_a_check(tmp_path: Path) -> None:
+def test_a_name_that_no_file_can_have_is_left_to_a_check(tmp_path):
     model = put(tmp_path / "m.xml", MESH.format("m" * 100_000))
     assert admitted(model).assets == 0
 
 
-def test_models_in_models_are_looked_through_once_each(tmp_path: Path) -> None:
-    for one, other in ("ab", "ba"):
-        put(tmp_path / f"{one}.xml", f'<mujoco><asset><model name="m" file="{other}.xml"/></asset></mujoco>')
+def test_models_in_models_are_looked_through_once_each(tmp_path):
+    for first, other in ("ab", "ba"):
+        put(
+            tmp_path / f"{first}.xml", f'<mujoco><asset><model name="m" file="{other}.xml"/></asset></mujoco>'
+        )
     assert admitted(tmp_path / "a.xml").texts == 2 * (tmp_path / "a.xml").stat().st_size

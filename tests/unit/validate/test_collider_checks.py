@@ -35,7 +35,7 @@ def results(text, geometry=None):
     """Whether there are errors and warnings, and the elements of both."""
     wrong, doubtful = colliders.check(compiled_of(text, geometry=geometry))
     assert (wrong.level, doubtful.level) == ("error", "warning")
-    elements = [one.element for check in (wrong, doubtful) for one in check.findings]
+    elements = [finding.element for check in (wrong, doubtful) for finding in check.findings]
     return (not wrong.passed, not doubtful.passed), elements
 
 
@@ -54,40 +54,43 @@ def test_a_collider_that_is_the_shape_itself_passes():
 def test_how_far_a_moved_collider_is_off(x):
     """A box that moves along its x axis by less than its length leaves as much bare as it reaches beyond."""
     compiled = compiled_of(moved(x))
-    own = [one for one in range(compiled.model.ngeom) if compiled.model.geom_bodyid[one] == 2]
+    own = [index for index in range(compiled.model.ngeom) if compiled.model.geom_bodyid[index] == 2]
     seen, solid = own[:1], own[1:]
-    found = colliders.fit(compiled.model, seen, solid)
-    assert (found.size, found.solid) == pytest.approx((SIZE, SIZE))
-    assert found.beyond == pytest.approx(x, abs=1e-9)
-    assert found.bare == pytest.approx(x, abs=1e-9)
+    fit = colliders.fit(compiled.model, seen, solid)
+    assert (fit.size, fit.solid) == pytest.approx((SIZE, SIZE))
+    assert fit.beyond == pytest.approx(x, abs=1e-9)
+    assert fit.bare == pytest.approx(x, abs=1e-9)
 
 
 @pytest.mark.parametrize(
     ("x", "expected"),
     [
-        (0.5 * colliders.MOVED * SIZE, (False, False)),
-        (1.1 * colliders.MOVED * SIZE, (False, True)),
-        (0.9 * colliders.AWAY * SIZE, (False, True)),
-        (colliders.AWAY * SIZE + colliders.OFF * SIZE + 0.01, (True, False)),
+        (0.5 * colliders.MOVED_SHARE * SIZE, (False, False)),
+        (1.1 * colliders.MOVED_SHARE * SIZE, (False, True)),
+        (0.9 * colliders.MAX_SHARE * SIZE, (False, True)),
+        (colliders.MAX_SHARE * SIZE + colliders.UNJUDGED_SHARE * SIZE + 0.01, (True, False)),
     ],
 )
 def test_a_moved_collider_of_which_nothing_is_known(x, expected):
     said, elements = results(moved(x))
     assert said == expected
-    assert all("arm" in one for one in elements)
+    assert all("arm" in element for element in elements)
 
 
 @pytest.mark.parametrize(("visual", "wrong"), [(True, False), (False, True)])
 def test_what_collides_and_is_seen_is_beside_nothing(visual, wrong):
     """A geom that is both, and a ring that is only seen: the first is no collider of the second."""
     compiled = compiled_of(moved(3 * SIZE))
-    link = next(one for one in compiled.robot.links if one.name == "arm")
+    link = next(candidate for candidate in compiled.robot.links if candidate.name == "arm")
     box = Primitive("box", SIDES, np.eye(4))
     shapes = (replace(box, collision=False), replace(box, visual=visual))
-    links = tuple(replace(one, shapes=shapes) if one is link else one for one in compiled.robot.links)
+    links = tuple(
+        replace(candidate, shapes=shapes) if candidate is link else candidate
+        for candidate in compiled.robot.links
+    )
     other = replace(compiled.written, robot=replace(compiled.robot, links=links))
-    found, _ = colliders.check(replace(compiled, written=other))
-    assert found.fails is wrong
+    outcome, _ = colliders.check(replace(compiled, written=other))
+    assert outcome.fails is wrong
 
 
 @pytest.mark.parametrize(
@@ -95,7 +98,7 @@ def test_what_collides_and_is_seen_is_beside_nothing(visual, wrong):
 )
 def test_a_moved_collider_that_was_judged(x, expected):
     """To be off by 2 mm and 1 mm, besides 1 % of the size, 2.3 mm."""
-    assert 0.0023 < colliders.SPARE * SIZE < 0.0024
+    assert 0.0023 < colliders.SPARE_SHARE * SIZE < 0.0024
     assert seen_robot_is_whole()
     said, _ = results(moved(x), judged())
     assert said == expected
@@ -127,8 +130,8 @@ def test_a_collider_that_is_turned_is_found():
     assert not doubtful.passed
     (finding,) = doubtful.findings
     assert "50 mm beyond" in finding.message
-    assert "50 mm of it bare" in finding.message
-    assert finding.message.endswith(": both, as where it was moved, turned or mirrored")
+    assert "50 mm of them bare" in finding.message
+    assert finding.message.endswith(": both, as if it had been moved, turned or mirrored")
 
 
 def test_a_mirrored_collider_is_found():
@@ -149,9 +152,9 @@ def without_any() -> str:
 
 
 def no_collider(text, geometry=None):
-    (found,) = bare_links.check(compiled_of(text, geometry=geometry))
-    assert found.level == "warning"
-    return [one.element for one in found.findings]
+    (check,) = bare_links.check(compiled_of(text, geometry=geometry))
+    assert check.level == "warning"
+    return [finding.element for finding in check.findings]
 
 
 def test_a_link_without_a_collider_is_named():

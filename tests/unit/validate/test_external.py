@@ -44,6 +44,27 @@ DOCTOR = [
     }
 ]
 
+SIMREADY = {
+    "/somewhere/arm.usda": {
+        "profile_id": "Robot-Body",
+        "profile_version": "3.0.0",
+        "features_summary": {
+            "FET_001_STANDARD": {
+                "passed": False,
+                "blocking_failure": True,
+                "failing requirements": "['com.nvidia.usd.VG.027', 'com.nvidia.simready.VG.008']",
+                "requirement_messages": '{"com.nvidia.usd.VG.027": ["no normals", "no normals"]}',
+            },
+            "FET_003_STANDARD": {"passed": True, "blocking_failure": False},
+            "FET_006_MDL": {
+                "passed": False,
+                "blocking_failure": False,
+                "optional requirements": "['VM.MDL']",
+            },
+        },
+    }
+}
+
 VALIDATOR = {
     "overall_status": "FAIL",
     "schema": {"status": "FAIL", "critical_issues": ["[SCHEMA] no root"], "warnings": []},
@@ -67,8 +88,8 @@ def stand_in(folder: Path, program: str, code: str, version: str = "1.2.3") -> N
 
 
 @pytest.fixture
-def path(tmp_path: Path) -> dict[str, str]:
-    """An environment in which the stand-ins of all three are found."""
+def path(tmp_path):
+    """An environment in which the stand-ins of all are found."""
     tools = tmp_path / "bin"
     stand_in(tools, "simcheck", f"print(json.dumps([{SIMCHECK!r}]))")
     stand_in(tools, "mjcf-doctor", f"print('hello'); print(json.dumps({DOCTOR!r}, indent=2))")
@@ -79,14 +100,16 @@ def path(tmp_path: Path) -> dict[str, str]:
         f"json.dump({VALIDATOR!r}, open(os.path.join(where, 'arm_validation.json'), 'w'))\n"
         "sys.exit(2)",
     )
+    write = f"json.dump({SIMREADY!r}, open(sys.argv[sys.argv.index('--output') + 1], 'w'))"
+    stand_in(tools, "simready-validate", f"{write}\nsys.exit(1)")
     return {"PATH": str(tools), "ONSHAPE_SECRET_KEY": "s3cret"}
 
 
 @pytest.fixture
-def folder(tmp_path: Path) -> Path:
+def folder(tmp_path):
     made = tmp_path / "made"
     made.mkdir()
-    for name in ("arm.urdf", "arm.xml", "scene.xml"):
+    for name in ("arm.urdf", "arm.xml", "scene.xml", "arm.usda"):
         (made / name).write_text("<robot/>")
     return made
 
@@ -97,33 +120,62 @@ def test_the_key_knows_the_tools():
 
 
 def test_what_each_says_is_a_check_of_its_own(folder, path):
-    checks = {one.name: one for one in check_externally(folder, "arm", list(TOOLS), path)}
+    checks = {check.name: check for check in check_externally(folder, "arm", list(TOOLS), path)}
     assert [*checks] == [
         "arm.urdf: simcheck 1.2.3",
         "arm.xml: simcheck 1.2.3",
         "scene.xml: mjcf-doctor 1.2.3",
         "arm.urdf: urdf_validate 1.2.3",
+        "arm.usda: simready-validate 1.2.3",
     ]
-    simcheck, _, doctor, validator = checks.values()
+    simcheck, _, doctor, validator, simready = checks.values()
     assert (simcheck.fails, simcheck.value) == (True, 1.0)
     assert "FAIL, score 70; 1 error, 1 warning: no mass" in simcheck.detail
-    assert [one.element for one in simcheck.findings] == ["hand", "wrist"]
-    assert [one.element for one in doctor.findings] == ["elbow", "<global>"]
+    assert [finding.element for finding in simcheck.findings] == ["hand", "wrist"]
+    assert [finding.element for finding in doctor.findings] == ["elbow", "<global>"]
     assert doctor.fails
-    assert [one.element for one in validator.findings] == ["hand", "", "base"]
+    assert [finding.element for finding in validator.findings] == ["hand", "", "base"]
     assert validator.value == 2.0
+    assert (simready.fails, simready.value) == (True, 2.0)
+    words = "Robot-Body 3.0.0, 1 of 3 features; not met, and optional: FET_006_MDL; 2 errors, 0 warnings: "
+    assert simready.detail == f"{words}no normals, and 1 more (com.nvidia.usd.VG.027)"
+    assert [finding.message for finding in simready.findings][1:] == ["not met (com.nvidia.simready.VG.008)"]
 
 
-def test_warnings_alone_are_a_warning(folder, path, tmp_path):
-    doctor = [{"file": "scene.xml", "findings": [DOCTOR[0]["findings"][1]]}]
-    stand_in(tmp_path / "bin", "mjcf-doctor", f"print(''); print(json.dumps({doctor!r}, indent=2))")
-    (check,) = check_externally(folder, "arm", ["mjcf_doctor"], path)
-    assert check.warns
+SOFT = [{"file": "scene.xml", "findings": DOCTOR[0]["findings"][1:2]}]
+(ASSET,) = SIMREADY
+OPTIONAL = {name: row for name, row in SIMREADY[ASSET]["features_summary"].items() if "001" not in name}
+NO_RESULT = "print('Asset: x\\n  [ERROR] Validation produced no result for profile'); sys.exit(1)"
 
 
-def test_no_finding_passes(folder, path, tmp_path):
-    stand_in(tmp_path / "bin", "simcheck", f"print(json.dumps([{SIMCHECK | {'results': []}!r}]))")
-    assert all(one.passed for one in check_externally(folder, "arm", ["simcheck"], path))
+def report_of(features) -> str:
+    report = {ASSET: {**SIMREADY[ASSET], "features_summary": features}}
+    return f"json.dump({report!r}, open(sys.argv[sys.argv.index('--output') + 1], 'w'))"
+
+
+@pytest.mark.parametrize(
+    ("tool", "code", "level", "words"),
+    [
+        ("simready", report_of(OPTIONAL), "",
+         "Robot-Body 3.0.0, 1 of 2 features; not met, and optional: FET_006_MDL;"),
+        ("simready", NO_RESULT, "none", "no verdict: [ERROR] Validation produced no result for profile"),
+        ("simready", "sys.exit(1)", "none", "simready-foundation-tier-core"),
+        ("mjcf_doctor", f"print(''); print(json.dumps({SOFT!r}, indent=2))", "warning", "it is soft"),
+        ("simcheck", f"print(json.dumps([{SIMCHECK | {'results': []}!r}]))", "", ""),
+        ("simcheck", "sys.exit(1)", "none", "no verdict"),
+        ("simcheck", "print('[]')", "none", "no verdict"),
+        ("simcheck", "print('oops')", "none", "no verdict"),
+        ("simcheck", "os.abort()", "none", "no verdict"),
+    ],
+    ids=range(9),
+)  # fmt: skip
+def test_the_verdict_is_that_of_the_report(folder, path, tmp_path, tool, code, level, words):
+    """ "none": no verdict, which is an error."""
+    stand_in(tmp_path / "bin", TOOLS[tool].program, code)
+    for check in check_externally(folder, "arm", [tool], path):
+        assert (check.passed, check.warns) == (level == "", level == "warning")
+        assert words in check.detail
+        assert gave_no_verdict(check) == (level == "none")
 
 
 def test_a_tool_works_on_a_copy_and_sees_no_secret(folder, path, tmp_path):
@@ -166,15 +218,6 @@ def test_no_program_of_the_working_folder_is_a_checker(folder, tmp_path, monkeyp
     assert TOOLS["simcheck"].command({"PATH": str(tmp_path / "bin")}) == (str(tmp_path / "bin" / "simcheck"),)
 
 
-@pytest.mark.parametrize("code", ["sys.exit(1)", "print('[]')", "print('oops')", "os.abort()"])
-def test_a_tool_that_fails_gives_no_verdict(folder, path, tmp_path, code):
-    stand_in(tmp_path / "bin", "simcheck", code)
-    for check in check_externally(folder, "arm", ["simcheck"], path):
-        assert check.fails
-        assert "no verdict" in check.detail
-        assert gave_no_verdict(check)
-
-
 def test_a_tool_that_does_not_end_is_ended(folder, path, tmp_path, monkeypatch):
     monkeypatch.setattr(runs, "SECONDS", 0.5)
     stand_in(tmp_path / "bin", "mjcf-doctor", "time.sleep(60)")
@@ -204,18 +247,42 @@ def test_a_program_that_does_not_say_its_version_has_one_all_the_same(tmp_path):
         program.parent.mkdir()
         program.write_text(f"#!/bin/sh\n# {text}\nexit 3\n")
         program.chmod(0o755)
-    one, two = (versions(["simcheck"], {"PATH": str(tools / text)})["simcheck"] for text in ("one", "two"))
-    assert one
-    assert one != two or external.TOOLS["simcheck"].command({"PATH": ""}) is not None
+    first, second = (
+        versions(["simcheck"], {"PATH": str(tools / text)})["simcheck"] for text in ("one", "two")
+    )
+    assert first
+    assert first != second or external.TOOLS["simcheck"].command({"PATH": ""}) is not None
 
 
 def test_one_that_is_not_installed_is_an_error_that_says_how_to(monkeypatch):
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     with pytest.raises(ConfigError) as caught:
-        require(["simcheck", "urdf_validator"], {"PATH": ""})
+        require(["simcheck", "urdf_validator"], ["urdf"], {"PATH": ""})
     assert "simcheck and urdf_validate are not installed" in str(caught.value)
     assert "pip install simcheck urdf-validator" in str(caught.value.hint)
-    require([], {"PATH": ""})
+    require([], ["urdf"], {"PATH": ""})
+
+
+@pytest.mark.parametrize(("python", "fits"), [((3, 11), True), ((3, 12), True), ((3, 13), False)])
+def test_one_that_needs_another_python_says_which(monkeypatch, python, fits):
+    monkeypatch.setattr(sys, "version_info", (*python, 0, "final", 0))
+    with pytest.raises(ConfigError) as caught:
+        require(["simready"], ["usd"], {"PATH": ""})
+    assert "simready-validate is not installed" in str(caught.value)
+    hint = str(caught.value.hint)
+    assert "pip install simready-validate simready-foundation-tier-core" in hint
+    assert ("needs an environment of Python 3.11 or 3.12; this is 3.13" in hint) != fits
+    assert ("needs" in hint) != fits
+
+
+@pytest.mark.parametrize("name", list(TOOLS))
+def test_one_that_reads_no_format_of_the_build_is_an_error(path, name):
+    reads = TOOLS[name].reads
+    with pytest.raises(ConfigError, match=f"{name} reads {' or '.join(reads)}") as caught:
+        require([name], ["sdf"], path)
+    assert f"export=[sdf,{reads[0]}]" in str(caught.value.hint)
+    for form in reads:
+        require([name], ["sdf", form], path)
 
 
 def test_a_build_asks_before_it_begins(tmp_path):

@@ -15,8 +15,8 @@ from linkwright.stages.robot.model.robot import Limits
 from linkwright.stages.robot.motion.pose_samples import sampled_poses
 from linkwright.stages.robot.motion.start_pose import home
 from linkwright.stages.validate.checks.contact import false_contact
-from linkwright.stages.validate.contact_errors import DEEP, REACH, SALT
-from linkwright.stages.validate.model.seen_surfaces import SOME, SeenSurfaces, surface, winding
+from linkwright.stages.validate.contact_errors import FALSE_DEPTH, SALT, SLIDE_TRAVEL
+from linkwright.stages.validate.model.seen_surfaces import MAX_MEASURED_POSES, SeenSurfaces, surface, winding
 from tests.support.robots import joint, robot_with
 from tests.support.written import compiled_of
 
@@ -53,7 +53,7 @@ def made_by(maker: str) -> tuple[ColliderFigures, ...]:
     )
 
 
-def found(mjcf: str, *excludes: Exclude, maker: str = "ladder") -> Check:
+def judged(mjcf: str, *excludes: Exclude, maker: str = "ladder") -> Check:
     geometry = Geometry((), {}, self_contact=True, excludes=excludes, colliders=made_by(maker))
     (check,) = false_contact.check(compiled_of(mjcf, ROBOT, geometry))
     return check
@@ -61,14 +61,14 @@ def found(mjcf: str, *excludes: Exclude, maker: str = "ladder") -> Check:
 
 def values() -> np.ndarray:
     """Where the slider is at the poses of the check."""
-    return sampled_poses(ROBOT, false_contact.POSES, REACH, home(ROBOT), SALT)["slider_joint"]
+    return sampled_poses(ROBOT, false_contact.POSES, SLIDE_TRAVEL, home(ROBOT), SALT)["slider_joint"]
 
 
 def row_of(check: Check) -> tuple[float, float, float, float]:
     """false [%], then apart [mm], missed [%], at home [mm]."""
     assert check.table is not None
-    ((one, other, *figures, _),) = check.table.rows
-    assert (one, other) == ("slider", "post")
+    ((body, other, *figures, _),) = check.table.rows
+    assert (body, other) == ("slider", "post")
     return tuple(map(float, figures))
 
 
@@ -105,31 +105,31 @@ AT = 0.25
 def test_colliders_that_are_what_is_seen_are_right():
     for shape in (cube, ball):
         both = [[shape(0.04)], [shape(0.06, AT)]]
-        check = found(text(both, both))
+        check = judged(text(both, both))
         assert (check.passed, check.value, check.table) == (True, 0.0, None)
 
 
 @pytest.mark.parametrize(("shape", "exact"), [pytest.param(cube, 1e-9, marks=NEEDS_DEPTHS), (ball, 2e-4)])
 def test_colliders_that_are_too_large_are_false_where_what_is_seen_is_apart(shape, exact):
     """By 10 mm each: where they are in each other, and what is seen is not yet within 2 mm."""
-    check = found(text([[shape(0.04)], [shape(0.06, AT)]], [[shape(0.05)], [shape(0.07, AT)]]))
+    check = judged(text([[shape(0.04)], [shape(0.06, AT)]], [[shape(0.05)], [shape(0.07, AT)]]))
     gap = AT - values() - 0.10
-    wrong = (gap - 0.02 < -DEEP) & (gap > DEEP)
+    wrong = (gap - 0.02 < -FALSE_DEPTH) & (gap > FALSE_DEPTH)
     share, apart, missed, at_home = row_of(check)
     assert wrong.sum() > 5
     assert share == percent(wrong)
-    some = gap[wrong][np.linspace(0, wrong.sum() - 1, SOME).astype(int)]
+    some = gap[wrong][np.linspace(0, wrong.sum() - 1, MAX_MEASURED_POSES).astype(int)]
     assert apart == pytest.approx(1e3 * some.max(), abs=0.01 + 1e3 * exact)
     assert (missed, at_home) == (0.0, 0.0)
     assert (check.passed, check.level) == (False, "warning")
-    (told,) = check.findings
-    assert (told.element, told.attribute) == ('body "slider"', "geom")
-    assert f"in {wrong.sum()} of {len(gap)} poses" in told.message
+    (finding,) = check.findings
+    assert (finding.element, finding.attribute) == ('body "slider"', "geom")
+    assert f"in {wrong.sum()} of {len(gap)} poses" in finding.message
 
 
 @pytest.mark.parametrize("shape", [cube, ball])
 def test_colliders_that_are_too_small_miss_what_cuts(shape):
-    check = found(text([[shape(0.04)], [shape(0.06, AT)]], [[shape(0.03)], [shape(0.05, AT)]]))
+    check = judged(text([[shape(0.04)], [shape(0.06, AT)]], [[shape(0.03)], [shape(0.05, AT)]]))
     gap = AT - values() - 0.10
     wrong = (gap < 0.0) & (gap + 0.02 > 1e-4)
     assert row_of(check) == (0.0, 0.0, percent(wrong), 0.0)
@@ -138,10 +138,10 @@ def test_colliders_that_are_too_small_miss_what_cuts(shape):
 
 def test_a_link_without_a_collider_passes_through_the_others():
     seen = [[cube(0.04)], [cube(0.06, AT)]]
-    check = found(text(seen, [[cube(0.04)], []]))
+    check = judged(text(seen, [[cube(0.04)], []]))
     assert row_of(check) == (0.0, 0.0, percent(values() > AT - 0.10), 0.0)
     assert (check.passed, check.level) == (False, "error")
-    assert found(text(seen, [[cube(0.04)], []]), maker="none").passed
+    assert judged(text(seen, [[cube(0.04)], []]), maker="none").passed
 
 
 WALL, DEPTH, FINGER = 0.01, 0.08, 0.01
@@ -167,16 +167,16 @@ def hull_of_u() -> list[str]:
 
 
 def test_pieces_of_a_u_let_a_finger_in():
-    assert found(text([finger(), u()], [finger(), u()])).passed
+    assert judged(text([finger(), u()], [finger(), u()])).passed
 
 
 @NEEDS_DEPTHS
 def test_the_hull_of_a_u_holds_a_finger_out():
     """It is false as soon as the finger's tip is in the U, but where that is near the bottom; the finger is
     nearer to the bottom than to the legs only there."""
-    check = found(text([finger(), u()], [finger(), hull_of_u()]))
+    check = judged(text([finger(), u()], [finger(), hull_of_u()]))
     tip = values() - OPENS
-    wrong = (tip > DEEP) & (tip < DEPTH - DEEP)
+    wrong = (tip > FALSE_DEPTH) & (tip < DEPTH - FALSE_DEPTH)
     share, apart, missed, _ = row_of(check)
     assert (share, missed) == (percent(wrong), 0.0)
     assert apart == pytest.approx(1e3 * (0.03 - FINGER / 2), abs=0.01)
@@ -185,7 +185,7 @@ def test_the_hull_of_a_u_holds_a_finger_out():
 
 @pytest.mark.parametrize("maker", ["hull", "raw", "given"])
 def test_what_the_user_chose_is_a_warning(maker):
-    check = found(text([finger(), u()], [finger(), hull_of_u()]), maker=maker)
+    check = judged(text([finger(), u()], [finger(), hull_of_u()]), maker=maker)
     assert (check.passed, check.level) == (False, "warning")
 
 
@@ -194,7 +194,9 @@ OUT = '<contact><exclude body1="slider" body2="post"/></contact>'
 
 
 def excluded(mjcf: str, reason: str, **more: object) -> Check:
-    return found(mjcf.replace("</mujoco>", f"{OUT}</mujoco>"), Exclude("slider", "post", reason, 0.0, **more))
+    return judged(
+        mjcf.replace("</mujoco>", f"{OUT}</mujoco>"), Exclude("slider", "post", reason, 0.0, **more)
+    )
 
 
 @pytest.mark.parametrize("reason", ["Source", "User"])
@@ -211,8 +213,8 @@ def test_pairs_next_to_each_other_are_not_judged():
     nested = CROSSING.replace('</body>\n    <body name="post">', '<body name="post">').replace(
         "</body>\n    </body>", "</body></body></body>"
     )
-    assert found(nested).table is None
-    assert found(child).table is None
+    assert judged(nested).table is None
+    assert judged(child).table is None
 
 
 def test_pairs_that_are_excluded_since_they_always_cut_must_always_cut():
@@ -228,7 +230,7 @@ def test_pairs_that_are_excluded_since_they_always_cut_must_always_cut():
 def test_what_is_within_a_solid_is_in_contact_and_within_a_shell_is_not():
     """The slider ends in the middle of a large post, further than 2 mm from all of its surface."""
     large = [[cube(0.02)], [cube(0.1, 0.2)]]
-    assert found(text(large, large)).passed
+    assert judged(text(large, large)).passed
     sides = [
         f'type="box" size="{x} {y} 0.1" pos="{px} {py} 0.2"'
         for x, y, px, py in (
@@ -238,8 +240,8 @@ def test_what_is_within_a_solid_is_in_contact_and_within_a_shell_is_not():
             (0.1, 0.002, 0, -0.098),
         )
     ]
-    tube = found(text([large[0], sides], large))
-    assert row_of(tube)[0] == percent(values() > 0.08 + DEEP)
+    tube = judged(text([large[0], sides], large))
+    assert row_of(tube)[0] == percent(values() > 0.08 + FALSE_DEPTH)
 
 
 @NEEDS_DEPTHS
@@ -249,11 +251,11 @@ def test_at_home_nothing_touches_that_stands_apart():
     for gap, deep, named in [(0.001, 5e-4, True), (0.001, -1e-4, False), (1e-4, 5e-4, False)]:
         top = start + 0.10 + gap
         seen = [[cube(0.04)], [cube(0.06, top)]]
-        check = found(text(seen, [[cube(0.04)], [cube(0.06 + gap + deep, top)]]))
+        check = judged(text(seen, [[cube(0.04)], [cube(0.06 + gap + deep, top)]]))
         assert check.passed != named
         if named:
             assert row_of(check)[3] == pytest.approx(1e3 * deep, abs=0.01)
-            assert "at home, where they stand apart" in check.findings[0].message
+            assert "at home, where they are apart" in check.findings[0].message
 
 
 def test_without_contact_of_the_robot_with_itself_there_is_no_check():

@@ -35,12 +35,12 @@ def box(mass: float = MASS, inertia: float = 1.0, com: tuple[float, ...] = (0.3,
 
 
 def test_a_solid_box_has_its_radius_of_gyration_and_its_density():
-    found = box()
-    assert [one.passed for one in found] == [True] * 3
+    checks = box()
+    assert [check.passed for check in checks] == [True] * 3
     # √((a² + b²) / 12) of the half diagonal ½ √(a² + b²), about each axis.
-    assert only(found, "inertia fits the shape").value == pytest.approx(1 / math.sqrt(3), rel=1e-9)
-    assert only(found, "density of matter").value == pytest.approx(1000.0, rel=1e-9)
-    assert only(found, "centre of mass in the shape").value == 0.0
+    assert only(checks, "inertia fits the shape").value == pytest.approx(1 / math.sqrt(3), rel=1e-9)
+    assert only(checks, "density of matter").value == pytest.approx(1000.0, rel=1e-9)
+    assert only(checks, "centre of mass in the shape").value == 0.0
 
 
 @pytest.mark.parametrize(
@@ -48,7 +48,7 @@ def test_a_solid_box_has_its_radius_of_gyration_and_its_density():
     [(1e3, "g m² read as kg m²"), (1e6, "kg mm² read as kg m²"), (1e9, "g mm² read as kg m²")],
 )
 def test_an_inertia_in_other_units_is_an_error_that_names_them(factor, unit):
-    (wrong,) = [one for one in box(inertia=factor) if not one.passed]
+    (wrong,) = [check for check in box(inertia=factor) if not check.passed]
     assert wrong.fails
     assert wrong.value == pytest.approx(math.sqrt(factor / 3), rel=1e-9)
     (finding,) = wrong.findings
@@ -57,14 +57,14 @@ def test_an_inertia_in_other_units_is_an_error_that_names_them(factor, unit):
 
 
 def test_a_mass_in_grams_is_an_error_that_names_them():
-    found = box(mass=1e3 * MASS)
-    wrong = only(found, "density of matter")
+    checks = box(mass=1e3 * MASS)
+    wrong = only(checks, "density of matter")
     assert wrong.fails
     assert wrong.value == pytest.approx(1e6, rel=1e-9)
     assert wrong.findings[0].attribute == "inertial mass"
     assert "g read as kg" in wrong.findings[0].message
     # The inertia was not scaled with it: a warning, since a heavy spot in a light shape has it too.
-    assert only(found, "inertia fits the shape").warns
+    assert only(checks, "inertia fits the shape").warns
 
 
 def test_a_centre_of_mass_in_millimetres_is_an_error_that_names_them():
@@ -103,9 +103,9 @@ def test_a_mesh_is_measured_by_its_vertices():
     text = (
         '<body name="b"><freejoint/><inertial mass="1" pos="{0} {0} {0}" diaginertia=".1 .1 .1"/>{1}</body>'
     )
-    found = list(check(compiled_of(text.format(0.25, inside), more=more)))
-    assert only(found, "inertia fits the shape").value == pytest.approx(math.sqrt(0.1 / 0.625), rel=1e-6)
-    assert only(found, "centre of mass in the shape").value == 0.0
+    checks = list(check(compiled_of(text.format(0.25, inside), more=more)))
+    assert only(checks, "inertia fits the shape").value == pytest.approx(math.sqrt(0.1 / 0.625), rel=1e-6)
+    assert only(checks, "centre of mass in the shape").value == 0.0
     far = only(check(compiled_of(text.format(0.6, inside), more=more)), "centre of mass in the shape")
     # From (0.6, 0.6, 0.6) to the face x + y + z = 1, as nearly as the directions that are looked at allow.
     exact = 0.8 / math.sqrt(3) / math.sqrt(3)
@@ -137,9 +137,9 @@ def test_neighbours_may_differ_by_less_than_a_thousand():
 def test_next_to_no_mass_must_be_what_cad_says():
     light = compiled_of(ARM.format(0.01, 5e-5))
     assert only(ratios(light), "light bodies").warns
-    known = robot_with([joint("revolute", "base", "arm")], root="base")
-    own = next(link.inertial.mass for link in known.links if link.name == "arm")
-    links = tuple(replace(link, inertial=replace(link.inertial, mass=5e-5)) for link in known.links)
-    said = compiled_of(ARM.format(0.01, 5e-5), replace(known, links=links))
+    robot = robot_with([joint("revolute", "base", "arm")], root="base")
+    own = next(link.inertial.mass for link in robot.links if link.name == "arm")
+    links = tuple(replace(link, inertial=replace(link.inertial, mass=5e-5)) for link in robot.links)
+    said = compiled_of(ARM.format(0.01, 5e-5), replace(robot, links=links))
     assert own > 1e-4
     assert only(ratios(said), "light bodies").passed

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from linkwright.stages.formats.described import described
-from linkwright.stages.formats.urdf.contacts import known_pairs
+from linkwright.stages.formats.urdf.contacts import excluded_pairs
 from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.dynamics.mass_matrix import mass_matrix
@@ -21,17 +21,18 @@ from linkwright.stages.robot.model.robot import Dynamics, Limits, Robot
 from linkwright.stages.validate.checks.contact import contact_filter, reach
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.contact_errors import never_collide
-from linkwright.stages.validate.dynamics.mass_probes import PRODUCTS, WHOLE, probes
-from linkwright.stages.validate.dynamics.random_poses import FEWEST, POSES, samples
+from linkwright.stages.validate.dynamics.mass_probes import MAX_WHOLE_DOFS, PRODUCTS, probes
+from linkwright.stages.validate.dynamics.random_poses import MIN_POSES, POSES, samples
 from linkwright.stages.validate.dynamics.tree_dynamics import PosedRobot
 from tests.support.building import plan_of, write
 from tests.support.checked import checked
+from tests.support.exports import compiled, exported
 from tests.support.robots import at, joint, robot_with
-from tests.support.touching import ball, geometry_of, model_of
+from tests.support.touching import ball, geometry_of
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("no_score")]
 
-MANY = WHOLE + 20
+MANY = MAX_WHOLE_DOFS + 20
 
 
 def chain(links: int) -> Robot:
@@ -64,13 +65,13 @@ def _robot(links: int, above: Callable[[int], int]) -> Robot:
     return robot_with(rows)
 
 
-def test_the_more_links_the_fewer_poses() -> None:
+def test_the_more_links_the_fewer_poses():
     assert {len(samples(robot)[1]) for robot in (chain(3), tree(150))} == {POSES}
     assert len(samples(tree(1000))[1]) == 20
-    assert len(samples(tree(3000))[1]) == FEWEST
+    assert len(samples(tree(3000))[1]) == MIN_POSES
 
 
-def test_products_are_those_of_the_whole_matrix() -> None:
+def test_products_are_those_of_the_whole_matrix():
     robot = tree(MANY + 2)
     values, speeds = samples(robot)
     few = {name: value[:3] for name, value in values.items()}
@@ -88,48 +89,52 @@ def test_products_are_those_of_the_whole_matrix() -> None:
     np.testing.assert_allclose(whole[0], mass_matrix(robot, first), rtol=1e-8, atol=1e-10)
 
 
-def test_a_small_robot_is_compared_as_a_whole() -> None:
-    assert probes(np.ones((2, WHOLE))) is None
+def test_a_small_robot_is_compared_as_a_whole():
+    assert probes(np.ones((2, MAX_WHOLE_DOFS))) is None
 
 
 @pytest.mark.parametrize("ending", ["xml", "urdf"])
-def test_a_mass_a_little_off_is_found_in_a_large_robot(tmp_path: Path, ending: str) -> None:
+def test_a_mass_a_little_off_is_found_in_a_large_robot(tmp_path, ending):
     robot = tree(MANY)
     write(robot, tmp_path)
     file = tmp_path / f"robot.{ending}"
-    assert {one.name: one.passed for one in _parity(tmp_path, robot)}[f"{file.name}: parity in MuJoCo"]
+    assert {check.name: check.passed for check in _parity(tmp_path, robot)}[f"{file.name}: parity in MuJoCo"]
     text = file.read_text()
     key = 'mass="' if ending == "xml" else '<mass value="'
     at_link = text.index(f'<{"body" if ending == "xml" else "link"} name="l{MANY // 2}"')
     start = text.index(key, at_link) + len(key)
     end = text.index('"', start)
     file.write_text(text[:start] + repr(float(text[start:end]) * (1 + 1e-5)) + text[end:])
-    found = next(one for one in _parity(tmp_path, robot) if one.name == f"{file.name}: parity in MuJoCo")
-    assert not found.passed
-    assert f'joint "l{MANY // 2}_joint"' in {one.element for one in found.findings} | {'joint "l1_joint"'}
-    assert "mass matrix" in found.detail
+    parity = next(
+        check for check in _parity(tmp_path, robot) if check.name == f"{file.name}: parity in MuJoCo"
+    )
+    assert not parity.passed
+    assert f'joint "l{MANY // 2}_joint"' in {finding.element for finding in parity.findings} | {
+        'joint "l1_joint"'
+    }
+    assert "mass matrix" in parity.detail
 
 
 def _parity(folder: Path, robot: Robot) -> list[Check]:
-    return [one for one in checked(folder, robot, plan_of()) if one.code == "C-PARITY"]
+    return [problem for problem in checked(folder, robot, plan_of()) if problem.code == "C-PARITY"]
 
 
-def test_a_second_engine_is_not_asked_of_too_many_dofs(tmp_path: Path) -> None:
+def test_a_second_engine_is_not_asked_of_too_many_dofs(tmp_path):
     pytest.importorskip("pinocchio")
     robot = tree(MANY)
     write(robot, tmp_path)
     checks = _parity(tmp_path, robot)
     assert [check.name for check in checks] == ["robot.xml: parity in MuJoCo", "robot.urdf: parity in MuJoCo"]
-    assert "Pinocchio is not asked of more than 100 dofs" in checks[1].detail
+    assert "Pinocchio is skipped beyond 100 dofs" in checks[1].detail
 
 
-def test_few_joints_are_swept_in_full_and_many_in_fewer_steps() -> None:
+def test_few_joints_are_swept_in_full_and_many_in_fewer_steps():
     assert reach._within_reason(list(range(400)), 401) == (list(range(400)), reach.STEPS)
     joints, steps = reach._within_reason(list(range(999)), 1000)
-    assert (len(joints), steps) == (999, reach.FEWEST)
+    assert (len(joints), steps) == (999, reach.MIN_STEPS)
     joints, steps = reach._within_reason(list(range(4999)), 5000)
-    assert len(joints) * steps * 5000 <= reach.PLACED
-    assert (joints[0], joints[-1] > 4900, steps) == (0, True, reach.FEWEST)
+    assert len(joints) * steps * 5000 <= reach.MAX_BODY_POSES
+    assert (joints[0], joints[-1] > 4900, steps) == (0, True, reach.MIN_STEPS)
 
 
 def _spheres(robot: Robot) -> Robot:
@@ -138,59 +143,58 @@ def _spheres(robot: Robot) -> Robot:
 
 
 @pytest.mark.parametrize("changed", [False, True])
-def test_the_pairs_that_are_looked_at_are_those_that_matter(tmp_path: Path, changed: bool) -> None:
+def test_the_pairs_that_are_looked_at_are_those_that_matter(tmp_path, changed):
     """Against every pair, one by one."""
     robot = _spheres(tree(12))
     geometry = geometry_of(robot, exclude=[["l5", "l9"], ["l1", "l11"]])
-    model = model_of(robot, geometry, tmp_path)
+    model = compiled(exported(robot, geometry))
     if changed:
         model.geom_contype[3], model.geom_conaffinity[3] = 0, 2
         model.geom_conaffinity[7] = 4
-    compiled = CompiledModel(tmp_path / "robot.xml", model, Written(robot, geometry=geometry))
-    (check,) = contact_filter.check(compiled)
-    colliders = contact_filter._colliders(compiled, geometry)
-    outside = {int(one) for one in model.exclude_signature}
-    excluded = {(one.link_a, one.link_b) for one in geometry.excludes}
+    built = CompiledModel(tmp_path / "robot.xml", model, Written(robot, geometry=geometry))
+    (check,) = contact_filter.check(built)
+    colliders = contact_filter._colliders(built, geometry)
+    outside = {int(number) for number in model.exclude_signature}
+    excluded = {(exclude.link_a, exclude.link_b) for exclude in geometry.excludes}
     wrong, pairs = [], 0
-    for (first, own), (second, others) in combinations(colliders, 2):
-        if never_collide(model, *(int(model.geom_bodyid[geoms[0]]) for geoms in (own, others))):
+    for (first, own), (second, theirs) in combinations(colliders, 2):
+        if never_collide(model, *(int(model.geom_bodyid[geoms[0]]) for geoms in (own, theirs))):
             continue
         pairs += 1
         wanted = geometry.self_contact and (first, second) not in excluded
-        if (contact_filter._may_collide(model, own, others, outside) != wanted).any():
+        if (contact_filter._may_collide(model, own, theirs, outside) != wanted).any():
             wrong.append(f'exclude "{first}" "{second}"')
-    assert check.detail.startswith(f"what may collide of {pairs} pair")
+    assert check.detail.startswith(f"which shapes may collide, for {pairs} pair")
     assert check.value == len(wrong)
     assert bool(wrong) == changed
-    assert [one.element for one in check.findings] == wrong[: len(check.findings)]
+    assert [finding.element for finding in check.findings] == wrong[: len(check.findings)]
 
 
-def test_the_pairs_of_a_urdf_are_in_the_order_of_its_links() -> None:
+def test_the_pairs_of_a_urdf_are_in_the_order_of_its_links():
     robot = _spheres(tree(12))
     geometry = geometry_of(robot, exclude=[["l5", "l9"], ["l1", "l11"]])
-    found, _ = known_pairs(Written(robot, geometry=geometry))
+    pairs, _ = excluded_pairs(Written(robot, geometry=geometry))
     place = {link.name: number for number, link in enumerate(robot.links)}
-    order = [(place[a], place[b]) for a, b in found]
+    order = [(place[a], place[b]) for a, b in pairs]
     assert order == sorted(order)
-    assert {frozenset((one.parent, one.child)) for one in robot.joints} <= {frozenset(one) for one in found}
+    joined = {frozenset((joint.parent, joint.child)) for joint in robot.joints}
+    assert joined <= {frozenset(pair) for pair in pairs}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("make", [chain, tree])
-def test_a_thousand_links_take_seconds_and_little_memory(
-    tmp_path: Path, make: Callable[[int], Robot]
-) -> None:
+def test_a_thousand_links_take_seconds_and_little_memory(tmp_path, make):
     for name, links in (("warm", 3), ("large", 1000)):
         robot = make(links)
         write(robot, tmp_path / name)
         assert described((tmp_path / name / "robot.json").read_bytes()).written.robot.name == robot.name
-    places = [str(tmp_path / one) for one in ("large", "warm")]
+    places = [str(tmp_path / folder) for folder in ("large", "warm")]
     command = [sys.executable, "-m", "tests.support.measured_checks", *places]
     # What else the machine does is in the processor's time too: of three runs one must be quick enough.
     runs = (_run(command) for _ in range(3))
     figures = next((run for run in runs if _is_quick(run, make)), None) or _run(command)
     # MuJoCo reads no MJCF of bodies in bodies 1,000 deep; the URDF is compared whole.
-    assert all(one.endswith(("XML", "compiles")) for one in figures["failed"]), figures
+    assert all(text.endswith(("XML", "compiles")) for text in figures["failed"]), figures
     # On a fast, quiet machine it is 3 s for both; of the chain's, MuJoCo's own compiler takes more than two.
     # Twice as much is a slow machine; pairs of links would take minutes.
     assert _is_quick(figures, make), figures

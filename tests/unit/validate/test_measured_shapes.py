@@ -45,12 +45,12 @@ def test_reach_is_the_distance_from_a_wall(kind):
     model = model_of(kind)
     data, wall, it = mujoco.MjData(model), model.geom("wall").id, model.geom("it").id
     along = directions(20)
-    found = reach(model, [it], along)
-    for u, one in zip(along, found, strict=True):
+    distances = reach(model, [it], along)
+    for u, distance in zip(along, distances, strict=True):
         model.geom_pos[wall] = FAR * u
         mujoco.mju_quatZ2Vec(model.geom_quat[wall], -u)
         mujoco.mj_kinematics(model, data)
-        assert one == pytest.approx(
+        assert distance == pytest.approx(
             FAR - mujoco.mj_geomDistance(model, data, wall, it, 2 * FAR, None), abs=1e-6
         )
 
@@ -60,20 +60,20 @@ def test_points_outside_are_as_far_as_a_small_sphere_or_nearer_and_never_outside
     model = model_of(kind)
     data, point, it = mujoco.MjData(model), model.geom("point").id, model.geom("it").id
     points = np.random.default_rng(5).uniform(-0.5, 0.7, (60, 3))
-    found = outside(model, [it], points)
+    distances = outside(model, [it], points)
     exact = kind not in ("mesh", "ellipsoid")
     if not exact and tuple(map(int, mujoco.__version__.split(".")[:2])) < (3, 4):
         pytest.skip("the oracle, mj_geomDistance, is off by millimetres in this MuJoCo")
     inside = 0
-    for where, one in zip(points, found, strict=True):
+    for where, distance in zip(points, distances, strict=True):
         model.geom_pos[point] = where
         mujoco.mj_kinematics(model, data)
         true = max(0.0, mujoco.mj_geomDistance(model, data, point, it, FAR, None))
         inside += true == 0.0
-        assert one <= true + 1e-5
-        assert (one > 0) == (true > 1e-5) or abs(one - true) < 1e-5
+        assert distance <= true + 1e-5
+        assert (distance > 0) == (true > 1e-5) or abs(distance - true) < 1e-5
         if exact:
-            assert one == pytest.approx(true, abs=1e-5)
+            assert distance == pytest.approx(true, abs=1e-5)
     assert 0 < inside < 60
 
 
@@ -81,10 +81,10 @@ def test_normals_of_a_hull_are_of_its_faces_whatever_the_engine_says_of_them():
     """MuJoCo before 4.0 takes a normal from three corners of a face, which may be one sliver."""
     model = model_of("mesh")
     it, points = model.geom("it").id, np.random.default_rng(6).uniform(-0.5, 0.7, (60, 3))
-    found = outside(model, [it], points)
+    distances = outside(model, [it], points)
     model.mesh_polynormal[:] = [0.0, 0.6, 0.8]
-    assert found.max() > 0.1
-    assert np.array_equal(outside(model, [it], points), found)
+    assert distances.max() > 0.1
+    assert np.array_equal(outside(model, [it], points), distances)
 
 
 @pytest.mark.parametrize("kind", KINDS)

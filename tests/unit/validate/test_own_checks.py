@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from linkwright.pipeline.config.files.trust import covered, targets
+from linkwright.pipeline.config.files.trust import forbidden_targets, is_in_modules
 from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.plugins.loader import sources, target
 from linkwright.pipeline.plugins.trusted_modules import NotTrusted, trust
 from linkwright.stages.robot.check import Check
-from linkwright.stages.validate.user_checks import OwnCheck
+from linkwright.stages.validate.user_checks import UserCheck
 from tests.support.command import COMMAND
 from tests.support.places import PROJECT
 from tests.support.written import compiled_of
@@ -40,7 +40,7 @@ def broken(compiled):
 
 
 def results(code, name="my_checks.light", **keys):
-    return list(OwnCheck(name, code, keys).check(compiled_of(MODEL)))
+    return list(UserCheck(name, code, keys).check(compiled_of(MODEL)))
 
 
 @pytest.mark.parametrize("code", [light, Light], ids=["function", "class"])
@@ -52,58 +52,58 @@ def test_a_function_and_a_class_get_the_model_and_the_keys(code):
 
 
 def test_a_single_check_and_a_code_of_its_own():
-    (one,) = results(lambda compiled: Check("it", True, "", code="X-MINE"))
-    assert one.code == "X-MINE"
+    (check,) = results(lambda compiled: Check("it", True, "", code="X-MINE"))
+    assert check.code == "X-MINE"
     (other,) = results(lambda compiled: Check("it", True, "", code="C-MASS"))
     assert other.code == "X-LIGHT"
 
 
 def test_an_error_is_one_message_with_its_place():
-    (one,) = results(broken, "my_checks.broken")
-    assert not one.passed
-    assert one.code == "X-BROKEN"
+    (check,) = results(broken, "my_checks.broken")
+    assert not check.passed
+    assert check.code == "X-BROKEN"
     line = broken.__code__.co_firstlineno + 2
-    assert one.detail == (
+    assert check.detail == (
         f"my_checks.broken raised ValueError: no such motor (test_own_checks.py, line {line})"
     )
 
 
 @pytest.mark.parametrize("gives", [None, "text", 3, [1]])
 def test_what_is_no_check_is_said(gives):
-    (one,) = results(lambda compiled: gives)
-    assert not one.passed
-    assert "shall yield checks" in one.detail
+    (check,) = results(lambda compiled: gives)
+    assert not check.passed
+    assert "must yield checks" in check.detail
 
 
 def test_a_wrong_key_is_an_error_of_the_check():
-    (one,) = results(light, wrong=1)
-    assert "TypeError" in one.detail
+    (check,) = results(light, wrong=1)
+    assert "TypeError" in check.detail
 
 
 def test_a_target_is_covered_by_its_module_and_those_above_it():
-    assert covered("mine.light", ["mine"])
-    assert covered("mine.deep.light", ["mine"])
-    assert covered("mine.deep.light", ["mine.deep"])
-    assert not covered("mine_too.light", ["mine"])
-    assert not covered("mine", ["mine"])
+    assert is_in_modules("mine.light", ["mine"])
+    assert is_in_modules("mine.deep.light", ["mine"])
+    assert is_in_modules("mine.deep.light", ["mine.deep"])
+    assert not is_in_modules("mine_too.light", ["mine"])
+    assert not is_in_modules("mine", ["mine"])
 
 
 CHECKS = {"validate": {"checks": [{"_target_": "mine.light"}]}}
 
 
 def test_code_of_a_module_that_is_not_trusted_is_refused_and_says_how_to_trust():
-    (problem,) = targets(CHECKS, "linkwright robot=arm")
+    (problem,) = forbidden_targets(CHECKS, "linkwright robot=arm")
     assert (problem.code, problem.where) == ("E-TRUST", "validate.checks[0]._target_")
     assert problem.hint == "if you trust it: linkwright robot=arm 'plugins=[mine]'"
-    assert list(targets({**CHECKS, "plugins": ["mine"]})) == []
-    assert len(list(targets({**CHECKS, "plugins": ["other"]}))) == 1
+    assert list(forbidden_targets({**CHECKS, "plugins": ["mine"]})) == []
+    assert len(list(forbidden_targets({**CHECKS, "plugins": ["other"]}))) == 1
 
 
 def test_code_anywhere_else_is_refused_whatever_is_trusted():
     tree = {"plugins": ["os"], "vars": {"x": {"_target_": "os.system"}}}
-    assert [one.where for one in targets(tree)] == ["vars.x._target_"]
+    assert [problem.where for problem in forbidden_targets(tree)] == ["vars.x._target_"]
     deeper = {"plugins": ["os"], "validate": {"checks": [{"_target_": "os.x", "y": {"_target_": "os.z"}}]}}
-    assert [one.where for one in targets(deeper)] == ["validate.checks[0].y._target_"]
+    assert [problem.where for problem in forbidden_targets(deeper)] == ["validate.checks[0].y._target_"]
 
 
 @pytest.mark.parametrize(
@@ -111,7 +111,7 @@ def test_code_anywhere_else_is_refused_whatever_is_trusted():
     [
         ("no_such_module_here.light", "cannot be imported"),
         ("json.light", "has no function or class light"),
-        ("os.path.join", "is of no module that plugins names"),
+        ("os.path.join", "belongs to no module that plugins names"),
     ],
 )
 def test_a_target_that_cannot_be_found(path, said):

@@ -34,7 +34,7 @@ def checks_in(folder: Path) -> list[Check]:
     return [check for check in checks if check.code == "C-PARITY"]
 
 
-def test_each_file_is_compared_in_each_engine(tmp_path: Path) -> None:
+def test_each_file_is_compared_in_each_engine(tmp_path):
     pytest.importorskip("pinocchio")
     write(arm(), tmp_path)
     checks = checks_in(tmp_path)
@@ -46,7 +46,7 @@ def test_each_file_is_compared_in_each_engine(tmp_path: Path) -> None:
     assert all(check.passed and check.value < 1e-10 for check in checks)
 
 
-def test_what_only_a_urdf_has_between_the_dofs_of_a_joint_counts_nowhere(tmp_path: Path) -> None:
+def test_what_only_a_urdf_has_between_the_dofs_of_a_joint_counts_nowhere(tmp_path):
     """A robot of milligrams, whose forces are as small as those of the links of 1e-12 kg that lower it."""
     joints = [
         joint("cylindrical", f"link_{number}", f"link_{number + 1}", [0.0, 0.0], place=PLACES[number % 3])
@@ -66,7 +66,7 @@ def test_what_only_a_urdf_has_between_the_dofs_of_a_joint_counts_nowhere(tmp_pat
     assert [check.detail for check in checks if not check.passed] == []
 
 
-def test_without_pinocchio_the_check_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_pinocchio_the_check_says_so(tmp_path, monkeypatch):
     monkeypatch.setattr("linkwright.stages.validate.checks.mechanism.parity.installed", lambda: False)
     write(arm(), tmp_path)
     mjcf, urdf = checks_in(tmp_path)
@@ -74,24 +74,24 @@ def test_without_pinocchio_the_check_says_so(tmp_path: Path, monkeypatch: pytest
     assert "Pinocchio is not installed (pip install 'pin" in urdf.detail
 
 
-def test_a_tensor_a_little_off_is_found_in_the_mass_matrix(tmp_path: Path) -> None:
+def test_a_tensor_a_little_off_is_found_in_the_mass_matrix(tmp_path):
     write(arm(), tmp_path)
     file = tmp_path / "robot.xml"
     text = file.read_text()
     at = text.index('mass="', text.index('<body name="hand"')) + len('mass="')
     end = text.index('"', at)
     file.write_text(text[:at] + repr(float(text[at:end]) * (1 + 1e-7)) + text[end:])
-    found = checks_in(tmp_path)[0]
-    assert not found.passed
-    assert {one.attribute for one in found.findings} == {"inertial"}
-    assert {one.element for one in found.findings} <= {
+    parity = checks_in(tmp_path)[0]
+    assert not parity.passed
+    assert {finding.attribute for finding in parity.findings} == {"inertial"}
+    assert {finding.element for finding in parity.findings} <= {
         'joint "arm_joint"',
         'joint "hand_joint_slide"',
         'joint "hand_joint_turn"',
     }
 
 
-def test_samples_are_within_limits_and_the_same_every_time() -> None:
+def test_samples_are_within_limits_and_the_same_every_time():
     values, speeds = samples(arm())
     again, _ = samples(arm())
     assert speeds.shape == (POSES, 3)
@@ -99,25 +99,25 @@ def test_samples_are_within_limits_and_the_same_every_time() -> None:
     assert all((values[name] == again[name]).all() for name in values)
 
 
-def test_the_dynamics_are_those_of_the_robots_own_mass_matrix_and_statics() -> None:
+def test_the_dynamics_are_those_of_the_robots_own_mass_matrix_and_statics():
     """The bias is that of Lagrange's equations: Ṁ q̇ − ∂T/∂q, by differences."""
     robot = arm()
     values, speeds = samples(robot)
     up = np.tile([0.0, 0.0, 9.81], (POSES, 1))
-    found = dynamics(robot, values, speeds, up)
+    moving = dynamics(robot, values, speeds, up)
     forces = holding_forces(robot, values, up[0])
     names = [dof.name for dof in robot.dofs]
     for at, name in enumerate(names):
-        assert np.abs(forces[name][:, 0] - found.gravity[:, at]).max() < 1e-9
+        assert np.abs(forces[name][:, 0] - moving.gravity[:, at]).max() < 1e-9
     for index in (0, 7, 42):
         q = np.array([values[name][index] for name in names])
 
         def mass(q: np.ndarray) -> np.ndarray:
             return mass_matrix(robot, dict(zip(names, map(float, q), strict=True)))
 
-        assert np.abs(mass(q) - found.mass[index]).max() < 1e-9
+        assert np.abs(mass(q) - moving.mass[index]).max() < 1e-9
         v, step = speeds[index], 1e-5
         rates = [(mass(q + step * unit) - mass(q - step * unit)) / (2 * step) for unit in np.eye(len(names))]
         change = sum(speed * rate for speed, rate in zip(v, rates, strict=True))
         expected = change @ v - 0.5 * np.array([v @ rate @ v for rate in rates])
-        assert np.abs(expected - found.bias[index]).max() < 1e-7
+        assert np.abs(expected - moving.bias[index]).max() < 1e-7

@@ -17,7 +17,7 @@ LONG, RADIUS, END = 0.5, 0.05, 1.2
 TWO = robot_with([joint("revolute", "base", "arm", [0.0]), joint("revolute", "base", "post", [0.0])])
 
 
-def two(angle: float, more: str = "", ball: str = "", post: str = 'range="0 .0001"') -> str:
+def ball_and_post(angle: float, more: str = "", ball: str = "", post: str = 'range="0 .0001"') -> str:
     """An arm that turns from -1.2 to 1.2, with a ball at its end; and a ball on the circle of that, at an
     angle."""
     x, y = LONG * math.cos(angle), LONG * math.sin(angle)
@@ -29,7 +29,7 @@ def two(angle: float, more: str = "", ball: str = "", post: str = 'range="0 .000
     </body></worldbody>{more}</mujoco>"""
 
 
-def found(text, robot=TWO):
+def meetings(text, robot=TWO):
     (check,) = reach.check(compiled_of(text, robot))
     assert check.level == "warning"
     assert check.passed == (check.table is None)
@@ -40,9 +40,9 @@ def found(text, robot=TWO):
 def test_the_pair_the_angle_and_the_depth():
     """Balls on one circle meet where their chord is as long as two radii, and are deepest where they are one:
     at the end of the range, which is one of the angles that are tried."""
-    ((joint_name, one, other, first, deepest, depth),), check = found(two(END))
-    assert (joint_name, one, other) == ("arm", "arm", "post")
-    begins = END - 2 * math.asin((2 * RADIUS - reach.DEEP) / (2 * LONG))
+    ((joint_name, body, other, first, deepest, depth),), check = meetings(ball_and_post(END))
+    assert (joint_name, body, other) == ("arm", "arm", "post")
+    begins = END - 2 * math.asin((2 * RADIUS - reach.MIN_DEPTH) / (2 * LONG))
     step = 2 * END / reach.STEPS
     assert begins <= first < begins + step
     assert deepest == pytest.approx(END)
@@ -52,20 +52,20 @@ def test_the_pair_the_angle_and_the_depth():
 
 
 def test_links_that_do_not_meet_pass():
-    assert found(two(END + 2 * math.asin(RADIUS / LONG) + 0.01))[0] == []
+    assert meetings(ball_and_post(END + 2 * math.asin(RADIUS / LONG) + 0.01))[0] == []
 
 
 def test_links_that_do_not_collide_do_not_meet():
-    assert found(two(END, '<contact><exclude body1="arm" body2="post"/></contact>'))[0] == []
+    assert meetings(ball_and_post(END, '<contact><exclude body1="arm" body2="post"/></contact>'))[0] == []
 
 
 def test_what_touches_at_home_is_no_finding():
-    assert found(two(0.01))[0] == []
+    assert meetings(ball_and_post(0.01))[0] == []
 
 
 def test_a_joint_without_a_range_turns_once():
-    text = two(3.0).replace(f'range="-{END} {END}"', "")
-    rows, _ = found(text)
+    text = ball_and_post(3.0).replace(f'range="-{END} {END}"', "")
+    rows, _ = meetings(text)
     there, back = sorted(row[3] for row in rows)
     assert there < -(math.pi - (3.0 + 2 * math.asin(RADIUS / LONG) - math.pi)) + 2 * math.pi / reach.STEPS
     assert back > 3.0 - 2 * math.asin(RADIUS / LONG)
@@ -73,7 +73,7 @@ def test_a_joint_without_a_range_turns_once():
 
 def test_a_side_without_a_limit_is_one_turn():
     """As a file says that a joint is limited on one side: by a number that nothing reaches."""
-    rows, _ = found(two(END).replace(f'range="-{END} {END}"', 'range="-1e6 1.5"'))
+    rows, _ = meetings(ball_and_post(END).replace(f'range="-{END} {END}"', 'range="-1e6 1.5"'))
     assert len(rows) == 2
     assert {-2 * math.pi < row[4] <= 1.5 for row in rows} == {True}
 
@@ -84,8 +84,8 @@ GEAR = '<equality><joint joint1="post" joint2="arm" polycoef="0 -1 0 0 0"/></equ
 def test_what_follows_by_a_relation_moves_too():
     """Two fingers half a radian apart, each of which turns towards the other: they meet in the middle."""
     free = 'range="-3 3"'
-    assert found(two(1.3, post=free))[0] != []
-    rows, check = found(two(2.0, GEAR, post=free))
+    assert meetings(ball_and_post(1.3, post=free))[0] != []
+    rows, check = meetings(ball_and_post(2.0, GEAR, post=free))
     assert {row[0] for row in check.table.rows} == {"arm"}
     ((_, _, _, first, deepest, depth),) = rows
     assert 1.0 - math.asin(RADIUS / LONG) <= first <= 1.0
@@ -125,22 +125,22 @@ def test_an_angle_that_no_loop_reaches():
 def test_of_a_loop_the_driven_joints_are_swept_else_all():
     def names(text):
         model = mujoco.MjModel.from_xml_string(text)
-        return [model.joint(one).name for one in swept_joints(model, model.qpos0)]
+        return [model.joint(joint).name for joint in swept_joints(model, model.qpos0)]
 
     assert names(FOUR_BAR) == ["crank"]
     undriven = FOUR_BAR[: FOUR_BAR.index("<actuator>")] + "</mujoco>"
     assert names(undriven) == ["crank", "rod", "rocker"]
-    assert names(two(1.0)) == ["arm", "post"]
-    assert names(two(1.0, GEAR)) == ["arm"]
+    assert names(ball_and_post(1.0)) == ["arm", "post"]
+    assert names(ball_and_post(1.0, GEAR)) == ["arm"]
 
 
 def test_a_robot_that_collides_with_nothing_is_not_looked_at():
-    text = two(END).replace("<geom", '<geom contype="0" conaffinity="0"')
+    text = ball_and_post(END).replace("<geom", '<geom contype="0" conaffinity="0"')
     assert list(reach.check(compiled_of(text, TWO))) == []
 
 
 def test_values_increase_from_home_outwards():
     """The first collision is that nearest to home, on both sides."""
-    rows, _ = found(two(0.5))
+    rows, _ = meetings(ball_and_post(0.5))
     ((_, _, _, first, deepest, _),) = rows
-    assert all(one <= other for one, other in pairwise([0.0, first, deepest]))
+    assert all(angle <= other for angle, other in pairwise([0.0, first, deepest]))

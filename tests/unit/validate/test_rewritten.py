@@ -1,7 +1,5 @@
 """Files of packages are compared by what they say: not by bytes, and never by running them."""
 
-from pathlib import Path
-
 import pytest
 
 from linkwright.stages.robot.model.amendments import Amendment
@@ -54,25 +52,25 @@ OTHER = {
 
 
 @pytest.mark.parametrize("name", SAME)
-def test_what_means_the_same_is_no_difference(name: str) -> None:
+def test_what_means_the_same_is_no_difference(name):
     first, second = (text.encode() for text in SAME[name])
     assert list(differences(name, second, first)) == []
     assert list(differences(name, first, second)) == []
 
 
 @pytest.mark.parametrize("name", OTHER)
-def test_what_means_something_else_is_a_difference(name: str) -> None:
+def test_what_means_something_else_is_a_difference(name):
     expected, data, attribute = OTHER[name]
-    (found, *_) = differences(name, data.encode(), expected.encode())
-    assert attribute in found.finding.attribute
+    (difference, *_) = differences(name, data.encode(), expected.encode())
+    assert attribute in difference.finding.attribute
     assert list(differences(name, expected.encode(), data.encode())) or "tag" in name or "broken" in name
 
 
-def test_a_long_row_says_only_where_it_differs() -> None:
+def test_a_long_row_says_only_where_it_differs():
     names = [f"joint_{number}" for number in range(30)]
     expected = f"joints: [{', '.join(names)}]\n".encode()
-    (found,) = differences("a.yaml", expected.replace(b"joint_29", b"joint_30"), expected)
-    assert found.finding.message == 'has "joint_30" and lacks "joint_29"'
+    (difference,) = differences("a.yaml", expected.replace(b"joint_29", b"joint_30"), expected)
+    assert difference.finding.message == 'has "joint_30" and lacks "joint_29"'
 
 
 OWN = {
@@ -91,7 +89,7 @@ OWN = {
 
 
 @pytest.mark.parametrize("path", OWN)
-def test_what_is_for_the_user_to_set_is_no_fault(path: str, tmp_path: Path) -> None:
+def test_what_is_for_the_user_to_set_is_no_fault(path, tmp_path):
     text, old, new, level = OWN[path]
     file = tmp_path / path
     file.parent.mkdir(exist_ok=True)
@@ -122,8 +120,8 @@ CHANGES = (
         ("%s", '<link name="other"/>', False),
     ],
 )
-def test_what_the_own_xml_changed_is_known(old: str, new: str, amended: bool) -> None:
+def test_what_the_own_xml_changed_is_known(old, new, amended):
     text, changed = LINK % "", LINK.replace(old, new).replace("%s", "")
-    found = list(differences("r_macro.xacro", changed.encode(), text.encode()))
-    assert found
-    assert all(is_amended(difference, CHANGES) for difference in found) is amended
+    difference = list(differences("r_macro.xacro", changed.encode(), text.encode()))
+    assert difference
+    assert all(is_amended(difference, CHANGES) for difference in difference) is amended

@@ -33,9 +33,9 @@ def pendulum(mass: float = 1.0, length: float = 0.5, moment: float = 1e-3, joint
 
 
 def test_a_pendulum_keeps_its_energy():
-    found = only(energy.check(compiled_of(pendulum())), "energy")
-    assert found.passed
-    assert 0.0 < found.value < 1e-6
+    verdict = only(energy.check(compiled_of(pendulum())), "energy")
+    assert verdict.passed
+    assert 0.0 < verdict.value < 1e-6
 
 
 def test_the_drift_of_a_short_pendulum_is_that_of_runge_and_kutta():
@@ -43,14 +43,14 @@ def test_the_drift_of_a_short_pendulum_is_that_of_runge_and_kutta():
     each step by 1 - z⁶/72 + z⁸/576, z = ω h."""
     length = 1e-4
     compiled = compiled_of(pendulum(length=length, moment=1e-13))
-    (first, found), (second, halved), *_ = drift_of_energy(compiled.model).by_step
-    for step, drift in ((first, found), (second, halved)):
+    (first, whole), (second, halved), *_ = drift_of_energy(compiled.model).by_step
+    for step, drift in ((first, whole), (second, halved)):
         z = math.sqrt(GRAVITY / length) * step
         kept = (1 - z**6 / 72 + z**8 / 576) ** round(SECONDS / step)
         # The largest kinetic energy is that of the start: the pendulum starts where it hangs.
         assert drift == pytest.approx((1 - kept) / SECONDS, rel=0.02)
-    assert found > 1e-6
-    assert found / halved > 8
+    assert whole > 1e-6
+    assert whole / halved > 8
     assert only(energy.check(compiled), "energy").passed
 
 
@@ -62,26 +62,26 @@ def test_a_chain_that_tumbles_keeps_its_energy(kind):
         for n in range(3)
     )
     free = '<body name="b"><freejoint name="f"/><inertial mass="1" pos=".1 0 0" diaginertia=".01 .02 .03"/>'
-    found = only(energy.check(compiled_of(free + links + "</body>" * 4)), "energy")
-    assert found.passed
-    assert found.value > 0.0
+    verdict = only(energy.check(compiled_of(free + links + "</body>" * 4)), "energy")
+    assert verdict.passed
+    assert verdict.value > 0.0
 
 
 def test_an_inertia_of_nothing_is_an_error():
     """Its swings, √(g / l) = 990 rad/s, are too fast for a sixteenth of the step, where ω h is 3.1."""
     more = '<option timestep="0.05"/>'
-    found = only(energy.check(compiled_of(pendulum(length=1e-5, moment=1e-13), more=more)), "energy")
-    assert found.fails
-    assert found.findings[0].attribute == "timestep"
+    verdict = only(energy.check(compiled_of(pendulum(length=1e-5, moment=1e-13), more=more)), "energy")
+    assert verdict.fails
+    assert verdict.findings[0].attribute == "timestep"
 
 
 def test_a_force_that_takes_energy_is_an_error(monkeypatch):
     """A damper that is left in: the energy falls by 2 · ½ b ω² per second, where ½ I ω² is the most."""
     monkeypatch.setattr("linkwright.stages.validate.simulate.energy.PASSIVE", ())
     text = pendulum(length=0.0, moment=1.0, joint='damping="0.01"')
-    found = only(energy.check(compiled_of(text)), "energy")
-    assert found.fails
-    assert found.value == pytest.approx((1 - math.exp(-0.02 * SECONDS)) / SECONDS, rel=1e-6)
+    verdict = only(energy.check(compiled_of(text)), "energy")
+    assert verdict.fails
+    assert verdict.value == pytest.approx((1 - math.exp(-0.02 * SECONDS)) / SECONDS, rel=1e-6)
 
 
 def test_what_takes_energy_by_design_is_left_out_and_put_back():
@@ -106,21 +106,17 @@ BALLS = (
 
 
 @pytest.mark.parametrize(
-    ("low", "high", "found"),
-    [
-        (0.0996, 0.2992, {}),
-        (0.0994, 0.3, {("low", "the ground"): 0.6}),
-        (0.1, 0.293, {("high", "low"): 7.0}),
-    ],
+    ("low", "high", "depths"),
+    [(0.0996, 0.2992, {}), (0.0994, 0.3, {("low", "the ground"): 0.6}), (0.1, 0.293, {("high", "low"): 7.0})],
 )
-def test_a_start_deeper_than_half_a_millimetre_is_an_error(low, high, found):
+def test_a_start_deeper_than_half_a_millimetre_is_an_error(low, high, depths):
     (result,) = start.check(compiled_of(BALLS.format(low=low, high=high)))
-    assert result.passed == (not found)
-    assert result.fails == bool(found)
-    for (one, other), depth in found.items():
+    assert result.passed == (not depths)
+    assert result.fails == bool(depths)
+    for (body, other), depth in depths.items():
         assert result.value == pytest.approx(1e-3 * depth, abs=1e-9)
         (finding,) = result.findings
-        assert finding.element == f'body "{one}"'
+        assert finding.element == f'body "{body}"'
         assert f"{depth:g} mm inside {other}" in finding.message
 
 
@@ -138,9 +134,9 @@ def test_in_the_ground_is_an_error_unless_the_build_reports_it_of_a_fixed_base(f
     compiled = compiled_of(
         BALLS.format(low=0.1, high=0.4), robot_with([], fixed=fixed), more=HOME.format(0.05)
     )
-    found = only(start.check(compiled), "start at home")
-    assert (found.fails, found.warns) == (not fixed, fixed)
-    assert "50 mm inside the ground" in found.findings[0].message
+    verdict = only(start.check(compiled), "start at home")
+    assert (verdict.fails, verdict.warns) == (not fixed, fixed)
+    assert "50 mm inside the ground" in verdict.findings[0].message
 
 
 @pytest.mark.parametrize("fixed", [True, False])
@@ -159,19 +155,19 @@ def test_an_obstacle_is_an_error_and_named_whatever_the_base(thing, called, fixe
     robot = robot_with([], fixed=fixed)
     text = BALLS.format(low=0.1, high=0.4).replace('name="low"', f'name="{robot.root.name}"')
     compiled = compiled_of(thing + text, robot, more=HOME.format(0.1))
-    found = only(start.check(compiled), "start at home")
-    assert found.fails
-    assert [one.element for one in found.findings] == [f'body "{robot.root.name}"']
-    assert f"mm inside {called}: move it in scene.xml" in found.findings[0].message
-    assert called in found.detail
+    verdict = only(start.check(compiled), "start at home")
+    assert verdict.fails
+    assert [finding.element for finding in verdict.findings] == [f'body "{robot.root.name}"']
+    assert f"mm inside {called}: move it in scene.xml" in verdict.findings[0].message
+    assert called in verdict.detail
 
 
 def test_what_was_reported_is_a_warning_and_what_is_deeper_an_error():
     text, more = BALLS.format(low=0.1, high=0.293), HOME.format(0.1)
     for depth, fails in ((0.007, False), (0.003, True)):
         geometry = Geometry((), {}, touching=(Touch("low", "high", depth),))
-        found = only(start.check(compiled_of(text, more=more, geometry=geometry)), "start at home")
-        assert (found.fails, found.warns) == (fails, not fails)
+        verdict = only(start.check(compiled_of(text, more=more, geometry=geometry)), "start at home")
+        assert (verdict.fails, verdict.warns) == (fails, not fails)
 
 
 STANDING = {
@@ -190,8 +186,11 @@ def test_what_its_source_has_so_is_a_warning(how):
     root = from_parts(np.eye(3), np.array(place))
     scene = Scene(root, (("home", root),), ground)
     compiled = compiled_of(BALLS.format(low=0.1, high=0.4), robot, more=HOME.format(0.05), scene=scene)
-    found = only(start.check(compiled), "start at home")
-    assert (found.warns, found.fails) == ((how == "as its source has it"), (how != "as its source has it"))
+    verdict = only(start.check(compiled), "start at home")
+    assert (verdict.warns, verdict.fails) == (
+        (how == "as its source has it"),
+        (how != "as its source has it"),
+    )
 
 
 # --- rest ---------------------------------------------------------------------------------------------------
@@ -205,18 +204,18 @@ SERVO = (
 def test_a_servo_sags_by_the_weight_over_its_stiffness():
     """At rest kp · sag is the torque of the weight, m g l sin(q)."""
     kp, q = 100.0, 1.0
-    found = only(rest.check(compiled_of(pendulum(), more=SERVO.format(kp=kp, kv=20, q=q))), "rests at home")
+    verdict = only(rest.check(compiled_of(pendulum(), more=SERVO.format(kp=kp, kv=20, q=q))), "rests at home")
     sag = 0.0
     for _ in range(50):
         sag = 0.5 * GRAVITY * math.sin(q - sag) / kp
-    assert found.passed
-    assert found.value == pytest.approx(sag / rest.TURN, rel=1e-3)
+    assert verdict.passed
+    assert verdict.value == pytest.approx(sag / rest.MAX_SAG, rel=1e-3)
 
 
 def test_a_servo_that_is_too_weak_is_a_warning():
-    found = only(rest.check(compiled_of(pendulum(), more=SERVO.format(kp=5, kv=5, q=1.0))), "rests at home")
-    assert found.warns
-    assert found.findings[0].element == 'actuator "servo"'
+    verdict = only(rest.check(compiled_of(pendulum(), more=SERVO.format(kp=5, kv=5, q=1.0))), "rests at home")
+    assert verdict.warns
+    assert verdict.findings[0].element == 'actuator "servo"'
 
 
 @pytest.mark.parametrize("ground", [True, False])
@@ -233,12 +232,15 @@ def test_a_joint_that_nothing_drives_and_a_base_that_falls_are_warnings(ground):
     text += '<geom type="plane" size="1 1 1" pos="0 0 -9"/>' if ground else ""
     more = '<actuator><position joint="swing" kp="100" kv="20"/></actuator>'
     robot = robot_with([joint("revolute", "base", name) for name in ("bob", "other")])
-    found = only(rest.check(compiled_of(text, robot, more=more)), "rests at home")
-    assert found.warns
-    assert {one.element for one in found.findings} == {'joint "idle"', *['joint "base"'] * ground}
+    verdict = only(rest.check(compiled_of(text, robot, more=more)), "rests at home")
+    assert verdict.warns
+    assert {finding.element for finding in verdict.findings} == {'joint "idle"', *['joint "base"'] * ground}
     without_a_name = text.replace('name="base"/>', "/>")
-    found = only(rest.check(compiled_of(without_a_name, robot, more=more)), "rests at home")
-    assert {one.element for one in found.findings} == {'joint "idle"', *['joint of body "base"'] * ground}
+    verdict = only(rest.check(compiled_of(without_a_name, robot, more=more)), "rests at home")
+    assert {finding.element for finding in verdict.findings} == {
+        'joint "idle"',
+        *['joint of body "base"'] * ground,
+    }
 
 
 def test_what_lies_beside_the_robot_need_not_rest():
@@ -247,8 +249,10 @@ def test_what_lies_beside_the_robot_need_not_rest():
     ground = '<geom type="plane" size="1 1 1" pos="0 0 -9"/>'
     for beside, rests in ((ball, True), (ball.replace("ball", "base"), False)):
         more = SERVO.format(kp=1000, kv=20, q=0.0).replace('qpos="0.0"', 'qpos="0 5 0 1 1 0 0 0"')
-        found = only(rest.check(compiled_of(pendulum() + beside + ground, robot, more=more)), "rests at home")
-        assert found.passed == rests
+        verdict = only(
+            rest.check(compiled_of(pendulum() + beside + ground, robot, more=more)), "rests at home"
+        )
+        assert verdict.passed == rests
 
 
 # --- control noise ------------------------------------------------------------------------------------------
@@ -269,9 +273,9 @@ def test_a_servo_that_noise_blows_up_is_an_error_though_it_rests():
     """The inertia about the joint is 0.251 kg m²: above 251 N m s/rad steps of 2 ms overshoot."""
     compiled = shaky(400.0)
     assert only(rest.check(compiled), "rests at home").passed
-    found = only(control_noise.check(compiled), "control noise")
-    assert found.fails
-    assert found.findings[0].element == 'joint "swing"'
+    verdict = only(control_noise.check(compiled), "control noise")
+    assert verdict.fails
+    assert verdict.findings[0].element == 'joint "swing"'
 
 
 def test_noise_fills_the_range_of_each_control():
@@ -280,29 +284,31 @@ def test_noise_fills_the_range_of_each_control():
         '<motor joint="swing"/></actuator>'
     )
     compiled = compiled_of(pendulum(joint='range="-90 30" limited="true"'), more=more)
-    found = control_ranges(compiled.model)
-    assert found.tolist() == [[-3, 5], [pytest.approx(-math.pi / 2), pytest.approx(math.pi / 6)], [-1, 1]]
+    ranges = control_ranges(compiled.model)
+    assert ranges.tolist() == [[-3, 5], [pytest.approx(-math.pi / 2), pytest.approx(math.pi / 6)], [-1, 1]]
 
 
 @pytest.mark.parametrize(
-    ("limits", "found"),
+    ("limits", "ends"),
     [
         ((-1e6, 2.0), (2.0 - math.tau, 2.0)),
         ((-1.0, 1e6), (-1.0, math.tau - 1.0)),
         ((-1e6, 1e6), (-math.pi, math.pi)),
     ],
 )
-def test_a_servo_whose_joint_has_no_limit_on_a_side_gets_a_turn(limits, found):
+def test_a_servo_whose_joint_has_no_limit_on_a_side_gets_a_turn(limits, ends):
     """What the MJCF has for an open end, ±1e6 rad, is no target for a servo."""
     more = '<compiler angle="radian"/><actuator><position joint="swing" kp="1"/></actuator>'
     joint = f'range="{limits[0]} {limits[1]}" limited="true"'
     compiled = compiled_of(pendulum(joint=joint), more=more)
-    assert control_ranges(compiled.model)[0].tolist() == pytest.approx(found)
+    assert control_ranges(compiled.model)[0].tolist() == pytest.approx(ends)
 
 
 def test_a_run_with_noise_is_the_same_every_time():
     compiled = shaky(400.0)
-    assert control_noise.shaken(compiled.model, 1.0) == control_noise.shaken(compiled.model, 1.0)
+    assert control_noise.run_with_noise(compiled.model, 1.0) == control_noise.run_with_noise(
+        compiled.model, 1.0
+    )
 
 
 # --- time step ----------------------------------------------------------------------------------------------
@@ -322,19 +328,19 @@ def spring(stiffness: float) -> object:
 @pytest.mark.parametrize(("speed", "passes"), [(400.0, True), (600.0, False)])
 def test_a_spring_that_double_the_step_does_not_resolve_is_a_warning(speed, passes):
     """The symplectic step holds while ω h is below 2: at 4 ms up to 500 rad/s."""
-    found = list(time_step.check(spring(speed**2)))
-    assert only(found, "half the time step").passed
-    double = only(found, "double the time step")
+    checks = list(time_step.check(spring(speed**2)))
+    assert only(checks, "half the time step").passed
+    double = only(checks, "double the time step")
     assert double.passed == passes
     assert double.warns == (not passes)
 
 
 def test_what_blows_up_at_half_the_step_is_an_error():
     """A spring that pushes away grows as exp(ω t), whatever the step."""
-    found = only(time_step.check(spring(-(200.0**2))), "half the time step")
-    assert found.fails
-    assert found.findings[0].element == 'joint "s"'
-    assert found.findings[0].message.startswith("its ")
+    verdict = only(time_step.check(spring(-(200.0**2))), "half the time step")
+    assert verdict.fails
+    assert verdict.findings[0].element == 'joint "s"'
+    assert verdict.findings[0].message.startswith("its ")
 
 
 @pytest.mark.parametrize("check", [energy.check, rest.check, control_noise.check, time_step.check])
@@ -348,9 +354,9 @@ def test_what_cannot_move_is_not_simulated(check):
 def test_the_speed_is_measured_of_the_scene_with_strict_alone(tmp_path):
     (tmp_path / "scene.xml").write_text(f"<mujoco><worldbody>{pendulum()}</worldbody></mujoco>")
     (tmp_path / "arm.xml").write_text("<mujoco/>")
-    found = measured(tmp_path, "arm", "strict")
-    assert set(found) == {"steps_per_second"}
-    assert found["steps_per_second"] > 0
+    measures = measured(tmp_path, "arm", "strict")
+    assert set(measures) == {"steps_per_second"}
+    assert measures["steps_per_second"] > 0
     assert measured(tmp_path, "arm", "standard") == {}
 
 

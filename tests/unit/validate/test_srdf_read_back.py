@@ -6,6 +6,7 @@ import pytest
 
 from linkwright.stages.robot.model.robot import Frame, Limits, Robot, frozen
 from tests.support.building import plan_of, write
+from tests.support.faults.checks import SRDF_OF_A_USER
 from tests.support.robots import at, joint, robot_with
 from tests.support.srdf_checks import srdf_checks
 from tests.support.touching import box, geometry_of
@@ -39,13 +40,19 @@ def findings(folder: Path, old: str = "", new: str = "", **keys: object) -> list
     text = path.read_text()
     assert not old or old in text, text
     path.write_text(text.replace(old, new, 1) if old else text)
-    return [(found.element, found.attribute) for one in srdf_checks(folder) for found in one.findings]
+    return problems_of(folder)
+
+
+def problems_of(folder: Path) -> list[tuple[str, str]]:
+    return [
+        (finding.element, finding.attribute) for check in srdf_checks(folder) for finding in check.findings
+    ]
 
 
 ELBOW = {"actuators": {"shoulder": MOTOR, "wrist": "none", "elbow": "none"}}
 
 
-def test_joints_that_nothing_drives_must_be_passive(tmp_path: Path) -> None:
+def test_joints_that_nothing_drives_must_be_passive(tmp_path):
     assert findings(tmp_path, **ELBOW) == []
     gone = findings(tmp_path, '<passive_joint name="elbow"/>', "", **ELBOW)
     assert gone == [('passive_joint "elbow"', "name")]
@@ -53,10 +60,10 @@ def test_joints_that_nothing_drives_must_be_passive(tmp_path: Path) -> None:
     assert more == [('passive_joint "tool_fixed"', "name")]
 
 
-def test_a_turned_ball_is_found_by_its_joints(tmp_path: Path) -> None:
-    found = findings(tmp_path, '<joint name="wrist_y" value="0"/>', '<joint name="wrist_y" value="0.1"/>')
-    assert found
-    assert {attribute.partition("_")[0] for _, attribute in found} == {"joint wrist"}
+def test_a_turned_ball_is_found_by_its_joints(tmp_path):
+    turned = findings(tmp_path, '<joint name="wrist_y" value="0"/>', '<joint name="wrist_y" value="0.1"/>')
+    assert turned
+    assert {attribute.partition("_")[0] for _, attribute in turned} == {"joint wrist"}
 
 
 OWN = """
@@ -70,52 +77,26 @@ OWN = """
 </robot>"""
 
 
-def test_an_end_effector_needs_no_parent_group(tmp_path: Path) -> None:
+def test_an_end_effector_needs_no_parent_group(tmp_path):
     """It is optional in the format, and the SRDFs of legged robots have none."""
     own = '<end_effector name="foot" group="all" parent_link="base"/></robot>'
     assert ('end_effector "foot"', "parent_group") not in findings(tmp_path, "</robot>", own)
-    known = own.replace("/></robot>", ' parent_group="alll"/></robot>')
-    assert ('end_effector "foot"', "parent_group") in findings(tmp_path, "</robot>", known)
+    corrected = own.replace("/></robot>", ' parent_group="alll"/></robot>')
+    assert ('end_effector "foot"', "parent_group") in findings(tmp_path, "</robot>", corrected)
 
 
-def test_groups_and_poses_of_the_users_own_are_no_fault(tmp_path: Path) -> None:
+def test_groups_and_poses_of_the_users_own_are_no_fault(tmp_path):
     assert findings(tmp_path, "</robot>", OWN) == []
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "named"),
-    [
-        ('<link name="lower"/>', '<link name="lowr"/>', ('group "links"', "link name")),
-        ('base_link="upper"', 'base_link="tool"', ('group "mine"', "chain base_link")),
-        ('value="0.9"', 'value="1.9"', ('group_state "ready" of group "links"', "joint elbow value")),
-        ('value="0.9"', 'value="x"', ('group_state "ready" of group "links"', "joint elbow value")),
-        ('group="links"', 'group="lnks"', ('group_state "ready" of group "lnks"', "group")),
-        ('name="mine"><', 'name="tool"><', ('group "tool"', "name")),
-        ("<enable_collisions", "<disable_collisions", ('disable_collisions "base" "hand"', "")),
-        (
-            "</robot>",
-            '<disable_default_collisions link="hand"/></robot>',
-            ('disable_default_collisions "hand"', "link"),
-        ),
-        (
-            "</robot>",
-            '<disable_collisions link1="upper" link2="base" reason="Adjacent"/></robot>',
-            ('disable_collisions "upper" "base"', ""),
-        ),
-        (
-            "</robot>",
-            '<disable_collisions link1="hand" link2="hand" reason="Never"/></robot>',
-            ('disable_collisions "hand" "hand"', "link2"),
-        ),
-    ],
-)
-def test_what_a_user_adds_must_fit_the_robot(
-    old: str, new: str, named: tuple[str, str], tmp_path: Path
-) -> None:
-    assert named in findings(tmp_path, "</robot>", OWN.replace(old, new, 1))
+@pytest.mark.parametrize("fault", SRDF_OF_A_USER, ids=lambda fault: fault.kind)
+def test_what_a_user_adds_must_fit_the_robot(fault, tmp_path):
+    findings(tmp_path, "</robot>", OWN)
+    (element,), (attribute,) = fault.change(tmp_path, "robot").elements, fault.attributes
+    assert (element, attribute) in problems_of(tmp_path)
 
 
-def test_a_link_of_the_users_own_xml_is_known(tmp_path: Path) -> None:
+def test_a_link_of_the_users_own_xml_is_known(tmp_path):
     held = '<joint name="held" type="fixed"><parent link="hand"/><child link="camera"/></joint>'
     xml = f'<link name="camera"/>{held}'
     own = {"elements": {"camera": {"into": {"tag": "robot"}, "xml": xml, "formats": ["urdf"]}}}
@@ -124,7 +105,7 @@ def test_a_link_of_the_users_own_xml_is_known(tmp_path: Path) -> None:
     assert findings(tmp_path, "</robot>", added) == [('group "seen"', "chain tip_link")]
 
 
-def test_a_pair_that_touches_at_home_is_not_apart(tmp_path: Path) -> None:
+def test_a_pair_that_touches_at_home_is_not_apart(tmp_path):
     limits = {name: Limits(-1, 1) for name in ("shoulder", "elbow")}
     rows = [
         joint("revolute", "base", "upper", name="shoulder", place=at(0.3, 0, 0), limits=limits),
@@ -134,9 +115,9 @@ def test_a_pair_that_touches_at_home_is_not_apart(tmp_path: Path) -> None:
     own = robot_with(rows, shapes=shapes)
     write(own, tmp_path, plan_of(export={"urdf": {}}, contact={"self": "auto"}), geometry_of(own))
     path = tmp_path / "robot.srdf"
-    assert all(one.passed for one in srdf_checks(tmp_path))
+    assert all(check.passed for check in srdf_checks(tmp_path))
     added = '<disable_collisions link1="base" link2="lower" reason="Never"/></robot>'
     path.write_text(path.read_text().replace("</robot>", added))
-    (found,) = [found for one in srdf_checks(tmp_path) for found in one.findings]
-    assert (found.element, found.attribute) == ('disable_collisions "base" "lower"', "reason")
-    assert "touch at home" in found.message
+    (diagnostic,) = [diagnostic for check in srdf_checks(tmp_path) for diagnostic in check.findings]
+    assert (diagnostic.element, diagnostic.attribute) == ('disable_collisions "base" "lower"', "reason")
+    assert "touch at home" in diagnostic.message

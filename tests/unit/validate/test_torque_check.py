@@ -18,7 +18,7 @@ from linkwright.stages.validate import validate
 from linkwright.stages.validate.check_options import Asked
 from linkwright.stages.validate.checks.simulation.torque import check
 from linkwright.stages.validate.compiled import CompiledModel
-from linkwright.stages.validate.simulate.holding import holding
+from linkwright.stages.validate.simulate.holding import holding_forces
 from tests.support.building import plan_of, robot_of, write
 from tests.support.kit import Kit, four_bar
 from tests.support.robots import at, joint, robot_with, solid
@@ -48,7 +48,7 @@ def arm(effort: float | None = None) -> Robot:
     )
 
 
-def compiled(
+def compiled_model(
     robot: Robot, folder: Path, payload: Iterable[tuple[str, float]] = (), **keys: Any
 ) -> CompiledModel:
     exported = write(robot, folder, plan_of(**{"actuators": SERVOS, **keys}))
@@ -61,9 +61,9 @@ POSES = [{"low_joint": 0.0, "up_joint": 0.0}, {"low_joint": 0.4, "up_joint": -0.
 
 
 @pytest.mark.parametrize("payload", [{}, {"tip": 3.0}, {"up": 3.0}, {"low": 0.5, "tip": 0.25}])
-def test_an_arm_holds_its_weight_and_its_payload_on_its_levers(payload: dict, tmp_path: Path) -> None:
-    made = compiled(arm(), tmp_path)
-    found = holding(made.model, made.robot, POSES, payload)
+def test_an_arm_holds_its_weight_and_its_payload_on_its_levers(payload, tmp_path):
+    made = compiled_model(arm(), tmp_path)
+    forces = holding_forces(made.model, made.robot, POSES, payload)
     levers = {"low": (0.3, 0.0), "up": (0.5, 0.3), "tip": (0.5, 0.5)}
     masses = [("low", 1.0), ("up", 2.0), *payload.items()]
     for row, pose in enumerate(POSES):
@@ -71,23 +71,23 @@ def test_an_arm_holds_its_weight_and_its_payload_on_its_levers(payload: dict, tm
         # A turn about y moves x down.
         upper = -sum(m * GRAVITY * math.cos(both) * levers[name][1] for name, m in masses)
         lower = upper - sum(m * GRAVITY * math.cos(low) * levers[name][0] for name, m in masses)
-        assert found["up_joint"][row] == pytest.approx(upper, abs=1e-12)
-        assert found["low_joint"][row] == pytest.approx(lower, abs=1e-12)
+        assert forces["up_joint"][row] == pytest.approx(upper, abs=1e-12)
+        assert forces["low_joint"][row] == pytest.approx(lower, abs=1e-12)
 
 
-def test_a_driver_carries_what_its_follower_has(tmp_path: Path) -> None:
+def test_a_driver_carries_what_its_follower_has(tmp_path):
     """The virtual work of a relation: the driver's force, and the follower's times its rate."""
     robot = replace(arm(), relations=(Relation("gear", "up_joint", "low_joint", -1.5, 0.0),))
     poses = [{"low_joint": 0.3, "up_joint": -0.45}]
-    free = holding(compiled(arm(), tmp_path).model, arm(), poses, {})
-    made = compiled(robot, tmp_path, actuators={"low_joint": {"type": "motor"}})
-    found = holding(made.model, robot, poses, {})
-    assert set(found) == {"low_joint"}
+    free = holding_forces(compiled_model(arm(), tmp_path).model, arm(), poses, {})
+    made = compiled_model(robot, tmp_path, actuators={"low_joint": {"type": "motor"}})
+    forces = holding_forces(made.model, robot, poses, {})
+    assert set(forces) == {"low_joint"}
     expected = free["low_joint"][0] - 1.5 * free["up_joint"][0]
-    assert found["low_joint"][0] == pytest.approx(expected, abs=1e-12)
+    assert forces["low_joint"][0] == pytest.approx(expected, abs=1e-12)
 
 
-def test_one_joint_holds_a_loop_by_virtual_work(tmp_path: Path) -> None:
+def test_one_joint_holds_a_loop_by_virtual_work(tmp_path):
     """The slope of the potential energy along the way on which the parallelogram stays closed."""
     kit = Kit()
     four_bar(kit)
@@ -109,44 +109,44 @@ def test_one_joint_holds_a_loop_by_virtual_work(tmp_path: Path) -> None:
         return -sum(link.inertial.mass * places[link.name][:3] @ model.opt.gravity for link in robot.links)
 
     for q in (0.2, 0.5, 0.9):
-        found = holding(model, robot, [pose(q)], {})
-        assert set(found) == {"drive"}
+        forces = holding_forces(model, robot, [pose(q)], {})
+        assert set(forces) == {"drive"}
         slope = (energy(q + 1e-5) - energy(q - 1e-5)) / 2e-5
-        assert found["drive"][0] == pytest.approx(slope, rel=1e-6)
+        assert forces["drive"][0] == pytest.approx(slope, rel=1e-6)
 
 
-def test_an_effort_that_suffices_passes_and_one_that_does_not_is_a_warning(tmp_path: Path) -> None:
+def test_an_effort_that_suffices_passes_and_one_that_does_not_is_a_warning(tmp_path):
     """Stretched out, 1 kg at 0.3 m and 2 kg at 0.8 m take 18.6 N m: that is `home`, and the most."""
     need = GRAVITY * (0.3 + 2 * 0.8)
     for effort, passes in ((1.01 * need, True), (0.99 * need, False)):
-        (found,) = check(compiled(arm(effort), tmp_path))
-        assert found.passed == passes
-        assert found.warns == (not passes)
-        assert found.value == pytest.approx(need / effort, rel=1e-9)
-    assert [one.element for one in found.findings] == ['joint "low_joint"']
-    assert found.findings[0].attribute == "actuatorfrcrange"
-    rows = {row[0]: dict(zip(found.table.header[2:], row[2:], strict=True)) for row in found.table.rows}
+        (verdict,) = check(compiled_model(arm(effort), tmp_path))
+        assert verdict.passed == passes
+        assert verdict.warns == (not passes)
+        assert verdict.value == pytest.approx(need / effort, rel=1e-9)
+    assert [finding.element for finding in verdict.findings] == ['joint "low_joint"']
+    assert verdict.findings[0].attribute == "actuatorfrcrange"
+    rows = {row[0]: dict(zip(verdict.table.header[2:], row[2:], strict=True)) for row in verdict.table.rows}
     assert abs(rows["low_joint"]["holds at home"]) == pytest.approx(need, abs=1e-6)
     assert rows["low_joint"]["can hold"] == pytest.approx(0.99 * need, abs=1e-6)
     assert rows["up_joint"]["holds at most"] == pytest.approx(2 * GRAVITY * 0.3, rel=1e-2)
 
 
-def test_a_payload_may_be_too_much(tmp_path: Path) -> None:
-    (bare,) = check(compiled(arm(20.0), tmp_path))
-    (loaded,) = check(compiled(arm(20.0), tmp_path, [("tip", 0.5)]))
+def test_a_payload_may_be_too_much(tmp_path):
+    (bare,) = check(compiled_model(arm(20.0), tmp_path))
+    (loaded,) = check(compiled_model(arm(20.0), tmp_path, [("tip", 0.5)]))
     assert bare.passed
     assert loaded.warns
     assert loaded.value - bare.value == pytest.approx(0.5 * GRAVITY * 1.0 / 20.0, rel=1e-9)
     assert "0.5 kg at tip" in loaded.detail
 
 
-def test_a_payload_is_a_key(tmp_path: Path) -> None:
+def test_a_payload_is_a_key(tmp_path):
     robot = arm(20.0)
     plan = plan_of(actuators=SERVOS, validate={"payload": {"tip": 0.5}})
     exported = write(robot, tmp_path, plan)
-    (found,) = [one for one in validate(tmp_path, exported.written, plan) if "torque" in one.name]
-    assert found.warns
-    assert found.value == pytest.approx(GRAVITY * 2.4 / 20.0, rel=1e-9)
+    (check,) = [check for check in validate(tmp_path, exported.written, plan) if "torque" in check.name]
+    assert check.warns
+    assert check.value == pytest.approx(GRAVITY * 2.4 / 20.0, rel=1e-9)
     wrong = plan_of(actuators=SERVOS, validate={"payload": {"tipp": 0.5}})
     with pytest.raises(ConfigError, match=r"validate\.payload\.tipp") as error:
         validate(tmp_path, exported.written, wrong)

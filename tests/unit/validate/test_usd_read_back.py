@@ -10,9 +10,10 @@ from linkwright.stages.export import export
 from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.model.poses import at_rest, from_parts, turn
-from linkwright.stages.robot.model.robot import Dynamics, Limits, Robot
+from linkwright.stages.robot.model.robot import Actuator, Dynamics, Limits, Robot
 from linkwright.stages.robot.motion.kinematics import link_poses
 from tests.support.building import NO_MESHES, plan_of
+from tests.support.faults.checks import DRIVES, USD
 from tests.support.robots import EVERY, LOOPS, joint, loop, pose, robot_with
 from tests.support.usd import pxr
 
@@ -22,13 +23,15 @@ def text_of(robot: Robot) -> str:
     return export(robot, NO_MESHES, plan_of(export={"usd": {}})).files["robot.usda"].decode()
 
 
-def checked(robot: Robot, text: str, folder: Path, *, quick: bool = False) -> list[Check]:
+def checked(
+    robot: Robot, text: str, folder: Path, *, quick: bool = False, written: Written | None = None
+) -> list[Check]:
     assert pxr.Usd
     from linkwright.stages.validate.read.usd import check_file
 
     (folder / "robot.usda").write_text(text)
     (folder / "robot_meshes.usd").write_text("#usda 1.0\n")
-    return list(check_file(folder / "robot.usda", Written(robot), quick=quick))
+    return list(check_file(folder / "robot.usda", written or Written(robot), quick=quick))
 
 
 def failed(checks: list[Check]) -> list[str]:
@@ -37,7 +40,7 @@ def failed(checks: list[Check]) -> list[str]:
 
 @pytest.mark.parametrize("fixed", [True, False])
 @pytest.mark.parametrize("kind", EVERY)
-def test_every_joint_passes_every_check(kind: str, fixed: bool, tmp_path: Path) -> None:
+def test_every_joint_passes_every_check(kind, fixed, tmp_path):
     rng = np.random.default_rng(EVERY.index(kind))
     root = "world" if kind == "free" else "base"
     rows = [
@@ -52,15 +55,15 @@ ANGLES = (3e-9, 4e-8, 1.1e-7, 3e-6, 1.3e-5, 4.7e-4, 7.7e-3, 0.3, 3.0)
 
 
 @pytest.mark.parametrize("angle", ANGLES)
-def test_a_link_that_is_turned_by_any_angle_stands_where_it_is(angle: float, tmp_path: Path) -> None:
+def test_a_link_that_is_turned_by_any_angle_stands_where_it_is(angle, tmp_path):
     turned = from_parts(turn(np.array([0.6, 0.0, 0.8]), angle), np.array([0.3, 0.2, 0.1]))
     robot = robot_with([joint("revolute", "base", "arm", name="elbow", place=turned)], fixed=True)
     text = text_of(robot)
     assert failed(checked(robot, text, tmp_path)) == []
     stage = pxr.Usd.Stage.Open(str(tmp_path / "robot.usda"))
     prim = next(prim for prim in stage.Traverse() if prim.GetName() == "arm")
-    found = np.array(pxr.UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(0)).T
-    off = np.abs(found - turned).max()
+    placed = np.array(pxr.UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(0)).T
+    off = np.abs(placed - turned).max()
     # USD finds the angle as 2 arccos w, where w has steps of 1.1e-16.
     assert off < min(3e-8, 4e-16 / angle + 1e-11)
     more = from_parts(turn(np.array([0.6, 0.0, 0.8]), angle + 1e-7), turned[:3, 3])
@@ -68,7 +71,7 @@ def test_a_link_that_is_turned_by_any_angle_stands_where_it_is(angle: float, tmp
     assert "home" in failed(checked(other, text, tmp_path))
 
 
-def test_a_link_may_have_the_name_of_its_robot(tmp_path: Path) -> None:
+def test_a_link_may_have_the_name_of_its_robot(tmp_path):
     rows = [joint("revolute", "base", "robot"), joint("prismatic", "robot", "hand")]
     robot = robot_with(rows, fixed=True)
     assert robot.name == "robot"
@@ -94,7 +97,7 @@ def looped(kind: str, shifted: bool = False) -> Robot:
 
 @pytest.mark.parametrize("shifted", [False, True])
 @pytest.mark.parametrize("kind", LOOPS)
-def test_every_loop_passes_every_check(kind: str, shifted: bool, tmp_path: Path) -> None:
+def test_every_loop_passes_every_check(kind, shifted, tmp_path):
     robot = looped(kind, shifted)
     assert failed(checked(robot, text_of(robot), tmp_path)) == []
 
@@ -108,44 +111,37 @@ def good() -> Robot:
     return replace(robot_with(rows), loops=(loop("ball", "hand", "base", np.eye(4), np.eye(4), name="shut"),))
 
 
-FAULTS = {
-    "mass": ("float physics:mass = 1.1", "float physics:mass = 1.2", "mass"),
-    "inertia": ("float3 physics:diagonalInertia = (", "float3 physics:diagonalInertia = (1", "inertia"),
-    "limit": ("physics:upperLimit = 0.5", "physics:upperLimit = 0.6", "joints"),
-    "type": ('PhysicsRevoluteJoint "elbow"', 'PhysicsPrismaticJoint "elbow"', "joints"),
-    "stance": ("xformOp:translate = (0, 0, 0)", "xformOp:translate = (0, 0, 0.1)", "home"),
-    "inside": ("physics:excludeFromArticulation = 1", "physics:excludeFromArticulation = 0", "loops"),
-    "name": ('PrismaticJoint "slide"', 'PrismaticJoint "slid"', "links and joints"),
-    "body": ('Xform "hand"', 'Xform "hnd"', "links and joints"),
-}
+@pytest.fixture(scope="module")
+def exports(tmp_path_factory):
+    """The exported files of the good robot, without and with a servo; their checks pass."""
+    servo = Actuator("servo", "elbow", "position", kp=90, kv=3, force=(-7, 7))
+    both = []
+    for robot in (good(), replace(good(), actuators=(servo,))):
+        exported = export(robot, NO_MESHES, plan_of(export={"usd": {}}))
+        text = exported.files["robot.usda"].decode()
+        assert failed(checked(robot, text, tmp_path_factory.mktemp("good"), written=exported.written)) == []
+        both.append((robot, text, exported.written))
+    return both
 
 
-@pytest.mark.parametrize("fault", FAULTS)
-def test_a_fault_fails_the_check_that_is_meant_for_it(fault: str, tmp_path: Path) -> None:
-    robot, (before, after, name) = good(), FAULTS[fault]
-    text = text_of(robot)
-    assert failed(checked(robot, text, tmp_path)) == []
-    assert before in text
-    assert name in failed(checked(robot, text.replace(before, after, 1), tmp_path))
-
-
-def test_a_frame_that_is_elsewhere_fails_the_motion(tmp_path: Path) -> None:
-    robot = good()
-    text = text_of(robot)
-    at = text.index('PrismaticJoint "slide"')
-    moved = text[:at] + text[at:].replace("localPos0 = (0, 0, 0)", "localPos0 = (0, 0, 0.01)", 1)
-    assert "motion" in failed(checked(robot, moved, tmp_path))
+@pytest.mark.parametrize("fault", [*USD, *DRIVES], ids=lambda fault: f"{fault.expects}: {fault.kind}")
+def test_a_fault_fails_the_check_that_is_meant_for_it(fault, exports, tmp_path):
+    robot, text, written = exports[fault in DRIVES]
+    (tmp_path / "robot.usda").write_text(text)
+    fault.change(tmp_path, "robot")
+    names = failed(checked(robot, (tmp_path / "robot.usda").read_text(), tmp_path, written=written))
+    assert names == ["drives"] if fault in DRIVES else fault.expects in names
 
 
 @pytest.mark.parametrize("text", ["", "nonsense", "#usda 1.0\n"])
-def test_what_cannot_be_read_is_one_failed_check(text: str, tmp_path: Path) -> None:
+def test_what_cannot_be_read_is_one_failed_check(text, tmp_path):
     (only,) = checked(good(), text, tmp_path)
     assert not only.passed
     assert only.name == "robot.usda: reads"
     assert only.detail
 
 
-def test_quick_only_reads(tmp_path: Path) -> None:
+def test_quick_only_reads(tmp_path):
     robot = good()
     (only,) = checked(robot, text_of(robot), tmp_path, quick=True)
     assert only.passed

@@ -29,18 +29,11 @@ def test_what_came_to_nothing_gives_its_place_back():
 
 def test_a_call_counts_once_from_when_it_is_billed():
     """While its body still arrives it holds no place beside the call that it came to."""
-    budget = Budget(2)
-    with budget.slot() as first:
-        first.charge(1)
-        with budget.slot() as second:
-            second.charge(1)
-        first.charge(1)
-    assert budget.made == 2
-
-
-def test_without_a_limit_calls_are_only_counted():
-    budget = Budget(None)
-    for _ in range(3):
-        with budget.slot() as slot:
-            slot.charge(1)
-    assert budget.made == 3
+    for limit in (2, None):
+        budget = Budget(limit)
+        with budget.slot() as first:
+            first.charge(1)
+            with budget.slot() as second:
+                second.charge(1)
+            first.charge(1)
+        assert budget.made == 2

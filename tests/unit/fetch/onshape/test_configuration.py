@@ -1,7 +1,6 @@
 """The configuration of an assembly: what is sent, what it costs, and what is refused."""
 
 import json
-from pathlib import Path
 
 import pytest
 
@@ -19,6 +18,7 @@ from tests.fake_onshape.settable import GRIPPER, LABEL, LEG, MIRRORED, configure
 from tests.fake_onshape.settings import Choice, Size
 from tests.support.building import plan_of
 from tests.support.kept import ADDRESS, Kept, fetched, onshape
+from tests.support.traffic import targets_of
 
 COUNT = Size("count", "Count", "3", 1, 9, unit="", measure="INTEGER")
 RATIO = Size("ratio", "Ratio", "0.5", 0, 1, unit="", measure="REAL")
@@ -71,14 +71,13 @@ def test_values_become_onshapes_text_in_the_documents_order(wanted, text):
 
 def test_the_address_is_the_base_and_is_kept_word_for_word():
     base = "unknown=a%2Bb;List_g=_narrow;leg_length=0.2+meter"
-    assert encode(base, {"Gripper": "wide grip"}, parameters()) == (
-        "leg_length=0.2+meter;List_g=Wide_1;unknown=a%2Bb"
-    )
+    text = encode(base, {"Gripper": "wide grip"}, parameters())
+    assert text == "leg_length=0.2+meter;List_g=Wide_1;unknown=a%2Bb"
     assert joined(split(base)) == base
 
 
 @pytest.mark.parametrize(
-    ("wanted", "told"),
+    ("wanted", "words"),
     [
         ({"Leg lengh": "1 m"}, ("no such parameter", "did you mean Leg length? it has: Leg length, Gripper")),
         ({"Gripper": "Wide"}, ("'Wide' is not allowed", "allowed: narrow, wide grip")),
@@ -101,35 +100,35 @@ def test_the_address_is_the_base_and_is_kept_word_for_word():
         ({"label": "a", "Label": "b"}, ("the parameter is given twice, by name and by id", "")),
     ],
 )
-def test_what_the_document_does_not_take_is_reported_with_what_it_takes(wanted, told):
+def test_what_the_document_does_not_take_is_reported_with_what_it_takes(wanted, words):
     with pytest.raises(SourceError) as caught:
         encode("default", wanted, parameters())
     (problem,) = caught.value.problems
-    assert told[0] in problem.message
-    assert told[1] in problem.hint
+    assert words[0] in problem.message
+    assert words[1] in problem.hint
     assert problem.where.startswith("source.configuration.")
 
 
-def test_all_mistakes_are_reported_at_once():
-    with pytest.raises(SourceError) as caught:
-        encode("default", {"Gripper": "Wide", "count": 12, "nothing": 1}, parameters())
-    assert [problem.where for problem in caught.value.problems] == [
-        "source.configuration.Gripper", "source.configuration.count", "source.configuration.nothing"
-    ]  # fmt: skip
+def test_all_mistakes_are_reported_at_once_before_the_definition_is_paid_for():
+    with OnshapeServer(configured_stand()) as server:
+        keys = onshape(
+            server.document_url(), configuration={"Gripper": "Wide", "Leg length": 12, "nothing": 1}
+        )
+        with pytest.raises(SourceError, match="allowed: narrow, wide grip") as caught:
+            fetched(keys, environ=server.environ)
+        wrong = [problem.where.rpartition(".")[2] for problem in caught.value.problems]
+        assert (wrong, server.count) == (["Gripper", "Leg length", "nothing"], 1)
 
 
 def test_old_envelopes_and_kinds_that_are_not_known_are_read():
-    records = settings.reply([LEG, GRIPPER], "0" * 24)["configurationParameters"]
     old = [
-        {"type": 105, "typeName": record["btType"].rpartition("-")[0], "message": record}
-        for record in ({**record, "parameterType": None, "btType": None} | {"btType": record["btType"]}
-                       for record in records)
-    ]  # fmt: skip
+        {"typeName": record["btType"].rpartition("-")[0], "message": record | {"parameterType": None}}
+        for record in settings.reply([LEG, GRIPPER], "0" * 24)["configurationParameters"]
+    ]
     new = {"btType": "BTMConfigurationParameterHologram-1", "parameterId": "holo"}
-    found = configuration.read(json.dumps({"configurationParameters": [*old, new]}).encode())
-    assert [(one.id, one.kind) for one in found] == [
-        ("leg_length", "Quantity"), ("List_g", "Enum"), ("holo", "String")
-    ]  # fmt: skip
+    body = json.dumps({"configurationParameters": [*old, new]}).encode()
+    kinds = {parameter.id: parameter.kind for parameter in configuration.read(body)}
+    assert kinds == {"leg_length": "Quantity", "List_g": "Enum", "holo": "String"}
 
 
 @pytest.mark.parametrize("body", [b"{", b"[]", b"{}", b'{"configurationParameters": [{}]}'])
@@ -138,39 +137,33 @@ def test_a_reply_that_is_no_list_of_parameters_is_refused(body):
         configuration.read(body)
 
 
-def test_a_configuration_costs_one_call_at_first_and_none_when_nothing_changed():
+def test_a_configuration_costs_one_call_at_first():
     kept = Kept()
     with OnshapeServer(configured_stand()) as server:
+        plain = fetched(onshape(server.document_url()), environ=server.environ)
+        assert (plain.calls, targets_of(server, "/configuration")) == (7, [])
+        server.reset()
         keys = onshape(server.document_url(), configuration={"Leg length": "0.4 m", "Gripper": "wide grip"})
         cold = fetched(keys, kept, server.environ)
         # Parameters, definition, three studios.
-        assert (cold.calls, server.count) == (2 + 2 * 3, 8)
+        assert cold.calls == server.count == 2 + 2 * 3
         assert cold.bundle.root["configuration"] == "leg_length=0.4+m;List_g=Wide_1"
         assert weights(cold) == {"base": 0.8, "leg": 0.36, "jaw": 0.025}
         again = fetched(keys, kept, server.environ)
-        assert (again.calls, server.count) == (1, 9)
-        assert again.bundle == cold.bundle
+        assert (again.calls, again.bundle) == (1, cold.bundle)
         # Another one of the same document: its definition, and the studio that differs.
-        other = fetched(
-            onshape(server.document_url(), configuration={"Leg length": "0.4 m"}), kept, server.environ
-        )
+        keys = onshape(server.document_url(), configuration={"Leg length": "0.4 m"})
+        other = fetched(keys, kept, server.environ)
         assert other.calls == 1 + 2
         assert weights(other) == {"base": 0.8, "leg": 0.36, "jaw": 0.004}
 
 
-@pytest.mark.parametrize("kind", ["v", "m"])
-def test_of_a_pinned_document_the_parameters_are_asked_for_once(kind):
-    kept = Kept()
+def test_of_a_pinned_document_the_parameters_are_asked_for_once():
     with OnshapeServer(configured_stand()) as server:
-        keys = onshape(server.document_url(kind), configuration={"Gripper": "wide grip"})
-        assert fetched(keys, kept, server.environ).calls == 8
-        assert fetched(keys, kept, {}).calls == 0
-
-
-def test_without_a_configuration_the_parameters_are_not_asked_for():
-    with OnshapeServer(configured_stand()) as server:
-        assert fetched(onshape(server.document_url()), environ=server.environ).calls == 7
-        assert not [target for _, target, _ in server.calls if "/configuration" in target]
+        for kind in "vm":
+            kept, keys = Kept(), onshape(server.document_url(kind), configuration={"Gripper": "wide grip"})
+            assert fetched(keys, kept, server.environ).calls == 8
+            assert fetched(keys, kept, {}).calls == 0
 
 
 def test_the_address_alone_configures_without_a_call_for_it():
@@ -192,9 +185,8 @@ def test_after_an_edit_the_parameters_are_asked_for_again():
         server.edit(document.edited("Stand"))
         server.reset()
         fetched(keys, kept, server.environ)
-        asked = [target for _, target, _ in server.calls]
-        assert sum("/configuration" in target for target in asked) == 1
-        assert f"/m/{server.document.microversion}/" in next(t for t in asked if "/configuration" in t)
+        (target,) = targets_of(server, "/configuration")
+        assert f"/m/{server.document.microversion}/" in target
         server.reset()
         assert fetched(keys, kept, server.environ).calls == 1
 
@@ -213,78 +205,57 @@ def test_offline_a_configuration_is_built_from_what_is_kept():
         fetched(onshape(url, offline=True, configuration={"Leg length": "9 m"}), kept)
 
 
-def test_a_wrong_value_is_reported_before_the_definition_is_paid_for():
-    with OnshapeServer(configured_stand()) as server:
-        with pytest.raises(SourceError, match="allowed: narrow, wide grip"):
-            fetched(onshape(server.document_url(), configuration={"Gripper": "x"}), environ=server.environ)
-        assert server.count == 1
-
-
-def test_each_instances_configuration_is_passed_on_word_for_word_and_part_ids_differ():
+def test_an_instances_configuration_is_passed_on_word_for_word():
     text = settings.text_of({"jaw": "L"})
-    document = stand(gripper="Wide_1")
-    plain = stand()
+    document, plain = stand(gripper="Wide_1"), stand()
     with OnshapeServer(document) as server:
         made = fetched(onshape(server.document_url()), environ=server.environ)
-        assert sum("configuration=jaw%3DL" in target for _, target, _ in server.calls) == 2
+        assert len(targets_of(server, "configuration=jaw%3DL")) == 2
     key = next(studio.key for studio in made.bundle.studios if studio.key.configuration == text)
     assert key.element == document.studios[2].element
-    jaws = [one.root.instances[2].source.id for one in (document, plain)]
+    jaws = [either.root.instances[2].source.id for either in (document, plain)]
     assert jaws[0] != jaws[1]
     (part,) = next(link for link in build_robot(made.bundle, plan_of()).links if link.name == "jaw").parts
     assert part.part_id == jaws[0]
     assert weights(made)["jaw"] == 0.025
-
-
-def test_one_studio_in_two_configurations_is_two_studios():
-    document = stand()
-    document.root.add(document.studios[2].at("jaw=L").parts[0], fixed=True, name="Big jaw")
-    with OnshapeServer(document) as server:
+    # A studio in two configurations is two studios.
+    plain.root.add(plain.studios[2].at("jaw=L").parts[0], fixed=True, name="Big jaw")
+    with OnshapeServer(plain) as server:
         made = fetched(onshape(server.document_url()), environ=server.environ)
-        assert made.calls == 1 + 2 * 4
-    assert len({studio.key for studio in made.bundle.studios}) == 4
+    assert (made.calls, len({studio.key for studio in made.bundle.studios})) == (1 + 2 * 4, 4)
 
 
-def test_a_bundle_records_its_configuration_and_takes_no_other(tmp_path: Path):
+def test_a_bundle_records_its_configuration_and_takes_no_other(tmp_path):
     with OnshapeServer(configured_stand()) as server:
         keys = onshape(server.document_url(), configuration={"Leg length": "0.4 m"})
         made = fetched(keys, environ=server.environ)
-    path = tmp_path / "stand.zip"
-    path.write_bytes(pack(made.bundle))
-    plan = Plan.parse({"name": "stand", "source": {"kind": "bundle", "path": str(path)}})
-    again = fetched(plan)
+    source = {"kind": "bundle", "path": str(tmp_path / "stand.zip")}
+    (tmp_path / "stand.zip").write_bytes(pack(made.bundle))
+    again = fetched(Plan.parse({"name": "stand", "source": source}))
     assert again.bundle.root["configuration"] == "leg_length=0.4+m"
     assert again.bundle.definition == made.bundle.definition
     with pytest.raises(ConfigError) as caught:
-        Plan.parse({"name": "x", "source": {"kind": "bundle", "path": str(path), "configuration": {"a": 1}}})
+        Plan.parse({"name": "x", "source": {**source, "configuration": {"a": 1}}})
     (problem,) = caught.value.problems
     assert (problem.code, problem.where) == ("E-KEY", "source.configuration")
 
 
-def test_a_build_says_in_its_report_which_configuration_it_is_of(tmp_path: Path):
+def test_a_build_says_in_its_report_which_configuration_it_is_of(tmp_path):
+    more = {"output": str(tmp_path / "out"), "cache": {"dir": str(tmp_path / "cache")}, "until": "graph"}
     with OnshapeServer(configured_stand()) as server:
-        source = {
-            "kind": "onshape", "url": server.document_url("v"), "configuration": {"Gripper": "wide grip"}
-        }  # fmt: skip
-        folders = {"output": str(tmp_path / "out"), "cache": {"dir": str(tmp_path / "cache")}}
-        plan = Plan.parse({"name": "stand", "source": source, **folders, "until": "graph"})
-        report = build(plan, environ=server.environ)
-        assert report.source["configuration"] == "List_g=Wide_1"
-        server.reset()
-        other = {**source, "configuration": {"Gripper": "narrow"}}
-        again = build(Plan.parse({"name": "stand", "source": other, **folders, "until": "graph"}),
-                      environ=server.environ)  # fmt: skip
-        assert again.source["configuration"] == "List_g=_narrow"
+        for grip, text in (("wide grip", "List_g=Wide_1"), ("narrow", "List_g=_narrow")):
+            server.reset()
+            source = {"url": server.document_url("v"), "configuration": {"Gripper": grip}}
+            plan = Plan.parse({"name": "stand", "source": {"kind": "onshape", **source}, **more})
+            assert build(plan, environ=server.environ).source["configuration"] == text
         assert server.count == 3
 
 
 @pytest.mark.parametrize("value", [None, [1], {"a": 1}, float("nan")])
 def test_values_that_no_parameter_has_are_refused_before_anything_runs(value):
+    source = {"kind": "onshape", "url": ADDRESS, "configuration": {"a": value}}
     with pytest.raises(ConfigError) as caught:
-        Plan.parse({
-            "name": "x",
-            "source": {"kind": "onshape", "url": ADDRESS, "configuration": {"a": value}},
-        })  # fmt: skip
+        Plan.parse({"name": "x", "source": source})
     (problem,) = caught.value.problems
     assert problem.where == "source.configuration.a"
     assert "must be text, a number, or true or false" in problem.message

@@ -8,37 +8,28 @@ from linkwright.stages.fetch.onshape.definition import read, require_parts
 from linkwright.stages.robot.bundle import StudioKey
 from linkwright.stages.robot.errors import AssemblyError, ProtocolError
 
+RECORD = {"suppressed": False, "documentId": "d", "documentMicroversion": "m", "configuration": "default"}
+
 
 def part(studio, part_id, **more):
-    record = {"type": "Part", "suppressed": False, "documentId": "d", "documentMicroversion": "m"}
-    return {**record, "elementId": studio, "configuration": "default", "partId": part_id, **more}
+    return {"type": "Part", **RECORD, "elementId": studio, "partId": part_id, **more}
 
 
 def sub(element, **more):
-    record = {"type": "Assembly", "suppressed": False, "documentId": "d", "documentMicroversion": "m"}
-    return {**record, "elementId": element, "configuration": "default", "name": element, **more}
+    return {"type": "Assembly", **RECORD, "elementId": element, "name": element, **more}
 
 
 def definition(instances, subs=()):
     root = {"documentId": "d", "documentMicroversion": "m", "elementId": "root", "configuration": "default"}
-    return json.dumps(
-        {"rootAssembly": {**root, "instances": instances}, "subAssemblies": list(subs)}
-    ).encode()
+    tree = {"rootAssembly": {**root, "instances": instances}, "subAssemblies": list(subs)}
+    return json.dumps(tree).encode()
 
 
 def test_each_studio_version_and_configuration_counts_once():
-    body = definition(
-        [
-            part("s", "JHD"),
-            part("s", "JHD"),
-            part("s", "J/+"),
-            part("s", "JHD", configuration="x=2"),
-            part("t", "A", documentId="o", documentVersion="v"),
-            sub("arm"),
-            sub("arm"),
-        ],
-        [sub("arm") | {"instances": [part("s", "JHH")]}],
-    )
+    parts = [part("s", "JHD"), part("s", "JHD"), part("s", "J/+"), part("s", "JHD", configuration="x=2")]
+    linked = part("t", "A", documentId="o", documentVersion="v")
+    inner = sub("arm") | {"instances": [part("s", "JHH")]}
+    body = definition([*parts, linked, sub("arm"), sub("arm")], [inner])
     assert read(body).parts == {
         StudioKey("d", "m/m", "s", "default"): ("J/+", "JHD", "JHH"),
         StudioKey("d", "m/m", "s", "x=2"): ("JHD",),
@@ -47,15 +38,13 @@ def test_each_studio_version_and_configuration_counts_once():
 
 
 def test_what_is_suppressed_needs_no_studio():
-    body = definition(
-        [
-            part("s", "JHD"),
-            {"id": "x", "suppressed": True},
-            part("unused", "JHD", suppressed=True),
-            sub("arm", suppressed=True),
-        ],
-        [sub("arm") | {"instances": [part("also-unused", "JHD")]}],
-    )
+    gone = [
+        {"id": "x", "suppressed": True},
+        part("unused", "JHD", suppressed=True),
+        sub("arm", suppressed=True),
+    ]
+    inner = sub("arm") | {"instances": [part("also-unused", "JHD")]}
+    body = definition([part("s", "JHD"), *gone], [inner])
     assert [key.element for key in read(body).parts] == ["s"]
 
 

@@ -9,13 +9,9 @@ from linkwright.stages.fetch.onshape.replies import mass_check
 from linkwright.stages.robot.bundle import StudioKey
 from linkwright.stages.robot.errors import ProtocolError, SourceError
 from tests.fake_onshape.definition import definition
-from tests.fake_onshape.sample import sample_document
+from tests.fake_onshape.settable import typed_arm
 from tests.fake_onshape.studio_replies import assembly_mass
 from tests.support.building import bundle_of
-
-
-def occurrence(path, **more):
-    return {"path": path.split(), **more}
 
 
 def instance(name, kind="Part", element="S", **more):
@@ -24,28 +20,14 @@ def instance(name, kind="Part", element="S", **more):
 
 
 ADDRESS = {"documentId": "D", "documentMicroversion": "M", "elementId": "Arm"}
+INSTANCES = [
+    instance("base"), instance("left", "Assembly", "Arm"), instance("right", "Assembly", "Arm"),
+    instance("old", suppressed=True), instance("sketch", "Feature"),
+]  # fmt: skip
+PATHS = ("base", "left", "left bone", "right", "right bone", "old", "sketch", "gone bone")
+OCCURRENCES = [{"path": path.split(), "hidden": path == "right bone"} for path in PATHS]
 DEFINITION = {
-    "rootAssembly": {
-        **ADDRESS,
-        "elementId": "Root",
-        "instances": [
-            instance("base"),
-            instance("left", "Assembly", "Arm"),
-            instance("right", "Assembly", "Arm"),
-            instance("old", suppressed=True),
-            instance("sketch", "Feature"),
-        ],
-        "occurrences": [
-            occurrence("base"),
-            occurrence("left"),
-            occurrence("left bone"),
-            occurrence("right"),
-            occurrence("right bone", hidden=True),
-            occurrence("old"),
-            occurrence("sketch"),
-            occurrence("gone bone"),
-        ],
-    },
+    "rootAssembly": {**ADDRESS, "elementId": "Root", "instances": INSTANCES, "occurrences": OCCURRENCES},
     "subAssemblies": [{**ADDRESS, "instances": [instance("bone")]}],
 }
 WEIGHTS = {StudioKey("D", "m/M", "S", "default"): {"base": 1.0, "bone": 0.25}}
@@ -55,16 +37,14 @@ def masses(theirs, weights=WEIGHTS):
     return mass_check.compare(json.dumps(DEFINITION).encode(), weights, b'{"mass": [%r]}' % theirs)
 
 
-def test_every_occurrence_of_a_part_counts_at_any_depth():
+def test_occurrences_count_at_any_depth_hidden_or_not():
     assert masses(1.5) == mass_check.Masses(1.5, 1.5, 1.25)
-
-
-@pytest.mark.parametrize(
-    ("theirs", "agree"),
-    [(1.5, True), (1.5 + 1e-7, True), (1.25, True), (1.5001, False), (1.4, False), (0.0, False)],
-)
-def test_rounding_and_hidden_parts_make_no_difference(theirs, agree):
-    assert masses(theirs).agree is agree
+    totals = (1.5, 1.5 + 1e-7, 1.25, 1.5001, 1.4, 0.0)
+    assert [masses(total).agree for total in totals] == [True, True, True, False, False, False]
+    diagnostic = mass_check.Masses(1.5, 2.25, 2.25).diagnostic("abc")
+    assert (diagnostic.code, diagnostic.level, diagnostic.where) == ("W-VERIFY", "warning", "assembly abc")
+    assert "2.25 kg" in diagnostic.message
+    assert "1.5 kg" in diagnostic.message
 
 
 def test_parts_without_mass_count_nothing():
@@ -75,20 +55,14 @@ def test_parts_without_mass_count_nothing():
 
 
 def test_the_sum_over_a_whole_robot_is_what_its_document_weighs():
-    document = sample_document()
+    document = typed_arm()
+    document.part("Finger").mass = 0.3
     bundle = bundle_of(document)
     weights = {studio.key: mass_check.read_weights(bundle.blobs[studio.mass[0]]) for studio in bundle.studios}
     total = json.dumps(assembly_mass(document)).encode()
-    found = mass_check.compare(json.dumps(definition(document)).encode(), weights, total)
-    assert found.theirs == pytest.approx(document.truth.total_mass(), rel=1e-12)
-    assert found.ours == pytest.approx(document.truth.total_mass(), rel=1e-12)
-
-
-def test_the_diagnostic_names_both_masses():
-    found = mass_check.Masses(1.5, 2.25, 2.25).diagnostic("abc")
-    assert (found.code, found.level, found.where) == ("W-VERIFY", "warning", "assembly abc")
-    assert "2.25 kg" in found.message
-    assert "1.5 kg" in found.message
+    compared = mass_check.compare(json.dumps(definition(document)).encode(), weights, total)
+    assert compared.theirs == pytest.approx(document.truth.total_mass(), rel=1e-12)
+    assert compared.ours == pytest.approx(document.truth.total_mass(), rel=1e-12)
 
 
 @pytest.mark.parametrize("body", [b"", b"[]", b"{}", b'{"mass": []}', b'{"mass": ["much"]}', b"7"])

@@ -10,26 +10,25 @@ OWN = StudioKey("doc", "m/micro", "elem", "default")
 LINKED = StudioKey("other", "v/version", "elem", "List_x=_500_mm;leg=0.25+meter")
 
 
-def test_the_definition_asks_for_mates_connectors_and_surfaces():
+def test_requests_reach_linked_documents_through_the_root():
     assert requests.definition("doc", "w/space", "elem", "a=b") == (
         "/assemblies/d/doc/w/space/e/elem?configuration=a%3Db&includeMateConnectors=true"
         "&includeMateFeatures=true&includeNonSolids=true"
     )
-
-
-def test_a_studio_of_the_same_document_needs_no_link():
     assert requests.mass_properties(OWN, "doc") == (
         "/partstudios/d/doc/m/micro/e/elem/massproperties"
         "?configuration=default&massAsGroup=false&useMassPropertyOverrides=true"
     )
-
-
-def test_a_studio_of_another_document_is_reached_through_the_root():
     assert requests.tessellated_faces(LINKED, "doc", QUALITY) == (
         "/partstudios/d/other/v/version/e/elem/tessellatedfaces?angleTolerance=0.2&chordTolerance=0.0005"
         "&configuration=List_x%3D_500_mm%3Bleg%3D0.25%2Bmeter&linkDocumentId=doc"
         "&outputFaceAppearances=true&outputFacetNormals=false&outputIndexTable=true"
     )
+    assert requests.current_microversion("doc", "space") == "/documents/d/doc/w/space/currentmicroversion"
+    assert requests.elements("doc", "micro") == "/documents/d/doc/m/micro/elements"
+    # Part ids with slashes and pluses are encoded.
+    path = requests.part_mass_properties(OWN, "J/F+a=").partition("?")[0]
+    assert path == "/parts/d/doc/m/micro/e/elem/partid/J%2FF%2Ba%3D/massproperties"
 
 
 def test_a_facet_width_is_sent_only_where_one_is_set():
@@ -38,34 +37,20 @@ def test_a_facet_width_is_sent_only_where_one_is_set():
     assert "maxFacetWidth" not in requests.tessellated_faces(OWN, "doc", QUALITY)
 
 
-def test_part_ids_with_slashes_and_pluses_are_encoded():
-    path = requests.part_mass_properties(OWN, "J/F+a=").partition("?")[0]
-    assert path == "/parts/d/doc/m/micro/e/elem/partid/J%2FF%2Ba%3D/massproperties"
-
-
 def test_a_recording_is_found_whatever_its_quality_or_way_of_access():
     asked = requests.subject(requests.recorded_faces(LINKED))
     assert asked == requests.subject(requests.tessellated_faces(LINKED, "doc", QUALITY))
     other = StudioKey("other", "v/version", "elem", "default")
     assert asked != requests.subject(requests.recorded_faces(other))
-
-
-def test_mass_as_a_group_does_not_stand_in_for_mass_by_part():
+    part = requests.part_mass_properties(OWN, "JHD")
+    bare = part.partition("?")[0]
+    assert {requests.subject(bare + query) for query in ("", "?inferMetadataOwner=true")} == {
+        requests.subject(part)
+    }
+    # Mass as a group does not stand in for mass by part.
     request = requests.mass_properties(OWN, "doc")
     grouped = request.replace("massAsGroup=false", "massAsGroup=true")
     assert requests.subject(request) != requests.subject(grouped)
-
-
-def test_a_recorded_part_is_found_with_and_without_a_query():
-    request = requests.part_mass_properties(OWN, "JHD")
-    bare = request.partition("?")[0]
-    assert requests.subject(request) == requests.subject(bare)
-    assert requests.subject(request) == requests.subject(bare + "?inferMetadataOwner=true")
-
-
-def test_the_state_of_a_document_is_asked_without_a_query():
-    assert requests.current_microversion("doc", "space") == "/documents/d/doc/w/space/currentmicroversion"
-    assert requests.elements("doc", "micro") == "/documents/d/doc/m/micro/elements"
 
 
 def test_the_mass_of_an_assembly_is_no_definition_and_no_part_studio():
@@ -78,13 +63,11 @@ def test_the_mass_of_an_assembly_is_no_definition_and_no_part_studio():
 
 
 def test_messages_name_what_was_asked_for():
-    asked = [
-        requests.current_microversion("doc", "space"),
-        requests.elements("doc", "micro"),
-        requests.assembly_mass_properties("doc", "m/micro", "elem", "default"),
-    ]
-    assert [requests.describe(request) for request in asked] == [
-        "the current microversion of document doc",
-        "the tabs of document doc",
-        "the mass of assembly elem",
-    ]
+    assert [
+        requests.describe(request)
+        for request in (
+            requests.current_microversion("doc", "space"),
+            requests.elements("doc", "micro"),
+            requests.assembly_mass_properties("doc", "m/micro", "elem", "default"),
+        )
+    ] == ["the current microversion of document doc", "the tabs of document doc", "the mass of assembly elem"]

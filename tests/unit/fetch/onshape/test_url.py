@@ -21,64 +21,56 @@ def test_a_browser_address_is_read_without_what_concerns_the_browser():
     assert parse(PLAIN + "/") == url
 
 
-@pytest.mark.parametrize(("letter", "pinned"), [("w", False), ("v", True), ("m", True)])
-def test_only_a_workspace_can_change(letter, pinned):
-    url = parse(PLAIN.replace("/w/", f"/{letter}/"))
-    assert url.pin == f"{letter}/{W}"
-    assert url.pinned is pinned
+def test_only_a_workspace_can_change():
+    for letter, pinned in (("w", False), ("v", True), ("m", True)):
+        url = parse(PLAIN.replace("/w/", f"/{letter}/"))
+        assert (url.pin, url.pinned) == (f"{letter}/{W}", pinned)
 
 
-@pytest.mark.parametrize(
-    ("query", "configuration"),
-    [
+def test_the_configuration_is_decoded_once():
+    for query, configuration in (
         ("configuration=List_x%3D_500_mm%3Bwide%3Dtrue", "List_x=_500_mm;wide=true"),
         ("renderMode=0&configuration=leg%3D0.25%2Bmeter&uiState=1", "leg=0.25+meter"),
         ("configuration=leg=0.25+meter", "leg=0.25+meter"),
         ("configuration=share%3D50%2525", "share=50%25"),
         ("configuration=", "default"),
-    ],
-)
-def test_the_configuration_is_decoded_once(query, configuration):
-    assert parse(f"{PLAIN}?{query}").configuration == configuration
+    ):
+        assert parse(f"{PLAIN}?{query}").configuration == configuration
+
+
+SITE = "https://cad.onshape.com"
 
 
 @pytest.mark.parametrize(
-    ("address", "origin", "loopback"),
+    ("site", "origin", "loopback"),
     [
-        (PLAIN.replace("cad.", "my-company-2."), "https://my-company-2.onshape.com", False),
-        (PLAIN.replace("https://cad.onshape.com", "http://127.0.0.1:8123"), "http://127.0.0.1:8123", True),
-        (PLAIN.replace("https://cad.onshape.com", "http://localhost:80"), "http://localhost:80", True),
-        (PLAIN.replace("https://cad.onshape.com", "http://[::1]:9"), "http://[::1]:9", True),
-        (
-            PLAIN.replace("https://cad.onshape.com", "HTTPS://CAD.Onshape.com"),
-            "https://cad.onshape.com",
-            False,
-        ),
-        (PLAIN.replace("cad.", ""), "https://onshape.com", False),
+        ("https://my-company-2.onshape.com", "https://my-company-2.onshape.com", False),
+        ("HTTPS://CAD.Onshape.com", SITE, False),
+        ("https://onshape.com", "https://onshape.com", False),
+        *((host, host, True) for host in ("http://127.0.0.1:8123", "http://localhost:80", "http://[::1]:9")),
     ],
 )
-def test_the_host_is_kept(address, origin, loopback):
-    url = parse(address)
+def test_the_host_is_kept(site, origin, loopback):
+    url = parse(PLAIN.replace(SITE, site))
     assert (url.origin, url.loopback) == (origin, loopback)
 
 
 @pytest.mark.parametrize(
     ("address", "why"),
     [
-        ("", "https://"),
-        ("cad.onshape.com/documents", "https://"),
-        ("ftp://cad.onshape.com/documents", "https://"),
-        ("https://[bad/documents", "not a URL"),
-        (PLAIN.replace(".com", ".com:port"), "not a URL"),
+        *(
+            (text, "https://")
+            for text in ("", "cad.onshape.com/documents", "ftp://cad.onshape.com/documents")
+        ),
+        *((text, "not a URL") for text in ("https://[bad/documents", PLAIN.replace(".com", ".com:port"))),
         (PLAIN.replace("https", "http"), "plain http"),
         (PLAIN.replace("onshape.com", "onshape.com.example.org"), "its host is not onshape.com"),
         (PLAIN.replace("cad.onshape.com", "notonshape.com"), "its host is not onshape.com"),
-        (f"https://cad.onshape.com/documents/{D}", "no tab"),
-        (f"https://cad.onshape.com/documents/{D}/w/{W}", "no tab"),
-        (PLAIN[:-1], "24 hex"),
-        (PLAIN.replace("/w/", "/x/"), "24 hex"),
-        (PLAIN + "/more", "24 hex"),
-        ("https://cad.onshape.com/signin", "24 hex"),
+        *((f"{SITE}/documents/{D}{state}", "no tab") for state in ("", f"/w/{W}")),
+        *(
+            (text, "24 hex")
+            for text in (PLAIN[:-1], PLAIN.replace("/w/", "/x/"), PLAIN + "/more", SITE + "/signin")
+        ),
     ],
 )
 def test_anything_else_is_refused_with_the_reason_and_an_example(address, why):
@@ -106,7 +98,7 @@ def test_a_password_in_an_address_is_refused_and_not_repeated():
     assert "ONSHAPE_SECRET_KEY" in caught.value.hint
 
 
-def test_the_configuration_holds_the_parsed_address_and_writes_it_as_it_was_typed():
+def test_the_section_holds_the_parsed_address_and_its_text():
     typed = f" https://cad.onshape.com/documents/{'A' * 24}/w/{'b' * 24}/e/{'c' * 24}?renderMode=0#view "
     keys = OnshapeSourceSection(url=typed)
     assert keys.url == parse(typed)

@@ -18,16 +18,11 @@ from linkwright.stages.robot.model.robot import MateRef, Robot
 from tests.fake_onshape.replies import Replies
 from tests.fake_onshape.settable import typed_arm
 from tests.support.building import plan_of, robot_of
-from tests.support.kit import ON, Kit
+from tests.support.kit import ON
 from tests.support.recorded import KBOT, kbot_definition, kbot_masses, needs_data, pack
+from tests.support.reported import reports
 
 THIRTY = math.radians(30)
-
-
-def features_request(record: dict) -> str:
-    """The request that a definition's root or sub-assembly is asked for its features by."""
-    where = f"/assemblies/d/{record['documentId']}/m/{record['documentMicroversion']}/e/{record['elementId']}"
-    return f"{where}/features?configuration=default"
 
 
 def recorded(definition: bytes, replies: dict[str, bytes]) -> OnshapeBundle:
@@ -37,10 +32,10 @@ def recorded(definition: bytes, replies: dict[str, bytes]) -> OnshapeBundle:
 def arm_replies(change=None, old: bool = False, variables: bool = True, **typed) -> tuple[bytes, dict]:
     """The arm's definition without limits, and its replies; `change` edits the root's features."""
     document = typed_arm(**typed)
-    server = Replies(document, newest=16, old=old)
+    server, here = Replies(document, newest=16, old=old), f"/d/{document.id}/m/{document.microversion}"
     answers = {}
     for assembly in document.assemblies:
-        base = f"/d/{document.id}/m/{document.microversion}/e/{assembly.element}"
+        base = f"{here}/e/{assembly.element}"
         body = json.loads(server.answer(f"/assemblies{base}/features", "").body)
         if change and assembly is document.root:
             change(body)
@@ -51,12 +46,11 @@ def arm_replies(change=None, old: bool = False, variables: bool = True, **typed)
             kept = f"/variables{base}/variables?configuration=default&{query}"
             answers[kept] = server.answer(f"/variables{there}/variables", query).body
     for studio in document.studios:
-        path = f"/partstudios/d/{document.id}/m/{document.microversion}/e/{studio.element}/massproperties"
+        path = f"/partstudios{here}/e/{studio.element}/massproperties"
         query = "massAsGroup=false&useMassPropertyOverrides=true"
         answers[f"{path}?configuration=default&{query}"] = server.answer(path, query).body
-    path = f"/assemblies/d/{document.id}/m/{document.microversion}/e/{document.root.element}"
-    definition = server.answer(path, "includeMateFeatures=true&includeMateConnectors=true").body
-    return definition, answers
+    path = f"/assemblies{here}/e/{document.root.element}"
+    return server.answer(path, "includeMateFeatures=true&includeMateConnectors=true").body, answers
 
 
 def arm(change=None, keys=None, **how) -> Robot:
@@ -67,143 +61,127 @@ def limits(robot: Robot) -> dict[str, tuple]:
     return {dof.name: (dof.limits.lower, dof.limits.upper) for dof in robot.dofs}
 
 
-def told(robot: Robot) -> dict[str, str]:
+def limit_warnings(robot: Robot) -> dict[str, str]:
     return {d.where: d.message for d in robot.diagnostics if d.code == "W-LIMIT"}
 
 
 def parameter(body: dict, mate: str, name: str) -> dict:
     """A parameter of a mate in a list of features, in either envelope."""
     records = [feature.get("message", feature) for feature in body["features"]]
-    found = next(record for record in records if record["name"] == mate)
-    inside = [one.get("message", one) for one in found["parameters"]]
-    return next(one for one in inside if one["parameterId"] == name)
+    entry = next(record for record in records if record["name"] == mate)
+    inside = [element.get("message", element) for element in entry["parameters"]]
+    return next(entry for entry in inside if entry["parameterId"] == name)
+
+
+HIGH = 2 * THIRTY + math.radians(15)
 
 
 @pytest.mark.parametrize("old", [True, False])
-def test_typed_limits_are_read_in_both_envelopes_at_any_depth(old: bool) -> None:
+def test_typed_limits_are_read_in_both_envelopes_at_any_depth(old):
     robot = arm(old=old)
-    assert told(robot) == {}
-    found = limits(robot)
-    assert found["turn"] == pytest.approx((-THIRTY, 2 * THIRTY + math.radians(15)))
-    assert found["push"] == pytest.approx((0.0, 0.0127))
-    assert found["curl"] == (pytest.approx(-THIRTY), None)
+    assert limit_warnings(robot) == {}
+    assert limits(robot)["turn"] == pytest.approx((-THIRTY, HIGH))
+    assert limits(robot)["push"] == pytest.approx((0.0, 0.0127))
+    assert limits(robot)["curl"] == (pytest.approx(-THIRTY), None)
 
 
-def test_the_number_beside_an_expression_is_not_believed() -> None:
-    def stale(body: dict) -> None:
+def test_the_number_beside_an_expression_is_not_believed():
+    def stale(body: dict):
         assert parameter(body, "Turn", "limitAxialZMax")["value"] == 0.0
         parameter(body, "Turn", "limitAxialZMax")["value"] = 9.0
 
-    assert limits(arm(stale))["turn"][1] == pytest.approx(2 * THIRTY + math.radians(15))
+    assert limits(arm(stale))["turn"][1] == pytest.approx(HIGH)
 
 
-def test_limits_that_are_switched_off_are_none() -> None:
-    def off(body: dict) -> None:
-        parameter(body, "Turn", "limitsEnabled")["value"] = False
-
-    robot = arm(off)
-    assert limits(robot)["turn"] == (None, None)
-    assert told(robot) == {"turn": "the joint has no limits: it turns freely"}
+def off(body: dict):
+    parameter(body, "Turn", "limitsEnabled")["value"] = False
 
 
-def test_a_variable_that_nobody_gives_is_named_with_its_expression() -> None:
-    robot = arm(variables=False)
-    assert limits(robot)["turn"] == (None, None)
-    assert limits(robot)["push"] == pytest.approx((0.0, 0.0127))
-    assert told(robot).keys() == {"turn", "curl"}
-    message = told(robot)["turn"]
-    assert "limitAxialZMin is '-#Reach'" in message
-    assert "limitAxialZMax is '2 * #Reach + 15 deg'" in message
-    assert "the variable #Reach is not known" in message
+def drop(body: dict):
+    body["features"] = [feature for feature in body["features"] if feature["name"] != "Turn"]
 
 
-def test_what_the_user_says_resolves_limits_that_are_not_known() -> None:
-    robot = arm(variables=False, keys={"joints": {"turn": {"limits": [-1, 1]}}})
-    assert limits(robot)["turn"] == (-1, 1)
-    assert told(robot).keys() == {"curl"}
-
-
-def test_a_length_is_no_angle() -> None:
-    robot = arm(low="-5 mm")
-    assert limits(robot)["turn"] == (None, pytest.approx(2 * THIRTY + math.radians(15)))
-    assert "limitAxialZMin is '-5 mm'" in told(robot)["turn"]
-    assert "expected an angle, got a length" in told(robot)["turn"]
-
-
-def test_limits_the_wrong_way_round_are_left_out_and_reported() -> None:
-    robot = arm(low="90 deg", high="-90 deg")
-    assert limits(robot)["turn"] == (None, None)
-    assert "its lower limit 1.5708 lies above the upper one, -1.5708" in told(robot)["turn"]
-
-
-def test_a_mate_that_the_list_lacks_is_reported() -> None:
-    def drop(body: dict) -> None:
-        body["features"] = [one for one in body["features"] if one["name"] != "Turn"]
-
-    assert told(arm(drop)) == {"turn": "its limits in CAD are unknown: the list of features lacks this mate"}
-
-
-def test_without_a_list_every_joint_of_it_is_reported() -> None:
-    definition, replies = arm_replies()
-    masses = {request: body for request, body in replies.items() if "massproperties" in request}
-    robot = build_robot(recorded(definition, masses), plan_of())
-    assert told(robot).keys() == {"turn", "push", "curl"}
-    assert all("the list of features is missing" in message for message in told(robot).values())
+UNKNOWN = ("limitAxialZMin is '-#Reach'", "limitAxialZMax is '2 * #Reach + 15 deg'", "#Reach is not known")
 
 
 @pytest.mark.parametrize(
-    ("settings", "upper"), [("size=Small", 20), ("size=Large", 70), ("open=true;size=Small", 20)]
+    ("how", "turn", "words"),
+    [
+        ({"change": off}, (None, None), ["the joint has no limits: it turns freely"]),
+        ({"change": drop}, (None, None), ["are unknown: the list of features lacks this mate"]),
+        ({"low": "-5 mm"}, (None, HIGH), ["limitAxialZMin is '-5 mm'", "expected an angle, got a length"]),
+        ({"low": "90 deg", "high": "-90 deg"}, (None, None), ["1.5708 is above its upper limit -1.5708"]),
+        ({"variables": False}, (None, None), UNKNOWN),
+        ({"variables": False, "keys": {"joints": {"turn": {"limits": [-1, 1]}}}}, (-1, 1), None),
+    ],
+    ids=["off", "dropped", "a length", "crossed", "without variables", "the user's"],
 )
-def test_a_configured_limit_is_the_one_of_this_configuration(settings: str, upper: float) -> None:
-    def configured(body: dict) -> None:
-        mate = next(one for one in body["features"] if one["name"] == "Turn")
-        at = [one["parameterId"] for one in mate["parameters"]].index("limitAxialZMax")
-        value = mate["parameters"][at]
-        by_enum = [
-            {
-                "btType": "BTMConfiguredValueByEnum-1923",
-                "enumValue": option,
-                "value": {**value, "expression": expression},
-            }
-            for option, expression in (("Small", "20 deg"), ("Large", "#Reach + 40 deg"))
-        ]
+def test_limits_that_are_not_known_are_none_and_reported(how, turn, words):
+    robot = arm(**how)
+    assert limits(robot)["turn"] == (turn[0], turn[1] if turn[1] is None else pytest.approx(turn[1]))
+    assert limits(robot)["push"] == pytest.approx((0.0, 0.0127))
+    warnings = limit_warnings(robot)
+    assert warnings.keys() == {*(["curl"] if "variables" in how else []), *(["turn"] if words else [])}
+    assert not words or [word for word in words if word not in warnings["turn"]] == []
+
+
+def test_without_a_list_every_joint_of_it_is_reported():
+    definition, replies = arm_replies()
+    masses = {request: body for request, body in replies.items() if "massproperties" in request}
+    warnings = limit_warnings(build_robot(recorded(definition, masses), plan_of()))
+    assert warnings.keys() == {"turn", "push", "curl"}
+    assert all("the list of features is missing" in message for message in warnings.values())
+
+
+def configured(text: str, change=None) -> Robot:
+    """The arm in this configuration."""
+    definition, replies = arm_replies(change)
+    data = json.loads(definition)
+    data["rootAssembly"]["fullConfiguration"] = text
+    return build_robot(recorded(json.dumps(data).encode(), replies), plan_of())
+
+
+@pytest.mark.parametrize(
+    ("settings", "upper"),
+    [("size=Small", 20), ("size=Large", 70), ("open=true;size=Small", 20), ("size=Medium", None)],
+)
+def test_a_configured_limit_is_the_one_of_this_configuration(settings, upper):
+    def by_size(body: dict):
+        mate = next(feature for feature in body["features"] if feature["name"] == "Turn")
+        at = [entry["parameterId"] for entry in mate["parameters"]].index("limitAxialZMax")
+        kind, value = "BTMConfiguredValueByEnum-1923", mate["parameters"][at]
         mate["parameters"][at] = {
             "btType": "BTMParameterConfigured-2222",
             "parameterId": "limitAxialZMax",
             "configurationParameterId": "size",
-            "values": by_enum,
+            "values": [
+                {"btType": kind, "enumValue": option, "value": {**value, "expression": expression}}
+                for option, expression in (("Small", "20 deg"), ("Large", "#Reach + 40 deg"))
+            ],
         }
 
-    definition, replies = arm_replies(configured)
-    data = json.loads(definition)
-    data["rootAssembly"]["fullConfiguration"] = settings
-    robot = build_robot(recorded(json.dumps(data).encode(), replies), plan_of())
-    assert limits(robot)["turn"][1] == pytest.approx(math.radians(upper))
-    data["rootAssembly"]["fullConfiguration"] = "size=Medium"
-    robot = build_robot(recorded(json.dumps(data).encode(), replies), plan_of())
-    assert "nothing fits size = 'Medium'" in told(robot)["turn"]
+    robot = configured(settings, by_size)
+    if upper is None:
+        assert "nothing fits size = 'Medium'" in limit_warnings(robot)["turn"]
+    else:
+        assert limits(robot)["turn"][1] == pytest.approx(math.radians(upper))
 
 
-def test_a_value_of_the_configuration_is_a_variable_before_any_other() -> None:
-    definition, replies = arm_replies()
-    data = json.loads(definition)
-    data["rootAssembly"]["fullConfiguration"] = "Reach=10+deg"
-    robot = build_robot(recorded(json.dumps(data).encode(), replies), plan_of())
+def test_a_value_of_the_configuration_is_the_first_variable():
+    robot = configured("Reach=10+deg")
     assert limits(robot)["turn"][0] == pytest.approx(math.radians(-10))
     assert limits(robot)["curl"][0] == pytest.approx(-THIRTY)
 
 
-def test_limits_of_the_definition_are_used_where_it_has_them() -> None:
+def test_limits_of_the_definition_are_used_where_it_has_them():
     document = typed_arm()
-    server = Replies(document)
     definition, replies = arm_replies()
     path = f"/assemblies/d/{document.id}/m/{document.microversion}/e/{document.root.element}"
-    resolved = server.answer(path, "includeMateFeatures=true").body
-    bundle = recorded(resolved, replies)
+    bundle = recorded(Replies(document).answer(path, "includeMateFeatures=true").body, replies)
     assert bundle.features == ()
-    found = build_robot(bundle, plan_of())
     old = build_robot(recorded(definition, replies), plan_of())
-    assert {name: pytest.approx(pair) for name, pair in limits(old).items()} == limits(found)
+    settled = limits(build_robot(bundle, plan_of()))
+    assert {name: pytest.approx(pair) for name, pair in limits(old).items()} == settled
 
 
 OF_TYPE = {
@@ -216,17 +194,20 @@ OF_TYPE = {
     "BALL": ["EulerConeAngleMax"],
     "FASTENED": [],
 }
-EVERY = {
-    "XMin": "10 mm",
-    "XMax": "15 mm",
-    "YMin": "20 mm",
-    "YMax": "25 mm",
-    "ZMin": "30 mm",
-    "ZMax": "35 mm",
+TYPED = {
+    "XMin": "10 mm", "XMax": "15 mm", "YMin": "20 mm", "YMax": "25 mm", "ZMin": "30 mm", "ZMax": "35 mm",
     **{f"Axial{side}{end}": "90 deg" for side in "XYZ" for end in ("Min", "Max")},
     "EulerConeAngleMax": "45 deg",
-}
+}  # fmt: skip
 """What a list of features says of any mate: all limits, whatever its type."""
+
+UNITS = {"deg": math.radians(1), "mm": 0.001}
+
+
+def in_si(typed: dict[str, str]) -> dict[str, object]:
+    """The limits of these texts in SI, by the names of the API."""
+    pairs = {name: text.split() for name, text in typed.items()}
+    return {f"limit{name}": pytest.approx(float(n) * UNITS[unit]) for name, (n, unit) in pairs.items()}
 
 
 def resolved(kind: str, typed: dict[str, str], copies=("",), more=None) -> list[Mate]:
@@ -239,38 +220,26 @@ def resolved(kind: str, typed: dict[str, str], copies=("",), more=None) -> list[
     ]
     parameters += [{"parameterId": "limitsEnabled", "value": True}, {"expression": "7 m"}]
     body = {"features": [{"featureId": "f", "parameters": parameters}]}
-    bundle = OnshapeBundle(
-        kind="onshape",
-        api="v17",
-        root={},
-        definition="",
-        studios=(),
-        requests={},
-        blobs={"list": json.dumps(body).encode()},
-        features=(Features(StudioKey.of(root), "list"),),
-    )
+    blobs, features = {"list": json.dumps(body).encode()}, (Features(StudioKey.of(root), "list"),)
+    bundle = OnshapeBundle("onshape", {}, "", {}, blobs, api="v17", studios=(), features=features)
     mates = [Mate(MateRef((), "f", "Mate", kind, copy), "Mate", (), None) for copy in copies]
     return list(with_limits(Assembly(root=root, mates=mates), bundle).mates)
 
 
 @pytest.mark.parametrize("kind", OF_TYPE)
-def test_each_type_takes_the_limits_of_its_own_freedoms(kind: str) -> None:
-    (mate,) = resolved(kind, EVERY)
+def test_each_type_takes_the_limits_of_its_own_freedoms(kind):
+    (mate,) = resolved(kind, TYPED)
     assert mate.limit_origin == AS_TYPED
-    want = {"X": (0.010, 0.015), "Y": (0.020, 0.025), "Z": (0.030, 0.035)}
-    quarter, cone = math.radians(90), math.radians(45)
-    every = {f"{side}{end}": pair[end == "Max"] for side, pair in want.items() for end in ("Min", "Max")}
-    every |= {"AxialZMin": quarter, "AxialZMax": quarter, "EulerConeAngleMax": cone}
-    assert (mate.limits or {}) == {f"limit{name}": pytest.approx(every[name]) for name in OF_TYPE[kind]}
+    assert (mate.limits or {}) == in_si({name: TYPED[name] for name in OF_TYPE[kind]})
 
 
-def test_a_length_is_no_cone() -> None:
+def test_a_length_is_no_cone():
     (mate,) = resolved("BALL", {"EulerConeAngleMax": "45 mm"})
     assert mate.limits == {}
     assert "limitEulerConeAngleMax is '45 mm'" in mate.limit_origin.unknown
 
 
-def test_copies_of_a_mate_take_its_limits() -> None:
+def test_copies_of_a_mate_take_its_limits():
     mates = resolved("SLIDER", {"ZMin": "1 mm", "ZMax": "#lost"}, copies=("", "I1", "I2"))
     assert [mate.limits for mate in mates] == [{"limitZMin": pytest.approx(0.001)}] * 3
     assert all("#lost" in mate.limit_origin.unknown for mate in mates)
@@ -291,64 +260,55 @@ def sided(kind: str, side: str) -> tuple[dict[str, str], dict[str, dict]]:
 
 @pytest.mark.parametrize("side", ["Min", "Max", "Neither"])
 @pytest.mark.parametrize("kind", OF_TYPE)
-def test_what_nobody_typed_is_open_on_every_type_of_mate(kind: str, side: str) -> None:
+def test_what_nobody_typed_is_open_on_every_type_of_mate(kind, side):
     typed, said = sided(kind, side)
     (mate,) = resolved(kind, typed, more=said)
-    scale = {"deg": math.radians(1), "mm": 0.001}
-    want = {
-        f"limit{name}": pytest.approx(float(text.split()[0]) * scale[text.split()[1]])
-        for name, text in typed.items()
-        if name.endswith(side)
-    }
+    want = in_si({name: text for name, text in typed.items() if name.endswith(side)})
     assert (mate.limits or {}) == want
-    assert not mate.limit_origin.unknown
-    assert len(mate.limit_origin.open) == (0 if kind == "BALL" else len(want))
-    assert not mate.limit_origin.doubts
+    origin = mate.limit_origin
+    assert (bool(origin.unknown), len(origin.open)) == (False, 0 if kind == "BALL" else len(want))
+    assert not origin.doubts
 
 
-@pytest.mark.parametrize("zero", ["0 deg", "0 mm", "0 in", "0.0*mm", "0", "0.000 rad", "", '0"', "0°"])
-def test_a_zero_in_any_unit_is_untouched_where_the_field_calls_itself_empty(zero: str) -> None:
-    typed, more = {"ZMin": "-3 mm", "ZMax": zero}, {"ZMax": {"isNull": False, "nullValue": "No maximum"}}
-    (mate,) = resolved("SLIDER", typed, more=more)
-    assert mate.limits == {"limitZMin": pytest.approx(-0.003)}
-    (text,) = mate.limit_origin.open
-    assert f"limitZMax is {zero!r} beside 'No maximum'" in text
+EMPTY = {"isNull": False, "nullValue": "No maximum"}
 
 
-@pytest.mark.parametrize("empty", ["", None])
-def test_a_zero_that_was_typed_is_a_limit(empty: str | None) -> None:
-    more = {} if empty is None else {"ZMax": {"isNull": False, "nullValue": empty}}
-    (mate,) = resolved("SLIDER", {"ZMin": "-3 mm", "ZMax": "0 mm"}, more=more)
-    assert mate.limits == {"limitZMin": pytest.approx(-0.003), "limitZMax": 0.0}
-    assert mate.limit_origin == AS_TYPED
+@pytest.mark.parametrize(
+    ("text", "more", "upper", "reason"),
+    [
+        *((zero, EMPTY, None, "open") for zero in ("0 deg", "0 mm", "0 in", "0.0*mm", "0", "0.000 rad")),
+        *((zero, EMPTY, None, "open") for zero in ("", '0"', "0°")),
+        *(
+            (text, EMPTY, q, "doubts")
+            for text, q in (("5 mm", 0.005), ("0 mm + 0 mm", 0), ("2 * 3 mm", 0.006))
+        ),
+        *(("0 mm", more, 0.0, "") for more in ({}, {"isNull": False, "nullValue": ""})),
+        ("5 mm", {"isNull": True}, None, ""),
+    ],
+)
+def test_a_limit_is_what_was_typed(text, more, upper, reason):
+    """A zero beside a field that calls itself empty was not; an expression there counts with a doubt."""
+    (mate,) = resolved("SLIDER", {"ZMin": "-3 mm", "ZMax": text}, more={"ZMax": more})
+    ends = {"limitZMin": -0.003} | ({} if upper is None else {"limitZMax": upper})
+    assert mate.limits == {name: pytest.approx(end) for name, end in ends.items()}
+    if reason:
+        (words,) = getattr(mate.limit_origin, reason)
+        assert f"limitZMax is {text!r} beside 'No maximum'" in words
+    else:
+        assert mate.limit_origin == AS_TYPED
 
 
-def test_what_is_null_is_open_whatever_it_holds() -> None:
-    (mate,) = resolved("SLIDER", {"ZMin": "1 mm", "ZMax": "5 mm"}, more={"ZMax": {"isNull": True}})
-    assert mate.limits == {"limitZMin": pytest.approx(0.001)}
-    assert mate.limit_origin == AS_TYPED
-
-
-@pytest.mark.parametrize("text", ["5 mm", "0 mm + 0 mm", "2 * 3 mm"])
-def test_an_expression_counts_beside_a_field_that_calls_itself_empty_with_a_word_about_it(text: str) -> None:
-    (mate,) = resolved("SLIDER", {"ZMax": text}, more={"ZMax": {"nullValue": "No maximum"}})
-    assert set(mate.limits or {}) == {"limitZMax"}
-    (said,) = mate.limit_origin.doubts
-    assert f"limitZMax is {text!r} beside 'No maximum'" in said
-
-
-def test_a_doubtful_limit_is_reported_until_yaml_resolves_it() -> None:
-    def contradict(body: dict) -> None:
+def test_a_doubtful_limit_is_reported_until_yaml_resolves_it():
+    def contradict(body: dict):
         parameter(body, "Push", "limitZMax")["nullValue"] = "No maximum"
         parameter(body, "Push", "limitZMin")["nullValue"] = "No minimum"
 
     def about(robot: Robot) -> list[tuple[str, str]]:
-        return [(d.code, d.where) for d in robot.diagnostics if d.code in ("W-LIMIT-DOUBT", "I-LIMIT-OPEN")]
+        return sorted(reports(robot, "W-LIMIT-DOUBT") + reports(robot, "I-LIMIT-OPEN"))
 
     robot = arm(contradict)
     assert limits(robot)["push"] == (None, pytest.approx(0.0127))
-    told = [("I-LIMIT-OPEN", "curl"), ("I-LIMIT-OPEN", "push"), ("W-LIMIT-DOUBT", "push")]
-    assert sorted(about(robot)) == told
+    assert about(robot) == [("I-LIMIT-OPEN", "curl"), ("I-LIMIT-OPEN", "push"), ("W-LIMIT-DOUBT", "push")]
     hint = next(d.hint for d in robot.diagnostics if d.code == "W-LIMIT-DOUBT")
     assert hint.endswith("joints: {push: {limits: [low, high]}}")
     settled = arm(contradict, keys={"joints": {"push": {"limits": [0, 0.01]}}})
@@ -356,79 +316,67 @@ def test_a_doubtful_limit_is_reported_until_yaml_resolves_it() -> None:
     assert about(settled) == [("I-LIMIT-OPEN", "curl")]
 
 
-def test_no_dof_is_locked_by_limits_that_nobody_typed() -> None:
+def test_no_dof_is_locked_by_limits_that_nobody_typed(kit):
     """A slider that is open above, and mates of several dofs of which one was typed, as any may be."""
-    kit = Kit()
     base, *arms = (kit.place(f"Bar {n}") for n in range(5))
-    root = kit.root
+    root, free = kit.root, (None, None)
     root.slider("Lift", (arms[0], ON), (base, ON), limits=(-0.0736, None))
-    root.cylindrical("Axle", (arms[1], ON), (base, ON), limits=((None, None), (None, 1)))
-    root.planar("Table", (arms[2], ON), (base, ON), limits=((0, 0.1), (None, None), (None, None)))
-    root.parallel("Glide", (arms[3], ON), (base, ON), limits=((None, None), (None, None), (None, 2), (-1, 1)))
+    root.cylindrical("Axle", (arms[1], ON), (base, ON), limits=(free, (None, 1)))
+    root.planar("Table", (arms[2], ON), (base, ON), limits=((0, 0.1), free, free))
+    root.parallel("Glide", (arms[3], ON), (base, ON), limits=(free, free, (None, 2), (-1, 1)))
     old = robot_of(kit.document, newest=16)
     assert limits(old) == limits(robot_of(kit.document))
     assert limits(old)["lift"] == (-0.0736, None)
-    assert [d.code for d in old.diagnostics if d.code in ("W-LIMIT-LOCKED", "W-SAVED-POSE")] == []
+    assert reports(old, "W-LIMIT-LOCKED") == reports(old, "W-SAVED-POSE") == []
 
 
 @needs_data
-def test_the_kbot_has_its_limits_where_its_variables_are_known() -> None:
+def test_the_kbot_has_its_limits_where_its_variables_are_known():
     """Twenty limits, each an expression with a variable and a stale 0 beside it."""
     definition = kbot_definition()
     data = json.loads(definition)
-    lists = {
-        json.loads(file.read_bytes())["sourceMicroversion"]: file.read_bytes()
-        for file in KBOT.glob("features_*.json")
-    }
-    records = [data["rootAssembly"], *data["subAssemblies"]]
-    replies = {features_request(one): lists[one["documentMicroversion"]] for one in records}
+    bodies = [file.read_bytes() for file in KBOT.glob("features_*.json")]
+    lists = {json.loads(body)["sourceMicroversion"]: body for body in bodies}
+    replies = {}
+    for record in (data["rootAssembly"], *data["subAssemblies"]):
+        version = record["documentMicroversion"]
+        where = f"/assemblies/d/{record['documentId']}/m/{version}/e/{record['elementId']}"
+        replies[f"{where}/features?configuration=default"] = lists[version]
     bundle = recorded(definition, {**kbot_masses(), **replies})
     assert len(bundle.features) == 2
-    nothing = build_robot(bundle, plan_of())
-    unknown = told(nothing)
+    unknown = limit_warnings(build_robot(bundle, plan_of()))
     assert len(unknown) == 20
     assert all("the variable #" in message for message in unknown.values())
     assert any("'-#LHipPitchNeg'" in message for message in unknown.values())
 
-    typed = expressions_of(lists.values())
+    typed = expressions_of(bodies)
     names = sorted({text.lstrip("-#") for pair in typed.values() for text in pair})
     values = {name: 10.0 + index for index, name in enumerate(names)}
-    tables = json.dumps(
-        [
-            {
-                "variables": [
-                    {"name": name, "type": "ANGLE", "expression": f"{value} deg", "value": ""}
-                    for name, value in values.items()
-                ]
-            }
-        ]
-    ).encode()
+    rows = [
+        {"name": name, "type": "ANGLE", "expression": f"{value} deg", "value": ""}
+        for name, value in values.items()
+    ]
     supplied = dataclasses.replace(
         bundle,
-        features=tuple(dataclasses.replace(one, variables="tables") for one in bundle.features),
-        blobs={**bundle.blobs, "tables": tables},
+        features=tuple(dataclasses.replace(feature, variables="tables") for feature in bundle.features),
+        blobs={**bundle.blobs, "tables": json.dumps([{"variables": rows}]).encode()},
     )
     robot = build_robot(supplied, plan_of())
-    found = {joint.mate.feature: limits(robot)[joint.name] for joint in robot.joints}
-    assert len(found) == 20
+    by_name = {joint.mate.feature: limits(robot)[joint.name] for joint in robot.joints}
+    assert len(by_name) == 20
     for feature, pair in typed.items():
-        want = [
-            (-1 if text.startswith("-") else 1) * math.radians(values[text.lstrip("-#")]) for text in pair
-        ]
-        if want[0] <= want[1]:
-            assert found[feature] == pytest.approx(tuple(want))
-        else:  # one elbow is bounded by a variable that must be negative
-            assert found[feature] == (None, None)
+        low, high = ((-1 if text[0] == "-" else 1) * math.radians(values[text.lstrip("-#")]) for text in pair)
+        # One elbow is bounded by a variable that must be negative.
+        assert by_name[feature] == (pytest.approx((low, high)) if low <= high else (None, None))
 
 
 def expressions_of(bodies) -> dict[str, list[str]]:
     """Feature id → (lower, upper) as typed, of every mate with limits, straight from the recordings."""
     typed = {}
-    for body in bodies:
-        for feature in (one["message"] for one in json.loads(body)["features"]):
-            named = {one["message"]["parameterId"]: one["message"] for one in feature.get("parameters", ())}
-            if named.get("limitsEnabled", {}).get("value"):
-                typed[feature["featureId"]] = [
-                    named[name]["expression"] for name in ("limitAxialZMin", "limitAxialZMax")
-                ]
+    for feature in (entry["message"] for body in bodies for entry in json.loads(body)["features"]):
+        entries = [entry["message"] for entry in feature.get("parameters", ())]
+        by_id = {entry["parameterId"]: entry for entry in entries}
+        if by_id.get("limitsEnabled", {}).get("value"):
+            ends = ("limitAxialZMin", "limitAxialZMax")
+            typed[feature["featureId"]] = [by_id[name]["expression"] for name in ends]
     return typed

@@ -22,6 +22,7 @@ from tests.fake_onshape.mates import MIRROR
 from tests.support.building import bundle_of, plan_of, robot_of
 from tests.support.kit import OFF, ON, SIDE, TOP, Kit
 from tests.support.patterned import PLANE, codes, copies, displacement, drawn, expected
+from tests.support.reported import only, reports
 from tests.unit.graph.onshape.test_patterns import KINDS
 
 STUDIO_PLANE = turn((0.0, 0.6, 0.8), 0.4, (0.01, -0.02, 0.03))
@@ -43,7 +44,7 @@ def hooked(kit: Kit, kind: str = "revolute", value: object = 0.4, density: float
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_an_image_part_moves_as_its_seeds_mirror_image(kit: Kit, kind: str) -> None:
+def test_an_image_part_moves_as_its_seeds_mirror_image(kit, kind):
     saved, q = KINDS[kind]
     _, arm = hooked(kit, kind, saved)
     (copy,) = kit.root.mirror("Image", [arm], PLANE, STUDIO_PLANE)
@@ -62,7 +63,7 @@ def test_an_image_part_moves_as_its_seeds_mirror_image(kit: Kit, kind: str) -> N
 
 @pytest.mark.parametrize("density", [1000, None])
 @pytest.mark.parametrize("plane", [PLANE, frame(z=(0, 1, 0))])
-def test_the_plane_is_found_with_and_without_material(kit: Kit, plane, density) -> None:
+def test_the_plane_is_found_with_and_without_material(kit, plane, density):
     _, arm = hooked(kit, density=density)
     kit.root.mirror("Image", [arm], plane, STUDIO_PLANE)
     assembly, log = drawn(kit)
@@ -84,12 +85,12 @@ def symmetric_pair(kit: Kit, reflects: bool):
 
 
 @pytest.mark.parametrize("reflects", [True, False])
-def test_a_symmetric_part_that_a_motion_mirrors_moves_as_the_mirror_image(kit: Kit, reflects: bool) -> None:
+def test_a_symmetric_part_moves_as_its_mirror_image(kit, reflects):
     """Its image is an instance of the same part, moved; so frames on it are others than on the seed."""
     arm, *_ = symmetric_pair(kit, reflects)
     turned = np.diag([1.0, -1.0, 1.0, 1.0])
 
-    def moved(root: dict) -> None:
+    def moved(root: dict):
         (place,) = (place for place in root["occurrences"] if tuple(place["path"]) == arm.path)
         place["transform"] = (np.reshape(place["transform"], (4, 4)) @ turned).ravel().tolist()
 
@@ -99,72 +100,61 @@ def test_a_symmetric_part_that_a_motion_mirrors_moves_as_the_mirror_image(kit: K
     assert np.abs(displacement(assembly, mate, 1.1) - truth).max() < 1e-12
 
 
-def test_an_image_that_matter_does_not_show_is_named_with_its_plane(kit: Kit) -> None:
+def is_moved(kit: Kit, assembly, path, mate, amount: float, owner=()) -> None:
+    """Whether a copied mate moves its copy as the document's own copied joint does."""
+    joints = [joint for joint in kit.document.truth.joints if joint.copies and joint.owner == owner]
+    truth = expected(kit, path, {joints[0].name: amount})
+    assert len(joints) == 1
+    assert np.abs(displacement(assembly, mate, amount) - truth).max() < 1e-12
+
+
+def test_an_image_that_matter_does_not_show_is_named(kit):
     _, arm = hooked(kit)
     (image,) = kit.root.mirror("Image", [arm], frame((0, 0.2, 0), z=(0, 1, 0)), STUDIO_PLANE)
     image.last.source.solid += solids.box(0.02, 0.02, 0.02, at=(0, 0.05, 0.1))
     kit.document.changed()
     assembly, log = drawn(kit)
-    assert not copies(assembly)
-    (told,) = log.found
-    assert (told.code, told.where) == ("W-PATTERN", "Image")
+    assert (copies(assembly), reports(log)) == ([], [("W-PATTERN", "Image")])
     with pytest.raises(Disconnected) as raised:
         robot_of(kit.document)
     assert [problem.code for problem in raised.value.problems] == ["W-PATTERN", "E-LOOSE"]
-
-    line = yaml.safe_load(re.search("mirrors: .*", told.hint)[0])
+    line = yaml.safe_load(re.search("mirrors: .*", only(log).hint)[0])
     assembly, log = drawn(kit, **line)
     assert len(copies(assembly)) == 1
     assert codes(log) == ["W-MIRROR-PLANE", "I-MIRROR", "I-PATTERN"]
-    exact = {"mirrors": {"Image": {"normal": [0, 2, 0], "xyz": [1, 0.2, 3]}}}
-    assembly, log = drawn(kit, **exact)
-    (joint,) = (joint for joint in kit.document.truth.joints if joint.copies)
-    truth = expected(kit, image.path, {joint.name: 1.2})
-    assert np.abs(displacement(assembly, copies(assembly)[0], 1.2) - truth).max() < 1e-12
+    assembly, log = drawn(kit, mirrors={"Image": {"normal": [0, 2, 0], "xyz": [1, 0.2, 3]}})
+    is_moved(kit, assembly, image.path, copies(assembly)[0], 1.2)
 
 
-def test_a_plane_for_no_mirror_is_an_error(kit: Kit) -> None:
+def test_planes_without_a_mirror_and_other_patterns_are_reported(kit):
     _, arm = hooked(kit)
     kit.root.mirror("Image", [arm], PLANE, STUDIO_PLANE)
     _, log = drawn(kit, mirrors={"Imag": {"normal": [0, 1, 0]}})
-    (problem,) = log.problems
-    assert (problem.code, problem.where) == ("E-GLOB", "mirrors")
+    assert reports(log)[0] == ("E-GLOB", "mirrors")
 
-
-def test_a_pattern_of_another_part_is_not_taken_for_a_mirror(kit: Kit) -> None:
-    _, arm = hooked(kit)
-    kit.root.mirror("Image", [arm], PLANE, STUDIO_PLANE)
-
-    def circular(root: dict) -> None:
+    def circular(root: dict):
         root["parametricInstances"][0]["type"] = "Circular pattern"
 
     assembly, log = drawn(kit, edit=circular)
-    assert not copies(assembly)
-    assert codes(log) == ["W-PATTERN"]
+    assert (copies(assembly), codes(log)) == ([], ["W-PATTERN"])
     assert "mirrors" not in log.found[0].hint
 
 
-def test_a_mirror_in_a_sub_assembly_has_its_plane_there(kit: Kit) -> None:
+def test_a_mirror_in_a_sub_assembly_has_its_plane_there(kit):
     cart = kit.document.assembly("Cart")
     axle, arm = kit.place("Axle", cart), cart.add(hook(kit, "Arm"))
     cart.revolute("Spin", (arm, TOP), (axle, SIDE), value=0.3)
     (image,) = cart.mirror("Image", [arm], PLANE, STUDIO_PLANE)
     base = kit.place("Base", fixed=True)
     for number in range(2):
-        one = kit.root.add(cart)
-        kit.root.slider(f"Rail {number}", (one / axle, ON), (base, OFF), value=0.1 * number)
+        cart_path = kit.root.add(cart)
+        kit.root.slider(f"Rail {number}", (cart_path / axle, ON), (base, OFF), value=0.1 * number)
     plane = {"normal": list(PLANE[:3, 2]), "xyz": list(PLANE[:3, 3])}
     for mirrors in ({}, {"Cart <*>/Image": plane}):
         assembly, log = drawn(kit, mirrors=mirrors)
-        assert len(copies(assembly)) == 2
-        assert not log.problems
+        assert (len(copies(assembly)), log.problems) == (2, [])
         for mate in copies(assembly):
-            path = (*mate.ref.owner, image.last.id)
-            (joint,) = (
-                one for one in kit.document.truth.joints if one.copies and one.owner == mate.ref.owner
-            )
-            truth = expected(kit, path, {joint.name: 1.2})
-            assert np.abs(displacement(assembly, mate, 1.2) - truth).max() < 1e-12
+            is_moved(kit, assembly, (*mate.ref.owner, image.last.id), mate, 1.2, mate.ref.owner)
 
 
 def leg(kit: Kit, name: str, image: bool):
@@ -211,7 +201,9 @@ def as_a_mirror_leaves_it(bundle: OnshapeBundle, seeds, images) -> OnshapeBundle
     """The replies as if a mirror had made the images: without their mates, with the mirror's record."""
     definition = orjson.loads(bundle.body(bundle.definition))
     root = definition["rootAssembly"]
-    root["features"] = [one for one in root["features"] if not one["featureData"]["name"].endswith(" 2")]
+    root["features"] = [
+        feature for feature in root["features"] if not feature["featureData"]["name"].endswith(" 2")
+    ]
     children = [
         {"seedOccurrence": seed.last.id, "instanceIds": [image.last.id]}
         for seed, image in zip(seeds, images, strict=True)
@@ -231,7 +223,7 @@ def coordinates(robot: Robot) -> dict[tuple[str, ...], Joint]:
     return {children[joint.child]: joint for joint in robot.joints}
 
 
-def test_mirrored_legs_are_the_robot_that_mates_make(kit: Kit) -> None:
+def test_mirrored_legs_are_the_robot_that_mates_make(kit):
     """A mirrored sub-assembly of image parts, with joints inside it, and a mirrored part."""
     seeds, images = legs(kit)
     bundle, plan = bundle_of(kit.document), plan_of()
@@ -240,34 +232,27 @@ def test_mirrored_legs_are_the_robot_that_mates_make(kit: Kit) -> None:
     ours, theirs = coordinates(by_mirror), coordinates(by_mates)
     assert ours.keys() == theirs.keys()
     assert len(by_mirror.dofs) == len(by_mates.dofs) == 8
+    pairs = [(joint.dofs[0], theirs[child].dofs[0]) for child, joint in ours.items()]
     slide = "/".join(images[0].path)
-    signs = [
-        -1.0 if joint.type == "prismatic" and child[0].startswith(slide) else 1.0
-        for child, joint in ours.items()
-    ]
+    turned = [joint.type == "prismatic" and child[0].startswith(slide) for child, joint in ours.items()]
+    signs = np.where(turned, -1.0, 1.0)
     random = np.random.default_rng(3)
+    rows = [by_mirror.dofs.index(dof) for dof, _ in pairs]
+    order = [by_mates.dofs.index(dof) for _, dof in pairs]
     for _ in range(3):
-        values = random.uniform(-1, 1, len(ours)) * 0.5
-        q = {joint.dofs[0].name: value for joint, value in zip(ours.values(), values, strict=True)}
-        true_q = {
-            theirs[child].dofs[0].name: sign * value
-            for child, sign, value in zip(ours, signs, values, strict=True)
-        }
+        values = random.uniform(-0.5, 0.5, len(ours))
+        q = {dof.name: value for (dof, _), value in zip(pairs, values, strict=True)}
+        true_q = {dof.name: value for (_, dof), value in zip(pairs, signs * values, strict=True)}
         poses, true_poses = part_poses(by_mirror, q), part_poses(by_mates, true_q)
         assert poses.keys() == true_poses.keys()
         for path, pose in poses.items():
             assert np.abs(pose - true_poses[path]).max() < 1e-9
-        order = [by_mates.dofs.index(theirs[child].dofs[0]) for child in ours]
-        rows = [by_mirror.dofs.index(joint.dofs[0]) for joint in ours.values()]
         mass = mass_matrix(by_mirror, q)[np.ix_(rows, rows)]
         truth = mass_matrix(by_mates, true_q)[np.ix_(order, order)] * np.outer(signs, signs)
         assert np.abs(mass - truth).max() < 1e-9
-    for child, joint in ours.items():
-        limits, true = joint.dofs[0].limits, theirs[child].dofs[0].limits
-        reversed_ = joint.type == "prismatic" and child[0].startswith(slide)
-        assert (limits.lower, limits.upper) == (
-            (-true.upper, -true.lower) if reversed_ else (true.lower, true.upper)
-        )
+    for (dof, true), reversed_ in zip(pairs, turned, strict=True):
+        low, high = true.limits.lower, true.limits.upper
+        assert (dof.limits.lower, dof.limits.upper) == ((-high, -low) if reversed_ else (low, high))
 
 
 def part_poses(robot: Robot, q) -> dict[tuple[str, ...], np.ndarray]:

@@ -21,17 +21,11 @@ from linkwright.stages.robot.model.poses import from_parts, inverse, rotation_fr
 from linkwright.stages.robot.model.robot import Array, MateRef, frozen
 from linkwright.stages.robot.motion.kinematics import chain
 from tests.support.building import robot_of
-from tests.support.kit import Kit
 
 X, Y, Z = np.eye(3)
 ONE, OTHER = ("one",), ("other",)
 BODY_OF = {ONE: 3, OTHER: 1, (): 7}
 KINDS = ("REVOLUTE", "SLIDER", "CYLINDRICAL", "BALL", "PLANAR", "PARALLEL", "PIN_SLOT")
-
-
-@pytest.fixture
-def kit() -> Kit:
-    return Kit()
 
 
 def frame(z: Array = Z, at: object = (0.0, 0.0, 0.0), spin: float = 0.0) -> Array:
@@ -47,7 +41,7 @@ def frame(z: Array = Z, at: object = (0.0, 0.0, 0.0), spin: float = 0.0) -> Arra
 class Pair:
     """Two occurrences somewhere, and mates between them at the saved pose, drawn by world frames."""
 
-    def __init__(self, seed: int = 0) -> None:
+    def __init__(self, seed: int = 0):
         self.rng = np.random.default_rng(seed)
         self.assembly = Assembly({})
         for path in (ONE, OTHER):
@@ -147,82 +141,75 @@ def freedom_left(pair: Pair) -> int:
     return 6 - int((np.linalg.svd(jacobian)[1] > 1e-4).sum())
 
 
-def check_motion(pair: Pair, mate: Mate, freedom: int) -> None:
+def check_motion(pair: Pair, mate: Mate, freedom: int):
     """The mate moves as all mates of the pair allow, in as many ways as they leave."""
     _, dofs = pair.dofs(mate)
     assert np.abs(misfit(mate.ref.type, pair.relative(mate))).max() < 1e-9
     assert sum(3 if dof.kind == "ball" else 1 for dof in dofs) == freedom == freedom_left(pair)
     for _ in range(5):
         moved = pair.displaced(mate, pair.some(mate))
-        for one in pair.mates:
-            assert np.abs(misfit(one.ref.type, pair.relative(one, moved))).max() < 1e-9, one.title
+        for other in pair.mates:
+            assert np.abs(misfit(other.ref.type, pair.relative(other, moved))).max() < 1e-9, other.title
 
 
-def two(kinds: str, seed: int) -> tuple[Pair, str | None]:
+TURNED = {
+    "REVOLUTE REVOLUTE": "on REVOLUTE", "REVOLUTE CYLINDRICAL": "on REVOLUTE",
+    "REVOLUTE PIN_SLOT": "on REVOLUTE", "CYLINDRICAL CYLINDRICAL": "on CYLINDRICAL",
+    "CYLINDRICAL PARALLEL": "beside CYLINDRICAL", "SLIDER CYLINDRICAL": "on SLIDER",
+    "SLIDER SLIDER": "beside SLIDER", "SLIDER PLANAR": "across SLIDER", "PLANAR PLANAR same": "beside PLANAR",
+    "PLANAR PARALLEL": "beside PLANAR", "PARALLEL PARALLEL": "beside PARALLEL",
+    "BALL REVOLUTE": "under REVOLUTE", "BALL BALL": "anywhere REVOLUTE", "BALL PLANAR": "beside REVOLUTE",
+    "BALL CYLINDRICAL": "on REVOLUTE", "BALL PARALLEL": "beside REVOLUTE",
+    "CYLINDRICAL PLANAR": "beside REVOLUTE", "CYLINDRICAL CYLINDRICAL beside": "beside SLIDER",
+    "CYLINDRICAL PLANAR in it": "across SLIDER", "CYLINDRICAL PARALLEL across": "across SLIDER",
+    "PLANAR PLANAR across": "leaning SLIDER", "REVOLUTE REVOLUTE beside": "beside -",
+    "REVOLUTE SLIDER": "on -", "BALL SLIDER": "on -", "REVOLUTE REVOLUTE leaning": "tilted -",
+}  # fmt: skip
+"""Two mates → where the second is to the axis of the first, and the type that they come to (-: rigid)."""
+
+RECIPES = list(TURNED)
+
+
+def two_mates(recipe: str, seed: int) -> tuple[Pair, str | None]:
     """Two mates of a recipe at random places and values, and the type that they come to (None: rigid)."""
     pair = Pair(seed)
     rng = pair.rng
     place = pair.somewhere()
-    axis, at = place[:3, 2], place[:3, 3]
-    across = place[:3, 0]
+    axis, at, across = place[:3, 2], place[:3, 3], place[:3, 0]
     values = rng.uniform(-2, 2, 4)
     along = at + axis * rng.uniform(-1, 1)
     spin, lean = rng.uniform(-3, 3, 2)
-    turned = rng.choice([-1, 1]) * axis
-    off = at + across * 0.3
-    straight = frame(turned, along, spin)
-    recipes = {
-        "REVOLUTE REVOLUTE": (frame(axis, at), straight, "REVOLUTE"),
-        "REVOLUTE CYLINDRICAL": (frame(axis, at), straight, "REVOLUTE"),
-        "REVOLUTE PIN_SLOT": (frame(axis, at), straight, "REVOLUTE"),
-        "CYLINDRICAL CYLINDRICAL": (frame(axis, at), straight, "CYLINDRICAL"),
-        "CYLINDRICAL PARALLEL": (frame(axis, at), frame(turned, off, spin), "CYLINDRICAL"),
-        "SLIDER CYLINDRICAL": (frame(axis, at), straight, "SLIDER"),
-        "SLIDER SLIDER": (frame(axis, at), frame(turned, off, spin), "SLIDER"),
-        "SLIDER PLANAR": (frame(axis, at), frame(across, off, spin), "SLIDER"),
-        "PLANAR PLANAR same": (frame(axis, at), frame(turned, off, spin), "PLANAR"),
-        "PLANAR PARALLEL": (frame(axis, at), frame(turned, off, spin), "PLANAR"),
-        "PARALLEL PARALLEL": (frame(axis, at), frame(turned, off, spin), "PARALLEL"),
-        "BALL REVOLUTE": (straight, frame(axis, at, spin), "REVOLUTE"),
-        "BALL BALL": (frame(axis, at), frame(pair.somewhere()[:3, 2], off), "REVOLUTE"),
-        "BALL PLANAR": (frame(across, at), frame(turned, off, spin), "REVOLUTE"),
-        "BALL CYLINDRICAL": (frame(across, at), straight, "REVOLUTE"),
-        "BALL PARALLEL": (frame(across, at), frame(turned, off, spin), "REVOLUTE"),
-        "CYLINDRICAL PLANAR": (frame(axis, at), frame(turned, off, spin), "REVOLUTE"),
-        "CYLINDRICAL CYLINDRICAL beside": (frame(axis, at), frame(turned, off, spin), "SLIDER"),
-        "CYLINDRICAL PLANAR in it": (frame(axis, at), frame(across, off, spin), "SLIDER"),
-        "CYLINDRICAL PARALLEL across": (frame(axis, at), frame(across, off, spin), "SLIDER"),
-        "PLANAR PLANAR across": (frame(axis, at), frame(across + lean * axis, off, spin), "SLIDER"),
-        "REVOLUTE REVOLUTE beside": (frame(axis, at), frame(turned, off, spin), None),
-        "REVOLUTE SLIDER": (frame(axis, at), straight, None),
-        "BALL SLIDER": (frame(axis, at), straight, None),
-        "REVOLUTE REVOLUTE leaning": (frame(axis, at), frame(axis + 0.01 * across, at), None),
-    }
-    first, second, kind = recipes[kinds]
-    names = kinds.split()[:2]
+    turned, off = rng.choice([-1, 1]) * axis, at + across * 0.3
+    names, (where, kind) = recipe.split()[:2], TURNED[recipe].split()
+    second = {
+        "on": frame(turned, along, spin),
+        "beside": frame(turned, off, spin),
+        "across": frame(across, off, spin),
+        "leaning": frame(across + lean * axis, off, spin),
+        "tilted": frame(axis + 0.01 * across, at),
+        "under": frame(axis, at, spin),
+        "anywhere": frame(pair.somewhere()[:3, 2], off),
+    }[where]
+    first = frame(across if names[0] == "BALL" else axis, at)
+    if where == "under":
+        first = frame(turned, along, spin)
     for name, kind_of, second_frame in zip("ab", names, (first, second), strict=True):
         drawn = [tuple(rng.normal(size=4))] if kind_of == "BALL" else values
         if kind_of == "PIN_SLOT":  # the pin stands on the axis, wherever the slot has it
             second_frame = second_frame @ from_parts(np.eye(3), -values[0] * X)
         pair.mate(name, kind_of, second_frame, *drawn, first=ONE if rng.random() < 0.5 else OTHER)
-    return pair, kind
+    return pair, None if kind == "-" else kind
 
 
-RECIPES = [
-    "REVOLUTE REVOLUTE", "REVOLUTE CYLINDRICAL", "REVOLUTE PIN_SLOT", "CYLINDRICAL CYLINDRICAL",
-    "CYLINDRICAL PARALLEL", "SLIDER CYLINDRICAL", "SLIDER SLIDER", "SLIDER PLANAR", "PLANAR PLANAR same",
-    "PLANAR PARALLEL", "PARALLEL PARALLEL", "BALL REVOLUTE", "BALL BALL", "BALL PLANAR",
-    "BALL CYLINDRICAL", "BALL PARALLEL", "CYLINDRICAL PLANAR", "CYLINDRICAL CYLINDRICAL beside",
-    "CYLINDRICAL PLANAR in it", "CYLINDRICAL PARALLEL across", "PLANAR PLANAR across",
-    "REVOLUTE REVOLUTE beside", "REVOLUTE SLIDER", "BALL SLIDER", "REVOLUTE REVOLUTE leaning",
-]  # fmt: skip
+def freedom_of(kind: str) -> int:
+    return sum(3 if freedom.kind == "ball" else 1 for freedom in freedoms_of(kind))
 
 
 @pytest.mark.parametrize("recipe", RECIPES)
-@settings(max_examples=12)
+@settings(max_examples=8)
 @given(seed=st.integers(0, 2**32 - 1))
-def test_two_mates_move_as_both_allow(recipe: str, seed: int) -> None:
-    pair, kind = two(recipe, seed)
+def test_two_mates_move_as_both_allow(recipe, seed):
+    pair, kind = two_mates(recipe, seed)
     made, codes = pair.combined()
     if kind is None:
         assert (made.mates, codes) == ((), ["W-MATES-RIGID"])
@@ -231,7 +218,7 @@ def test_two_mates_move_as_both_allow(recipe: str, seed: int) -> None:
         return
     (mate,) = made.mates
     assert (made.welds, codes, mate.ref.type) == ((), ["I-COMPOSED"], kind)
-    check_motion(pair, mate, sum(3 if f.kind == "ball" else 1 for f in freedoms_of(kind)))
+    check_motion(pair, mate, freedom_of(kind))
 
 
 def shift(*xyz: float) -> Array:
@@ -247,22 +234,29 @@ def limits_of(mate: Mate) -> dict[str, float]:
     return {name: pytest.approx(end, abs=1e-9) for name, end in (mate.limits or {}).items()}
 
 
-def test_of_two_hinges_of_a_door_the_first_by_name_is_the_joint() -> None:
+HINGE, LOWER = ("REVOLUTE", frame(Z, (0, 0, 1)), 0.1), ("REVOLUTE", frame(), 0.4)
+UPPER = ("REVOLUTE", frame(-Z, (0, 0, 1.2)), 0.1)
+PARALLEL = ("PARALLEL", frame(Z, (1, 0, 0)), 0.1, 0.2, 0.3, 0.4)
+SLOT, PLANE = ("PIN_SLOT", frame(), 0.2, 0.3), ("PLANAR", frame(-Z, (1, 1, 0)), 0.1, 0.2, 0.3)
+SLOT_BESIDE = ("PIN_SLOT", frame() @ shift(0.5, 0, 0), -0.3, 0.3)
+
+
+@pytest.mark.parametrize(
+    ("mates", "joint"),
+    [
+        ({"Lower": LOWER, "A upper": UPPER}, "A upper"),
+        ({"a": PARALLEL, "b": ("CYLINDRICAL", frame(), 0.1, 0.2), "c": HINGE}, "c"),
+        ({"b": SLOT, "a": PLANE, "c": SLOT_BESIDE}, "b"),
+    ],
+    ids=["the first by name", "the most constrained", "a pin where a plane allows the same"],
+)
+def test_the_most_constrained_and_first_mate_is_the_joint(mates, joint):
     pair = Pair()
-    pair.mate("Lower", "REVOLUTE", frame(), 0.4)
-    upper = pair.mate("A upper", "REVOLUTE", frame(-Z, (0, 0, 1.2)), 0.1)
-    assert pair.only() is upper
+    drawn = {name: pair.mate(name, *mate) for name, mate in mates.items()}
+    assert pair.only() is drawn[joint]
 
 
-def test_the_most_constrained_mate_is_the_joint_whatever_its_name() -> None:
-    pair = Pair()
-    pair.mate("a", "PARALLEL", frame(Z, (1, 0, 0)), 0.1, 0.2, 0.3, 0.4)
-    pair.mate("b", "CYLINDRICAL", frame(), 0.1, 0.2)
-    hinge = pair.mate("c", "REVOLUTE", frame(Z, (0, 0, 1)), 0.1)
-    assert pair.only() is hinge
-
-
-def test_two_balls_are_a_turn_of_the_first_ball_about_the_line_through_them() -> None:
+def test_two_balls_turn_about_the_line_through_them():
     pair = Pair()
     pair.mate("a", "BALL", frame(Z, (0, 0, 0), 0.7), (1, 0, 0, 0.3))
     pair.mate("b", "BALL", frame(X, (0, 0, 2)), (1, 0.5, -1, 0))
@@ -274,29 +268,34 @@ def test_two_balls_are_a_turn_of_the_first_ball_about_the_line_through_them() ->
     assert value(pair, made, "", pair.displaced(made, {"": 2.0})) == pytest.approx(2.0)
 
 
-def test_a_new_turn_counts_the_angle_of_the_mate_that_has_it() -> None:
+@pytest.mark.parametrize(
+    ("first", "second", "kind", "suffix", "values"),
+    [
+        (
+            ("a", "BALL", frame(X, (0.1, 0.2, 0.3)), (1, 2, 3, 4)),
+            ("b", "PLANAR", frame(-Z, (0.5, 0, 0), 0.3), 0.2, 0.1, 1.1),
+            *("REVOLUTE", "_turn", (-2.0, 0.0, 1.1, 3.0)),
+        ),
+        (
+            ("a", "PLANAR", frame(X, (0, 0, 1), 0.2), 0.1, 0.2, 0.3),
+            ("b", "CYLINDRICAL", frame(-Z), 0.7, 0.4),
+            *("SLIDER", "_slide", (-1.0, 0.0, 0.7)),
+        ),
+    ],
+)
+def test_a_new_coordinate_counts_as_that_of_the_mate_that_has_it(first, second, kind, suffix, values):
     pair = Pair()
-    planar = pair.mate("b", "PLANAR", frame(-Z, (0.5, 0, 0), 0.3), 0.2, 0.1, 1.1)
-    pair.mate("a", "BALL", frame(X, (0.1, 0.2, 0.3)), (1, 2, 3, 4))
+    pair.mate(*first)
+    owner = pair.mate(*second)
     made = pair.only()
-    assert (made.title, made.ref.type) == ("b", "REVOLUTE")
-    for angle in (-2.0, 0.0, 1.1, 3.0):
-        moved = pair.displaced(made, {"": angle})
-        assert value(pair, planar, "_turn", moved) == pytest.approx(angle)
-    assert np.allclose(pair.assembly.world_from(made.entities[0])[:2, 3], (0.1, 0.2))
+    assert (made.title, made.ref.type) == ("b", kind)
+    for amount in values:
+        assert value(pair, owner, suffix, pair.displaced(made, {"": amount})) == pytest.approx(amount)
+    if kind == "REVOLUTE":
+        assert np.allclose(pair.assembly.world_from(made.entities[0])[:2, 3], (0.1, 0.2))
 
 
-def test_a_new_slide_counts_the_way_of_the_mate_that_has_it() -> None:
-    pair = Pair()
-    pair.mate("a", "PLANAR", frame(X, (0, 0, 1), 0.2), 0.1, 0.2, 0.3)
-    cylinder = pair.mate("b", "CYLINDRICAL", frame(-Z), 0.7, 0.4)
-    made = pair.only()
-    assert (made.title, made.ref.type) == ("b", "SLIDER")
-    for way in (-1.0, 0.0, 0.7):
-        assert value(pair, cylinder, "_slide", pair.displaced(made, {"": way})) == pytest.approx(way)
-
-
-def test_a_slide_along_no_axis_of_a_mate_counts_the_way_along_it_in_the_first_one() -> None:
+def test_a_slide_along_no_axis_counts_in_the_first_mate():
     pair = Pair()
     across = np.array([1.0, 0.0, 2.0]) / math.sqrt(5)
     planar = pair.mate("a", "PLANAR", frame(Y, (0, 0, 1)), 0.3, -0.2, 0.3)
@@ -311,7 +310,7 @@ def test_a_slide_along_no_axis_of_a_mate_counts_the_way_along_it_in_the_first_on
 
 
 @pytest.mark.parametrize(("axis", "first"), [(-Z, ONE), (Z, OTHER)])
-def test_limits_of_a_second_hinge_hold_for_the_first_with_its_own_sign_and_zero(axis, first) -> None:
+def test_limits_of_a_second_hinge_hold_for_the_first(axis, first):
     pair = Pair()
     pair.mate("a", "REVOLUTE", frame(), 0.5, limits={"limitAxialZMin": -1.0, "limitAxialZMax": 2.0})
     # Turns the other way round and stands at -0.2 where the first is at 0.5: q' = 0.3 - q.
@@ -320,56 +319,55 @@ def test_limits_of_a_second_hinge_hold_for_the_first_with_its_own_sign_and_zero(
     assert limits_of(pair.only()) == {"limitAxialZMin": -0.6, "limitAxialZMax": 2.0}
 
 
-def test_limits_beyond_half_a_turn_are_carried_from_where_the_saved_pose_is_within_them() -> None:
+def test_limits_beyond_half_a_turn_are_carried_from_the_saved_pose():
     pair = Pair()
     pair.mate("a", "REVOLUTE", frame(), 0.1)
-    low, high = math.radians(170), math.radians(250)
+    low, saved, high = np.radians([170, 190, 250])
     # At 190°, which the frames alone tell as -170°.
-    pair.mate(
-        "b", "REVOLUTE", frame(Z, (0, 0, 1)), math.radians(190),
-        limits={"limitAxialZMin": low, "limitAxialZMax": high},
-    )  # fmt: skip
-    made = pair.only()
-    assert limits_of(made) == {
-        "limitAxialZMin": 0.1 - math.radians(20),
-        "limitAxialZMax": 0.1 + math.radians(60),
-    }
+    limits = {"limitAxialZMin": low, "limitAxialZMax": high}
+    pair.mate("b", "REVOLUTE", frame(Z, (0, 0, 1)), saved, limits=limits)
+    expected = {"limitAxialZMin": 0.1 + low - saved, "limitAxialZMax": 0.1 + high - saved}
+    assert limits_of(pair.only()) == expected
 
 
-def test_a_slide_that_follows_in_proportion_bounds_the_joint() -> None:
+def test_a_slide_that_follows_in_proportion_bounds_the_joint():
     pair = Pair()
     lean = np.array([3.0, 4.0, 0.0]) / 5
     pair.mate("a", "SLIDER", frame(lean, (0, 0, 1)), 0.5)
-    floor = from_parts(np.eye(3), np.zeros(3))
-    pair.mate("b", "PLANAR", floor, 0.0, 0.0, 0.4, limits={"limitXMax": 0.6, "limitYMin": -0.8})
+    pair.mate("b", "PLANAR", np.eye(4), 0.0, 0.0, 0.4, limits={"limitXMax": 0.6, "limitYMin": -0.8})
     assert limits_of(pair.only()) == {"limitZMin": -0.5, "limitZMax": 1.5}
 
 
-def test_limits_that_nothing_in_the_joint_follows_are_reported() -> None:
+CONE = {"limitEulerConeAngleMax": 0.4}
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "limits", "lost"),
+    [
+        (("REVOLUTE", frame()), ("PLANAR", frame(Z, (1, 0, 0)), 0.3, 0.2, 0.4), {"limitXMax": 0.6}, True),
+        (("REVOLUTE", frame()), ("CYLINDRICAL", frame(), 0.3, 0.2), {"limitZMax": 0.6}, False),
+        (("REVOLUTE", frame()), ("CYLINDRICAL", frame(), 0.3, 0.2), {"limitZMax": 0.2}, True),
+        (("BALL", frame(), (1, 0.1, 0, 0)), ("BALL", frame(X), (1, 0, 0.2, 0)), CONE, True),
+    ],
+    ids=["followed by nothing", "met where it stays", "not met", "a cone about other axes"],
+)
+def test_limits_that_the_joint_cannot_have_are_reported(first, second, limits, lost):
     pair = Pair()
-    pair.mate("a", "REVOLUTE", frame())
-    pair.mate("b", "PLANAR", frame(Z, (1, 0, 0)), 0.3, 0.2, 0.4, limits={"limitXMax": 0.6})
+    pair.mate("a", *first)
+    pair.mate("b", *second, limits=limits)
     made, codes = pair.combined()
-    assert codes == ["I-COMPOSED", "W-LIMIT-LOST"]
-    assert made.mates[0].limits == {}
+    assert codes == ["I-COMPOSED", *(["W-LIMIT-LOST"] if lost else [])]
+    assert (made.mates[0].limits or {}) == {}
 
 
-@pytest.mark.parametrize(("limit", "codes"), [(0.6, ["I-COMPOSED"]), (0.2, ["I-COMPOSED", "W-LIMIT-LOST"])])
-def test_limits_of_what_stays_as_it_is_are_reported_only_where_they_are_not_met(limit, codes) -> None:
-    pair = Pair()
-    pair.mate("a", "REVOLUTE", frame())
-    pair.mate("b", "CYLINDRICAL", frame(), 0.3, 0.2, limits={"limitZMax": limit})
-    assert pair.combined()[1] == codes
-
-
-def test_limits_that_exclude_each_other_are_reported() -> None:
+def test_limits_that_exclude_each_other_are_reported():
     pair = Pair()
     pair.mate("a", "REVOLUTE", frame(), limits={"limitAxialZMin": -2.0, "limitAxialZMax": -1.0})
     pair.mate("b", "REVOLUTE", frame(), limits={"limitAxialZMin": 1.0, "limitAxialZMax": 2.0})
     assert pair.combined()[1] == ["I-COMPOSED", "W-LIMIT-LOST"]
 
 
-def test_of_two_balls_in_one_place_the_narrower_cone_holds() -> None:
+def test_of_two_balls_in_one_place_the_narrower_cone_holds():
     pair = Pair()
     pair.mate("a", "BALL", frame(), (1, 0.1, 0, 0), limits={"limitEulerConeAngleMax": 0.9})
     pair.mate("b", "BALL", frame(Z, spin=1.0), (1, 0.1, 0, 0), limits={"limitEulerConeAngleMax": 0.4})
@@ -383,28 +381,17 @@ def test_of_two_balls_in_one_place_the_narrower_cone_holds() -> None:
     assert limits_of(pair.only()) == {"limitEulerConeAngleMax": 0.4}
 
 
-def test_a_cone_about_other_axes_is_reported_as_lost() -> None:
-    pair = Pair()
-    pair.mate("a", "BALL", frame(), (1, 0.1, 0, 0))
-    pair.mate("b", "BALL", frame(X), (1, 0, 0.2, 0), limits={"limitEulerConeAngleMax": 0.4})
-    assert pair.combined()[1] == ["I-COMPOSED", "W-LIMIT-LOST"]
-
-
-def test_what_is_absorbed_says_which_coordinate_moves_it() -> None:
+def test_what_is_absorbed_says_which_coordinate_moves_it():
     pair = Pair()
     hinge = pair.mate("a", "REVOLUTE", frame(), 0.3)
     other = pair.mate("b", "CYLINDRICAL", frame(-Z), 0.1, 0.3)
     made, _ = pair.combined()
     assert made.absorbed == {other.ref.key: Absorbed(hinge.ref.key, {"_turn": ("", -1.0)})}
     assert made.absorbed[other.ref.key].sign == -1
-
-
-def test_a_mate_of_another_type_says_which_of_its_coordinates_it_took_from_where() -> None:
     pair = Pair()
     planar = pair.mate("a", "PLANAR", frame(), 0.1, 0.2, 0.3)
     ball = pair.mate("b", "BALL", frame(X), (1, 2, 3, 4))
-    made, _ = pair.combined()
-    assert made.absorbed == {
+    assert pair.combined()[0].absorbed == {
         planar.ref.key: Absorbed(planar.ref.key, {"_turn": ("", 1.0)}),
         ball.ref.key: Absorbed(planar.ref.key, {}),
     }
@@ -423,93 +410,77 @@ def many() -> Pair:
     return pair
 
 
-def test_many_mates_are_one_whatever_their_order() -> None:
+def test_many_mates_are_one_whatever_their_order():
     pair = many()
     mates = list(pair.mates)
     mates[1] = replace(mates[1], ref=replace(mates[1].ref, feature="another id"))
-    expected = None
-    for order in permutations(range(5)):
+    outcomes = []
+    for order in list(permutations(range(5)))[::7]:
         pair.mates = [mates[index] for index in order]
         made, codes = pair.combined()
-        told = ([(m.ref, limits_of(m)) for m in made.mates], dict(made.absorbed), codes)
-        expected = expected or told
-        assert told == expected
+        outcomes.append(([(m.ref, limits_of(m)) for m in made.mates], dict(made.absorbed), codes))
+        assert outcomes[-1] == outcomes[0], order
     assert [mate.title for mate in made.mates] == ["Another"]
     check_motion(pair, made.mates[0], 1)
 
 
-@pytest.mark.parametrize("recipe", RECIPES)
-def test_the_motion_does_not_depend_on_which_entity_is_the_first(recipe: str) -> None:
-    pair, kind = two(recipe, 5)
+@pytest.mark.parametrize(
+    "recipe", [name for name in RECIPES if "-" not in TURNED[name] and "PIN" not in name]
+)
+def test_the_motion_does_not_depend_on_which_entity_is_the_first(recipe):
+    pair, kind = two_mates(recipe, 5)
     mates = list(pair.mates)
     for swapped in ((0,), (1,), (0, 1)):
         pair.mates = [
             replace(mate, entities=mate.entities[::-1]) if i in swapped else mate
             for i, mate in enumerate(mates)
-            if mate.ref.type != "PIN_SLOT"
         ]
-        if len(pair.mates) < 2 or kind is None:
-            continue
-        made, _ = pair.combined()
-        assert made.mates[0].ref.type == kind
-        check_motion(pair, made.mates[0], sum(3 if f.kind == "ball" else 1 for f in freedoms_of(kind)))
+        assert pair.only().ref.type == kind
+        check_motion(pair, pair.only(), freedom_of(kind))
+
+
+AT = (0.1, 0.2, 0.3)
 
 
 @pytest.mark.parametrize(
-    ("kinds", "axes"),
+    ("first", "second", "entity"),
     [
-        (("PLANAR", "PARALLEL"), (Z, X)),
-        (("PARALLEL", "PARALLEL"), (Z, X)),
-        (("PIN_SLOT", "CYLINDRICAL"), (Z, X)),
-        (("PIN_SLOT", "REVOLUTE"), (Z, X)),
+        (("PLANAR", frame(Z, AT), 0.2, 0.1, 0.3), ("PARALLEL", frame(X, AT), 0.2, 0.1, 0.3, 0.4), ONE),
+        (("PARALLEL", frame(Z, AT), 0.2, 0.1, 0.3), ("PARALLEL", frame(X, AT), 0.2, 0.1, 0.3, 0.4), ONE),
+        (("PIN_SLOT", frame(Z, AT), 0.2, 0.1), ("CYLINDRICAL", frame(X, AT), 0.2, 0.1), ONE),
+        (("PIN_SLOT", frame(Z, AT), 0.2, 0.1), ("REVOLUTE", frame(X, AT), 0.2), ONE),
+        # Beside each other two pins in slots even span the same twists, but only at this pose.
+        (("PIN_SLOT", frame(), 0.0, 0.0), ("PIN_SLOT", shift(0, 0.4, 0), 0.0, 0.0), ONE),
+        (("PIN_SLOT", frame(), 0.0, 0.0), ("PIN_SLOT", frame(Z, spin=0.3), 0.0, 0.0), ONE),
+        (("PIN_SLOT", frame(), 0.0, 0.0), ("PIN_SLOT", frame(), 0.0, 0.0), OTHER),
     ],
 )
-def test_what_no_mate_describes_is_left_as_it_is(kinds, axes) -> None:
+def test_what_no_mate_describes_is_left_as_it_is(first, second, entity):
     pair = Pair()
-    for name, kind, axis in zip("ab", kinds, axes, strict=True):
-        pair.mate(name, kind, frame(axis, (0.1, 0.2, 0.3)), 0.2, 0.1, 0.3, 0.4)
-    made, codes = pair.combined()
-    assert (list(made.mates), made.welds, made.absorbed, codes) == (pair.mates, (), {}, [])
+    pair.mate("a", *first)
+    pair.mate("b", *second, first=entity)
+    assert pair.combined() == (CombinedMates(tuple(pair.mates), (), {}), [])
 
 
-def test_a_pin_in_its_slot_stays_where_a_plane_allows_the_same() -> None:
-    pair = Pair()
-    slot = pair.mate("b", "PIN_SLOT", frame(), 0.2, 0.3)
-    pair.mate("a", "PLANAR", frame(-Z, (1, 1, 0)), 0.1, 0.2, 0.3)
-    pair.mate("c", "PIN_SLOT", frame() @ shift(0.5, 0, 0), -0.3, 0.3)
-    assert pair.only() is slot
-
-
-@pytest.mark.parametrize(
-    ("where", "first"), [(shift(0, 0.4, 0), ONE), (frame(Z, spin=0.3), ONE), (frame(), OTHER)]
-)
-def test_two_pins_in_slots_that_are_not_the_same_are_left_as_they_are(where, first) -> None:
-    """Beside each other the two even span the same twists, but only at this pose."""
-    pair = Pair()
-    pair.mate("a", "PIN_SLOT", frame(), 0.0, 0.0)
-    pair.mate("b", "PIN_SLOT", where, 0.0, 0.0, first=first)
-    assert pair.combined()[0].mates == tuple(pair.mates)
-
-
-def test_a_mate_that_the_saved_pose_does_not_meet_is_left_as_it_is() -> None:
+def test_a_mate_that_the_saved_pose_does_not_meet_is_left():
     pair = Pair()
     pair.mate("a", "REVOLUTE", frame())
     pair.drawn("b", "REVOLUTE", shift(0, 0, 1e-4), frame())
     assert pair.combined() == (CombinedMates(tuple(pair.mates), (), {}), [])
 
 
-def test_mates_of_unknown_type_of_one_body_and_of_other_bodies_are_passed_on() -> None:
+def test_mates_of_unknown_types_and_of_other_bodies_are_passed_on():
     pair = Pair()
     pair.mate("a", "REVOLUTE", frame())
     unknown = pair.mate("b", "REVOLUTE", frame())
     pair.mates[1] = replace(unknown, ref=replace(unknown.ref, type="WIDTH"))
-    inside = replace(unknown, title="c", entities=(unknown.entities[0], unknown.entities[0]))
-    origin = replace(unknown, title="d", entities=(Entity((), frozen(np.eye(4))), unknown.entities[0]))
-    pair.mates += [inside, origin]
+    side = unknown.entities[0]
+    pair.mates.append(replace(unknown, title="c", entities=(side, side)))
+    pair.mates.append(replace(unknown, title="d", entities=(Entity((), frozen(np.eye(4))), side)))
     assert set(pair.combined()[0].mates) == set(pair.mates)
 
 
-def test_mates_to_the_origin_are_composed_too() -> None:
+def test_mates_to_the_origin_are_composed_too():
     pair = Pair()
     for name, at in (("a", (0, 0, 0)), ("b", (0, 0, 1))):
         ball = pair.mate(name, "BALL", frame(X, at), (1, 0, 0.2, 0))
@@ -520,7 +491,7 @@ def test_mates_to_the_origin_are_composed_too() -> None:
     assert np.allclose(made.entities[1].occurrence_from_frame[:3, 2], Z)
 
 
-def test_three_slides_together_hold_rigidly_though_each_two_of_them_slide() -> None:
+def test_three_slides_hold_rigidly_though_each_two_slide():
     pair = Pair()
     for name, axis in zip("abc", (X, Y, Z + 0.2 * X), strict=True):
         pair.mate(name, "PLANAR", frame(axis), 0.1, 0.2, 0.3)
@@ -530,31 +501,27 @@ def test_three_slides_together_hold_rigidly_though_each_two_of_them_slide() -> N
         assert combined(pick, pair.assembly, BODY_OF, Diagnostics()).mates[0].ref.type == "SLIDER"
 
 
-@pytest.mark.parametrize("recipe", [recipe for recipe in RECIPES if two(recipe, 0)[1]])
-def test_mirrored_mates_move_as_their_mirror_images(recipe: str) -> None:
+@pytest.mark.parametrize("recipe", [name for name in RECIPES if "-" not in TURNED[name]])
+def test_mirrored_mates_move_as_their_mirror_images(recipe):
     """Both bodies mirrored at a plane: the same values, and poses that are each other's images."""
-    pair, kind = two(recipe, 11)
-    image = Pair(11)
-    mirror = np.diag([1.0, -1.0, 1.0, 1.0])
+    pair, kind = two_mates(recipe, 11)
+    image, mirror = Pair(11), np.diag([1.0, -1.0, 1.0, 1.0])
     for path, occurrence in pair.assembly.occurrences.items():
         world = frozen(mirror @ occurrence.world_from_occurrence)
         image.assembly.occurrences[path] = replace(occurrence, world_from_occurrence=world)
     image.mates = pair.mates
-    one, other = pair.only(), image.only()
-    assert one.ref == other.ref
-    check_motion(image, other, sum(3 if f.kind == "ball" else 1 for f in freedoms_of(kind)))
-    if any(dof.kind == "ball" for dof in pair.dofs(one)[1]):
-        return
+    mate, other = pair.only(), image.only()
+    assert mate.ref == other.ref
+    check_motion(image, other, freedom_of(kind))
     for _ in range(3):
-        values = pair.some(one)
-        assert np.allclose(
-            image.displaced(other, values), mirror @ pair.displaced(one, values) @ mirror, atol=1e-9
-        )
+        values = pair.some(mate)
+        moved = mirror @ pair.displaced(mate, values) @ mirror
+        assert np.allclose(image.displaced(other, values), moved, atol=1e-9)
 
 
-def test_a_gear_on_a_hinge_that_another_stands_for_turns_that_one(kit: Kit) -> None:
+def test_a_gear_on_an_absorbed_hinge_turns_the_other(kit):
     """At zero, where no pose tells the sign, and with the second hinge drawn against the first."""
-    base, door, wheel = (kit.place(name, fixed=name == "Base") for name in ("Base", "Door", "Wheel"))
+    base, door, wheel = kit.based("Door", "Wheel")
     kit.root.revolute("A", (door, np.eye(4)), (base, np.eye(4)))
     second = kit.root.revolute("B", (base, shift(0, 0, 1)), (door, shift(0, 0, 1)), redundant=True)
     gear = kit.root.revolute("C", (wheel, np.eye(4)), (base, shift(1, 0, 0)))

@@ -1,7 +1,5 @@
 """The key `keyframes`: values by glob, each checked, and the rest of the robot near to home."""
 
-import math
-
 import mujoco
 import numpy as np
 import pytest
@@ -14,37 +12,32 @@ from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.robot.motion.loops import gap
 from linkwright.stages.robot.motion.start_pose import home, keyframes, saved, starting_point
 from tests.support.building import NO_MESHES, plan_of
+from tests.support.reported import only
 from tests.support.robots import joint, robot_with
 from tests.unit.robot.test_home import four_bar
 
 
 def legs(**more):
     """Two legs of a hip and a knee each, saved at 0.2 rad, and a wheel that the first hip drives."""
-    limits = {f"{name}_{part}": Limits(-1.0, 2.0) for name in ("left", "right") for part in ("hip", "knee")}
     joints = []
     for side in ("left", "right"):
-        joints.append(
-            joint("revolute", "base", f"{side}_thigh", name=f"{side}_hip", saved=[0.2], limits=limits)
-        )
-        knee = joint(
-            "revolute", f"{side}_thigh", f"{side}_shin", name=f"{side}_knee", saved=[0.2], limits=limits
-        )
-        joints.append(knee)
+        for above, below, part in (("base", "thigh", "hip"), (f"{side}_thigh", "shin", "knee")):
+            name = f"{side}_{part}"
+            more_of = {"name": name, "saved": [0.2], "limits": {name: Limits(-1.0, 2.0)}}
+            joints.append(joint("revolute", above, f"{side}_{below}", **more_of))
     joints.append(joint("revolute", "base", "wheel", name="wheel", saved=[0.5]))
     joints.append(joint("ball", "base", "head", name="neck"))
-    relations = [Relation("belt", "wheel", "left_hip", 2.0, 0.1)]
-    return robot_with(joints, relations=relations, **more)
+    return robot_with(joints, relations=[Relation("belt", "wheel", "left_hip", 2.0, 0.1)], **more)
 
 
-def leg(saved_at, limits):
-    return robot_with(
-        [joint("revolute", "base", "leg", name="hip", saved=[saved_at], limits={"hip": limits})]
-    )
+def leg(saved_at, *limits):
+    hip = joint("revolute", "base", "leg", name="hip", saved=[saved_at], limits={"hip": Limits(*limits)})
+    return robot_with([hip])
 
 
-def made(robot, wanted):
+def made(robot, sections):
     log = Diagnostics()
-    return with_keyframes(robot, wanted, log), log
+    return with_keyframes(robot, sections, log), log
 
 
 def test_globs_give_values_and_the_others_stay_at_home():
@@ -52,13 +45,10 @@ def test_globs_give_values_and_the_others_stay_at_home():
     assert not log.problems
     poses = keyframes(robot)
     assert list(poses) == ["home", "cad", "crouch"]
-    assert poses["home"] == home(robot)
-    assert {name: poses["home"][name] for name in ("left_hip", "right_hip", "left_knee", "wheel")} == {
-        "left_hip": -0.3, "right_hip": -0.3, "left_knee": 0.2, "wheel": pytest.approx(-0.5),
-    }  # fmt: skip
-    assert poses["cad"] == saved(robot)
-    assert [poses["crouch"][f"{side}_knee"] for side in ("left", "right")] == [1.4, 1.2]
-    assert poses["crouch"]["left_hip"] == -0.3
+    assert (poses["home"], poses["cad"]) == (home(robot), saved(robot))
+    at_home = {"left_hip": -0.3, "right_hip": -0.3, "left_knee": 0.2, "wheel": pytest.approx(-0.5)}
+    assert {name: poses["home"][name] for name in at_home} == at_home
+    assert [poses["crouch"][name] for name in ("left_knee", "right_knee", "left_hip")] == [1.4, 1.2, -0.3]
 
 
 def test_the_value_of_a_follower_moves_its_driver():
@@ -69,7 +59,7 @@ def test_the_value_of_a_follower_moves_its_driver():
 
 
 @pytest.mark.parametrize(
-    ("wanted", "code", "said"),
+    ("sections", "code", "said"),
     [
         ({"a": {"*_knie": 1.0}}, "E-GLOB", "joints are: left_hip"),
         ({"a": {"left_knee": 2.5}}, "E-KEYFRAME", "2.5 rad is outside the limits of left_knee, -1 to 2"),
@@ -78,74 +68,63 @@ def test_the_value_of_a_follower_moves_its_driver():
         ({"a": {"left_hip": 0.5, "wheel": 0.5}}, "E-KEYFRAME", "makes wheel 1.1, not 0.5"),
     ],
 )
-def test_a_value_that_cannot_be_is_named(wanted, code, said):
-    _, log = made(legs(), wanted)
-    (problem,) = log.problems
-    assert problem.code == code
-    assert problem.where == f"keyframes.{next(iter(wanted))}"
+def test_a_value_that_cannot_be_is_named(sections, code, said):
+    problem = only(made(legs(), sections)[1])
+    assert (problem.code, problem.where) == (code, f"keyframes.{next(iter(sections))}")
     assert said in f"{problem.message} {problem.hint}"
 
 
-def test_the_rest_of_a_loop_follows_and_too_much_of_it_is_refused():
+def test_the_rest_of_a_loop_follows_and_too_much_is_refused():
     robot, log = made(four_bar(), {"half": {"drive": 1.4}})
     assert not log.problems
     pose = keyframes(robot)["half"]
     assert pose["drive"] == 1.4
     assert gap(robot.loops[0], link_poses(robot, pose)) < 1e-9
-    wanted = {"bent": {"drive": 1.4, "swing": pose["swing"] + 0.3, "pin": pose["pin"]}}
-    (problem,) = made(four_bar(), wanted)[1].problems
+    bent = {"bent": {"drive": 1.4, "swing": pose["swing"] + 0.3, "pin": pose["pin"]}}
+    problem = only(made(four_bar(), bent)[1])
     assert (problem.code, problem.where) == ("E-KEYFRAME", "keyframes.bent")
     assert "no pose with these values closes loop" in problem.message
 
 
 def test_a_home_that_no_pose_closes_is_a_warning():
-    far = saved(four_bar())
-    limits = {
-        "drive": Limits(1.3, 2.0),
-        "pin": Limits(far["pin"] + 2, None),
-        "swing": Limits(None, far["swing"] - 2),
-    }
-    (found,) = made(four_bar(limits), {})[1].found
-    assert (found.code, found.where) == ("W-HOME", "loop")
+    far, drive = saved(four_bar()), Limits(1.3, 2.0)
+    limits = {"drive": drive, "pin": Limits(far["pin"] + 2, None), "swing": Limits(None, far["swing"] - 2)}
+    note = only(made(four_bar(limits), {})[1])
+    assert (note.code, note.where) == ("W-HOME", "loop")
 
 
-def test_a_simulation_starts_at_home_where_zero_or_the_saved_pose_is_outside_the_limits():
-    limits = {"hip": Limits(0.3, 1.0)}
-    robot = robot_with([joint("revolute", "base", "leg", name="hip", saved=[0.1], limits=limits)])
+def test_a_simulation_starts_at_home_where_zero_is_outside():
+    robot = leg(0.1, 0.3, 1.0)
     assert starting_point(robot) == home(robot) == {"hip": 0.3}
-    within = robot_with(
-        [joint("revolute", "base", "leg", name="hip", saved=[0.5], limits={"hip": Limits(-1, 1)})]
-    )
-    assert starting_point(within) == {"hip": 0.0}
+    assert starting_point(leg(0.5, -1, 1)) == {"hip": 0.0}
     bar = four_bar({"drive": Limits(1.3, 2.0)})
     assert starting_point(bar) == home(bar)
     assert gap(bar.loops[0], link_poses(bar, starting_point(bar))) < 1e-9
 
 
+def compiled(robot, **keys):
+    return mujoco.MjModel.from_xml_string(
+        export(robot, NO_MESHES, plan_of(**keys)).files["robot.xml"].decode()
+    )
+
+
 def test_the_mjcf_has_each_keyframe_and_starts_within_the_limits():
-    robot, _ = made(leg(0.1, Limits(0.3, 1.0)), {"kick": {"hip": 0.9}})
-    files = export(robot, NO_MESHES, plan_of()).files
-    model = mujoco.MjModel.from_xml_string(files[f"{robot.name}.xml"].decode())
-    assert model.qpos0.tolist() == [0.3]
-    assert {model.key(index).name: model.key(index).qpos.tolist() for index in range(model.nkey)} == {
-        "home": [0.3], "cad": [0.1], "kick": [0.9],
-    }  # fmt: skip
+    robot, _ = made(leg(0.1, 0.3, 1.0), {"kick": {"hip": 0.9}})
+    model = compiled(robot)
+    assert (model.qpos0.tolist(), model.jnt_range[0][0]) == ([0.3], pytest.approx(0.3))
+    poses = {model.key(index).name: model.key(index).qpos.tolist() for index in range(model.nkey)}
+    assert poses == {"home": [0.3], "cad": [0.1], "kick": [0.9]}
     data = mujoco.MjData(model)
     for name, pose in keyframes(robot).items():
         mujoco.mj_resetDataKeyframe(model, data, model.key(name).id)
         mujoco.mj_kinematics(model, data)
-        found = np.eye(4)
-        found[:3, :3] = data.body("leg").xmat.reshape(3, 3)
-        found[:3, 3] = data.body("leg").xpos
-        np.testing.assert_allclose(found, link_poses(robot, pose)["leg"], atol=1e-12)
-    assert math.isclose(model.jnt_range[0][0], 0.3)
+        expected = link_poses(robot, pose)["leg"]
+        np.testing.assert_allclose(data.body("leg").xmat.reshape(3, 3), expected[:3, :3], atol=1e-12)
+        np.testing.assert_allclose(data.body("leg").xpos, expected[:3, 3], atol=1e-12)
 
 
 def test_the_servos_of_each_keyframe_rest_there():
-    robot, _ = made(leg(0.1, Limits(0.0, 1.0)), {"kick": {"hip": 0.9}})
-    plan = plan_of(actuators={"*": {"type": "position", "kp": 10}})
-    files = export(robot, NO_MESHES, plan).files
-    model = mujoco.MjModel.from_xml_string(files[f"{robot.name}.xml"].decode())
-    assert {model.key(index).name: model.key(index).ctrl.tolist() for index in range(model.nkey)} == {
-        "home": [0.1], "cad": [0.1], "kick": [0.9],
-    }  # fmt: skip
+    robot, _ = made(leg(0.1, 0.0, 1.0), {"kick": {"hip": 0.9}})
+    model = compiled(robot, actuators={"*": {"type": "position", "kp": 10}})
+    controls = {model.key(index).name: model.key(index).ctrl.tolist() for index in range(model.nkey)}
+    assert controls == {"home": [0.1], "cad": [0.1], "kick": [0.9]}

@@ -6,12 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from linkwright.stages.graph.passes.mobility import with_mobility
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.model.poses import from_parts, inverse, motion, rotation_from_quat, turn
+from linkwright.stages.robot.model.poses import from_parts, inverse, motion, turn
 from linkwright.stages.robot.model.robot import Relation, Robot
 from linkwright.stages.robot.motion.kinematics import chain, link_poses, saved_configuration
+from tests.support.reported import codes
 from tests.support.robots import CHAINS, LOOPS, Z, at, joint, loop, pose, robot_with, some_value
 
 
@@ -40,12 +42,15 @@ def along(axis, point) -> np.ndarray:
 
 def counts(robot: Robot) -> tuple[tuple, Diagnostics]:
     log = Diagnostics()
-    found = with_mobility(robot, log).mobility
-    return (found.coordinates, found.gruebler, found.dof, dict(found.redundant)), log
+    mobility = with_mobility(robot, log).mobility
+    return (mobility.coordinates, mobility.gruebler, mobility.dof, dict(mobility.redundant)), log
 
 
-def told(log: Diagnostics) -> list[str]:
-    return [one.code for one in log.found]
+def counted(robot: Robot) -> tuple:
+    """The counts of a robot of which nothing is reported."""
+    mobility, log = counts(robot)
+    assert codes(log) == []
+    return mobility
 
 
 def polygon(*points, size: float = 1.0) -> Robot:
@@ -56,76 +61,80 @@ def polygon(*points, size: float = 1.0) -> Robot:
     return drawn(joints, [("revolute", links[-1], "base", pins[-1])])
 
 
-@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
-def test_planar_linkages_of_parallel_pins(size: float) -> None:
-    four = polygon((0, 0), (0.1, 0.3), (0.5, 0.4), (0.6, 0), size=size)
-    assert counts(four)[0] == (3, -2, 1, {"loop_0": 3})
-    five = polygon((0, 0), (0.1, 0.3), (0.3, 0.5), (0.5, 0.4), (0.6, 0), size=size)
-    assert counts(five)[0] == (4, -1, 2, {"loop_0": 3})
+FOUR = ((0, 0), (0.1, 0.3), (0.5, 0.4), (0.6, 0))
+FIVE = ((0, 0), (0.1, 0.3), (0.3, 0.5), (0.5, 0.4), (0.6, 0))
+FLAT, UP = ((0, 0), (0.1, 0), (0.5, 0), (0.4, 0)), ((0, 0), (0.06, 0.08), (0.46, 0.08), (0.4, 0))
 
 
-def test_a_triangle_of_pins_is_rigid_and_says_so() -> None:
-    found, log = counts(polygon((0, 0), (0.1, 0.3), (0.6, 0)))
-    assert found == (2, -3, 0, {"loop_0": 3})
-    assert told(log) == ["W-RIGID-LOOP"]
-    assert log.found[0].where == "loop_0"
+@pytest.mark.parametrize(
+    ("points", "size", "mobility"),
+    [
+        *((FOUR, size, (3, -2, 1, {"loop_0": 3})) for size in (1e-3, 1.0, 1e3)),
+        *((FIVE, size, (4, -1, 2, {"loop_0": 3})) for size in (1e-3, 1.0, 1e3)),
+        (FLAT, 1.0, (3, -2, 2, {"loop_0": 4})),
+        (UP, 1.0, (3, -2, 1, {"loop_0": 3})),
+    ],
+)
+def test_planar_linkages_of_parallel_pins(points, size, mobility):
+    """A parallelogram that lies flat counts the motion of its fork: there its rank is that of another
+    linkage too (the antiparallelogram), one less than beside it."""
+    assert counted(polygon(*points, size=size)) == mobility
+
+
+def test_a_triangle_of_pins_is_rigid_and_says_so():
+    mobility, log = counts(polygon((0, 0), (0.1, 0.3), (0.6, 0)))
+    assert mobility == (2, -3, 0, {"loop_0": 3})
+    assert [(note.code, note.where) for note in log.found] == [("W-RIGID-LOOP", "loop_0")]
     assert log.found[0].message.endswith("bar_0_joint, bar_1_joint")
 
 
-def test_a_parallelogram_that_lies_flat_counts_the_motion_of_its_fork() -> None:
-    """There its rank is that of another linkage too (the antiparallelogram): one less than beside it."""
-    assert counts(polygon((0, 0), (0.1, 0), (0.5, 0), (0.4, 0)))[0] == (3, -2, 2, {"loop_0": 4})
-    up = polygon((0, 0), (0.06, 0.08), (0.46, 0.08), (0.4, 0))
-    assert counts(up)[0] == (3, -2, 1, {"loop_0": 3})
+def slider_crank(x, y, d, relations=()) -> Robot:
+    """A crank with its pin at (x, y), a rod, and a piston at (d, 0)."""
+    joints = [
+        ("revolute", "base", "crank", at(0, 0, 0)),
+        ("revolute", "crank", "rod", at(x, y, 0)),
+        ("prismatic", "base", "piston", along((1, 0, 0), (d, 0, 0))),
+    ]
+    return drawn(joints, [("revolute", "rod", "piston", at(d, 0, 0))], relations)
 
 
-def test_a_slider_crank() -> None:
-    robot = drawn(
-        [
-            ("revolute", "base", "crank", at(0, 0, 0)),
-            ("revolute", "crank", "rod", at(0.1, 0.2, 0)),
-            ("prismatic", "base", "piston", along((1, 0, 0), (0.7, 0, 0))),
-        ],
-        [("revolute", "rod", "piston", at(0.7, 0, 0))],
-    )
-    assert counts(robot)[0] == (3, -2, 1, {"loop_0": 3})
+def test_a_slider_crank():
+    assert counted(slider_crank(0.1, 0.2, 0.7)) == (3, -2, 1, {"loop_0": 3})
 
 
-def test_a_bennett_linkage_moves_though_its_axes_are_skew() -> None:
+def test_a_bennett_linkage_moves_though_its_axes_are_skew():
     """a / sin α = b / sin β; tan θ₁/2 tan θ₂/2 = sin ½(β + α) / sin ½(β − α) (Bennett 1903)."""
     a, alpha, beta = 0.3, 0.5, 1.1
     b = a * math.sin(beta) / math.sin(alpha)
-    one = 0.8
     ratio = math.sin((beta + alpha) / 2) / math.sin((beta - alpha) / 2)
-    two = 2 * math.atan(ratio / math.tan(one / 2))
+    first, second = 0.8, 2 * math.atan(ratio / math.tan(0.4))
     frames = [np.eye(4)]
-    for angle, length, twist in ((one, a, alpha), (two, b, beta), (-one, a, alpha), (-two, b, beta)):
+    for angle, length, twist in (
+        (first, a, alpha),
+        (second, b, beta),
+        (-first, a, alpha),
+        (-second, b, beta),
+    ):
         step = motion("turn", np.array(Z), angle) @ at(length, 0, 0)
         frames.append(frames[-1] @ step @ from_parts(turn(np.array([1.0, 0, 0]), twist), np.zeros(3)))
     assert np.abs(frames[4] - np.eye(4)).max() < 1e-12
-    links = ["base", "bar_0", "bar_1", "bar_2"]
+    links, loops = ["base", "bar_0", "bar_1", "bar_2"], [("revolute", "bar_2", "base", frames[3])]
     joints = [("revolute", links[n], links[n + 1], frames[n]) for n in range(3)]
-    robot = drawn(joints, [("revolute", "bar_2", "base", frames[3])])
-    assert counts(robot)[0] == (3, -2, 1, {"loop_0": 1 + 2})
+    assert counts(drawn(joints, loops))[0] == (3, -2, 1, {"loop_0": 1 + 2})
     skewed = [*joints[:2], ("revolute", "bar_1", "bar_2", frames[2] @ along((0, 0.3, 1), (0, 0, 0)))]
-    assert counts(drawn(skewed, [("revolute", "bar_2", "base", frames[3])]))[0][2] == 0
+    assert counts(drawn(skewed, loops))[0][2] == 0
 
 
-def test_an_rssr_has_its_input_and_the_spin_of_its_rod() -> None:
-    robot = drawn(
-        [
-            ("revolute", "base", "crank", along((0, 0, 1), (0, 0, 0))),
-            ("ball", "crank", "rod", at(0.1, 0.05, 0)),
-            ("revolute", "base", "rocker", along((1, 0.2, 0), (0.5, 0.1, -0.1))),
-        ],
-        [("ball", "rod", "rocker", at(0.5, 0.3, 0.2))],
-    )
-    found, log = counts(robot)
-    assert found == (5, 2, 2, {})
-    assert not told(log)
+def test_an_rssr_has_its_input_and_the_spin_of_its_rod():
+    joints = [
+        ("revolute", "base", "crank", along((0, 0, 1), (0, 0, 0))),
+        ("ball", "crank", "rod", at(0.1, 0.05, 0)),
+        ("revolute", "base", "rocker", along((1, 0.2, 0), (0.5, 0.1, -0.1))),
+    ]
+    assert counted(drawn(joints, [("ball", "rod", "rocker", at(0.5, 0.3, 0.2))])) == (5, 2, 2, {})
 
 
-def test_a_stewart_platform_has_six() -> None:
+def test_a_stewart_platform_has_six():
     joints, loops = [], []
     for leg in range(6):
         foot = np.array([math.cos(leg * math.pi / 3), math.sin(leg * math.pi / 3), 0.0])
@@ -143,42 +152,40 @@ def test_a_stewart_platform_has_six() -> None:
     assert counts(drawn(joints, loops))[0] == (21, 6, 6, {})
 
 
-def test_gears_take_one_each_and_lock_what_they_contradict() -> None:
+def test_gears_take_one_each_and_lock_what_they_contradict():
     gear = Relation("gear", "bar_1_joint", "bar_0_joint", -2.0, 0.0)
     pins = [("revolute", "base", f"bar_{n}", at(n, 0, 0)) for n in range(3)]
-    assert counts(drawn(pins, relations=[gear]))[0] == (3, 2, 2, {})
-    robot = polygon((0, 0), (0.1, 0.3), (0.5, 0.4), (0.6, 0))
-    found, log = counts(drawn_with(robot, [gear]))
-    assert found == (3, -3, 0, {"loop_0": 3})
-    assert told(log) == ["W-RIGID-LOOP"]
+    assert counted(drawn(pins, relations=[gear])) == (3, 2, 2, {})
+    four = polygon(*FOUR)
+    mobility, log = counts(robot_with(four.joints, loops=four.loops, relations=[gear]))
+    assert (mobility, codes(log)) == ((3, -3, 0, {"loop_0": 3}), ["W-RIGID-LOOP"])
 
 
-@pytest.mark.parametrize(("sign", "dof"), [(1, 1), (-1, 0)])
-def test_a_relation_that_the_loop_implies_takes_nothing(sign: int, dof: int) -> None:
-    """Crank and rocker of a parallelogram turn alike; both hang on the base, on two sides of the loop."""
-    pins = [at(0, 0, 0), at(0.06, 0.08, 0), at(0.46, 0.08, 0), at(0.4, 0, 0)]
-    robot = drawn(
-        [
-            ("revolute", "base", "crank", pins[0]),
-            ("revolute", "crank", "rod", pins[1]),
-            ("revolute", "base", "rocker", pins[3]),
-        ],
-        [("revolute", "rod", "rocker", pins[2])],
-        [Relation("alike", "rocker_joint", "crank_joint", sign, 0.0)],
-    )
-    assert counts(robot)[0] == (3, -3, dof, {"loop_0": 3 + dof})
-
-
-def test_a_train_of_gears_has_one_whatever_its_length_and_ratio() -> None:
-    joints = [("revolute", "base", f"wheel_{n}", at(0.1 * n, 0, 0)) for n in range(80)]
-    relations = [
-        Relation(f"gear_{n}", f"wheel_{n}_joint", "wheel_0_joint", (-1.5) ** n, 0.0) for n in range(1, 80)
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_relation_that_the_loop_implies_takes_nothing(sign):
+    """Crank and rocker of a parallelogram turn alike; both hang on the base, on two sides of the loop. A
+    piston's rate is −y − x y / (d − x) of the crank's with its pin at (x, y), as the rod keeps its length."""
+    pins, dof = [at(x, y, 0) for x, y in UP], sign == 1
+    joints = [
+        ("revolute", "base", "crank", pins[0]),
+        ("revolute", "crank", "rod", pins[1]),
+        ("revolute", "base", "rocker", pins[3]),
     ]
-    found, _ = counts(drawn(joints, relations=relations))
-    assert found == (80, 1, 1, {})
+    alike = [Relation("alike", "rocker_joint", "crank_joint", sign, 0.0)]
+    robot = drawn(joints, [("revolute", "rod", "rocker", pins[2])], alike)
+    assert counts(robot)[0] == (3, -3, dof, {"loop_0": 3 + dof})
+    x, y, d = 0.1, 0.2, 0.7
+    rack = Relation("rack", "piston_joint", "crank_joint", sign * (-y - x * y / (d - x)), 0.0)
+    assert counts(slider_crank(x, y, d, [rack]))[0] == (3, -3, dof, {"loop_0": 3 + dof})
 
 
-def test_two_linkages_that_a_steep_gear_ties_move_as_one() -> None:
+def test_a_train_of_gears_has_one_whatever_its_length_and_ratio():
+    joints = [("revolute", "base", f"wheel_{n}", at(0.1 * n, 0, 0)) for n in range(80)]
+    gears = [Relation(f"g{n}", f"wheel_{n}_joint", "wheel_0_joint", (-1.5) ** n, 0.0) for n in range(1, 80)]
+    assert counted(drawn(joints, relations=gears)) == (80, 1, 1, {})
+
+
+def test_two_linkages_that_a_steep_gear_ties_move_as_one():
     """Where the one moves a millionth of the other it moves all the same: no loop is rigid."""
     pins = [at(x, y, 0) for x, y in ((0, 0), (0, 1), (2, 1.5), (2, 0))]
     joints, loops = [], []
@@ -186,32 +193,12 @@ def test_two_linkages_that_a_steep_gear_ties_move_as_one() -> None:
         links = ["base", *(f"{side}{number}" for number in range(3))]
         joints += [("revolute", links[n], links[n + 1], pin) for n, pin in enumerate(pins[:-1])]
         loops.append(("revolute", links[-1], "base", pins[-1]))
-    found, log = counts(drawn(joints, loops, [Relation("gear", "b0_joint", "a0_joint", 1e8, 0.0)]))
-    assert found == (6, -5, 1, {"loop_0": 3, "loop_1": 3})
-    assert not told(log)
-
-
-@pytest.mark.parametrize("sign", [1, -1])
-def test_a_rack_that_the_loop_implies_takes_nothing(sign: int) -> None:
-    """Crank pin at (x, y), rod to a piston at (d, 0): the piston's rate is −y − x y / (d − x) of the
-    crank's, as the rod keeps its length."""
-    x, y, d = 0.1, 0.2, 0.7
-    rate = -y - x * y / (d - x)
-    robot = drawn(
-        [
-            ("revolute", "base", "crank", at(0, 0, 0)),
-            ("revolute", "crank", "rod", at(x, y, 0)),
-            ("prismatic", "base", "piston", along((1, 0, 0), (d, 0, 0))),
-        ],
-        [("revolute", "rod", "piston", at(d, 0, 0))],
-        [Relation("rack", "piston_joint", "crank_joint", sign * rate, 0.0)],
-    )
-    dof = 1 if sign == 1 else 0
-    assert counts(robot)[0] == (3, -3, dof, {"loop_0": 3 + dof})
+    gear = Relation("gear", "b0_joint", "a0_joint", 1e8, 0.0)
+    assert counted(drawn(joints, loops, [gear])) == (6, -5, 1, {"loop_0": 3, "loop_1": 3})
 
 
 @pytest.mark.parametrize(("tilt", "dof"), [(0.0, 2), (0.4, 1)])
-def test_a_dof_moves_about_its_axis_where_the_one_before_it_leaves_it(tilt: float, dof: int) -> None:
+def test_a_dof_moves_about_its_axis_as_the_dof_before_leaves_it(tilt, dof):
     """A slide along z and a turn about an axis tilted from it, in a guide along and about z."""
     tilted = from_parts(turn(np.array([1.0, 0, 0]), tilt), np.zeros(3))
     arm = joint("cylindrical", "base", "arm", origins=[tilted])
@@ -219,50 +206,42 @@ def test_a_dof_moves_about_its_axis_where_the_one_before_it_leaves_it(tilt: floa
     assert counts(robot_with([arm], loops=[guide]))[0] == (2, -2, dof, {"loop": 2 + dof})
 
 
-def drawn_with(robot: Robot, relations) -> Robot:
-    return robot_with(robot.joints, loops=robot.loops, relations=relations)
-
-
-def test_redundancy_is_reported_the_later_loop_by_name() -> None:
+def test_redundancy_is_reported_the_later_loop_by_name():
     """Two equal mates close one ring: the second says nothing at all."""
-    four = polygon((0, 0), (0.1, 0.3), (0.5, 0.4), (0.6, 0))
-    (one,) = four.loops
-    for loops in ([one, replace(one, name="again")], [replace(one, name="again"), one]):
-        found, log = counts(robot_with(four.joints, loops=loops))
-        assert found == (3, -7, 1, {"again": 3, "loop_0": 5})
-        assert told(log) == []
+    four = polygon(*FOUR)
+    (loop,) = four.loops
+    for loops in ([loop, replace(loop, name="again")], [replace(loop, name="again"), loop]):
+        assert counted(robot_with(four.joints, loops=loops)) == (3, -7, 1, {"again": 3, "loop_0": 5})
 
 
-def test_a_loop_between_links_that_do_not_move_is_redundant_alone() -> None:
+def test_a_loop_between_links_that_do_not_move_is_redundant():
     robot = drawn([("fixed", "base", "arm", at(1, 0, 0))], [("revolute", "arm", "base", at(0, 0, 0))])
-    found, log = counts(robot)
-    assert found == (0, -5, 0, {"loop_0": 5})
-    assert told(log) == []
+    assert counted(robot) == (0, -5, 0, {"loop_0": 5})
 
 
 def extended_nullity(robot: Robot) -> int:
     """Motions by central differences: with the loops' own dofs as unknowns beside the tree's, each loop
     has six rows, the twist of frame a in frame b at the end of the loop's chain."""
-    saved: dict = {**saved_configuration(robot), **{d.name: d.saved for one in robot.loops for d in one.dofs}}
-    dofs = [*robot.dofs, *(dof for one in robot.loops for dof in one.dofs)]
+    of_loops = [dof for loop in robot.loops for dof in loop.dofs]
+    saved: dict = {**saved_configuration(robot), **{dof.name: dof.saved for dof in of_loops}}
 
     def gaps(q: Mapping) -> list[np.ndarray]:
         poses = link_poses(robot, q)
         return [
-            inverse(poses[one.link_b] @ one.b_from_frame @ chain(one.dofs, q))
-            @ poses[one.link_a]
-            @ one.a_from_frame
-            for one in robot.loops
+            inverse(poses[loop.link_b] @ loop.b_from_frame @ chain(loop.dofs, q))
+            @ poses[loop.link_a]
+            @ loop.a_from_frame
+            for loop in robot.loops
         ]
 
     at_rest = gaps(saved)
     columns, h = [], 1e-5
-    for dof in dofs:
+    for dof in (*robot.dofs, *of_loops):
         for changed in nudged(dof, saved[dof.name], h):
             ahead, behind = (gaps({**saved, dof.name: value}) for value in changed)
             twists = []
-            for gap, one, other in zip(at_rest, ahead, behind, strict=True):
-                rate = inverse(gap) @ (one - other) / (2 * h)
+            for gap, after, before in zip(at_rest, ahead, behind, strict=True):
+                rate = inverse(gap) @ (after - before) / (2 * h)
                 twists += [rate[2, 1], rate[0, 2], rate[1, 0], *rate[:3, 3]]
             columns.append(twists)
     sizes = np.linalg.svd(np.column_stack(columns), compute_uv=False)
@@ -270,58 +249,36 @@ def extended_nullity(robot: Robot) -> int:
 
 
 def nudged(dof, value, h):
+    """Pairs of values a little ahead and behind, one pair for each way that a turn, slide or ball moves."""
     if isinstance(value, float):
         return [(value + h, value - h)]
-    pairs = []
-    for axis in np.eye(3):
-        turned = [rotation_of(value) @ turn(axis, sign * h) for sign in (1, -1)]
-        quats = [tuple(float(x) for x in quat_of(rotation)) for rotation in turned]
-        pairs.append(tuple((*value[:-4], *quat) for quat in quats))
-    for axis in np.eye(3) if dof.kind == "free" else ():
-        place = np.array(value[:3])
-        pairs.append(tuple((*map(float, place + sign * h * axis), *value[3:]) for sign in (1, -1)))
-    return pairs
-
-
-def rotation_of(value):
-    return rotation_from_quat(np.array(value[-4:]))
-
-
-def quat_of(rotation):
-    from scipy.spatial.transform import Rotation
-
-    x, y, z, w = Rotation.from_matrix(rotation).as_quat()
-    return w, x, y, z
+    turns = [[Rotation.from_rotvec(sign * h * axis) for sign in (1, -1)] for axis in np.eye(3)]
+    start = Rotation.from_quat(np.roll(value, -1))
+    return [[tuple(np.roll((start * step).as_quat(), 1).tolist()) for step in pair] for pair in turns]
 
 
 @pytest.mark.parametrize("parallel", [False, True])
 @pytest.mark.parametrize("kind", LOOPS)
-def test_random_rings_of_every_type_against_numeric_differences(kind, parallel) -> None:
+def test_random_rings_of_every_type_against_numeric_differences(kind, parallel):
     """Links saved anywhere, chains either way round, frames skew or with all their axes parallel."""
     rng = np.random.default_rng(LOOPS.index(kind) + 20 * parallel)
 
     def place():
         return at(*rng.uniform(-0.3, 0.3, 3)) if parallel else pose(rng)
 
-    kinds = ["cylindrical", "revolute", "planar", "pin_slot", "prismatic", "revolute"]
-    kinds = kinds[:4] if parallel else [*kinds[:2], "ball", kinds[3]]
+    kinds = ["cylindrical", "revolute", "planar" if parallel else "ball", "pin_slot"]
     joints, parent = [], "base"
-    for number, what in enumerate(kinds):
-        values = [some_value(each, rng) for _, each, _ in CHAINS[what]]
+    for number, joint_type in enumerate(kinds):
+        values = [some_value(each, rng) for _, each, _ in CHAINS[joint_type]]
         way = {"backwards": number % 2 == 1, "origins": [place() for _ in values[1:]]}
-        joints.append(joint(what, parent, f"link_{number}", values, place=place(), **way))
+        joints.append(joint(joint_type, parent, f"link_{number}", values, place=place(), **way))
         parent = "base" if number == 1 else f"link_{number}"
     values = [some_value(each, rng) for _, each, _ in CHAINS[kind]]
-    own = loop(kind, "link_1", parent, np.eye(4), place(), values)
+    closing = loop(kind, "link_1", parent, np.eye(4), place(), values)
     poses = link_poses(robot_with(joints), saved_configuration(robot_with(joints)))
-    closed = (
-        inverse(poses["link_1"])
-        @ poses[parent]
-        @ own.b_from_frame
-        @ chain(own.dofs, {dof.name: dof.saved for dof in own.dofs})
-    )
-    robot = robot_with(joints, loops=[replace(own, a_from_frame=closed)])
+    ends = chain(closing.dofs, {dof.name: dof.saved for dof in closing.dofs})
+    frame = inverse(poses["link_1"]) @ poses[parent] @ closing.b_from_frame @ ends
+    robot = robot_with(joints, loops=[replace(closing, a_from_frame=frame)])
     coordinates, gruebler, dof, redundant = counts(robot)[0]
-    assert dof == extended_nullity(robot)
-    assert dof == gruebler + sum(redundant.values())
-    assert coordinates == sum({"ball": 3}.get(one.kind, 1) for one in robot.dofs)
+    assert dof == extended_nullity(robot) == gruebler + sum(redundant.values())
+    assert coordinates == sum({"ball": 3}.get(dof.kind, 1) for dof in robot.dofs)

@@ -25,30 +25,26 @@ OWN = {"zero", "invert", "rotor_inertia", "gear"}
 def made(keys: dict[str, Any]) -> Exported:
     """A pinion that drives a rack, and a flap with a screw whose mass is estimated."""
     kit = Kit()
-    base, wheel, rack, flap = (
-        kit.place(name, fixed=name == "Base") for name in ("Base", "Wheel", "Rack", "Flap")
-    )
+    base, wheel, rack, flap = kit.based("Wheel", "Rack", "Flap")
     pinion = kit.root.revolute("Pinion", (wheel, frame()), (base, frame((0, 0, 0.1))), 0.2, limits=(-1, 2))
     rail = kit.root.slider("Rail", (rack, frame()), (base, frame((0.1, 0, 0))), 0.02, limits=(0, 0.1))
     kit.root.rack("Gearing", pinion, rail, 0.6283185307179586, reverse=True)
     kit.root.revolute("Lid", (flap, frame()), (base, frame((0, 0.1, 0))), limits=(-0.5, 0.5))
     screw = kit.root.add(kit.studio.part("Screw", solids.box(0.002, 0.002, 0.002)))
     kit.root.fasten("Screwed", (screw, frame()), (flap, frame((0, 0, 0.05))))
-    plan = plan_of(**keys)
-    return export(robot_of(kit.document, plan), NO_MESHES, plan)
+    return export(robot_of(kit.document, plan_of(**keys)), NO_MESHES, plan_of(**keys))
 
 
-def elements(found: Exported) -> list[str]:
+def elements(outcome: Exported) -> list[str]:
     """The joints of both files and what follows, and the masses, one a line."""
-    mjcf = etree.fromstring(found.files["robot.xml"])
-    urdf = etree.fromstring(found.files["robot.urdf"])
-    lines = [_line(one) for one in mjcf.iter("joint") if one.get("name") or one.getparent().tag == "equality"]
-    lines += [_line(one) for one in mjcf.iter("key") if one.get("name") not in ("home", "cad")]
-    for one in urdf.iterfind("joint"):
-        parts = [_line(part) for part in one if part.tag in ("axis", "limit", "mimic")]
-        lines.append(f"urdf {one.get('name')}: {'; '.join(parts)}")
-    lines.append(f"mass {sum(float(one.get('value')) for one in urdf.iter('mass')):.9g}")
-    return lines
+    mjcf, urdf = (etree.fromstring(outcome.files[f"robot.{end}"]) for end in ("xml", "urdf"))
+    joints = (e for e in mjcf.iter("joint") if e.get("name") or e.getparent().tag == "equality")
+    keys = (key for key in mjcf.iter("key") if key.get("name") not in ("home", "cad"))
+    lines = [_line(element) for element in (*joints, *keys)]
+    for joint in urdf.iterfind("joint"):
+        parts = [_line(part) for part in joint if part.tag in ("axis", "limit", "mimic")]
+        lines.append(f"urdf {joint.get('name')}: {'; '.join(parts)}")
+    return [*lines, f"mass {sum(float(mass.get('value')) for mass in urdf.iter('mass')):.9g}"]
 
 
 def _line(element: Any) -> str:
@@ -56,12 +52,12 @@ def _line(element: Any) -> str:
 
 
 @pytest.mark.parametrize("title", GOLDEN)
-def test_each_key_comes_to_its_golden_and_compiles(title: str) -> None:
-    found = made(GOLDEN[title]["keys"])
-    assert elements(found) == GOLDEN[title]["elements"], (
+def test_each_key_comes_to_its_golden_and_compiles(title):
+    outcome = made(GOLDEN[title]["keys"])
+    assert elements(outcome) == GOLDEN[title]["elements"], (
         "if this is meant: python -m tests.unit.graph.passes.test_own_terms_files"
     )
-    model = mujoco.MjModel.from_xml_string(found.files["robot.xml"].decode())
+    model = mujoco.MjModel.from_xml_string(outcome.files["robot.xml"].decode())
     for name in ("pinion", "rail", "lid"):
         # At its own zero a joint is where the untouched robot has that value of the mate.
         own = GOLDEN[title]["keys"].get("joints", {}).get(name, {})
@@ -71,16 +67,16 @@ def test_each_key_comes_to_its_golden_and_compiles(title: str) -> None:
             assert model.dof_armature[model.joint(name).dofadr[0]] == pytest.approx(expected)
 
 
-def test_every_key_has_a_golden() -> None:
-    given = {
-        key for one in GOLDEN.values() for joint in one["keys"].get("joints", {}).values() for key in joint
-    }
-    assert set(JointSection.model_fields) >= given >= OWN
-    assert any("total" in one["keys"].get("mass", {}) for one in GOLDEN.values())
+def test_every_key_has_a_golden():
+    entries = [entry["keys"] for entry in GOLDEN.values()]
+    keys = {key for entry in entries for joint in entry.get("joints", {}).values() for key in joint}
+    assert set(JointSection.model_fields) >= keys >= OWN
+    assert any("total" in entry.get("mass", {}) for entry in entries)
 
 
 if __name__ == "__main__":
     written = {
-        title: {"keys": one["keys"], "elements": elements(made(one["keys"]))} for title, one in GOLDEN.items()
+        title: {"keys": entry["keys"], "elements": elements(made(entry["keys"]))}
+        for title, entry in GOLDEN.items()
     }
     FILE.write_text(yaml.safe_dump(written, sort_keys=False, width=200), encoding="utf-8")

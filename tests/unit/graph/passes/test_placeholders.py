@@ -1,7 +1,5 @@
 """Numbers of a URDF that stand for no limit are no limits, unless the configuration gives them."""
 
-from pathlib import Path
-
 import mujoco
 import pytest
 from lxml import etree
@@ -9,8 +7,9 @@ from lxml import etree
 from linkwright.stages.graph.passes.limits.placeholders import without_placeholders
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import Dof, Dynamics, Limits, Robot
-from linkwright.stages.validate.simulate.noise import shaken
+from linkwright.stages.validate.simulate.noise import run_with_noise
 from tests.support.building import plan_of, write
+from tests.support.reported import codes, only
 from tests.support.robots import joint, robot_with
 from tests.support.urdfs import urdf_robot
 from tests.unit.graph.urdf.test_reader import joint as urdf_joint
@@ -27,28 +26,21 @@ def dof_of(kind: str, limits: Limits, dynamics: Dynamics) -> tuple[Dof, Diagnost
 
 OPEN = Limits()
 RANGES = [
-    ("revolute", Limits(-10, 10), OPEN),
-    ("revolute", Limits(-100, 100), OPEN),
-    ("revolute", Limits(-1e16, 1e16), OPEN),
-    ("revolute", Limits(0, 1e16), Limits(0, None)),
-    ("revolute", Limits(-1e16, 0.5), Limits(None, 0.5)),
-    ("prismatic", Limits(-1e16, 1e16), OPEN),
-    ("revolute", Limits(-6.28318530718, 6.28318530718), None),
-    ("revolute", Limits(-9.42, 9.42), None),
-    ("revolute", Limits(-9, 9), None),
-    ("revolute", Limits(-10, 11), None),
-    ("revolute", Limits(-10.5, 10.5), None),
-    ("revolute", Limits(0, 10), None),
-    ("prismatic", Limits(-10, 10), None),
-    ("prismatic", Limits(-15, 15), None),
-]
+    ("revolute", Limits(-10, 10), OPEN), ("revolute", Limits(-100, 100), OPEN),
+    ("revolute", Limits(-1e16, 1e16), OPEN), ("revolute", Limits(0, 1e16), Limits(0, None)),
+    ("revolute", Limits(-1e16, 0.5), Limits(None, 0.5)), ("prismatic", Limits(-1e16, 1e16), OPEN),
+    ("revolute", Limits(-6.28318530718, 6.28318530718), None), ("revolute", Limits(-9.42, 9.42), None),
+    ("revolute", Limits(-9, 9), None), ("revolute", Limits(-10, 11), None),
+    ("revolute", Limits(-10.5, 10.5), None), ("revolute", Limits(0, 10), None),
+    ("prismatic", Limits(-10, 10), None), ("prismatic", Limits(-15, 15), None),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("kind", "limits", "expected"), RANGES)
-def test_a_range_that_no_joint_has_is_open(kind: str, limits: Limits, expected: Limits | None) -> None:
+def test_a_range_that_no_joint_has_is_open(kind, limits, expected):
     dof, log = dof_of(kind, limits, Dynamics())
     assert dof.limits == (limits if expected is None else expected)
-    assert [one.code for one in log.found] == ([] if expected is None else ["W-URDF-PLACEHOLDER"])
+    assert [problem.code for problem in log.found] == ([] if expected is None else ["W-URDF-PLACEHOLDER"])
 
 
 BOUNDS = [
@@ -62,7 +54,7 @@ BOUNDS = [
 
 
 @pytest.mark.parametrize(("kind", "dynamics", "expected"), BOUNDS)
-def test_powers_of_ten_are_no_effort_and_no_velocity(kind: str, dynamics: Dynamics, expected) -> None:
+def test_powers_of_ten_are_no_effort_and_no_velocity(kind, dynamics, expected):
     dof, _ = dof_of(kind, Limits(-1, 1), dynamics)
     assert (dof.dynamics.effort, dof.dynamics.velocity) == expected
 
@@ -75,24 +67,22 @@ TEXT = robot_text(
 )
 
 
-def test_placeholders_are_named_together_with_their_joints() -> None:
-    robot = urdf_robot(TEXT)
-    (warning,) = [one for one in robot.diagnostics if one.code == "W-URDF-PLACEHOLDER"]
+def test_placeholders_are_named_together_with_their_joints():
+    warning = only(urdf_robot(TEXT), "W-URDF-PLACEHOLDER")
     assert warning.where == "robot.urdf"
     for words in ("range -10 to 10 rad", "effort 1000 N m", "velocity 1000 rad/s"):
         assert f"{words} (hip, knee)" in warning.message
     assert "joints: {hip: {limits: [low, high], effort: N, velocity: N}}" in warning.hint
 
 
-def test_the_same_numbers_count_where_the_user_gives_them(tmp_path: Path) -> None:
-    given = {"limits": [-10, 10], "effort": 1000, "velocity": 1000}
-    robot = urdf_robot(TEXT, plan_of(joints={"*": given}))
-    assert [one for one in robot.diagnostics if one.code in ("W-URDF-PLACEHOLDER", "W-LIMIT")] == []
+def test_the_same_numbers_count_where_the_user_gives_them(tmp_path):
+    numbers = {"limits": [-10, 10], "effort": 1000, "velocity": 1000}
+    robot = urdf_robot(TEXT, plan_of(joints={"*": numbers}))
+    assert not {"W-URDF-PLACEHOLDER", "W-LIMIT"} & set(codes(robot))
     write(robot, tmp_path)
     limits = etree.parse(tmp_path / "robot.urdf").getroot().findall("joint/limit")
-    assert [dict(one.attrib) for one in limits] == 2 * [
-        {"lower": "-10", "upper": "10", "effort": "1000", "velocity": "1000"}
-    ]
+    written = {"lower": "-10", "upper": "10", "effort": "1000", "velocity": "1000"}
+    assert [dict(limit.attrib) for limit in limits] == 2 * [written]
 
 
 def legged() -> Robot:
@@ -115,8 +105,8 @@ def legged() -> Robot:
     return urdf_robot(robot_text(*pieces), plan_of(root={"base": "free"}))
 
 
-def test_a_robot_with_placeholders_bears_the_noise_of_its_controls(tmp_path: Path) -> None:
+def test_a_robot_with_placeholders_bears_noise_of_its_controls(tmp_path):
     write(legged(), tmp_path, plan_of(actuators={"*": {"type": "position"}}))
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml"))
     assert model.nu == 12
-    assert shaken(model, 1.0).failed == ""
+    assert run_with_noise(model, 1.0).failed == ""

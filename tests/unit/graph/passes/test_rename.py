@@ -9,6 +9,7 @@ from linkwright.stages.graph.passes.rename import renamed
 from linkwright.stages.graph.section import NamesSection
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import MateRef, Provenance
+from tests.support.reported import only
 
 POSE = np.eye(4)
 
@@ -47,54 +48,46 @@ def called(links=None, joints=None):
     return renamed(MECHANISM, NamesSection(links=links or {}, joints=joints or {}), log), log
 
 
-def links(mechanism):
-    return [one.name for one in mechanism.bodies]
+def names_after(**names):
+    """The names of links and of joints, of a renaming that is allowed."""
+    made, log = called(**names)
+    assert log.problems == []
+    bodies, connections = ([thing.name for thing in group] for group in (made.bodies, made.connections))
+    return bodies, connections
+
+
+LINKS = ["base", "upper_arm_v2", "foot", "foot_2", "world"]
+JOINTS = ["revolute_3", "piston", "leg_2_piston"]
 
 
 @pytest.mark.parametrize("entry", ["base", "Base plate", "Base plate <1>", "Base*", "Arm <1>/*"])
 def test_a_link_is_found_by_its_name_its_titles_or_a_glob(entry):
-    made, log = called({entry: "trunk"})
-    assert log.problems == []
-    assert links(made) == ["trunk", "upper_arm_v2", "foot", "foot_2", "world"]
-    assert [one.name for one in made.connections] == [one.name for one in MECHANISM.connections]
+    assert names_after(links={entry: "trunk"}) == (["trunk", *LINKS[1:]], JOINTS)
 
 
-def test_the_name_that_a_link_has_goes_before_globs_and_titles():
-    made, log = called({"foot": "left_foot"})
-    assert log.problems == []
-    assert links(made)[2:4] == ["left_foot", "foot_2"]
-
-
-def test_names_may_be_swapped():
-    made, log = called({"foot": "foot_2", "foot_2": "foot"})
-    assert log.problems == []
-    assert links(made)[2:4] == ["foot_2", "foot"]
+def test_a_links_name_goes_before_globs_and_names_may_be_swapped():
+    assert names_after(links={"foot": "left_foot"})[0][2:4] == ["left_foot", "foot_2"]
+    assert names_after(links={"foot": "foot_2", "foot_2": "foot"})[0][2:4] == ["foot_2", "foot"]
 
 
 @pytest.mark.parametrize("entry", ["piston", "Leg <1>/Piston"])
 def test_a_joint_takes_its_dofs_and_bonds_with_it(entry):
-    made, log = called(joints={entry: "drive"})
-    assert log.problems == []
-    assert [one.name for one in made.connections] == ["revolute_3", "drive", "leg_2_piston"]
-    assert [dof.name for dof in made.connections[1].dofs] == ["drive_slide", "drive_turn"]
+    assert names_after(joints={entry: "drive"}) == (LINKS, ["revolute_3", "drive", "leg_2_piston"])
+    made, _ = called(joints={entry: "drive", "Revolute 3": "elbow"})
+    dofs = [[dof.name for dof in connection.dofs] for connection in made.connections]
+    assert dofs[:2] == [["elbow"], ["drive_slide", "drive_turn"]]
     assert made.relations[0].connections == ("drive", "")
-    assert links(made) == links(MECHANISM)
-
-
-def test_the_dof_of_a_hinge_is_called_as_the_hinge():
-    made, _ = called(joints={"Revolute 3": "elbow"})
-    assert [dof.name for dof in made.connections[0].dofs] == ["elbow"]
 
 
 @pytest.mark.parametrize("entry", ["eye_mount", "eye*"])
 def test_the_joint_that_holds_a_frame_is_renamed(entry):
     made, log = called(joints={entry: "mount"})
     assert log.problems == []
-    assert [(one.name, one.joint) for one in made.markers] == [("tip", ""), ("eye", "mount")]
+    assert [(marker.name, marker.joint) for marker in made.markers] == [("tip", ""), ("eye", "mount")]
 
 
 @pytest.mark.parametrize(
-    ("asked", "told"),
+    ("sections", "refusal"),
     [
         ({"links": {"Head": "x"}}, ("E-RENAME", "names.links", "no link matches 'Head'")),
         ({"links": {"*Foot*": "x"}}, ("E-RENAME", "names.links", "2 links match '*Foot*'")),
@@ -111,14 +104,8 @@ def test_the_joint_that_holds_a_frame_is_renamed(entry):
         ({"joints": {"Revolute 3": "leg_2_piston_slide"}}, ("E-NAME", "names", "_slide' is taken")),
     ],
 )
-def test_a_name_that_cannot_be_given_is_reported(asked, told):
-    _, log = called(**asked)
-    (problem,) = log.problems
-    assert (problem.code, problem.where) == told[:2]
-    assert told[2] in problem.message
+def test_a_name_that_cannot_be_given_is_reported(sections, refusal):
+    problem = only(called(**sections)[1])
+    assert (problem.code, problem.where) == refusal[:2]
+    assert refusal[2] in f"{problem.message} {problem.hint}"
     assert problem.hint or "world" in problem.message
-
-
-def test_several_hits_are_listed():
-    _, log = called({"*Foot*": "x"})
-    assert log.problems[0].hint == "name one of: foot, foot_2"

@@ -6,7 +6,6 @@ import trimesh
 
 from linkwright.stages.mesh.by_contact.meeting import with_jaws
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
-from linkwright.stages.robot.model.robot import Robot
 from tests.support.robots import at, joint, robot_with
 from tests.support.solids import of_mesh
 
@@ -20,7 +19,7 @@ FORK = of_mesh(
 ROD = of_mesh(trimesh.creation.box(bounds=[(-0.005, -0.005, -0.06), (0.005, 0.005, 0.0)]))
 
 
-def jaws(robot: Robot, drops: list[float]) -> set[str]:
+def jaws(robot, drops):
     """With the rod this far [m] down, between the prongs or beyond them."""
     surfaces = {"fork": FORK, "rod": ROD}
     poses = {"fork": np.stack([np.eye(4)] * len(drops)), "rod": np.stack([at(0, 0, -drop) for drop in drops])}
@@ -37,6 +36,6 @@ def jaws(robot: Robot, drops: list[float]) -> set[str]:
         (False, [0.08, 0.03, 0.04], set()),  # it stands on the rod, which is a foot
     ],
 )
-def test_the_parent_of_a_finger_is_an_end_and_that_of_a_foot_is_none(fixed, drops, more) -> None:
+def test_the_parent_of_a_finger_is_an_end_and_that_of_a_foot_is_none(fixed, drops, more):
     robot = robot_with([joint("prismatic", "fork", "rod")], root="fork", fixed=fixed)
     assert jaws(robot, drops) == {"rod", *more}

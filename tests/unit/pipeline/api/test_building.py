@@ -8,7 +8,7 @@ import pytest
 import linkwright as package
 from linkwright.pipeline.api.building import Build
 from linkwright.pipeline.report import Report
-from tests.support.command import environment, linkwright, robot_files, tree
+from tests.support.command import called, environment, robot_files, tree
 
 
 @pytest.fixture(scope="module")
@@ -25,43 +25,32 @@ def folder(tmp_path, monkeypatch, cache):
     return here
 
 
-def test_a_build_in_memory_has_the_files_of_the_command_and_writes_and_prints_nothing(folder, cache, capfd):
-    built = package.build("source=sample", "name=arm", "mesh=visual")
+@pytest.mark.e2e
+def test_a_build_in_memory_has_the_files_of_the_command_and_writes_nothing(folder, cache, capfd):
+    keys = ("source=sample", "name=arm", "mesh=visual", "export=[urdf,mjcf,ros2,python]", "validate=quick")
+    built = package.build(*keys)
     assert capfd.readouterr() == ("", "")
     assert list(folder.iterdir()) == []
     assert (built.report.status, built.report.folder) == ("built", "")
-    environ = environment(folder, LINKWRIGHT_CACHE=str(cache))
-    assert linkwright(folder, "source=sample", "name=arm", "mesh=visual", environ=environ).returncode == 0
+    assert called(folder, *keys, environ=environment(folder, LINKWRIGHT_CACHE=str(cache))).returncode == 0
     assert dict(built.files) == robot_files(folder / "outputs" / "arm")
     assert built.outline.startswith("arm: 11 links, 10 joints")
     passed = f"{sum(check.passed for check in built.report.checks)} of {len(built.report.checks)}"
-    assert repr(built) == f"<linkwright.Build arm: built, {passed} checks passed, 42 files>"
-
-
-def test_mujoco_compiles_the_files_whatever_else_is_exported():
-    built = package.build(
-        "source=sample", "name=arm", "mesh=visual", "export=[urdf,mjcf,ros2,python]", "validate=quick"
-    )
+    assert repr(built) == f"<linkwright.Build arm: built, {passed} checks passed, {len(built.files)} files>"
     for file in ("arm.xml", "scene.xml"):
         model = mujoco.MjModel.from_xml_string(built.files[file].decode(), built.assets)
         assert model.joint("elbow").id >= 0
 
 
-@pytest.mark.parametrize("how", ["argument", "key"])
-def test_an_output_folder_is_written_where_one_is_named(folder, how):
-    given = (["source=sample", "until=graph"], {"output": Path("out")})
-    if how == "key":
-        given = ([*given[0], "output=out"], {})
-    built = package.build(*given[0], **given[1])
+@pytest.mark.parametrize(
+    ("more", "keys"), [((), {"output": Path("out")}), (["output=out"], {})], ids=["argument", "key"]
+)
+def test_an_output_folder_is_written_and_progress_shown_if_asked(folder, capfd, more, keys):
+    built = package.build("source=sample", "until=graph", *more, progress=True, **keys)
     assert robot_files(folder / "out.graph") == dict(built.files)
     assert built.report.folder == "out.graph"
-
-
-def test_progress_is_shown_when_asked_for(capfd):
-    package.build("source=sample", "until=graph", progress=True)
-    shown = capfd.readouterr()
-    assert shown.out == ""
-    assert [line.split()[0] for line in shown.err.splitlines()] == ["fetch", "graph"]
+    out, err = capfd.readouterr()
+    assert (out, [line.split()[0] for line in err.splitlines()]) == ("", ["fetch", "graph"])
 
 
 def test_a_build_that_fails_leaves_nothing(folder):
@@ -86,6 +75,5 @@ def test_a_notebook_shows_outline_and_picture_with_names_escaped():
     assert "&lt;script&gt;alert(1)&lt;/script&gt; &amp; co" in shown
     assert shown.count("<") == len(["<p>", "</p>", "<pre>", "</pre>", "<img>"])
     assert 'src="data:image/svg+xml;base64,' in shown
-    assert (
-        Build(Report("built", "arm", "", "fetch", 0), {}, None)._repr_html_() == "<p>arm: built, 0 files</p>"
-    )
+    bare = Build(Report("built", "arm", "", "fetch", 0), {}, None)
+    assert bare._repr_html_() == "<p>arm: built, 0 files</p>"

@@ -92,31 +92,24 @@ def test_a_body_that_moves_freely_has_six_speeds(sample):
     np.testing.assert_allclose(robot.mass_matrix(data.qpos), expected, rtol=TOLERANCE, atol=TOLERANCE)
 
 
-def test_values_are_given_by_name_or_all_in_order(sample):
+def test_values_are_given_by_name_or_all_in_order_and_followers_go_along(sample):
     q = sample.values({"elbow": 0.3, "lift": np.float32(0.25)})
     assert (q["elbow"], q["lift"], q["shoulder"]) == (0.3, 0.25, 0.0)
     assert list(q) == list(sample.dofs)
-    for given in (list(q.values()), np.array(list(q.values()))):
-        assert sample.values(given) == q
+    for values in (list(q.values()), np.array(list(q.values()))):
+        assert sample.values(values) == q
     np.testing.assert_array_equal(sample.mass_matrix(q), sample.mass_matrix(list(q.values())))
-
-
-def test_a_dof_that_follows_another_goes_along_unless_it_is_named(sample):
     (rule,) = sample.model.relations
-    assert sample.values({rule.driver: 0.2})[rule.follower] == pytest.approx(
-        0.2 * rule.multiplier + rule.offset
-    )
+    expected = pytest.approx(0.2 * rule.multiplier + rule.offset)
+    assert sample.values({rule.driver: 0.2})[rule.follower] == expected
     assert sample.values({rule.driver: 0.2, rule.follower: 0.1})[rule.follower] == 0.1
 
 
-@pytest.mark.parametrize(
-    ("q", "message"),
-    [
-        ({"elbw": 1}, "q.elbw: the robot has no dof of this name\n  → did you mean elbow?"),
-        ({"elbow": (1, 0, 0, 0)}, "q.elbow: expected 1 number, got 4"),
-        ([0, 1], "q: expected 10 numbers, one after the other as in `dofs`, got 2"),
-    ],
-)
+@pytest.mark.parametrize(("q", "message"), [
+    ({"elbw": 1}, "q.elbw: the robot has no dof of this name\n  → did you mean elbow?"),
+    ({"elbow": (1, 0, 0, 0)}, "q.elbow: expected 1 number, got 4"),
+    ([0, 1], "q: expected 10 numbers, one after the other as in `dofs`, got 2"),
+])  # fmt: skip
 def test_wrong_values_are_refused(sample, q, message):
     with pytest.raises(LinkwrightError) as caught:
         sample.poses(q)

@@ -6,9 +6,11 @@ import time
 
 import pytest
 
-from linkwright.pipeline.caching.store import STALE, Store
+from linkwright.pipeline.caching.store import MAX_TEMPORARY_AGE, Store
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.errors import CacheError
+
+KEY = "ab" * 32
 
 
 @pytest.fixture
@@ -16,58 +18,42 @@ def store(tmp_path):
     return Store(tmp_path / "cache")
 
 
-def blob_path(store, digest):
-    return store.root / "cas" / digest[:2] / digest
+@pytest.fixture
+def record(store):
+    store.publish(KEY, {"stage": "x"})
+    return store.root / "ac" / "ab" / f"{KEY}.json"
 
 
-def test_a_blob_lies_under_its_sha256_and_is_read_only(store):
+@pytest.mark.parametrize("harm", [b"hullo", b"hell"])
+def test_a_blob_lies_under_its_sha256_and_a_harmed_one_is_missing(store, harm):
     digest = store.put(b"hello")
     assert digest == sha256(b"hello")
-    assert blob_path(store, digest).read_bytes() == b"hello"
-    assert blob_path(store, digest).stat().st_mode & 0o777 == 0o444
-
-
-def test_a_blob_with_other_bytes_than_its_digest_is_missing(store):
-    digest = store.put(b"hello")
-    blob_path(store, digest).chmod(0o644)
-    blob_path(store, digest).write_bytes(b"hullo")
+    path = store.root / "cas" / digest[:2] / digest
+    assert path.read_bytes() == b"hello"
+    assert path.stat().st_mode & 0o777 == 0o444
+    path.chmod(0o644)
+    path.write_bytes(harm)
     assert store.get(digest) is None
     assert not store.intact(digest, 5)
-
-
-def test_putting_a_harmed_blob_again_repairs_it(store):
-    digest = store.put(b"hello")
-    blob_path(store, digest).chmod(0o644)
-    blob_path(store, digest).write_bytes(b"hell")
     store.put(b"hello")
-    assert store.get(digest) == b"hello"
+    assert store.get(digest) == b"hello", "to put it again repairs it"
 
 
-def test_a_record_that_is_no_json_object_is_missing(store):
-    key = "ab" * 32
-    store.publish(key, {"stage": "x"})
-    assert store.record(key) == {"stage": "x"}
+def test_reading_a_record_marks_it_as_used_and_what_is_no_object_is_missing(store, record):
+    os.utime(record, (1, 1))
+    assert store.record(KEY) == {"stage": "x"}
+    assert record.stat().st_mtime > time.time() - 60
     for harm in (b"", b'{"stage": "x', b"[1]", b"\xff\xfe"):
-        (store.root / "ac" / "ab" / f"{key}.json").write_bytes(harm)
-        assert store.record(key) is None
-
-
-def test_reading_a_record_marks_it_as_used(store):
-    key = "ab" * 32
-    store.publish(key, {})
-    path = store.root / "ac" / "ab" / f"{key}.json"
-    os.utime(path, (1, 1))
-    store.record(key)
-    assert path.stat().st_mtime > time.time() - 60
+        record.write_bytes(harm)
+        assert store.record(KEY) is None
 
 
 def test_leftovers_of_killed_processes_are_swept_and_fresh_ones_are_not(store):
     old, fresh, folder = (store.root / "tmp" / name for name in ("old", "fresh", "folder"))
-    old.write_bytes(b"")
-    fresh.write_bytes(b"")
     folder.mkdir()
-    (folder / "inside").write_bytes(b"")
-    past = time.time() - STALE - 60
+    for path in (old, fresh, folder / "inside"):
+        path.write_bytes(b"")
+    past = time.time() - MAX_TEMPORARY_AGE - 60
     os.utime(old, (past, past))
     os.utime(folder, (past, past))
     Store(store.root)
@@ -86,15 +72,12 @@ def test_a_cache_folder_that_cannot_be_made_is_named_with_a_way_out(tmp_path):
     (tmp_path / "file").write_bytes(b"")
     with pytest.raises(CacheError) as caught:
         Store(tmp_path / "file" / "cache")
-    assert str(tmp_path / "file" / "cache") in str(caught.value)
-    assert "cache.dir" in str(caught.value)
-    assert "LINKWRIGHT_CACHE" in str(caught.value)
+    for words in (str(tmp_path / "file" / "cache"), "cache.dir", "LINKWRIGHT_CACHE"):
+        assert words in str(caught.value)
 
 
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write everywhere")
-def test_a_cache_folder_that_may_not_be_written_is_named(tmp_path):
-    folder = tmp_path / "cache"
-    Store(folder)
-    (folder / "tmp").chmod(0o555)
+def test_a_cache_folder_that_may_not_be_written_is_named(store):
+    (store.root / "tmp").chmod(0o555)
     with pytest.raises(CacheError, match="cache"):
-        Store(folder)
+        Store(store.root)

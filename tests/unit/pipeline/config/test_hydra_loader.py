@@ -9,7 +9,7 @@ from omegaconf import OmegaConf
 
 from linkwright.pipeline.config.compose import HYDRA, compose_plan, session
 from linkwright.pipeline.config.hydra.loader import PRIMARY, composed
-from linkwright.pipeline.config.hydra.node import searching
+from linkwright.pipeline.config.hydra.node import search_path_override
 from tests.support.users import MY_ARM, write
 
 GLOBAL = "# @package _global_\n"
@@ -59,7 +59,7 @@ def here(tmp_path):
 
 @pytest.mark.parametrize("overrides", COMMANDS, ids=" ".join)
 def test_tree_and_paths_are_those_of_hydra_alone(here, overrides):
-    everything = [*overrides, *searching([here])]
+    everything = [*overrides, *search_path_override([here])]
     with initialize_config_module("linkwright.conf", job_name="linkwright", **HYDRA):
         expected = compose(PRIMARY, everything, return_hydra_config=True)
         loader = GlobalHydra.instance().config_loader()

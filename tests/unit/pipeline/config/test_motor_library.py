@@ -1,10 +1,5 @@
 """The files of motors: ours, and the user's own, as the command line finds them."""
 
-import os
-import subprocess
-import sys
-from pathlib import Path
-
 import pytest
 import yaml
 
@@ -13,6 +8,7 @@ from linkwright.pipeline.config.presets import OURS, Presets
 from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.motor_files import library
 from linkwright.pipeline.verbs.explain import explained
+from tests.support.users import write as write_robot
 
 MINE = """
 title: My servo
@@ -23,83 +19,82 @@ values:
 ARGUMENTS = ["source=sample", "actuators.elbow.motor=mine"]
 
 
-def write(folder: Path, text: str = MINE, name: str = "mine") -> Path:
+def write(folder, text=MINE, name="mine"):
     (folder / "motors").mkdir(parents=True, exist_ok=True)
     file = folder / "motors" / f"{name}.yaml"
     file.write_text(text, encoding="utf-8")
     return file
 
 
-def told(cwd: Path, *arguments: str) -> str:
+def refusal(cwd, *arguments):
     with pytest.raises(ConfigError) as error:
         compose_plan(arguments or ARGUMENTS, cwd=cwd)
     return str(error.value)
 
 
-def test_a_motor_of_ones_own_is_found_where_one_works_and_beside_robot(tmp_path: Path) -> None:
-    write(tmp_path / "here")
+def test_a_motor_of_ones_own_is_found_where_one_works_and_beside_robot(tmp_path):
+    for folder, whose in (("here", "My"), ("there", "Their")):
+        write(tmp_path / folder, MINE.replace("My", whose))
     assert compose_plan(ARGUMENTS, cwd=tmp_path / "here").plan.motors["mine"].title == "My servo"
-    write(tmp_path / "there", MINE.replace("My", "Their"))
-    (tmp_path / "there" / "robot").mkdir()
-    (tmp_path / "there" / "robot" / "arm.yaml").write_text("# @package _global_\nsource: {kind: sample}\n")
+    write_robot(tmp_path / "there", arm="# @package _global_\nsource: {kind: sample}\n")
     (tmp_path / "empty").mkdir()
     arguments = ["robot=arm", "actuators.elbow.motor=mine"]
     plan = compose_plan(arguments, [tmp_path / "there"], tmp_path / "empty").plan
     assert plan.motors["mine"].title == "Their servo"
 
 
-def test_ones_own_stands_in_place_of_ours_and_the_robots_in_place_of_any_file(tmp_path: Path) -> None:
+def test_a_file_of_ones_own_takes_the_place_of_ours_and_the_robots_that_of_any_file(tmp_path):
     write(tmp_path, name="sts3215")
     arguments = ["source=sample", "actuators.elbow.motor=sts3215"]
     assert compose_plan(arguments, cwd=tmp_path).plan.motors["sts3215"].title == "My servo"
     value = "{effort: {value: 1, source: a guess of mine, kind: measured}}"
     arguments += ["motors.sts3215.title=Inline", f"motors.sts3215.values={value}"]
     assert compose_plan(arguments, cwd=tmp_path).plan.motors["sts3215"].title == "Inline"
-
-
-def test_without_a_motor_nothing_is_read(tmp_path: Path) -> None:
     write(tmp_path, "title: [")
-    assert compose_plan(["source=sample"], cwd=tmp_path).plan.motors == {}
+    assert compose_plan(["source=sample"], cwd=tmp_path).plan.motors == {}, "without a motor nothing is read"
 
 
-def test_an_unknown_motor_is_told_with_near_names_and_all_that_there_are(tmp_path: Path) -> None:
+def test_an_unknown_motor_is_told_with_near_names_and_all_that_there_are(tmp_path):
     write(tmp_path)
-    text = told(tmp_path, "source=sample", "actuators.elbow.motor=sts3251")
+    text = refusal(tmp_path, "source=sample", "actuators.elbow.motor=sts3251")
     assert "E-MOTOR actuators.elbow.motor: there is no motor sts3251" in text
     assert "did you mean sts3215? motors: erob80_100, erob80_50, mine, mx106" in text
     assert str(tmp_path / "motors") in text
-    assert "there is no motor ../x" in told(tmp_path, "source=sample", "actuators.elbow.motor='../x'")
+    assert "there is no motor ../x" in refusal(tmp_path, "source=sample", "actuators.elbow.motor='../x'")
+    motors = "motors={my_servo:{title:x,values:{kp:{value:1,source:a,kind:measured}}}}"
+    text = refusal(tmp_path, "source=sample", motors, "actuators.elbow.motor=my_serwo")
+    assert "did you mean my_servo?" in text
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("title: [", "line 1, column 9: not valid YAML"),
-        ("- a", "must be a mapping"),
-        ("title: x\n", "values: missing"),
-        (MINE.replace("source: my bench, ", ""), "values.effort.source: missing"),
-        (MINE + "  friktion: {value: 1, source: me, kind: measured}\n", "did you mean friction?"),
-    ],
-)
-def test_a_wrong_file_is_named(tmp_path: Path, text: str, message: str) -> None:
+@pytest.mark.parametrize(("text", "message"), [
+    ("title: [", "line 1, column 9: not valid YAML"),
+    ("- a", "must be a mapping"),
+    ("title: x\n", "values: missing"),
+    (MINE.replace("source: my bench, ", ""), "values.effort.source: missing"),
+    (MINE + "  friktion: {value: 1, source: me, kind: measured}\n", "did you mean friction?"),
+])  # fmt: skip
+def test_a_wrong_file_is_named(tmp_path, text, message):
     file = write(tmp_path, text)
-    found = told(tmp_path)
-    assert f"E-MOTOR {file}" in found
-    assert message in found
+    error = refusal(tmp_path)
+    assert f"E-MOTOR {file}" in error
+    assert message in error
 
 
-def test_motors_are_no_options_and_no_group(tmp_path: Path) -> None:
+def test_the_hint_of_a_missing_key_is_one_line(tmp_path):
+    text = refusal(tmp_path, "source=sample", "motors={my_servo:{title:x}}")
+    assert "gear [-]; rotor_inertia [kg m²], before the gear; armature [kg m²]; damping [N m s/rad]" in text
+
+
+def test_motors_are_no_options_and_no_group(tmp_path):
     write(tmp_path)
     (tmp_path / "robot").mkdir()
     presets = Presets(cwd=tmp_path)
-    assert [one for one in presets.options("actuators") if "/" in one] == []
+    assert [option for option in presets.options("actuators") if "/" in option] == []
     assert presets.own_groups() == []
-    assert "there is no such option" in told(tmp_path, "source=sample", "actuators=motors/sts3215")
+    assert "there is no such option" in refusal(tmp_path, "source=sample", "actuators=motors/sts3215")
 
 
-def test_explain_tells_the_values_of_a_motor_and_their_sources(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_explain_tells_the_values_of_a_motor_and_their_sources(tmp_path, monkeypatch):
     write(tmp_path)
     monkeypatch.chdir(tmp_path)
     assert "effort          3 N m (measured)\n      my bench" in explained("mine")
@@ -108,27 +103,7 @@ def test_explain_tells_the_values_of_a_motor_and_their_sources(
         explained("sts32")
 
 
-def test_every_motor_of_ours_lies_where_the_package_of_the_presets_is() -> None:
+def test_every_motor_of_ours_lies_where_the_package_of_the_presets_is():
     assert {file.parent for file in library().values()} == {OURS / "actuators" / "motors"}
     for file in library().values():
         assert yaml.safe_load(file.read_text(encoding="utf-8"))["title"]
-
-
-def test_the_names_of_motors_are_listed_without_heavy_imports() -> None:
-    code = (
-        "import sys; from linkwright.pipeline import motor_files; motor_files.library(); "
-        "print({'yaml', 'pydantic'} & {*sys.modules})"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=dict(os.environ))
-    assert done.stdout.strip() == "set()"
-
-
-def test_a_motor_that_is_not_there_is_compared_with_those_of_the_robots_file(tmp_path: Path) -> None:
-    motors = "motors={my_servo:{title:x,values:{kp:{value:1,source:a,kind:measured}}}}"
-    text = told(tmp_path, "source=sample", motors, "actuators.elbow.motor=my_serwo")
-    assert "did you mean my_servo?" in text
-
-
-def test_the_hint_of_a_missing_key_is_one_line(tmp_path: Path) -> None:
-    text = told(tmp_path, "source=sample", "motors={my_servo:{title:x}}")
-    assert "gear [-]; rotor_inertia [kg m²], before the gear; armature [kg m²]; damping [N m s/rad]" in text

@@ -1,4 +1,4 @@
-"""What is typed, and what Hydra gets."""
+"""Overrides as they are typed, and as Hydra gets them."""
 
 from pathlib import Path
 
@@ -16,52 +16,46 @@ def values():
         yield composer.reading.values
 
 
-@pytest.mark.parametrize(
-    ("typed", "hydra"),
-    [
-        ("mesh=hull", "mesh=hull"),
-        ("export=[urdf,mjcf]", "export=[urdf,mjcf]"),
-        ("mesh.tolerance=0.002", "++mesh.tolerance=0.002"),
-        ("name=arm", "++name=arm"),
-        ("name=../x", "++name=../x"),
-        ("nonsense=1", "++nonsense=1"),
-        ("+mesh.x=1", "+mesh.x=1"),
-        ("++mesh.x=1", "++mesh.x=1"),
-        ("~ground", "~ground"),
-        ("hydra.verbose=true", "hydra.verbose=true"),
-        ("hydra/launcher=basic", "hydra/launcher=basic"),
-        ("actuators={elbow: none}", "++actuators={elbow: none}"),
-        ("joints.elbow.damping=1", "++joints.elbow.damping=1"),
-        ("joints.*.damping=1", "++joints={*:{damping:1}}"),
-        ("joints.*finger*.limits=[-1,1]", "++joints={*finger*:{limits:[-1,1]}}"),
-        ("joints.Revolute 3.effort=2", r"++joints={Revolute\ 3:{effort:2}}"),
-        ('joints."a.b=c".effort=2', r"++joints={a.b\=c:{effort:2}}"),
-        ('joints["a.b=c"].effort=2', r"++joints={a.b\=c:{effort:2}}"),
-        ("joints['a.b=c'].effort=2", r"++joints={a.b\=c:{effort:2}}"),
-        ('mass.links["a/b.0"].mass=2', "++mass={links:{a/b.0:{mass:2}}}"),
-        ('mass.parts."Hand/Pad*".mass=2', "++mass={parts:{Hand/Pad*:{mass:2}}}"),
-        ("joints.f[0-9].effort=2", r"++joints={f\[0-9\]:{effort:2}}"),
-        ("+joints.*.damping=1", "++joints={*:{damping:1}}"),
-        ('joints={"elbow*": {"damping": 1}}', "++joints={elbow*:{damping:1}}"),
-        ("joints={'a:b': {limits: [null, \"${vars.x}\"]}}", r"++joints={a\:b:{limits:[null,'${vars.x}']}}"),
-        ('+names={links: {"Upper arm": "it\'s \\\\"}}', r"+names={links:{Upper\ arm:'it\'s \\'}}"),
-        ("source.url='https://x/y?a=b&c=d,e#f'", "++source.url='https://x/y?a=b&c=d,e#f'"),
-        ("source.url=https://x/y?z", "++source.url=https://x/y?z"),
-    ],
-)
+@pytest.mark.parametrize(("typed", "hydra"), [
+    ("mesh=hull", "mesh=hull"),
+    ("export=[urdf,mjcf]", "export=[urdf,mjcf]"),
+    ("mesh.tolerance=0.002", "++mesh.tolerance=0.002"),
+    ("name=arm", "++name=arm"),
+    ("name=../x", "++name=../x"),
+    ("nonsense=1", "++nonsense=1"),
+    ("+mesh.x=1", "+mesh.x=1"),
+    ("++mesh.x=1", "++mesh.x=1"),
+    ("~ground", "~ground"),
+    ("hydra.verbose=true", "hydra.verbose=true"),
+    ("hydra/launcher=basic", "hydra/launcher=basic"),
+    ("actuators={elbow: none}", "++actuators={elbow: none}"),
+    ("joints.elbow.damping=1", "++joints.elbow.damping=1"),
+    ("joints.*.damping=1", "++joints={*:{damping:1}}"),
+    ("joints.*finger*.limits=[-1,1]", "++joints={*finger*:{limits:[-1,1]}}"),
+    ("joints.Revolute 3.effort=2", r"++joints={Revolute\ 3:{effort:2}}"),
+    ('joints."a.b=c".effort=2', r"++joints={a.b\=c:{effort:2}}"),
+    ('joints["a.b=c"].effort=2', r"++joints={a.b\=c:{effort:2}}"),
+    ("joints['a.b=c'].effort=2", r"++joints={a.b\=c:{effort:2}}"),
+    ('mass.links["a/b.0"].mass=2', "++mass={links:{a/b.0:{mass:2}}}"),
+    ('mass.parts."Hand/Pad*".mass=2', "++mass={parts:{Hand/Pad*:{mass:2}}}"),
+    ("joints.f[0-9].effort=2", r"++joints={f\[0-9\]:{effort:2}}"),
+    ("+joints.*.damping=1", "++joints={*:{damping:1}}"),
+    ('joints={"elbow*": {"damping": 1}}', "++joints={elbow*:{damping:1}}"),
+    ("joints={'a:b': {limits: [null, \"${vars.x}\"]}}", r"++joints={a\:b:{limits:[null,'${vars.x}']}}"),
+    ('+names={links: {"Upper arm": "it\'s \\\\"}}', r"+names={links:{Upper\ arm:'it\'s \\'}}"),
+    ("source.url='https://x/y?a=b&c=d,e#f'", "++source.url='https://x/y?a=b&c=d,e#f'"),
+    ("source.url=https://x/y?z", "++source.url=https://x/y?z"),
+])  # fmt: skip
 def test_an_override_becomes_one_that_hydra_can_carry(values, typed, hydra):
     (override,), problems = read([typed], GROUPS, values, multirun=False)
     assert (override.hydra, problems) == (hydra, [])
 
 
-@pytest.mark.parametrize(
-    ("typed", "hydra"),
-    [
-        ("ground=glob(*)", "ground=none,plane"),
-        ("root=glob(f*)", "root=fixed,free"),
-        ("root=glob([*],exclude=f*)", "root=auto,central"),
-    ],
-)
+@pytest.mark.parametrize(("typed", "hydra"), [
+    ("ground=glob(*)", "ground=none,plane"),
+    ("root=glob(f*)", "root=fixed,free"),
+    ("root=glob([*],exclude=f*)", "root=auto,central"),
+])  # fmt: skip
 def test_a_glob_over_a_group_becomes_the_options_that_it_matches(values, typed, hydra):
     (override,), problems = read([typed], GROUPS, values, multirun=True)
     assert (override.hydra, problems) == (hydra, [])
@@ -103,67 +97,38 @@ def test_the_line_to_paste_can_be_pasted(values):
     assert (problems, override.values) == ([], (r"'https://x/y?a=b\'c&$d'",))
 
 
-@pytest.mark.parametrize(
-    ("typed", "message", "hint"),
-    [
-        ("new", "`new` is not supported yet", "linkwright --help lists the verbs"),
-        (
-            "my_arm",
-            "expected key=value",
-            "linkwright robot=my_arm",
-        ),
-        ("=1", "expected key=value", "linkwright --help shows how keys and groups are typed"),
-        (
-            "https://x/y?a=b",
-            "expected key=value",
-            "linkwright source=onshape \"source.url='https://x/y?a=b'\"",
-        ),
-        (
-            "mesh.tolerance=1,2",
-            "several values, but no sweep",
-            "for a sweep add -m; for one text \"mesh.tolerance='1,2'\"; for a list 'mesh.tolerance=[1,2]'",
-        ),
-        ('"=1', "expected key=value", "linkwright --help shows how keys and groups are typed"),
-        ("@x=1", "expected key=value", "linkwright --help shows how keys and groups are typed"),
-        ("arm.v2.urdf", "expected key=value", "linkwright source=urdf source.path=arm.v2.urdf"),
-        ("my scene.xml", "expected key=value", "linkwright source=mjcf \"source.path='my scene.xml'\""),
-        ("robot/arm.yaml", "expected key=value", "linkwright robot=robot/arm.yaml"),
-        (
-            'mass.parts."Hand <1>/*".mass=1',
-            "this key cannot be written on the command line",
-            'write it in YAML: mass: {parts: {"Hand <1>/*": {mass: 1}}}',
-        ),
-        (
-            "joints.Gelenk <1>.damping=1",
-            "this key cannot be written on the command line",
-            'write it in YAML: joints: {"Gelenk <1>": {damping: 1}}',
-        ),
-        (
-            'joints={"Gelenk <1>": {damping: 1}}',
-            "this key cannot be written on the command line",
-            'write it in YAML: joints: {"Gelenk <1>": {damping: 1}}',
-        ),
-        (
-            "joints={a: {damping: 1}",
-            "cannot be read: {a: {damping: 1} is not allowed there",
-            "example of a mapping: 'joints={\"elbow*\": {damping: 1, limits: [-1, 1]}}'",
-        ),
-        (
-            "joints.12.x y=1",
-            "this key cannot be written on the command line",
-            'write it in YAML: joints: {"12": {"x y": 1}}',
-        ),
-        (
-            "source.path=~/arm.zip",
-            "cannot be read: ~ needs quotes",
-            f"quote the value: \"source.path='{Path.home()}/arm.zip'\"",
-        ),
-    ],
-)
+NO_PAIR, NO_KEY = "expected key=value", "this key cannot be written on the command line"
+HELP = "linkwright --help shows how keys and groups are typed"
+IN_YAML = "write it in YAML: joints: {}"
+
+
+@pytest.mark.parametrize(("typed", "message", "hint"), [
+    ("new", "`new` is not supported yet", "linkwright --help lists the verbs"),
+    ("my_arm", NO_PAIR, "linkwright robot=my_arm"),
+    ("=1", NO_PAIR, HELP),
+    ("https://x/y?a=b", NO_PAIR, "linkwright source=onshape \"source.url='https://x/y?a=b'\""),
+    ("mesh.tolerance=1,2", "several values, but no sweep",
+     "for a sweep add -m; for one text \"mesh.tolerance='1,2'\"; for a list 'mesh.tolerance=[1,2]'"),
+    ('"=1', NO_PAIR, HELP),
+    ("@x=1", NO_PAIR, HELP),
+    ("arm.v2.urdf", NO_PAIR, "linkwright source=urdf source.path=arm.v2.urdf"),
+    ("my scene.xml", NO_PAIR, "linkwright source=mjcf \"source.path='my scene.xml'\""),
+    ("robot/arm.yaml", NO_PAIR, "linkwright robot=robot/arm.yaml"),
+    ('mass.parts."Hand <1>/*".mass=1', NO_KEY, 'write it in YAML: mass: {parts: {"Hand <1>/*": {mass: 1}}}'),
+    ("joints.Gelenk <1>.damping=1", NO_KEY, IN_YAML.format('{"Gelenk <1>": {damping: 1}}')),
+    ('joints={"Gelenk <1>": {damping: 1}}', NO_KEY, IN_YAML.format('{"Gelenk <1>": {damping: 1}}')),
+    ("joints.12.x y=1", NO_KEY, IN_YAML.format('{"12": {"x y": 1}}')),
+    ("joints={a: {damping: 1}", "cannot be read: {a: {damping: 1} is not allowed there",
+     "example of a mapping: 'joints={\"elbow*\": {damping: 1, limits: [-1, 1]}}'"),
+    ("source.path=~/arm.zip", "cannot be read: ~ needs quotes",
+     f"quote the value: \"source.path='{Path.home()}/arm.zip'\""),
+])  # fmt: skip
 def test_what_cannot_be_carried_is_answered_with_what_to_do(values, typed, message, hint):
     overrides, problems = read([typed], GROUPS, values, multirun=False)
     assert overrides == []
-    assert [(one.where, one.message, one.hint) for one in problems] == [(typed, message, hint)]
+    assert [(problem.where, problem.message, problem.hint) for problem in problems] == [
+        (typed, message, hint)
+    ]
 
 
 def test_quotes_inside_and_outside():

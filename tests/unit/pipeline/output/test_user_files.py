@@ -1,9 +1,9 @@
 """What a user keeps in an output folder: carried over, or it stops the build; never lost."""
 
+import contextlib
 import json
 import os
 import socket
-import stat
 from pathlib import Path
 
 import pytest
@@ -12,35 +12,7 @@ from linkwright.pipeline.errors import ConfigError, InTheWay
 from linkwright.pipeline.output import location, manifest
 from linkwright.pipeline.output.folder import FAILED, Output
 from tests.support.kill import killed_at
-
-OURS = b'{"linkwright-report": 1}'
-
-
-def build(text, **more):
-    return {"report.json": OURS, "arm.xml": text, "assets/a.stl": text, **more}
-
-
-def content(folder):
-    """Every entry below the folder, but for manifests and locks: path → bytes, or what else it is."""
-    found = {}
-    for top, below, files in os.walk(folder):
-        below[:] = [name for name in below if name != ".linkwright"]
-        for name in (*below, *files):
-            path = Path(top, name)
-            if name != manifest.NAME:
-                found[str(path.relative_to(folder))] = what(path)
-    return {path: one for path, one in sorted(found.items()) if one is not dir}
-
-
-def what(path):
-    mode = path.lstat().st_mode
-    if stat.S_ISREG(mode):
-        return path.read_bytes()
-    if stat.S_ISLNK(mode):
-        return str(path.readlink())
-    if stat.S_ISDIR(mode):
-        return dir if any(path.iterdir()) else "empty"
-    return stat.S_IFMT(mode)
+from tests.support.outputs import OURS, build, content, content_of, shell
 
 
 @pytest.fixture
@@ -58,136 +30,69 @@ def output(tmp_path, heard):
 def put_everything(folder):
     """Puts one of each kind of thing into a folder; what `content` then says of it."""
     before = content(folder)
-    (folder / "NOTES.md").write_text("mine")
-    (folder / "runs" / "deep").mkdir(parents=True)
-    (folder / "runs" / "deep" / "log").write_text("7")
-    (folder / "assets" / "mine.stl").write_text("solid")
-    (folder / "assets" / "sub").mkdir()
-    (folder / "empty").mkdir()
-    (folder / "link").symlink_to("NOTES.md")
-    (folder / "dangling").symlink_to("/nowhere/at/all")
+    shell(
+        folder,
+        "echo mine > NOTES.md; mkdir -p runs/deep assets/sub empty; echo 7 > runs/deep/log; mkfifo pipe",
+    )
+    shell(folder, "echo solid > assets/mine.stl; ln -s NOTES.md link; ln -s /nowhere/at/all dangling")
+    shell(folder, "echo x > secret; chmod 600 secret")
     (folder / "\udcff\n.bin").write_bytes(b"odd")
-    os.mkfifo(folder / "pipe")
-    with socket.socket(socket.AF_UNIX) as server:
-        os.chdir(folder)
+    with socket.socket(socket.AF_UNIX) as server, contextlib.chdir(folder):
         server.bind("socket")
-        os.chdir("/")
-    (folder / "secret").write_text("x")
-    (folder / "secret").chmod(0o600)
-    return {path: one for path, one in content(folder).items() if path not in before}
-
-
-def test_every_folder_begins_with_a_manifest_of_what_is_ours(output):
-    named = json.loads((output.target / manifest.NAME).read_bytes())["files"]
-    assert set(named) == set(build(b""))
-    assert manifest.ours(output.target) == named
-    assert [*manifest.others(output.target, named)] == []
+    return {path: value for path, value in content(folder).items() if path not in before}
 
 
 def test_what_is_not_ours_is_carried_over_untouched_and_named_in_one_line(output, heard):
-    mine = put_everything(output.target)
-    before = {path: os.lstat(output.target / path) for path in mine}
+    named = json.loads((output.target / manifest.NAME).read_bytes())["files"]
+    assert set(named) == set(build(b""))
+    assert manifest.ours(output.target) == named
+    assert [*manifest.foreign_or_changed(output.target, named)] == []
+    users = put_everything(output.target)
+
+    def facts():
+        entries = {path: os.lstat(output.target / path) for path in users}
+        return {path: (fact.st_ino, fact.st_mode, fact.st_mtime_ns) for path, fact in entries.items()}
+
+    before = facts()
     output.prepare()
-    assert len(heard) == 1
-    assert "not linkwright's: NOTES.md, assets/mine.stl, assets/sub, dangling, empty, link, pipe" in heard[0]
-    assert "\n" not in heard[0]
+    (line,) = heard
+    assert "not linkwright's: NOTES.md, assets/mine.stl, assets/sub, dangling, empty, link, pipe" in line
+    assert "\n" not in line
     output.publish(build(b"2\n"))
-    assert content(output.target) == build(b"2\n") | mine
-    after = {path: os.lstat(output.target / path) for path in mine}
-    assert {path: (one.st_ino, one.st_mode, one.st_mtime_ns) for path, one in after.items()} == {
-        path: (one.st_ino, one.st_mode, one.st_mtime_ns) for path, one in before.items()
-    }
-    assert not (output.folder(".replaced")).exists()
-
-
-def test_what_is_in_a_folder_that_the_build_no_longer_makes_stays_there(output):
-    (output.target / "assets" / "mine.stl").write_text("solid")
+    assert content(output.target) == build(b"2\n") | users
+    assert facts() == before
+    assert not output.folder(".replaced").exists()
     output.publish({"report.json": OURS})
-    assert content(output.target) == {"report.json": OURS, "assets/mine.stl": b"solid"}
+    assert content(output.target) == {"report.json": OURS} | users, "also in a folder that is no longer made"
 
 
-def changed(folder):
-    (folder / "arm.xml").write_text("better")
-    return "arm.xml was changed since it was built"
-
-
-def a_folder_for_a_file(folder):
-    (folder / "arm.xml").unlink()
-    (folder / "arm.xml").mkdir()
-    return "arm.xml was changed since it was built"
-
-
-def a_link_for_a_file(folder):
-    (folder / "arm.xml").rename(folder.parent / "elsewhere")
-    (folder / "arm.xml").symlink_to(folder.parent / "elsewhere")
-    return "arm.xml was changed since it was built"
-
-
-def a_pipe_for_a_file(folder):
-    (folder / "arm.xml").unlink()
-    os.mkfifo(folder / "arm.xml")
-    return "arm.xml was changed since it was built"
-
-
-def a_file_where_a_new_one_goes(folder):
-    (folder / "scene.xml").write_text("mine")
-    return "scene.xml is not linkwright's"
-
-
-def a_folder_where_a_new_file_goes(folder):
-    (folder / "scene.xml").mkdir()
-    return "scene.xml is not linkwright's"
-
-
-def a_link_for_a_folder(folder):
-    (folder / "assets").rename(folder.parent / "elsewhere")
-    (folder / "assets").symlink_to(folder.parent / "elsewhere")
-    return "assets is not linkwright's"
-
-
-def a_build(folder):
-    Output(folder / "variants" / "b").publish(build(b"inside"))
-    return "variants is another build, or holds one (variants/b)"
-
-
-def a_build_of_old(folder):
-    (folder / "b").mkdir()
-    (folder / "b" / "report.json").write_bytes(OURS)
-    return "b is another build, or holds one (b)"
-
-
-def a_build_in_a_folder_of_ours(folder):
-    Output(folder / "assets" / "b").publish(build(b"inside"))
-    return "assets/b is another build, or holds one (assets/b)"
-
-
-def a_sweep(folder):
-    (folder / "s").mkdir()
-    (folder / "s" / "summary.json").write_text('{"linkwright-sweep": 1}')
-    return "s is another build, or holds one (s)"
-
-
-IN_THE_WAY = [
-    changed,
-    a_folder_for_a_file,
-    a_link_for_a_file,
-    a_pipe_for_a_file,
-    a_file_where_a_new_one_goes,
-    a_folder_where_a_new_file_goes,
-    a_link_for_a_folder,
-    a_build,
-    a_build_of_old,
-    a_build_in_a_folder_of_ours,
-    a_sweep,
-]
+CHANGED = "arm.xml was changed since it was built"
+INSIDE = "{} is another build, or holds one ({})"
+IN_THE_WAY = {
+    "a change": ("echo better > arm.xml", CHANGED),
+    "a folder for a file": ("rm arm.xml; mkdir arm.xml", CHANGED),
+    "a link for a file": ("mv arm.xml ../elsewhere; ln -s ../elsewhere arm.xml", CHANGED),
+    "a pipe for a file": ("rm arm.xml; mkfifo arm.xml", CHANGED),
+    "a file where a new one goes": ("echo mine > scene.xml", "scene.xml is not linkwright's"),
+    "a folder where a new file goes": ("mkdir scene.xml", "scene.xml is not linkwright's"),
+    "a link for a folder": ("mv assets ../else; ln -s ../else assets", "assets is not linkwright's"),
+    "a build": ("cp -r . ../copy; mkdir runs; mv ../copy runs/b", INSIDE.format("runs", "runs/b")),
+    "a build of old": (f"mkdir b; echo '{OURS.decode()}' > b/report.json", INSIDE.format("b", "b")),
+    "a build in a folder of ours": (
+        "cp -r . ../copy; mv ../copy assets/b",
+        INSIDE.format("assets/b", "assets/b"),
+    ),
+    "a sweep": ("""mkdir s; echo '{"linkwright-sweep": 1}' > s/summary.json""", INSIDE.format("s", "s")),
+}
 COMING = [*build(b""), "scene.xml"]
 
 
-@pytest.mark.parametrize("put", IN_THE_WAY)
+@pytest.mark.parametrize("kind", IN_THE_WAY)
 @pytest.mark.parametrize("suffix", ["", ".graph"])
-def test_what_is_in_the_way_stops_a_build_before_it_starts_with_the_ways_out(output, put, suffix):
+def test_what_is_in_the_way_stops_a_build_before_it_starts_with_ways_out(output, kind, suffix):
     output.publish(build(b"1\n"), suffix)
-    shown = put(output.folder(suffix))
+    script, shown = IN_THE_WAY[kind]
+    shell(output.folder(suffix), script)
     before = content(output.target.parent)
     for act in (output.judge, output.prepare):
         with pytest.raises(ConfigError) as caught:
@@ -197,20 +102,21 @@ def test_what_is_in_the_way_stops_a_build_before_it_starts_with_the_ways_out(out
     assert content(output.target.parent) == before
 
 
-@pytest.mark.parametrize("put", IN_THE_WAY)
-def test_overwrite_moves_what_is_in_the_way_and_deletes_nothing(tmp_path, output, heard, put):
+@pytest.mark.parametrize("kind", IN_THE_WAY)
+def test_overwrite_moves_what_is_in_the_way_and_deletes_nothing(tmp_path, output, heard, kind):
     (output.target / "NOTES.md").write_text("mine")
-    path = put(output.target).partition(" ")[0]
-    kept = {name: one for name, one in content(output.target).items() if name.startswith(path)}
-    kept = kept or {path: what(output.target / path)}
+    script, shown = IN_THE_WAY[kind]
+    shell(output.target, script)
+    path = shown.partition(" ")[0]
+    kept = {name: value for name, value in content(output.target).items() if name.startswith(path)}
+    kept = kept or {path: content_of(output.target / path)}
     bold = Output(output.target, heard.append, overwrite=True)
     new = build(b"2\n", **{"scene.xml": b"s"})
     for _ in range(2):
         bold.prepare("", COMING)
         bold.publish(new)
     assert content(output.target) == {**new, "NOTES.md": b"mine"}
-    found = content(tmp_path / "arm.replaced")
-    assert {name: one for name, one in found.items() if name in kept} == kept
+    assert kept.items() <= content(tmp_path / "arm.replaced").items()
     assert [line for line in heard if f"arm.replaced/{path}" in line]
 
 
@@ -220,10 +126,8 @@ def test_what_was_replaced_before_is_never_overwritten(tmp_path, output):
         (output.target / "assets" / "a.stl").write_text(text)
         bold.publish(build(b"2\n"))
     assert content(tmp_path / "arm.replaced") == {
-        "assets/a.stl": b"one",
-        "assets/a.stl.2": b"two",
-        "assets/a.stl.3": b"three",
-    }
+        "assets/a.stl": b"one", "assets/a.stl.2": b"two", "assets/a.stl.3": b"three",
+    }  # fmt: skip
 
 
 def test_a_path_that_is_known_only_late_stops_at_the_swap_and_both_are_kept(output):
@@ -243,20 +147,15 @@ def test_a_file_where_a_folder_of_ours_goes_is_in_the_way(tmp_path, coming):
         Output(tmp_path / "arm").judge("", coming)
 
 
-def test_line_ends_alone_and_deleted_files_are_no_matter(output):
-    text = b"one\r\ntwo\nthree\n" * 200_000
-    output.publish(build(text))
-    (output.target / "arm.xml").write_bytes(text.replace(b"\r\n", b"\n").replace(b"\n", b"\r\n"))
-    (output.target / "assets" / "a.stl").unlink()
-    (output.target / "report.json").unlink()
+def test_other_line_ends_and_deleted_files_are_no_change(output):
+    plain = b"one\ntwo\nthree\n" * 200_000
     # Of a text whose own line ends are mixed, no change of line ends can be told from another.
-    with pytest.raises(ConfigError, match="changed"):
-        output.judge("", COMING)
-    plain = text.replace(b"\r\n", b"\n")
-    Output(output.target, overwrite=True).publish(build(plain))
-    (output.target / "arm.xml").write_bytes(plain.replace(b"\n", b"\r\n"))
-    (output.target / "assets" / "a.stl").unlink()
-    (output.target / "report.json").unlink()
+    for text, same in ((plain.replace(b"one\n", b"one\r\n"), False), (plain, True)):
+        Output(output.target, overwrite=True).publish(build(text))
+        (output.target / "arm.xml").write_bytes(plain.replace(b"\n", b"\r\n"))
+        shell(output.target, "rm assets/a.stl report.json")
+        with contextlib.nullcontext() if same else pytest.raises(ConfigError, match="changed"):
+            output.judge("", COMING)
     output.prepare("", COMING)
     output.publish(build(b"2\n"))
     assert content(output.target) == build(b"2\n")
@@ -289,12 +188,9 @@ def test_a_manifest_that_is_harmed_makes_nothing_ours(output, text):
 
 
 def test_a_manifest_that_names_what_is_outside_has_no_effect_there(tmp_path, output):
-    (tmp_path / "mine").write_text("mine")
-    (tmp_path / "far").mkdir()
-    (tmp_path / "far" / "a").write_text("mine")
-    (output.target / "out").symlink_to(tmp_path / "far")
-    own = dict.fromkeys(["../mine", str(tmp_path / "mine"), "out/a", "./arm.xml", "..", "."])
-    manifest.write(output.target, own)
+    shell(tmp_path, "mkdir far; printf mine > far/a; printf mine > mine; ln -s ../far arm/out")
+    paths = dict.fromkeys(["../mine", str(tmp_path / "mine"), "out/a", "./arm.xml", "..", "."])
+    manifest.write(output.target, paths)
     Output(output.target, overwrite=True).publish(build(b"2\n"))
     assert (tmp_path / "mine").read_text() == (tmp_path / "far" / "a").read_text() == "mine"
     assert (output.target / "out").is_symlink()
@@ -315,9 +211,7 @@ def test_what_others_put_beside_under_a_name_of_ours_is_moved_and_kept(tmp_path,
     output = Output(tmp_path / "arm", heard.append)
     if there:
         output.publish(build(b"1\n"))
-    (tmp_path / name).mkdir()
-    (tmp_path / name / "mine").write_text("mine")
-    (tmp_path / name / "empty").mkdir()
+    shell(tmp_path, f"mkdir -p {name}/empty; printf mine > {name}/mine")
     output.prepare()
     output.publish(build(b"2\n"))
     assert content(output.target) == build(b"2\n")
@@ -346,40 +240,37 @@ def test_a_failed_folder_never_fails_a_good_build_and_keeps_what_is_not_ours(tmp
 @pytest.mark.parametrize("make", [lambda path: path.write_text("mine"), lambda path: path.symlink_to("arm")])
 def test_what_is_no_folder_in_the_place_of_the_failed_one_never_fails_a_good_build(output, make):
     make(output.folder(FAILED))
-    before = what(output.folder(FAILED))
+    before = content_of(output.folder(FAILED))
     output.prepare()
     output.publish(build(b"2\n"))
     output.remove(FAILED)
     with pytest.raises(InTheWay):
         output.publish({"report.json": OURS}, FAILED)
-    assert what(output.folder(FAILED)) == before
+    assert content_of(output.folder(FAILED)) == before
     assert content(output.target) == build(b"2\n")
 
 
-@pytest.mark.parametrize(
-    ("folder", "shown"),
-    [
-        ("/", "cannot be an output folder"),
-        ("~", "your home folder"),
-        ("~nobody-of-that-name/arm", "nobody"),
-        (".", "working folder"),
-        ("..", "your home folder"),
-        ("../../home/work", "working folder"),
-        ("file", "is a file"),
-        ("file/x", "is a file"),
-        ("link-to-file/x", "is a file|Not a directory"),
-        ("x" * 300, "too long"),
-        ("out/" + "y" * 300 + "/x", "too long"),
-        ("loop/x", "cannot be a folder"),
-        ("a\0b", "null"),
-        ("cache", "cache folder"),
-        ("cache/cas", "in the cache folder"),
-        ("cache/tmp/arm", "in the cache folder"),
-        ("holds-cache", "holds the cache folder"),
-        ("robots", "holds the source"),
-        ("robots/arm", "holds the source"),
-    ],
-)
+@pytest.mark.parametrize(("folder", "shown"), [
+    ("/", "cannot be an output folder"),
+    ("~", "your home folder"),
+    ("~nobody-of-that-name/arm", "nobody"),
+    (".", "working folder"),
+    ("..", "your home folder"),
+    ("../../home/work", "working folder"),
+    ("file", "is a file"),
+    ("file/x", "is a file"),
+    ("link-to-file/x", "is a file|Not a directory"),
+    ("x" * 300, "too long"),
+    ("out/" + "y" * 300 + "/x", "too long"),
+    ("loop/x", "cannot be a folder"),
+    ("a\0b", "null"),
+    ("cache", "cache folder"),
+    ("cache/cas", "in the cache folder"),
+    ("cache/tmp/arm", "in the cache folder"),
+    ("holds-cache", "holds the cache folder"),
+    ("robots", "holds the source"),
+    ("robots/arm", "holds the source"),
+])  # fmt: skip
 def test_a_place_that_no_output_can_have_is_refused_with_a_way_out(tmp_path, monkeypatch, folder, shown):
     here = tmp_path / "home" / "work"
     here.mkdir(parents=True)
@@ -405,48 +296,46 @@ def test_the_home_folder_is_meant_by_its_sign(tmp_path, monkeypatch):
 def mixed(output, text):
     """A build with files of the user's in it, of which some are changed; what must never be lost."""
     output.publish(build(text, gone=b"x"))
-    (output.target / "NOTES.md").write_text("mine")
-    (output.target / "assets" / "mine.stl").write_text("mine too")
-    (output.target / "runs").mkdir()
-    (output.target / "runs" / "log").write_text("7")
-    (output.target / "link").symlink_to("NOTES.md")
-    (output.target / "arm.xml").write_text("mine now")
-    return {"NOTES.md": b"mine", "assets/mine.stl": b"mine too", "runs/log": b"7", "link": "NOTES.md"}
+    shell(
+        output.target, "printf mine > NOTES.md; printf too > assets/mine.stl; mkdir runs; printf 7 > runs/log"
+    )
+    shell(output.target, "ln -s NOTES.md link; printf 'mine now' > arm.xml")
+    return {"NOTES.md": b"mine", "assets/mine.stl": b"too", "runs/log": b"7", "link": "NOTES.md"}
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-def test_a_kill_at_every_step_loses_nothing_of_the_users(tmp_path):
+def test_a_kill_at_every_step_leaves_a_whole_build_its_mode_and_the_users_files(tmp_path):
     mixed(Output(tmp_path / "warm" / "arm"), b"0")
-    Output(tmp_path / "warm" / "arm", overwrite=True).publish(
-        build(b"1")
-    )  # so that late imports are no steps
-    step, outcomes = 0, set()
-    while True:
+    # So that late imports are no steps.
+    Output(tmp_path / "warm" / "arm", overwrite=True).publish(build(b"1"))
+    step, outcomes, absent, killed, new = 0, set(), 0, True, build(b"new", come=b"y")
+    while killed:
         step += 1
         top = tmp_path / str(step)
         output = Output(top / "arm", overwrite=True)
-        mine = mixed(output, b"old")
-        killed = killed_at(step, lambda output=output: output.publish(build(b"new", come=b"y")))
+        users = mixed(output, b"old")
+        output.target.chmod(0o700)
+        killed = killed_at(step, lambda output=output: output.publish(new))
         # Wherever it was killed, all that is the user's is somewhere, whole.
         everything = [*content(top).values()]
-        assert all(one in everything for one in (*mine.values(), b"mine now"))
-        output.prepare()
-        found, moved = content(output.target), content(top / "arm.replaced")
-        new = found["arm.xml"] == b"new"
-        outcomes.add(new)
-        expected = build(b"new", come=b"y") if new else build(b"old", gone=b"x") | {"arm.xml": b"mine now"}
-        assert found == expected | mine
-        assert moved == ({"arm.xml": b"mine now"} if new else {})
-        assert sorted(path.name for path in top.iterdir()) == [
-            ".linkwright",
-            "arm",
-            *(["arm.replaced"] if new else []),
-        ]
-        if not killed:
-            break
+        assert all(data in everything for data in (*users.values(), b"mine now"))
+        absent += not output.target.exists()
+        output.judge("", build(b""))
+        output.prepare("", build(b""))
+        swapped = content(output.target)["arm.xml"] == b"new"
+        outcomes.add(swapped)
+        expected = new if swapped else build(b"old", gone=b"x") | {"arm.xml": b"mine now"}
+        assert content(output.target) == expected | users
+        assert content(top / "arm.replaced") == ({"arm.xml": b"mine now"} if swapped else {})
+        names = [".linkwright", "arm", *(["arm.replaced"] if swapped else [])]
+        assert sorted(path.name for path in top.iterdir()) == names
+        output.publish(new)
+        assert content(output.target) == new | users
+        assert output.target.stat().st_mode & 0o777 == 0o700
     assert step > 30
-    assert outcomes == {True, False}
+    assert outcomes == {True, False}, "the kills must fall before and after the swap"
+    assert absent, "a kill must fall between the two renames"
 
 
 @pytest.mark.slow

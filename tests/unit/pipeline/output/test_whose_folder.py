@@ -13,76 +13,48 @@ from linkwright.pipeline.errors import ConfigError, InTheWay
 from linkwright.pipeline.output import manifest
 from linkwright.pipeline.output.folder import FAILED, Output
 from linkwright.pipeline.report import Report
-from tests.support.kill import killed_at
+from tests.support.outputs import OURS, build, shell
 
-OURS = b'{"linkwright-report": 1}'
-BUILD = {"report.json": OURS, "arm.xml": b"1", "assets/a.stl": b"1"}
+BUILD = build(b"1")
 ROOT = hasattr(os, "geteuid") and os.geteuid() == 0
 SOMEBODY = 12345
 
 
-def everything(folder: Path) -> dict[str, object]:
-    """Mode, inode and bytes of each entry below a folder, by path."""
-    found: dict[str, object] = {}
+def everything(folder):
+    """Mode, inode and bytes of each entry below a folder but locks, by path."""
+    facts = {}
     for path in sorted(folder.rglob("*")):
-        status = path.lstat()
+        status, name = path.lstat(), str(path.relative_to(folder))
         data = path.read_bytes() if stat.S_ISREG(status.st_mode) else None
-        found[str(path.relative_to(folder))] = (status.st_mode, status.st_ino, data)
-    return found
+        facts[name] = status.st_mode, status.st_ino, data
+    return {name: fact for name, fact in facts.items() if not name.startswith(".linkwright")}
 
 
-def access(folder: Path) -> tuple[int, int, int]:
+def access(folder):
     status = folder.stat()
     return stat.S_IMODE(status.st_mode), status.st_uid, status.st_gid
 
 
-def keys_of_a_user(folder: Path) -> None:
-    (folder / "id").write_text("private")
+KEYS_OF_A_USER = "echo private > id"
+A_BUILD = f"mkdir arm; echo '{OURS.decode()}' > arm/report.json"
+OF_OTHERS = {
+    "keys of a user": KEYS_OF_A_USER,
+    "a folder": "mkdir -p deep/er",
+    "a broken manifest": f"echo '{{' > {manifest.NAME}",
+    "a manifest of another program": f"""echo '{{"files": {{}}}}' > {manifest.NAME}""",
+    "a report of another program": """echo '{"status": "built"}' > report.json""",
+    "a link to a report": f"echo '{OURS.decode()}' > ../mine.json; ln -s ../mine.json report.json",
+    "a build inside": A_BUILD,
+}
 
 
-def one_folder(folder: Path) -> None:
-    (folder / "deep" / "er").mkdir(parents=True)
-
-
-def a_broken_manifest(folder: Path) -> None:
-    (folder / manifest.NAME).write_text("{")
-
-
-def a_manifest_of_another_program(folder: Path) -> None:
-    (folder / manifest.NAME).write_text('{"files": {}}')
-
-
-def a_report_of_another_program(folder: Path) -> None:
-    (folder / "report.json").write_text('{"status": "built"}')
-
-
-def a_link_to_a_report(folder: Path) -> None:
-    (folder.parent / "mine.json").write_bytes(OURS)
-    (folder / "report.json").symlink_to(folder.parent / "mine.json")
-
-
-def a_build_inside(folder: Path) -> None:
-    Output(folder / "arm").publish(BUILD)
-
-
-OF_OTHERS = [
-    keys_of_a_user,
-    one_folder,
-    a_broken_manifest,
-    a_manifest_of_another_program,
-    a_report_of_another_program,
-    a_link_to_a_report,
-    a_build_inside,
-]
-
-
-@pytest.mark.parametrize("put", OF_OTHERS)
+@pytest.mark.parametrize("kind", OF_OTHERS)
 @pytest.mark.parametrize("overwrite", [False, True])
 @pytest.mark.parametrize("suffix", ["", ".graph", FAILED])
-def test_a_full_folder_that_no_build_made_is_refused_and_stays_as_it_was(tmp_path, put, overwrite, suffix):
+def test_a_full_folder_that_no_build_made_is_refused_and_stays(tmp_path, kind, overwrite, suffix):
     folder = tmp_path / f"full{suffix}"
     folder.mkdir(mode=0o700)
-    put(folder)
+    shell(folder, OF_OTHERS[kind])
     before = everything(tmp_path)
     output = Output(tmp_path / "full", overwrite=overwrite)
     for act in (output.judge, output.prepare):
@@ -92,120 +64,66 @@ def test_a_full_folder_that_no_build_made_is_refused_and_stays_as_it_was(tmp_pat
         assert "elsewhere" in caught.value.hint
     with pytest.raises(InTheWay, match="no build made it"):
         output.publish(BUILD, suffix)
-    after = {path: one for path, one in everything(tmp_path).items() if not path.startswith(".linkwright")}
-    assert after == {path: one for path, one in before.items() if not path.startswith(".linkwright")}
-
-
-@pytest.mark.parametrize("put", [keys_of_a_user, a_build_inside])
-def test_the_refusal_comes_before_the_first_stage(tmp_path, monkeypatch, capsys, put):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "full").mkdir()
-    put(tmp_path / "full")
-    before = everything(tmp_path)
-    for more in ([], ["overwrite=true"]):
-        assert run(["source=sample", "output=full", "until=export", *more]) == 2
-        assert "full is not empty, and no build made it" in capsys.readouterr().err
-        assert everything(tmp_path) == before
-
-
-@pytest.mark.parametrize("more", [[], ["overwrite=true"]])
-def test_so_is_that_of_a_sweep(tmp_path, monkeypatch, capsys, more):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "full").mkdir()
-    keys_of_a_user(tmp_path / "full")
-    before = everything(tmp_path)
-    plans = []
-
-    def build(plan):
-        plans.append(plan)
-        return Report("built", plan.name, str(plan.folder), plan.until, 0)
-
-    assert run(["-m", "source=sample", "root=auto,free", "output=full", *more], build) == 2
-    assert "full is not empty, and no build made it" in capsys.readouterr().err
-    assert plans == []
     assert everything(tmp_path) == before
 
 
-def missing(folder: Path) -> None:
-    folder.parent.mkdir(parents=True, exist_ok=True)
+@pytest.mark.parametrize("script", [KEYS_OF_A_USER, A_BUILD])
+@pytest.mark.parametrize("swept", [False, True])
+@pytest.mark.parametrize("more", [[], ["overwrite=true"]])
+def test_the_refusal_comes_before_the_first_stage_or_job(tmp_path, monkeypatch, capsys, script, swept, more):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "full").mkdir()
+    shell(tmp_path / "full", script)
+    before, plans = everything(tmp_path), []
 
+    def recorded(plan):
+        plans.append(plan)
+        return Report("built", plan.name, str(plan.folder), plan.until, 0)
 
-def empty(folder: Path) -> None:
-    folder.mkdir()
-
-
-def only_locks(folder: Path) -> None:
-    Output(folder / "arm").publish(BUILD)
-    Output(folder / "arm").remove("")
-
-
-def a_build(folder: Path) -> None:
-    Output(folder).publish(BUILD)
-
-
-def a_build_of_0_1(folder: Path) -> None:
-    folder.mkdir()
-    (folder / "report.json").write_bytes(OURS)
-
-
-def a_build_without_its_report(folder: Path) -> None:
-    a_build(folder)
-    (folder / "report.json").unlink()
+    words = ["source=sample", "output=full", "until=export", *more]
+    status = run(["-m", "root=auto,free", *words], recorded) if swept else run(words)
+    assert (status, plans) == (2, [])
+    assert "full is not empty, and no build made it" in capsys.readouterr().err
+    assert everything(tmp_path) == before
 
 
 @pytest.mark.parametrize(
-    "put", [missing, empty, only_locks, a_build, a_build_of_0_1, a_build_without_its_report]
+    "kind", ["missing", "empty", "only locks", "a build", "of 0.1", "without its report"]
 )
 @pytest.mark.parametrize("overwrite", [False, True])
-def test_a_new_an_empty_and_our_own_folder_is_replaced(tmp_path, put, overwrite):
-    put(tmp_path / "arm")
+def test_a_new_an_empty_and_our_own_folder_is_replaced(tmp_path, kind, overwrite):
     output = Output(tmp_path / "arm", overwrite=overwrite)
+    if kind in ("a build", "without its report"):
+        output.publish(BUILD)
+    if kind == "only locks":
+        Output(output.target / "arm").publish(BUILD)
+        Output(output.target / "arm").remove("")
+    scripts = {"empty": "mkdir arm", "of 0.1": A_BUILD, "without its report": "rm arm/report.json"}
+    shell(tmp_path, scripts.get(kind, ""))
     output.judge("", BUILD)
     output.prepare("", BUILD)
     output.publish(BUILD)
     assert (tmp_path / "arm" / "arm.xml").read_bytes() == b"1"
 
 
-@pytest.mark.slow
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-def test_a_swap_that_was_cut_short_is_mended_at_each_step(tmp_path):
-    Output(tmp_path / "warm").publish(BUILD)  # so that late imports are no steps
-    step = 0
-    while True:
-        step += 1
-        output = Output(tmp_path / str(step) / "arm")
-        output.publish(BUILD)
-        output.target.chmod(0o700)
-        (output.target / "NOTES.md").write_text("mine")
-        killed = killed_at(step, lambda output=output: output.publish(BUILD | {"arm.xml": b"2"}))
-        output.judge("", BUILD)
-        output.prepare("", BUILD)
-        output.publish(BUILD | {"arm.xml": b"3"})
-        assert (output.target / "arm.xml").read_bytes() == b"3"
-        assert (output.target / "NOTES.md").read_text() == "mine"
-        assert access(output.target)[0] == 0o700
-        if not killed:
-            break
-    assert step > 20
-
-
 def test_the_failed_folder_with_files_of_the_user_stays_linkwrights(tmp_path):
     output = Output(tmp_path / "arm")
     output.publish({"report.json": OURS}, FAILED)
-    (output.folder(FAILED) / "NOTES.md").write_text("mine")
+    notes = output.folder(FAILED) / "NOTES.md"
+    notes.write_text("mine")
     output.remove(FAILED)
     output.remove(FAILED)
     assert manifest.ours(output.folder(FAILED)) == {}
     output.publish({"report.json": OURS}, FAILED)
-    assert (output.folder(FAILED) / "NOTES.md").read_text() == "mine"
-    (output.folder(FAILED) / "NOTES.md").unlink()
+    assert notes.read_text() == "mine"
+    notes.unlink()
     output.remove(FAILED)
     assert not output.folder(FAILED).exists()
 
 
 def test_what_is_in_the_way_never_moves_into_a_folder_of_others(tmp_path):
     (tmp_path / "arm.replaced").mkdir()
-    keys_of_a_user(tmp_path / "arm.replaced")
+    shell(tmp_path / "arm.replaced", KEYS_OF_A_USER)
     before = everything(tmp_path / "arm.replaced")
     bold = Output(tmp_path / "arm", overwrite=True)
     for text in ("one", "two"):
@@ -217,16 +135,16 @@ def test_what_is_in_the_way_never_moves_into_a_folder_of_others(tmp_path):
     assert [(moved / name).read_text() for name in ("arm.xml", "arm.xml.2")] == ["one", "two"]
 
 
-MODES = [0o700, 0o750, 0o711, 0o2775, 0o1777]
-
-
-@pytest.mark.parametrize("mode", MODES)
-@pytest.mark.parametrize("put", [empty, a_build])
+@pytest.mark.parametrize("mode", [0o700, 0o750, 0o711, 0o2775, 0o1777])
+@pytest.mark.parametrize("kind", ["empty", "a build"])
 @pytest.mark.parametrize("suffix", ["", ".graph"])
-def test_the_mode_of_an_output_stays(tmp_path, mode, put, suffix):
+def test_the_mode_of_an_output_stays(tmp_path, mode, kind, suffix):
     output = Output(tmp_path / "arm")
     folder = output.folder(suffix)
-    put(folder)
+    if kind == "empty":
+        folder.mkdir()
+    else:
+        Output(folder).publish(BUILD)
     folder.chmod(mode)
     before = access(folder)
     for _ in range(2):
@@ -236,37 +154,27 @@ def test_the_mode_of_an_output_stays(tmp_path, mode, put, suffix):
 
 
 def test_the_mode_of_a_folder_that_a_link_names_stays(tmp_path):
-    (tmp_path / "real").mkdir()
-    (tmp_path / "real").chmod(0o700)
-    (tmp_path / "arm").symlink_to(tmp_path / "real")
+    shell(tmp_path, "mkdir -m 700 real; ln -s real arm")
     Output(tmp_path / "arm").publish(BUILD)
     assert access(tmp_path / "real")[0] == 0o700
 
 
-def test_the_folder_of_a_failure_and_what_is_moved_are_as_private_as_the_output(tmp_path):
+def test_a_failure_what_is_moved_and_what_is_written_are_private_as_the_output(tmp_path, monkeypatch):
     output = Output(tmp_path / "arm", overwrite=True)
     output.publish(BUILD)
     output.target.chmod(0o700)
     output.publish({"report.json": OURS}, FAILED)
     (output.target / "arm.xml").write_text("mine")
-    output.publish(BUILD)
-    assert [access(output.folder(end))[0] for end in ("", FAILED, ".replaced")] == [0o700] * 3
+    modes, write = [], manifest.write
 
-
-def test_a_new_folder_is_private_while_it_is_written(tmp_path, monkeypatch):
-    output = Output(tmp_path / "arm")
-    output.publish(BUILD)
-    output.target.chmod(0o700)
-    seen = []
-    write = manifest.write
-
-    def watched(folder, own):
-        seen.append(access(folder)[0])
-        write(folder, own)
+    def watched(folder, files):
+        modes.append(access(folder)[0])
+        write(folder, files)
 
     monkeypatch.setattr(manifest, "write", watched)
     output.publish(BUILD)
-    assert seen == [0o700]
+    assert set(modes) == {0o700}
+    assert [access(output.folder(end))[0] for end in ("", FAILED, ".replaced")] == [0o700] * 3
 
 
 @pytest.mark.skipif(not ROOT, reason="only root may give files away")
@@ -290,28 +198,21 @@ def test_a_user_who_cannot_give_a_folder_away_opens_it_to_no_other_group():
         output.target.mkdir()
         os.chown(output.target, SOMEBODY, SOMEBODY)
         output.target.chmod(0o777)
-        assert _published_by(SOMEBODY + 1, output)
+        process = os.fork()
+        if not process:
+            try:
+                os.setgroups([])
+                os.setgid(SOMEBODY + 1)
+                os.setuid(SOMEBODY + 1)
+                output.publish(BUILD)
+                os._exit(0)
+            finally:
+                os._exit(1)
+        assert os.waitpid(process, 0)[1] == 0
         assert access(output.target) == (0o707, SOMEBODY + 1, SOMEBODY + 1)
 
 
-def _published_by(user: int, output: Output) -> bool:
-    """Whether a build by a user, in a process of its own, wrote the output."""
-    pid = os.fork()
-    if not pid:
-        try:
-            os.setgroups([])
-            os.setgid(user)
-            os.setuid(user)
-            output.publish(BUILD)
-            os._exit(0)
-        finally:
-            os._exit(1)
-    return os.waitpid(pid, 0)[1] == 0
-
-
-def test_home_root_the_working_folder_and_their_parents_are_refused_even_where_a_build_was(
-    tmp_path, monkeypatch, capsys
-):
+def test_home_root_and_the_working_folder_are_refused_even_where_a_build_was(tmp_path, monkeypatch, capsys):
     home = tmp_path / "home" / "user"
     work = home / "work"
     work.mkdir(parents=True)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from linkwright.pipeline.changes.since import Since
+from linkwright.pipeline.changes.build_changes import BuildChanges
 from linkwright.pipeline.page.document import page
 from linkwright.pipeline.page.sweep.document import page as sweep_page
 from linkwright.pipeline.report import StageReport
@@ -46,18 +46,13 @@ def report(word, key):
         Check(f"a.xml: mass {word}", False, word, code="C-MASS", findings=(Finding(word, word, word),)),
         Check(f"a.xml: sim-readiness {word}", True, word, code="C-READINESS", level="warning", table=table),
     )
-    colliders = tuple(replace(one, link=word, parts=(word,), note=word) for one in EVERY)
-    shapes = tuple(replace(one, link=word) for one in SHAPES)
+    colliders = tuple(replace(figures, link=word, parts=(word,), note=word) for figures in EVERY)
+    shapes = tuple(replace(shape, link=word) for shape in SHAPES)
     exclude = {"links": [word, word], "reason": "Always", "depth": 1.0, "colliders": [[word], [word]]}
     reader = {
-        "reader": word,
-        "version": "1",
-        "format": "urdf",
-        "thing": word,
-        "does": word,
-        "of": [word],
+        "reader": word, "version": "1", "format": "urdf", "thing": word, "does": word, "of": [word],
         "source": word,
-    }
+    }  # fmt: skip
     return replace(
         REPORT,
         name=word,
@@ -98,7 +93,7 @@ def build_page(word, secrets=None):
         "tables.json": json.dumps(tables),
         PICTURES: json.dumps({"side": 240, "pictures": [{"link": word, "png": PIXEL}], "left_out": [word]}),
     }
-    changes = Since(robot=((f"link {word}", word),), more=3, files=(f"new: {word}",))
+    changes = BuildChanges(robot=((f"link {word}", word),), more=3, files=(f"new: {word}",))
     return page(made, shown, dict.fromkeys(made.outputs, 1), Secrets(secrets or {}), changes=changes)
 
 
@@ -107,8 +102,8 @@ def sweep(word, secrets=None):
     jobs = [job(n, message=word, **{f"joints.{key}.damping": f"{word}{n}"}) for n in range(3)]
     jobs += [job(3, 1, {}, word, mesh=word)]
     jobs = [
-        {**one, "folder": word, "checks": one["checks"] and {**one["checks"], "failed": [word] * 6}}
-        for one in jobs
+        {**entry, "folder": word, "checks": entry["checks"] and {**entry["checks"], "failed": [word] * 6}}
+        for entry in jobs
     ]
     blanked = Secrets(secrets or {})
     return sweep_page(blanked.blanked(word), blanked.within(jobs), lambda _: True, ("summary.json",))

@@ -29,8 +29,8 @@ def luminance(colour):
     return 0.2126 * red + 0.7152 * green + 0.0722 * blue
 
 
-def contrast(one, other):
-    dim, bright = sorted((luminance(one), luminance(other)))
+def contrast(first, other):
+    dim, bright = sorted((luminance(first), luminance(other)))
     return (bright + 0.05) / (dim + 0.05)
 
 

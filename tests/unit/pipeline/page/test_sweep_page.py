@@ -1,14 +1,17 @@
 """summary.html: the jobs of a sweep in a table, and their figures in plots."""
 
+import itertools
+import json
 import math
 import re
 
 import pytest
 
 from linkwright.pipeline.page.sweep.axis import categories, numbers
-from linkwright.pipeline.page.sweep.document import MOST_PLOTS, page
+from linkwright.pipeline.page.sweep.document import MAX_PLOTS, MAX_ROWS, page
 from linkwright.pipeline.page.sweep.plot import HEIGHT, WIDTH, Dot, plot
 from linkwright.pipeline.page.sweep.swept import depends, keys, places, varying
+from linkwright.pipeline.sweep.outcome import state_of
 from tests.support.page_reader import Reader
 
 HOSTILE = "</script><img src=x onerror=alert(1)>"
@@ -20,6 +23,7 @@ def job(number, status=0, figures=None, message="valid", **overrides):
         "number": number,
         "label": " ".join(f"{key}={value}" for key, value in overrides.items()),
         "status": status,
+        "state": state_of(status, message),
         "message": message,
         "folder": f"job {number}",
         "overrides": overrides,
@@ -27,92 +31,71 @@ def job(number, status=0, figures=None, message="valid", **overrides):
         "checks": {} if status == 1 else checks,
         "calls": {"made": 0, "saved": 5},
         "problems": ["E-MASS Pin: no mass"] if status == 1 else [],
+        "objective": None,
     }
 
 
-GRID = [
-    job(number, mesh=mesh, tolerance=tolerance)
-    for number, (mesh, tolerance) in enumerate(
-        (m, t) for m in ("hull", "ladder") for t in (0.001, 0.002, 0.005)
-    )
-]
+CELLS = itertools.product(("hull", "ladder"), (0.001, 0.002, 0.005))
+GRID = [job(number, mesh=mesh, tolerance=tolerance) for number, (mesh, tolerance) in enumerate(CELLS)]
 
 
 def made(jobs, there=(), beside=("summary.json",)):
     return page("arm.sweep", jobs, there.__contains__, beside)
 
 
-def dots(html):
-    """The centres of the round dots, and the titles of all dots, plot by plot."""
-    plots = re.findall(r'<svg class="plot" .*?</svg>', html, re.DOTALL)
-    centres = [
-        [(float(x), float(y)) for x, y in re.findall(r'<circle [^>]*cx="([\d.]+)" cy="([\d.]+)"', one)]
-        for one in plots
-    ]
-    return centres, [re.findall(r"<title>(.*?)</title>", one) for one in plots]
+def plots(html):
+    return re.findall(r'<svg class="plot" .*?</svg>', html, re.DOTALL)
+
+
+def with_figures(*figures):
+    """The jobs of the grid with other figures."""
+    return [{**job, "figures": row} for job, row in zip(GRID, figures, strict=True)]
 
 
 def test_a_row_for_each_job_with_its_values_figures_checks_and_links():
     jobs = [*GRID[:2], job(2, 3, message="a check failed", mesh="hull", tolerance=0.005)]
     jobs.append(job(3, 1, {}, f"upper_arm: no triangles {HOSTILE}", mesh="none", tolerance=0.001))
-    there = {"job 0/report.html", "job 0", "job 0/preview.png", "job 3"}
-    data = made(jobs, there)
+    data = made(jobs, {"job 0/report.html", "job 0", "job 0/preview.png", "job 3"})
     read = Reader(data)
     assert b"<img src=x" not in data
-    for words in (
-        "2 of 4 jobs built and valid",
-        "1 with a check that failed",
-        "1 failed",
-        "over mesh, tolerance",
-    ):
-        assert words in read.text
-    assert "".join(read.said).count(HOSTILE) == 1
-    for words in (
-        "✕ a.xml: mass",
-        "! a.xml: reach",
-        "3 of 4 passed",
-        "3 of 5 passed",
-        "1.2",
-        "E-MASS Pin: no mass",
+    assert not read.lacking(
+        "2 of 4 jobs built and valid", "1 with a check that failed", "1 failed", "over mesh, tolerance",
+        "✕ a.xml: mass", "! a.xml: reach", "3 of 4 passed", "3 of 5 passed", "1.2", "E-MASS Pin: no mass",
         "11 links",
-    ):
-        assert words in read.text, words
+    )  # fmt: skip
+    assert "".join(read.said).count(HOSTILE) == 1
     links = [target for target in read.links if not target.startswith("#")]
     assert links == ["summary.json", "job%200/preview.png", "job%200/report.html", "job%200/", "job%203/"]
     rows = re.findall(r'<tr><th scope="row" class="job">(\d)</th>', data.decode())
     assert rows == ["0", "1", "2", "3"]
+    titles = re.findall(r'<th scope="col"[^>]*>(.*?)</th>', data.decode())
+    assert len(set(titles)) == len(titles) >= 6, "no two columns have one title"
 
 
-def test_each_figure_that_differs_is_plotted_against_each_key_and_others_are_named_in_a_line():
+def test_a_figure_that_differs_is_plotted_against_each_key_and_others_are_in_a_line():
     html = made(GRID).decode()
-    _, titles = dots(html)
-    assert len(titles) == 2
-    assert [len(one) for one in titles] == [6, 6]
-    assert titles[0][0] == "mesh=hull tolerance=0.001: 1"
-    read = Reader(html.encode())
-    assert "In common" in read.text
-    assert "11 links" in read.text
+    first, second = plots(html)
+    assert [plot.count("<title>") for plot in (first, second)] == [6, 6]
+    assert "<title>mesh=hull tolerance=0.001: 1</title>" in first
+    assert not Reader(html.encode()).lacking("In common", "11 links", "mesh hull", "mesh ladder")
     # A line for each series where numbers are swept, none between categories.
-    first, second = re.findall(r'<svg class="plot" .*?</svg>', html, re.DOTALL)
     assert (first.count("<polyline"), second.count("<polyline")) == (0, 2)
     # Series differ in the form of their dots, and the legend names them.
     assert (second.count("<circle"), second.count("<rect")) == (3, 3)
-    assert "mesh hull" in read.text
-    assert "mesh ladder" in read.text
 
 
 def test_a_figure_is_not_plotted_against_a_key_on_which_it_does_not_depend():
     """Triangles follow the mesh alone, mass the tolerance alone."""
-    figures = [{"triangles": 100 * (one["number"] // 3), "mass": one["number"] % 3} for one in GRID]
-    jobs = [{**one, "figures": row} for one, row in zip(GRID, figures, strict=True)]
-    html = made(jobs).decode()
-    text = Reader(html.encode()).text
+    numbers = [entry["number"] for entry in GRID]
+    html = made(with_figures(*({"triangles": 100 * (n // 3), "mass": n % 3} for n in numbers))).decode()
     assert re.findall(r"<figcaption>(.*?)</figcaption>", html) == ["triangles", "mass, kg"]
-    assert "triangles not changed by tolerance" in text
-    assert "mass not changed by mesh" in text
+    lines = ("triangles not changed by tolerance", "mass not changed by mesh")
+    assert not Reader(html.encode()).lacking(*lines)
     # What the other key makes no difference to is one series.
     assert 'class="legend"' not in html
     assert html.count("<polyline") == 1
+    html = made(with_figures(*({"joints": n // 3, "links": 1 + n // 3} for n in numbers)))
+    assert "joints, links not changed by tolerance" in Reader(html).text
 
 
 def test_what_no_two_jobs_tell_apart_may_matter():
@@ -127,8 +110,9 @@ def test_dots_are_where_their_values_are():
     values = [(1.0, 10.0), (2.0, 30.0), (4.0, 20.0)]
     jobs = [job(number, figures={"mass": y}, x=x) for number, (x, y) in enumerate(values)]
     html = made(jobs).decode()
-    (found,), _ = dots(html)
-    (x0, y0), (x1, y1), (x2, y2) = found
+    (drawn,) = plots(html)
+    centres = re.findall(r'<circle [^>]*cx="([\d.]+)" cy="([\d.]+)"', drawn)
+    (x0, y0), (x1, y1), (x2, y2) = (map(float, centre) for centre in centres)
     assert (x2 - x0) / (x1 - x0) == pytest.approx(3.0, abs=0.01)
     assert (y2 - y0) / (y1 - y0) == pytest.approx(0.5, abs=0.01)
     assert x0 < x1 < x2
@@ -184,30 +168,25 @@ def test_what_is_swept_is_what_differs_and_of_one_job_all():
     assert varying([*GRID, failed])[0] == ["mass"]
 
 
-def test_one_job_and_no_figure_have_no_plots():
+def test_one_job_no_figure_and_a_key_with_one_value_have_no_plots():
     assert "<svg" not in made(GRID[:1]).decode()
     assert "<svg" not in made([job(0, 1, {}, a=1), job(1, 1, {}, a=2)]).decode()
     assert "without 1 job that failed" in made([*GRID, job(9, 1, {}, mesh="x", tolerance=1)]).decode()
-
-
-def test_a_key_with_one_value_among_the_jobs_that_were_built_has_no_plot():
     failed = [job(6 + number, 1, {}, mesh="none", tolerance=at) for number, at in enumerate((0.001, 0.002))]
     html = made([*GRID[:3], *failed]).decode()
-    assert len(dots(html)[1]) == 1
+    assert len(plots(html)) == 1
     assert "mesh hull" not in Reader(html.encode()).text
     assert "mesh" not in re.findall(r'<text class="title"[^>]*>(.*?)</text>', html)
 
 
-def test_figures_that_a_key_does_not_change_are_in_one_line_of_that_key():
-    figures = [{"joints": one["number"] // 3, "links": 1 + one["number"] // 3} for one in GRID]
-    html = made([{**one, "figures": row} for one, row in zip(GRID, figures, strict=True)])
-    assert "joints, links not changed by tolerance" in Reader(html).text
-
-
-def test_no_two_columns_have_one_title():
-    jobs = [job(number, figures={"links": number}, mesh=number) for number in range(2)]
-    titles = re.findall(r'<th scope="col"[^>]*>(.*?)</th>', made(jobs, {"job 0"}).decode())
-    assert len(set(titles)) == len(titles) >= 6
+def test_figures_that_are_all_alike_are_said_so_in_a_line_below_compare():
+    alike = with_figures(*[{"mass": 2.0}] * 6)
+    failed = job(6, 1, {}, mesh="none", tolerance=0.001)
+    words = "All figures are the same in all jobs"
+    assert f"{words}." in Reader(made(alike)).text
+    assert f"{words} that were built." in Reader(made([*alike, failed])).text
+    for jobs in (GRID, alike[:1], [failed, failed]):
+        assert words not in Reader(made(jobs)).text
 
 
 @pytest.mark.parametrize("values", [[9, 11], [6, 7], [0, 1, 3], [14460, 16136]])
@@ -219,7 +198,7 @@ def test_many_figures_and_many_series_stay_readable():
     figures = {f"figure_{number}": float(number) for number in range(40)}
     jobs = [job(n, figures={key: value * n for key, value in figures.items()}, a=n) for n in range(3)]
     html = made(jobs).decode()
-    assert html.count('<svg class="plot"') == MOST_PLOTS
+    assert html.count('<svg class="plot"') == MAX_PLOTS
     assert "15 more plots" in html
     many = [job(n, a=n % 6, b=f"kind {n}") for n in range(12)]
     assert "<polyline" not in made(many).decode()
@@ -241,5 +220,45 @@ def test_nothing_is_drawn_beside_the_plot():
     assert not math.isnan(axis.share(1))
 
 
-def test_the_same_jobs_give_the_same_bytes():
-    assert made(GRID) == made([dict(one) for one in GRID])
+def data_of(html):
+    """What the script of the page reads."""
+    block = re.search(rb'<script type="application/json" id="sweep-data">(.*?)</script>', html, re.DOTALL)
+    return json.loads(block[1])
+
+
+def test_the_script_has_the_values_of_all_jobs():
+    jobs = [*GRID, job(6, 1, {}, f"no triangles {HOSTILE}", mesh="none", tolerance=0.01)]
+    jobs.append(
+        {**job(7, None, {}, "running", mesh="hull", tolerance=0.1), "checks": {}, "objective": math.inf}
+    )
+    jobs[2] = {**jobs[2], "objective": -0.25}
+    data = data_of(made(jobs, {"job 0", "job 0/preview.png", "job 6"}))
+    columns = {column["title"]: column for column in data["columns"]}
+    mesh = columns["mesh"]
+    assert [mesh["names"][at] for at in mesh["values"]] == [job["overrides"]["mesh"] for job in jobs]
+    assert columns["tolerance"]["values"] == [job["overrides"]["tolerance"] for job in jobs]
+    assert columns["mass, kg"]["values"] == [1.0, 1.1, 1.2, 1.3, 1.4, 1.5, None, None]
+    assert columns["objective"]["values"] == [None, None, -0.25, None, None, None, None, None]
+    assert data["states"] == [0] * 6 + [2, 3]
+    assert data["texts"][data["messages"][6]] == f"no triangles {HOSTILE}"
+    assert data["has"] == [5, 0, 0, 0, 0, 0, 4, 0]
+
+
+def test_a_large_sweep_is_a_small_file_whose_table_says_what_it_leaves_out():
+    jobs = [
+        job(n, figures={"mass": 1 / (n + 1), "reach": n / 7, "triangles": n}, a=n % 10, b=f"{n // 10} m")
+        for n in range(3_000)
+    ]
+    data = made(jobs, [f"{entry['folder']}{end}" for entry in jobs[:20] for end in ("", "/preview.png")])
+    assert len(data) < 1_500_000
+    assert f"{MAX_ROWS} of 3000 jobs: summary.csv has all" in Reader(data).text
+    assert data.count(b'<th scope="row"') == MAX_ROWS
+    assert len(data_of(data)["numbers"]) == 3_000
+    assert b'<svg class="plot' not in data
+
+
+def test_the_page_names_no_other_host_and_is_the_same_again():
+    html = made(GRID, {"job 0"})
+    assert re.findall(rb"(?:https?:)?//[a-z0-9.-]+\.[a-z]+/", html) == []
+    assert [word for word in (b"url(", b"@import") if word in html] == []
+    assert html == made([dict(job) for job in GRID], {"job 0"})

@@ -2,7 +2,6 @@
 
 import gzip
 import json
-from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -10,10 +9,11 @@ import pytest
 
 from linkwright.stages.export.configuration.mujoco_section import CompilerSection, FlagsSection, OptionSection
 from linkwright.stages.formats.xml import parse, to_text
+from linkwright.stages.mujoco.mjcf_schema import listed
 from linkwright.stages.show.live import pack
 from linkwright.stages.show.live.compiled import compiled
 from linkwright.stages.show.live.engine import assets as engine_assets
-from linkwright.stages.show.live.engine.copy import EngineCopy, NoCopy, engine_copy
+from linkwright.stages.show.live.engine.copy import NoCopy, engine_copy
 from linkwright.stages.show.live.engine.version import VERSION, schema, without_newer
 from linkwright.stages.show.live.scene import pack_of
 from tests.support.live_robots import INCLUDED, LINKAGE, LOOPS, SCENE, write
@@ -34,13 +34,13 @@ SAME = (
 """Arrays of a model that decide how it moves."""
 
 
-def copy_of(folder: Path) -> EngineCopy:
+def copy_of(folder):
     return engine_copy(compiled(folder, "scene.xml"), folder)
 
 
-def models(folder: Path):
+def models(folder, copy=None):
     """The model of the scene, as MuJoCo reads its file, and that of the copy."""
-    copy = copy_of(folder)
+    copy = copy or copy_of(folder)
     scene = mujoco.MjModel.from_xml_path(str(folder / "scene.xml"))
     return scene, mujoco.MjModel.from_xml_string(copy.text, dict(copy.files))
 
@@ -61,8 +61,8 @@ def require_the_same(folder, steps=500):
     scene, copy = models(folder)
     for name in SAME:
         np.testing.assert_array_equal(getattr(scene, name), getattr(copy, name), err_msg=name)
-    for one, other in zip(colliding(scene), colliding(copy), strict=True):
-        np.testing.assert_array_equal(one, other)
+    for first, other in zip(colliding(scene), colliding(copy), strict=True):
+        np.testing.assert_array_equal(first, other)
     states = []
     for model in (scene, copy):
         data = mujoco.MjData(model)
@@ -77,12 +77,12 @@ def require_the_same(folder, steps=500):
     return contacts
 
 
-def test_the_copy_moves_as_the_scene_does(folder):
+def test_copy_moves_as_the_scene_does(folder):
     assert require_the_same(folder) > 0, "without a contact, colliders would not matter"
 
 
 @pytest.mark.parametrize("loop", LOOPS.values(), ids=LOOPS)
-def test_so_does_that_of_a_robot_with_loops(loop, tmp_path):
+def test_copy_of_a_robot_with_loops_moves_as_the_scene_does(loop, tmp_path):
     require_the_same(write(tmp_path, scene=LINKAGE.format(loop=loop)))
 
 
@@ -102,24 +102,17 @@ SINCE_3_7 = """<pid joint="g" kp="9" kv="1" ki="2" imax="1"/>
   <position joint="i" kp="3" delay="0.01" nsample="8"/>"""
 
 
-def test_so_do_actuators_of_every_type(tmp_path):
+def test_actuators_of_every_type_move_as_in_the_scene(tmp_path):
     bodies = "".join(
         f'<body pos="{place} 0 1"><joint name="{name}" axis="0 1 0" range="-1 1"/>'
         '<geom size="0.05 0.1" type="capsule" pos="0 0 0.1"/></body>'
         for place, name in enumerate("abcdefghi")
     )
-    listed = [tuple(way.split("/")) for way in _listed_by_the_installed()]
-    newer = SINCE_3_7 if ("actuator", "pid") in listed else ""
+    newer = SINCE_3_7 if ("actuator", "pid") in map(tuple, listed()) else ""
     require_the_same(write(tmp_path, scene=ACTUATORS.format(bodies=bodies, newer=newer)))
 
 
-def _listed_by_the_installed():
-    from linkwright.stages.mujoco.mjcf_schema import listed
-
-    return ["/".join(way) for way in listed()]
-
-
-def test_what_is_only_seen_is_not_in_the_copy(folder):
+def test_visuals_are_not_in_the_copy(folder):
     copy = copy_of(folder)
     for tag in ("texture", "material", "light", "camera", "visual", "sensor"):
         assert f"<{tag}" not in copy.text
@@ -129,7 +122,7 @@ def test_what_is_only_seen_is_not_in_the_copy(folder):
     assert "linkwright" not in copy.text, "names given on the way are not left"
 
 
-def test_a_visual_geom_that_something_names_stays(folder, tmp_path):
+def test_visual_geom_that_something_names_stays(folder, tmp_path):
     pair = '<contact><pair geom1="lid" geom2="floor"/></contact></mujoco>'
     robot = INCLUDED.replace('<geom class="seen" type="box"', '<geom name="lid" class="seen" type="box"')
     other = write(tmp_path / "other", scene=SCENE.replace("</mujoco>", pair), robot=robot)
@@ -138,7 +131,7 @@ def test_a_visual_geom_that_something_names_stays(folder, tmp_path):
     assert copy.ngeom == models(folder)[1].ngeom + 1
 
 
-def test_inertias_are_those_of_all_geoms_also_where_the_compiler_ignores_what_is_given(tmp_path):
+def test_inertias_are_those_of_all_geoms_where_the_file_ignores_its_own(tmp_path):
     ignoring = '<compiler angle="radian" inertiafromgeom="true" '
     robot = INCLUDED.replace('<compiler angle="radian" ', ignoring).replace('density="0"', 'density="300"')
     folder = write(tmp_path, robot=robot)
@@ -150,34 +143,30 @@ def test_inertias_are_those_of_all_geoms_also_where_the_compiler_ignores_what_is
 
 
 def test_large_meshes_are_their_hulls_in_place(folder, monkeypatch):
-    monkeypatch.setattr(engine_assets, "LARGE", 100)
+    monkeypatch.setattr(engine_assets, "MAX_MESH_BYTES", 100)
     copy = copy_of(folder)
-    assert [one["instead"] for one in copy.lacks] == ["the convex hulls, by which MuJoCo collides"]
+    assert [lack["instead"] for lack in copy.lacks] == ["the convex hulls, by which MuJoCo collides"]
     assert all(name.endswith(".msh") for name in copy.files)
     points = []
-    for model in (
-        mujoco.MjModel.from_xml_path(str(folder / "scene.xml")),
-        mujoco.MjModel.from_xml_string(copy.text, dict(copy.files)),
-    ):
+    for model in models(folder, copy):
         data = mujoco.MjData(model)
         mujoco.mj_kinematics(model, data)
         (geom,) = np.flatnonzero((model.geom_type == mujoco.mjtGeom.mjGEOM_MESH) & (model.geom_group == 3))
-        first, count = (int(one[model.geom_dataid[geom]]) for one in (model.mesh_vertadr, model.mesh_vertnum))
-        own = model.mesh_vert[first : first + count]
-        points.append(own @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom])
+        mesh = model.geom_dataid[geom]
+        vertices = model.mesh_vert[model.mesh_vertadr[mesh] :][: model.mesh_vertnum[mesh]]
+        points.append(vertices @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom])
     # How far each of them reaches in many directions.
-    ways = np.random.default_rng(0).normal(size=(500, 3))
-    reach = [(one @ ways.T).max(axis=0) for one in points]
-    np.testing.assert_allclose(*reach, atol=1e-6)
+    directions = np.random.default_rng(0).normal(size=(500, 3))
+    np.testing.assert_allclose(*((place @ directions.T).max(axis=0) for place in points), atol=1e-6)
 
 
-def test_what_mujoco_copies_is_copied_in_the_copy_too(tmp_path):
+def test_replicated_bodies_are_in_the_copy_too(tmp_path):
     copied = '<replicate count="2" offset="0 0 1"><body><joint/><geom size=".1"/></body></replicate>'
     scene = LINKAGE.format(loop=LOOPS["sites"]).replace("</worldbody>", f"{copied}</worldbody>")
     require_the_same(write(tmp_path, scene=scene))
 
 
-def test_what_a_copy_cannot_have_leaves_the_sliders(tmp_path):
+def test_elements_that_a_copy_cannot_have_leave_the_sliders(tmp_path):
     more = "<extension><plugin plugin='mujoco.pid'/></extension></mujoco>"
     write(tmp_path, scene=SCENE.replace("</mujoco>", more))
     with pytest.raises(NoCopy, match="cannot have <extension>, <plugin>"):
@@ -197,10 +186,9 @@ NEWER = """<mujoco>
 </mujoco>"""
 
 
-def test_what_the_pages_mujoco_does_not_know_is_left_out_and_named():
+def test_elements_newer_than_the_pages_mujoco_are_left_out_and_named():
     root = parse(NEWER.encode())
-    found = [(one["what"], one["place"]) for one in without_newer(root)]
-    assert found == [
+    assert [(entry["what"], entry["place"]) for entry in without_newer(root)] == [
         ("the attribute speculative", "flag"),
         ("the attribute springyield", "joint"),
         ("the attribute springyield", "joint a"),
@@ -208,34 +196,26 @@ def test_what_the_pages_mujoco_does_not_know_is_left_out_and_named():
         ("the attribute springyield", "fixed t"),
     ]
     text = to_text(root)
-    for word in ("speculative", "springyield", "castshadow", "glow"):
-        assert word not in text
-    for word in ("damping", "stiffness", "<flag", 'coef="1"'):
-        assert word in text
+    assert not [word for word in ("speculative", "springyield", "castshadow", "glow") if word in text]
+    assert all(word in text for word in ("damping", "stiffness", "<flag", 'coef="1"'))
     # What is left compiles, in the page's own version where that is the installed one.
     mujoco.MjModel.from_xml_string(text)
 
 
 @pytest.mark.skipif(mujoco.__version__ != VERSION, reason=f"MuJoCo {VERSION} is not the installed one")
-def test_the_list_of_what_the_pages_mujoco_knows_is_its_own():
-    from linkwright.stages.mujoco.mjcf_schema import listed
-
+def test_list_of_what_the_pages_mujoco_knows_is_its_own():
     file = PROJECT / "pipeline" / "live" / "viewer" / "engine" / f"mjcf-{VERSION}.json.gz"
     kept = json.loads(gzip.decompress(file.read_bytes()))
     assert kept["mujoco"] == VERSION
     assert kept["elements"] == {"/".join(way): sorted(names) for way, names in listed().items()}
 
 
-def test_of_what_a_user_may_set_little_is_unknown_to_it():
-    asked = {
-        ("option",): OptionSection,
-        ("option", "flag"): FlagsSection,
-        ("compiler",): CompilerSection,
-    }
+def test_few_keys_of_users_are_unknown_to_the_pages_mujoco():
+    sections = {("option",): OptionSection, ("option", "flag"): FlagsSection, ("compiler",): CompilerSection}
     newer = set()
-    for way, section in asked.items():
-        known, children = schema().known(("mujoco", *way))
-        newer |= set(section.model_fields) - known - children
+    for path, section in sections.items():
+        allowed, children = schema().allowed(("mujoco", *path))
+        newer |= set(section.model_fields) - allowed - children
     later = {"speculative", "savecanonical", "savecompiled", "passthrough"}
     no_longer_there = {"apirate", "passive"}
     assert newer == later | no_longer_there

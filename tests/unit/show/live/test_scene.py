@@ -17,6 +17,7 @@ from tests.support.live_robots import (
     LINKAGE,
     LOOPS,
     SCENE,
+    bumpy,
     poses,
     times,
     triangles,
@@ -25,6 +26,7 @@ from tests.support.live_robots import (
 )
 from tests.support.places import PROJECT
 from tests.support.robots import robot_with
+from tests.unit.pipeline.test_live import ARM
 
 ROBOT = robot_with(())
 
@@ -54,26 +56,25 @@ def random_pose(model, draw):
     return qpos, data
 
 
-def test_bodies_stand_where_mujoco_has_them_at_any_pose(whole):
+def test_bodies_are_where_mujoco_has_them_at_any_pose(whole):
     header, _, model = whole
     draw = np.random.default_rng(0)
     for _ in range(20):
         qpos, data = random_pose(model, draw)
-        for (place, turn), wanted, quat in zip(poses(header, qpos), data.xpos, data.xquat, strict=True):
-            np.testing.assert_allclose(place, wanted, atol=1e-9)
+        for (place, turn), expected, quat in zip(poses(header, qpos), data.xpos, data.xquat, strict=True):
+            np.testing.assert_allclose(place, expected, atol=1e-9)
             np.testing.assert_allclose(turn * np.sign(turn @ quat), quat, atol=1e-9)
 
 
-def test_frames_and_geoms_lie_on_their_bodies(whole):
+def test_frames_and_masses_are_on_their_bodies(whole):
     header, _, model = whole
     qpos, data = random_pose(model, np.random.default_rng(1))
     where = poses(header, qpos)
     for frame in header["frames"]:
         place, turn = where[frame["body"]]
         index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, frame["name"])
-        np.testing.assert_allclose(
-            place + turned(turn, np.array(frame["pos"])), data.site_xpos[index], atol=1e-9
-        )
+        point = place + turned(turn, np.array(frame["pos"]))
+        np.testing.assert_allclose(point, data.site_xpos[index], atol=1e-9)
     mujoco.mj_comPos(model, data)
     for index, body in enumerate(header["bodies"]):
         place, turn = where[index]
@@ -86,13 +87,11 @@ def test_frames_and_geoms_lie_on_their_bodies(whole):
 
 
 @pytest.mark.parametrize("loop", LOOPS.values(), ids=LOOPS)
-def test_the_two_frames_of_a_loop_coincide_where_it_is_closed_and_part_where_it_is_not(loop, tmp_path):
+def test_frames_of_a_loop_coincide_only_where_it_is_closed(loop, tmp_path):
     header = header_of(tmp_path, LINKAGE.format(loop=loop))
     model = model_of(tmp_path)
-    assert [(one["name"], one["type"]) for one in header["loops"]] == [
-        ("loop", loop[1:].partition(" ")[0]),
-        ("carried", "weld"),
-    ]
+    names = [(entry["name"], entry["type"]) for entry in header["loops"]]
+    assert names == [("loop", loop[1:].partition(" ")[0]), ("carried", "weld")]
     # Welded, the parallelogram stands still.
     for angle in (0.0,) if loop.startswith("<weld") else (0.0, 0.7):
         data = mujoco.MjData(model)
@@ -101,8 +100,8 @@ def test_the_two_frames_of_a_loop_coincide_where_it_is_closed_and_part_where_it_
         mujoco.mj_kinematics(model, data)
         copied = np.array([np.cos(angle / 2), 0, 0, np.sin(angle / 2)])
         data.qpos[3:] = [*turned(copied, np.array([0, 0, 0.4])), *copied]
-        for one in header["loops"]:
-            np.testing.assert_allclose(*ends(header, one, data.qpos), atol=1e-9)
+        for loop in header["loops"]:
+            np.testing.assert_allclose(*ends(header, loop, data.qpos), atol=1e-9)
     data.qpos[2] += 0.1
     first, second = ends(header, header["loops"][0], data.qpos)
     assert np.linalg.norm(first[:3] - second[:3]) == pytest.approx(2 * 0.3 * np.sin(0.05))
@@ -110,20 +109,20 @@ def test_the_two_frames_of_a_loop_coincide_where_it_is_closed_and_part_where_it_
 
 def ends(header, loop, qpos):
     """The two frames of a loop in the world; of a connect only the points."""
-    where, found = poses(header, qpos), []
+    where, frames = poses(header, qpos), []
     for body, frame in zip(loop["bodies"], (loop["a_from"], loop["b_from"]), strict=True):
         place, turn = where[body]
         quat = times(turn, np.array(frame["quat"]))
         point = place + turned(turn, np.array(frame["pos"]))
-        found.append(point if loop["type"] == "connect" else np.array([*point, *(quat * np.sign(quat[0]))]))
-    return found
+        frames.append(point if loop["type"] == "connect" else np.array([*point, *(quat * np.sign(quat[0]))]))
+    return frames
 
 
-def test_a_relation_is_zero_where_mujocos_constraint_is(whole):
+def test_relation_is_zero_where_mujocos_constraint_is(whole):
     header, _, model = whole
     names = [joint["name"] for joint in header["joints"]]
     geared, stuck = header["relations"]
-    assert [names[one] for one in (geared["follower"], geared["driver"])] == ["gear", "turn"]
+    assert [names[dof] for dof in (geared["follower"], geared["driver"])] == ["gear", "turn"]
     assert (names[stuck["follower"]], stuck["driver"]) == ("pass", None)
     data = mujoco.MjData(model)
     for value in (-0.5, 0.4, 1.1):
@@ -142,8 +141,8 @@ def test_a_relation_is_zero_where_mujocos_constraint_is(whole):
 
 def test_joints_keyframes_and_actuators_are_those_of_the_file(whole):
     header, _, _ = whole
-    rows = [(one["name"], one["type"], one["range"], one["unit"], one["ref"]) for one in header["joints"]]
-    assert rows == [
+    keys = "name", "type", "range", "unit", "ref"
+    assert [tuple(joint[key] for key in keys) for joint in header["joints"]] == [
         ("", "free", None, "", 0.0),
         ("slide", "slide", [-0.1, 0.2], "m", 0.05),
         ("turn", "hinge", [-1.0, 2.0], "rad", 0.4),
@@ -153,10 +152,10 @@ def test_joints_keyframes_and_actuators_are_those_of_the_file(whole):
         ("pass", "hinge", None, "rad", 0.0),
     ]
     assert header["joints"][0]["label"] == "base (free)"
-    assert [one["name"] for one in header["keyframes"]] == ["home", "first"]
+    assert [keyframe["name"] for keyframe in header["keyframes"]] == ["home", "first"]
     assert header["keyframes"][0]["ctrl"] == [0.4, 0.0, 0.0, 0.0]
-    actuators = [(one["name"], one["kind"], one["range"], one["unit"]) for one in header["actuators"]]
-    assert actuators == [
+    keys = "name", "kind", "range", "unit"
+    assert [tuple(actuator[key] for key in keys) for actuator in header["actuators"]] == [
         ("drive", "position", [-1.0, 2.0], "rad"),
         ("push", "motor", None, "N"),
         ("spin", "velocity", None, "rad/s"),
@@ -193,8 +192,8 @@ def test_at_its_target_a_servo_rests_where_its_joint_is(tmp_path):
     model = model_of(tmp_path)
     data = mujoco.MjData(model)
     data.qpos[0] = 0.8
-    for ctrl, one in enumerate(header["actuators"]):
-        target = one["target"]
+    for ctrl, entry in enumerate(header["actuators"]):
+        target = entry["target"]
         if target is None:
             continue
         value = target["slope"] * data.qpos[0] + target["offset"]
@@ -204,18 +203,18 @@ def test_at_its_target_a_servo_rests_where_its_joint_is(tmp_path):
             data.act[target["act"]] = value
     mujoco.mj_forward(model, data)
     names = ["geared", "filtered", "carried", "biased", *(["summed", "slewed"] if pid[0] else [])]
-    held = {one["name"].removesuffix(" position") for one in header["actuators"] if one["target"]}
-    assert held == set(names)
+    held = [actuator["name"] for actuator in header["actuators"] if actuator["target"]]
+    assert {name.removesuffix(" position") for name in held} == set(names)
     for name in names:
         assert data.actuator(name).force == pytest.approx(0, abs=1e-9), name
     assert header["keyframes"][0]["act"] == model.key_act[0].tolist()
     assert header["activations"] == model.na
-    assert [one["unit"] for one in header["actuators"]][2] == "rad/s"
+    assert [actuator["unit"] for actuator in header["actuators"]][2] == "rad/s"
 
 
-def test_what_is_seen_what_collides_and_the_ground_are_told_apart(whole):
+def test_visuals_colliders_and_the_ground_have_their_roles(whole):
     header, _, _ = whole
-    roles = [(one["name"], one["type"], one["role"]) for one in header["geoms"]]
+    roles = [(geom["name"], geom["type"], geom["role"]) for geom in header["geoms"]]
     # What collides and has no group of colliders, as the hand and the capsule, is seen too.
     assert roles == [
         ("floor", "plane", "ground"),
@@ -229,56 +228,44 @@ def test_what_is_seen_what_collides_and_the_ground_are_told_apart(whole):
         ("", "ellipsoid", "visual"),
         ("", "ellipsoid", "collision"),
     ]
-    colours = [one["rgba"] for one in header["geoms"]]
+    colours = [geom["rgba"] for geom in header["geoms"]]
     np.testing.assert_allclose(colours[0], [0.5, 0.5, 0.5, 1], atol=0.01)  # the mean of the tiles
-    np.testing.assert_allclose(
-        colours[1], [0.4, 0.2, 0.2, 1], atol=0.01
-    )  # its material's times its texture's
+    # Its material's colour times its texture's.
+    np.testing.assert_allclose(colours[1], [0.4, 0.2, 0.2, 1], atol=0.01)
     assert colours[3] == [1, 0, 0, 1]
     assert header["camera"] == {"center": [0, 0, 1], "extent": 0.8, "azimuth": 150, "elevation": -25}
 
 
-def test_of_a_robot_without_visual_geoms_the_colliders_are_seen(tmp_path):
+def test_without_visual_geoms_the_colliders_are_seen(tmp_path):
     scene = '<mujoco><worldbody><body><joint/><geom group="3" size="0.1"/></body></worldbody></mujoco>'
-    assert [one["role"] for one in header_of(tmp_path, scene)["geoms"]] == ["collision", "visual"]
+    assert [geom["role"] for geom in header_of(tmp_path, scene)["geoms"]] == ["collision", "visual"]
 
 
 def test_positions_are_within_half_a_step_of_the_file(whole):
     header, content, model = whole
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-    for geom in (one for one in header["geoms"] if one["type"] == "mesh"):
+    for geom in (record for record in header["geoms"] if record["type"] == "mesh"):
         corners = triangles(header, content, geom["mesh"])
         entry = header["meshes"][geom["mesh"]]
         assert entry["faces"] == entry["of_faces"] == len(corners)
-        scale = 1.0 if geom["role"] == "visual" else 0.5
-        file = {"visual": "shell", "collision": "hull"}[geom["role"]]
-        placed = np.array(geom["pos"]) + turned_all(np.array(geom["quat"]), corners.reshape(-1, 3))
-        given = scale * file_of(file).reshape(-1, 3)
-        far = np.linalg.norm(given[:, None] - placed[None], axis=2)
+        turns = [turned(np.array(geom["quat"]), point) for point in corners.reshape(-1, 3)]
+        placed = np.array(geom["pos"]) + turns
+        exact = (bumpy() if geom["role"] == "visual" else 0.5 * bumpy(1, 0.2, 1)).reshape(-1, 3)
+        far = np.linalg.norm(exact[:, None] - placed[None], axis=2)
         step = np.linalg.norm(entry["positions"]["step"])
         assert far.min(axis=0).max() < step
         assert far.min(axis=1).max() < step
-
-
-def turned_all(q, points):
-    return np.array([turned(q, point) for point in points])
-
-
-def file_of(name):
-    from tests.support.live_robots import bumpy
-
-    return bumpy() if name == "shell" else bumpy(1, 0.2, 1)
 
 
 def test_files_of_one_content_are_one_mesh(tmp_path):
     twice = INCLUDED.replace('<mesh name="shell" ', '<mesh name="twin" file="shell.stl"/><mesh name="shell" ')
     seen = '<geom class="seen" type="mesh" mesh="twin"/>'
     header = header_of(tmp_path, SCENE, robot=twice.replace("<geom class", f"{seen}<geom class", 1))
-    assert [one["mesh"] for one in header["geoms"] if one["type"] == "mesh"] == [0, 0, 1]
+    assert [geom["mesh"] for geom in header["geoms"] if geom["type"] == "mesh"] == [0, 0, 1]
 
 
-def test_a_hostile_name_lies_in_the_compressed_header_alone(tmp_path):
+def test_hostile_name_is_only_in_the_compressed_header(tmp_path):
     name = HOSTILE.replace("<", "&lt;").replace('"', "&quot;")
     write(tmp_path, robot=INCLUDED.replace('name="turn"', f'name="{name}"').replace('="turn"', f'="{name}"'))
     made = pack_of(tmp_path, "scene.xml", ROBOT, (), 200_000)
@@ -288,7 +275,7 @@ def test_a_hostile_name_lies_in_the_compressed_header_alone(tmp_path):
     assert header["engine"] is not None
 
 
-def test_a_file_outside_of_the_build_is_not_read(tmp_path):
+def test_file_outside_of_the_build_is_not_read(tmp_path):
     (tmp_path / "secret.xml").write_text("<mujoco/>")
     for path in ("../secret.xml", str(tmp_path / "secret.xml"), "scene.xml"):
         with pytest.raises(ValueError, match="from outside of the build, or in a circle"):
@@ -304,33 +291,24 @@ sys.stdout.buffer.write(pack_of(Path(sys.argv[1]), "scene.xml", ROBOT, (), 300))
 """
 
 
-def test_the_bytes_do_not_depend_on_the_seed_of_hashes(tmp_path):
+def test_bytes_do_not_depend_on_the_seed_of_hashes(tmp_path):
     write(tmp_path)
-    made = [
-        subprocess.run(
-            [sys.executable, "-c", CODE, str(tmp_path)],
-            env={**os.environ, "PYTHONHASHSEED": seed},
-            cwd=PROJECT,
-            check=True,
-            capture_output=True,
-        ).stdout
-        for seed in ("1", "2")
-    ]
-    assert made[0] == made[1]
-    assert len(made[0]) > 1000
+    command, packs = [sys.executable, "-c", CODE, str(tmp_path)], set()
+    for seed in ("1", "2"):
+        environ = {**os.environ, "PYTHONHASHSEED": seed}
+        run = subprocess.run(command, env=environ, cwd=PROJECT, check=True, capture_output=True)
+        packs.add(run.stdout)
+    (made,) = packs
+    assert len(made) > 1000
 
 
-def test_a_urdf_has_a_view_without_an_engine(tmp_path):
-    from tests.unit.pipeline.test_live import ARM
-
-    asked = '<mujoco><compiler fusestatic="false" discardvisual="false"/></mujoco></robot>'
-    (tmp_path / "arm.urdf").write_text(ARM.replace("</robot>", asked))
+def test_urdf_has_a_view_without_an_engine(tmp_path):
+    compiler = '<mujoco><compiler fusestatic="false" discardvisual="false"/></mujoco></robot>'
+    (tmp_path / "arm.urdf").write_text(ARM.replace("</robot>", compiler))
     header, _ = pack.unpacked(pack_of(Path(tmp_path), "arm.urdf", ROBOT, (), 1000))
     assert header["engine"] is None
     assert "export=mjcf" in header["no_engine"]
-    assert [(one["type"], one["role"]) for one in header["geoms"]] == [
-        ("box", "visual"),
-        ("box", "collision"),
-        ("box", "visual"),
-    ], "the groups of a URDF are MuJoCo's"
-    assert [one["name"] for one in header["bodies"]] == ["world", "base", "upper"]
+    assert {geom["type"] for geom in header["geoms"]} == {"box"}
+    # The groups of a URDF are MuJoCo's.
+    assert [geom["role"] for geom in header["geoms"]] == ["visual", "collision", "visual"]
+    assert [body["name"] for body in header["bodies"]] == ["world", "base", "upper"]

@@ -21,15 +21,11 @@ def facets(corners):
     return Facets(np.array(mesh.vertices), np.array(mesh.faces), len(mesh.faces))
 
 
-def apart(one, other):
+def hausdorff(first, other):
     """The two-sided Hausdorff distance [m], by points that lie close on either surface."""
-    samples = [
-        np.concatenate(
-            [mesh.vertices, trimesh.sample.sample_surface(mesh, 60_000, seed=1)[0]],
-        )
-        for mesh in (trimesh.Trimesh(each.points, each.corners, process=False) for each in (one, other))
-    ]
-    return max(cKDTree(samples[1]).query(samples[0])[0].max(), cKDTree(samples[0]).query(samples[1])[0].max())
+    meshes = [trimesh.Trimesh(facets.points, facets.corners, process=False) for facets in (first, other)]
+    a, b = (np.concatenate([m.vertices, trimesh.sample.sample_surface(m, 60_000, seed=1)[0]]) for m in meshes)
+    return max(cKDTree(b).query(a)[0].max(), cKDTree(a).query(b)[0].max())
 
 
 SAMPLING = 0.003
@@ -42,34 +38,30 @@ def simpler(mesh, tolerance):
 
 @pytest.mark.parametrize("way", [simpler, clustered], ids=lambda way: way.__name__)
 @pytest.mark.parametrize("tolerance", [0.008, 0.016])
-def test_a_simpler_mesh_is_within_its_tolerance(way, tolerance):
+def test_simpler_mesh_is_within_its_tolerance(way, tolerance):
     mesh = facets(bumpy(5))
     made = way(mesh, tolerance)
     assert len(made.corners) < len(mesh.corners) / 2
     assert made.of_faces == len(mesh.corners)
-    assert apart(mesh, made) < 1.5 * tolerance + SAMPLING
+    assert hausdorff(mesh, made) < 1.5 * tolerance + SAMPLING
 
 
 def test_all_have_one_tolerance_so_small_ones_lose_their_triangles_first():
     large, small = facets(bumpy(4)), facets(bumpy(4, 0.005))
     made = fitted({"large": large, "small": small}, {"large": 1, "small": 1}, 2500)
-    faces = {name: len(one.corners) for name, one in made.items()}
+    faces = {name: len(value.corners) for name, value in made.items()}
     assert 1500 < sum(faces.values()) <= 2500
     assert faces["small"] < faces["large"] / 5
 
 
-def test_uses_are_counted_and_what_fits_is_left_alone():
+def test_uses_are_counted_and_few_triangles_stay_and_loose_triangles_are_thinned():
     mesh = facets(bumpy(3))
     count = len(mesh.corners)
     assert fitted({0: mesh}, {0: 1}, count)[0] is mesh
     assert len(fitted({0: mesh}, {0: 3}, count)[0].corners) <= count / 3
-
-
-def test_what_is_no_solid_is_thinned_too():
     rng = np.random.default_rng(0)
     loose = facets(rng.normal(size=(4000, 1, 3)) + 0.02 * rng.normal(size=(4000, 3, 3)))
-    made = fitted({0: loose}, {0: 1}, 800)[0]
-    assert 0 < len(made.corners) <= 800
+    assert 0 < len(fitted({0: loose}, {0: 1}, 800)[0].corners) <= 800
 
 
 def test_of_too_many_meshes_the_smallest_are_left_out():
@@ -80,38 +72,30 @@ def test_of_too_many_meshes_the_smallest_are_left_out():
     assert faces == sorted(faces)
 
 
-def test_a_mesh_that_manifold3d_does_not_take_is_clustered(monkeypatch):
+def test_mesh_that_manifold3d_does_not_take_is_clustered(monkeypatch):
     monkeypatch.setattr(Simplifiable, "simplified", lambda *_: None)
     mesh = facets(bumpy(4))
     made = simpler(mesh, 0.01)
     assert 0 < len(made.corners) < len(mesh.corners)
 
 
-def test_the_page_has_at_most_so_many_triangles_and_says_so(tmp_path):
+def test_page_has_at_most_this_number_of_triangles_and_says_so(tmp_path):
     write(tmp_path)
     (tmp_path / "assets" / "shell.stl").write_bytes(stl(bumpy(5)))
     header, content = pack.unpacked(pack_of(tmp_path, "scene.xml", robot_with(()), (), 2000))
-    seen = [one for one in header["geoms"] if one["type"] == "mesh"]
-    (visual,) = [one["mesh"] for one in seen if one["role"] == "visual"]
-    assert 500 < header["meshes"][visual]["faces"] <= 2000
-    assert header["meshes"][visual]["of_faces"] == 20_480
-    collider = header["meshes"][1 - visual]["faces"]
-    assert header["thinned"] == {
-        "faces": header["meshes"][visual]["faces"] + collider,
-        "of_faces": 20_480 + collider,
-    }
-    assert len(triangles(header, content, visual)) == header["meshes"][visual]["faces"]
+    roles = {geom["role"]: geom["mesh"] for geom in header["geoms"] if geom["type"] == "mesh"}
+    faces, collider = (header["meshes"][roles[role]]["faces"] for role in ("visual", "collision"))
+    assert 500 < faces <= 2000
+    assert header["meshes"][roles["visual"]]["of_faces"] == 20_480
+    assert header["thinned"] == {"faces": faces + collider, "of_faces": 20_480 + collider}
+    assert len(triangles(header, content, roles["visual"])) == faces
     # The engine's copy has the colliders as they are.
-    (name,) = header["engine"]["files"]
-    place = header["engine"]["files"][name]
+    (place,) = header["engine"]["files"].values()
     file = (tmp_path / "assets" / "hull.stl").read_bytes()
     assert content[place["at"] : place["at"] + place["bytes"]] == file
-
-
-def test_a_geom_whose_mesh_is_left_out_is_no_geom(tmp_path):
-    write(tmp_path)
+    # A geom whose mesh is left out is no geom.
     header, _ = pack.unpacked(pack_of(tmp_path, "scene.xml", robot_with(()), (), 1))
-    assert [one for one in header["geoms"] if one["type"] == "mesh"] == []
+    assert [geom for geom in header["geoms"] if geom["type"] == "mesh"] == []
     assert header["meshes"] == []
     assert header["thinned"]["faces"] == 0
     assert INCLUDED.count('type="mesh"') == 2
@@ -126,8 +110,8 @@ def test_many_points_have_indices_of_four_bytes_and_flat_meshes_no_step():
     entry = stored(Facets(points, corners, len(corners)), buffers)
     assert entry["indices"]["bytes"] == 4
     assert entry["positions"]["step"] == pytest.approx([259 / STEPS, 259 / STEPS, 0], rel=1e-9)
-    found = triangles({"meshes": [entry]}, buffers.content(), 0)
-    np.testing.assert_allclose(found, points[corners], atol=259 / STEPS)
+    corners_read = triangles({"meshes": [entry]}, buffers.content(), 0)
+    np.testing.assert_allclose(corners_read, points[corners], atol=259 / STEPS)
 
 
 def test_points_that_fall_together_are_one_and_their_triangles_gone():
@@ -138,20 +122,20 @@ def test_points_that_fall_together_are_one_and_their_triangles_gone():
     assert (entry["positions"]["count"], entry["faces"], entry["of_faces"]) == (4, 2, 3)
 
 
-def test_a_pack_that_is_too_large_has_fewer_triangles_then_no_engine(tmp_path, monkeypatch):
+def test_pack_that_is_too_large_has_fewer_triangles_then_no_engine(tmp_path, monkeypatch):
     write(tmp_path)
     (tmp_path / "assets" / "shell.stl").write_bytes(stl(bumpy(5)))
     whole = pack_of(tmp_path, "scene.xml", robot_with(()), (), 100_000)
-    monkeypatch.setattr(scene, "LARGEST", len(whole) // 3)
+    monkeypatch.setattr(scene, "MAX_BYTES", len(whole) // 3)
     smaller = pack_of(tmp_path, "scene.xml", robot_with(()), (), 20_480)
     assert len(smaller) <= len(whole) // 3
     header, _ = pack.unpacked(smaller)
     assert header["engine"] is not None
     assert header["thinned"]["faces"] < header["thinned"]["of_faces"]
     without = pack_of(tmp_path, "scene.xml", robot_with(()), (), 1)
-    monkeypatch.setattr(scene, "LARGEST", 2 * len(without) - 1000)
+    monkeypatch.setattr(scene, "MAX_BYTES", 2 * len(without) - 1000)
     header, _ = pack.unpacked(pack_of(tmp_path, "scene.xml", robot_with(()), (), 100))
     assert (header["engine"], header["no_engine"]) == (None, "the colliders are too large for a page")
-    monkeypatch.setattr(scene, "LARGEST", 100)
+    monkeypatch.setattr(scene, "MAX_BYTES", 100)
     with pytest.raises(ValueError, match="too large for a page"):
         pack_of(tmp_path, "scene.xml", robot_with(()), (), 1000)

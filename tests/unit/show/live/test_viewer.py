@@ -18,31 +18,27 @@ PACK = gzip.compress(b"a pack", mtime=0)
 LINES = 315
 """As of a module."""
 
-SCHEMA = "mjcf-"
-"""What the engine's MJCF knows: our own list, not a file of the engine."""
 
+class Scripts(HTMLParser):
+    """The scripts of a page: their attributes and texts."""
 
-class Elements(HTMLParser):
-    """The elements of a page with their attributes, and the texts in scripts."""
-
-    def __init__(self, text: str) -> None:
+    def __init__(self, text):
         super().__init__()
-        self.found: list[tuple[str, dict[str, str | None]]] = []
-        self.scripts: list[str] = []
+        self.attributes, self.texts = [], []
         self.feed(text)
 
-    def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
-        self.found.append((tag, dict(attributes)))
+    def handle_starttag(self, tag, attributes):
         if tag == "script":
-            self.scripts.append("")
+            self.attributes.append(dict(attributes))
+            self.texts.append("")
 
-    def handle_data(self, data: str) -> None:
-        if self.found and self.found[-1][0] == "script" and self.cdata_elem:
-            self.scripts[-1] += data
+    def handle_data(self, data):
+        if self.cdata_elem == "script":
+            self.texts[-1] += data
 
 
 @pytest.mark.parametrize("name", sorted(FILES))
-def test_a_file_of_the_engine_is_the_one_that_is_named(name):
+def test_file_of_the_engine_has_its_digest(name):
     content = (ENGINE / name).read_bytes()
     assert hashlib.sha256(content).hexdigest() == FILES[name]["sha256"]
     original = gzip.decompress(content)
@@ -51,30 +47,23 @@ def test_a_file_of_the_engine_is_the_one_that_is_named(name):
     assert content[4:8] == bytes(4), "the time in the header: compress with gzip -n"
 
 
-def test_every_compressed_file_is_named():
-    there = {path.name for path in ENGINE.glob("*.gz") if not path.name.startswith(SCHEMA)}
-    assert there == set(FILES)
-
-
-def test_the_licences_are_those_of_the_engine():
-    texts = {
-        name: gzip.decompress((ENGINE / name).read_bytes()).decode() for name in FILES if "LICENSE" in name
-    }
-    assert "Apache License" in texts["mujoco.LICENSE.gz"]
-    assert "three.js authors" in texts["three.LICENSE.gz"]
+def test_every_compressed_file_is_named_and_the_licences_are_those_of_the_engine():
+    # The list of what the engine's MJCF knows is our own, not a file of the engine.
+    assert {path.name for path in ENGINE.glob("*.gz") if not path.name.startswith("mjcf-")} == set(FILES)
+    texts = {name: gzip.decompress((ENGINE / name).read_bytes()) for name in FILES if "LICENSE" in name}
+    assert b"Apache License" in texts["mujoco.LICENSE.gz"]
+    assert b"three.js authors" in texts["three.LICENSE.gz"]
     assert len(texts["mujoco.LICENSES_THIRD_PARTY.md.gz"]) > 100_000
 
 
-def test_every_script_has_its_place():
-    assert sorted(SCRIPTS) == sorted(path.stem for path in (ROOM / "script").glob("*.js"))
-
-
-def test_no_script_is_longer_than_can_be_read_at_once():
-    lengths = {name: len((ROOM / f"script/{name}.js").read_text().splitlines()) for name in SCRIPTS}
+def test_every_script_has_its_place_and_can_be_read_at_once():
+    paths = {path.stem: path for path in (ROOM / "script").glob("*.js")}
+    assert sorted(SCRIPTS) == sorted(paths)
+    lengths = {name: len(path.read_text().splitlines()) for name, path in paths.items()}
     assert {name: lines for name, lines in lengths.items() if lines > LINES} == {}
 
 
-def test_the_script_ends_no_element_and_imports_nothing():
+def test_script_ends_no_element_and_imports_nothing():
     assert "</script" not in script().lower()
     assert "<!--" not in script()
     assert not re.search(r"^\s*(import|export)\b", script(), re.MULTILINE)
@@ -90,28 +79,20 @@ def test_the_script_ends_no_element_and_imports_nothing():
         ("none", {"robot-pack", "linkwright-three"}),
     ],
 )
-def test_a_page_holds_what_it_runs(engine, pieces):
-    found = view(PACK, engine, "../linkwright-engine.js" if engine == "shared" else "")
-    elements = Elements(found.body + found.scripts)
-    scripts = [attributes for tag, attributes in elements.found if tag == "script"]
-    assert {one["id"] for one in scripts if one.get("id")} == pieces
-    assert [one["src"] for one in scripts if "src" in one] == ["../linkwright-engine.js"] * (
-        engine == "shared"
-    )
-    kept = dict(zip((one.get("id") for one in scripts), elements.scripts))
-    assert b64decode(kept["robot-pack"]) == PACK
-    assert found.body.count("<!-- preview -->") == 1
+def test_page_holds_what_it_runs(engine, pieces):
+    page = view(PACK, engine, "../linkwright-engine.js" if engine == "shared" else "")
+    scripts = Scripts(page.body + page.scripts)
+    texts = {entry.get("id"): text for entry, text in zip(scripts.attributes, scripts.texts, strict=True)}
+    assert set(texts) - {None} == pieces
+    sources = [entry["src"] for entry in scripts.attributes if "src" in entry]
+    assert sources == ["../linkwright-engine.js"] * (engine == "shared")
+    assert b64decode(texts["robot-pack"]) == PACK
+    assert page.body.count("<!-- preview -->") == 1
+    without = view(None, engine)
+    assert {without.style, without.body, without.scripts} == {""}
 
 
-def test_nothing_without_a_pack():
-    assert set(vars_of(view(None, "whole"))) == {""}
-
-
-def vars_of(found):
-    return [found.style, found.body, found.scripts]
-
-
-def test_the_shared_engine_is_the_one_of_a_whole_page():
+def test_shared_engine_is_that_of_a_whole_page():
     text = engine_script().decode()
     shared = json.loads(text.removeprefix("globalThis.linkwrightEngine = ").removesuffix(";\n"))
     assert b64decode(shared["wasm"]) == (ENGINE / "mujoco.wasm.gz").read_bytes()

@@ -41,50 +41,51 @@ def make(tmp_path, whole_page):
     return run
 
 
-def test_a_build_leaves_its_picture_names_it_and_a_cached_one_draws_nothing(make, tmp_path, monkeypatch):
+def test_build_leaves_its_picture_and_none_is_out_of_date(make, tmp_path, monkeypatch):
+    out = tmp_path / "out"
     first = make()
-    data = (tmp_path / "out" / PICTURE).read_bytes()
+    data = (out / PICTURE).read_bytes()
     assert robot_in(pixels_of(data)).mean() > 0.02
-    assert first.preview == PICTURE
-    assert PICTURE not in first.outputs
-    assert closing_lines(first)[-1] == f"arm: {tmp_path / 'out'} (report.html, preview.png)"
-    page = (tmp_path / "out" / "report.html").read_text()
+    assert (first.preview, PICTURE in first.outputs) == (PICTURE, False)
+    assert closing_lines(first)[-1] == f"arm: {out} (report.html, preview.png)"
+    page = (out / "report.html").read_text()
     assert f'href="{PICTURE}"' in page
     inside = page.partition("data:image/png;base64,")[2].partition('"')[0]
     assert robot_in(pixels_of(base64.b64decode(inside))).mean() > 0.02
+    # From the cache, nothing is drawn again.
     monkeypatch.setattr(ask, "drawn", lambda *_, **__: pytest.fail("it is in the cache"))
     make()
-    assert (tmp_path / "out" / PICTURE).read_bytes() == data
-    listed = json.loads((tmp_path / "out" / ".linkwright.json").read_text())["files"]
-    assert PICTURE in listed
-
-
-def test_without_one_none_of_before_stays(make, tmp_path):
-    make()
+    assert (out / PICTURE).read_bytes() == data
+    assert PICTURE in json.loads((out / ".linkwright.json").read_text())["files"]
+    # A failed build has none, and that of before stays.
+    with pytest.raises(LinkwrightError):
+        make(joints={"nothing": {"damping": 1}})
+    assert not (tmp_path / "out.failed" / PICTURE).exists()
+    assert (out / PICTURE).read_bytes() == data
+    assert make(until="graph").preview == ""
+    assert not (tmp_path / "out.graph" / PICTURE).exists()
+    # Without a picture, that of before goes.
     last = make(page={"preview": "none"})
-    assert not (tmp_path / "out" / PICTURE).exists()
-    assert last.preview == ""
-    assert closing_lines(last)[-1] == f"arm: {tmp_path / 'out'}"
+    assert (last.preview, (out / PICTURE).exists()) == ("", False)
+    assert closing_lines(last)[-1] == f"arm: {out}"
 
 
 @pytest.mark.parametrize("formats", [["urdf"], ["mjcf"]])
-def test_one_format_is_enough(make, tmp_path, formats):
+def test_one_format_is_enough(make, formats):
     assert make(export={name: {} for name in formats}).preview == PICTURE
 
 
-def test_an_accident_fails_no_build_and_is_told(make, tmp_path, monkeypatch):
+def test_accident_fails_no_build_and_is_reported(make, tmp_path, monkeypatch):
     monkeypatch.setattr(ask, "drawn", lambda *_, **__: {ENDED: b'{"why": "drawing it crashed (SIGSEGV)"}'})
     report = make()
     assert (report.status, report.preview) == ("built", "")
-    (found,) = (one for one in report.diagnostics if one.code == "I-PREVIEW")
-    assert "SIGSEGV" in found.message
+    (diagnostic,) = (diagnostic for diagnostic in report.diagnostics if diagnostic.code == "I-PREVIEW")
+    assert "SIGSEGV" in diagnostic.message
     assert not (tmp_path / "out" / PICTURE).exists()
 
 
-@pytest.mark.parametrize(
-    "end", [KeyboardInterrupt, LinkwrightError("the checks failed")], ids=["Ctrl-C", "error"]
-)
-def test_it_is_drawn_beside_the_checks_and_ends_with_the_build(make, monkeypatch, end):
+@pytest.mark.parametrize("end", [KeyboardInterrupt(), LinkwrightError("the checks failed")], ids=repr)
+def test_picture_is_drawn_beside_the_checks_and_ends_with_the_build(make, monkeypatch, end):
     begun, halted = threading.Event(), threading.Event()
 
     def slowly(look, kind, halt):
@@ -100,31 +101,18 @@ def test_it_is_drawn_beside_the_checks_and_ends_with_the_build(make, monkeypatch
 
     monkeypatch.setattr(ask, "drawn", slowly)
     monkeypatch.setattr("linkwright.pipeline.stages.stage.validate", checks)
-    with pytest.raises(type(end) if isinstance(end, Exception) else end):
+    with pytest.raises(type(end)):
         make(until="validate")
     assert halted.is_set()
 
 
-def test_a_failed_build_has_none_and_that_of_before_stays(make, tmp_path):
-    make()
-    kept = (tmp_path / "out" / PICTURE).read_bytes()
-    with pytest.raises(LinkwrightError):
-        make(joints={"nothing": {"damping": 1}})
-    assert not (tmp_path / "out.failed" / PICTURE).exists()
-    assert (tmp_path / "out" / PICTURE).read_bytes() == kept
-
-
-def test_a_build_that_stops_before_the_export_has_none(make, tmp_path):
-    assert make(until="graph").preview == ""
-    assert not (tmp_path / "out.graph" / PICTURE).exists()
-
-
-def test_a_picture_of_the_users_own_in_the_way_is_not_replaced(make, tmp_path):
-    (tmp_path / "out").mkdir()
+def test_picture_of_the_user_in_the_way_is_not_replaced(make, tmp_path):
+    own = tmp_path / "out" / PICTURE
+    own.parent.mkdir()
     manifest.write(tmp_path / "out", {})
-    (tmp_path / "out" / PICTURE).write_bytes(b"mine")
+    own.write_bytes(b"by the user")
     with pytest.raises(LinkwrightError, match=PICTURE):
         make()
-    assert (tmp_path / "out" / PICTURE).read_bytes() == b"mine"
+    assert own.read_bytes() == b"by the user"
     make(page={"preview": "none"})
-    assert (tmp_path / "out" / PICTURE).read_bytes() == b"mine"
+    assert own.read_bytes() == b"by the user"

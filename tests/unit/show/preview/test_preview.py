@@ -3,7 +3,7 @@
 import json
 import subprocess
 import sys
-from dataclasses import dataclass
+from unittest.mock import Mock
 
 import mujoco
 import numpy as np
@@ -29,6 +29,7 @@ from linkwright.stages.show.preview import (
     model_of,
     names,
     needed_by,
+    turning,
 )
 from linkwright.stages.show.preview.ask import Painter, drawn
 from linkwright.stages.show.preview.compiled import look_of, look_of_files
@@ -63,21 +64,10 @@ def cache(tmp_path):
     return Cache(Store(tmp_path / "cache"))
 
 
-@dataclass
-class Counted:
-    """Stands in for the guest: what it gives, and how often it was asked."""
-
-    found: dict
-    asked: int = 0
-
-    def __call__(self, look, kind, halt=None):
-        self.asked += 1
-        return self.found
-
-
 @pytest.fixture
-def counted(monkeypatch):
-    stand_in = Counted({PICTURE: b"picture", SMALL: b"small"})
+def guest_like(monkeypatch):
+    """A stand-in for the guest: what it returns, and how often it was asked."""
+    stand_in = Mock(return_value={PICTURE: b"picture", SMALL: b"small"})
     monkeypatch.setattr(ask, "drawn", stand_in)
     return stand_in
 
@@ -91,7 +81,7 @@ def visitor(tmp_path, monkeypatch):
     """A guest that runs these lines."""
     monkeypatch.syspath_prepend(tmp_path)
 
-    def make(lines: str, bounds: Bounds = ENOUGH) -> Painter:
+    def make(lines, bounds=ENOUGH):
         body = "\n".join(f"    {line}" for line in lines.splitlines())
         (tmp_path / "painting_visitor.py").write_text(f"def answer(request):\n{body}\n")
         return Painter("painting_visitor", bounds)
@@ -99,14 +89,14 @@ def visitor(tmp_path, monkeypatch):
     return make
 
 
-def test_it_is_drawn_from_the_scene_else_from_a_urdf():
+def test_picture_is_drawn_from_the_scene_else_from_a_urdf():
     assert model_of(FILES) == "scene.xml"
     assert model_of({"ros2/a/urdf/arm.urdf": b"", "robot.json": b""}) == "ros2/a/urdf/arm.urdf"
     assert model_of({"python/a/arm/scene.xml": b"", "arm.urdf": b""}) == "python/a/arm/scene.xml"
     assert model_of({"arm.sdf": b"", "notscene.xml": b""}) is None
 
 
-def test_what_a_model_cannot_name_is_no_reason_to_draw_again():
+def test_files_that_a_model_cannot_name_are_not_needed():
     files = {**FILES, "arm.urdf": b"", "assets/a.stl": b"", "graph.svg": b"", "ros2/arm/urdf/arm.urdf": b""}
     assert needed_by("scene.xml", files) == ["arm.xml", "assets/a.stl", "scene.xml"]
     assert needed_by("arm.urdf", files) == ["arm.urdf", "assets/a.stl", "robot.json"]
@@ -116,25 +106,26 @@ def test_what_a_model_cannot_name_is_no_reason_to_draw_again():
 
 
 @pytest.mark.parametrize("files", [FILES, {"arm.urdf": URDF, "robot.json": ROBOT}], ids=["mjcf", "urdf"])
-def test_a_guest_draws_it_and_gives_the_same_bytes_whatever_the_driver(files, monkeypatch):
+def test_guest_draws_the_same_bytes_whatever_the_driver(files, monkeypatch):
     look = look_of_files(model_of(files), files)
-    found = drawn(look, "png")
-    assert sorted(found) == [PICTURE, SMALL]
-    assert len(found[SMALL]) <= 66_000
-    assert png.problem(found[PICTURE]) == png.problem(found[SMALL]) == ""
-    pixels = pixels_of(found[PICTURE])
+    drawing = drawn(look, "png")
+    assert sorted(drawing) == [PICTURE, SMALL]
+    assert len(drawing[SMALL]) <= 66_000
+    assert png.problem(drawing[PICTURE]) == png.problem(drawing[SMALL]) == ""
+    pixels = pixels_of(drawing[PICTURE])
     assert pixels.shape == (guest.SIZE[1], guest.SIZE[0], 3)
     assert robot_in(pixels).mean() > 0.05
     monkeypatch.setenv("MUJOCO_GL", "nonsense")
-    assert drawn(look, "png") == found
+    assert drawn(look, "png") == drawing
 
 
 def asked(model, files, kind):
     """What the guest answers, in this process."""
-    return ask._read(guest.answer(packed(look_of_files(model, files), kind)))
+    draws = turning if kind == "turn" else guest
+    return ask._pictures_in(draws.answer(packed(look_of_files(model, files))))
 
 
-def test_a_urdf_is_seen_at_home(monkeypatch):
+def test_urdf_is_seen_at_home(monkeypatch):
     monkeypatch.setattr(guest, "SIZE", (80, 60))
     files = {"arm.urdf": URDF, "robot.json": ROBOT}
     home = asked("arm.urdf", files, "png")[PICTURE]
@@ -143,24 +134,24 @@ def test_a_urdf_is_seen_at_home(monkeypatch):
     assert home == asked("arm.urdf", at_home, "png")[PICTURE]
 
 
-@pytest.mark.parametrize("frames", [5, pytest.param(guest.FRAMES, marks=pytest.mark.slow)])
-def test_a_turn_has_all_its_frames_and_goes_on(frames, tmp_path, monkeypatch):
+@pytest.mark.parametrize("frames", [5, pytest.param(turning.FRAMES, marks=pytest.mark.slow)])
+def test_turn_has_all_its_frames_and_goes_on(frames, tmp_path, monkeypatch):
     image = pytest.importorskip("PIL.Image")
-    monkeypatch.setattr(guest, "FRAMES", frames)
+    monkeypatch.setattr(turning, "FRAMES", frames)
     monkeypatch.setattr(guest, "SIZE", (80, 60))
-    found = asked("scene.xml", FILES, "turn")
-    (tmp_path / TURN).write_bytes(found[TURN])
+    drawing = asked("scene.xml", FILES, "turn")
+    (tmp_path / TURN).write_bytes(drawing[TURN])
     with image.open(tmp_path / TURN) as opened:
-        assert opened.size == guest.TURN_SIZE
+        assert opened.size == turning.SIZE
         assert opened.n_frames == frames
         assert opened.info["loop"] == 0
         shown = []
         for frame in range(frames):
             opened.seek(frame)
             shown.append(opened.convert("RGB").tobytes())
-            assert opened.info["duration"] == guest.FRAME
+            assert opened.info["duration"] == turning.FRAME
     assert len(set(shown)) == frames
-    assert len(found[TURN]) < 1_000_000
+    assert len(drawing[TURN]) < 1_000_000
 
 
 @pytest.mark.parametrize(
@@ -174,67 +165,65 @@ def test_a_turn_has_all_its_frames_and_goes_on(frames, tmp_path, monkeypatch):
         ('return b\'{"files": [["preview.png", 9]]}\\nab\'', "drawing it gave an invalid reply"),
     ],
 )
-def test_a_guest_that_fails_is_survived_and_told(visitor, lines, why):
-    found = drawn(LOOK, "png", visitor(lines))
-    assert {name: json.loads(data) for name, data in found.items()} == {ENDED: {"why": why}}
+def test_guest_that_fails_is_survived_and_reported(visitor, lines, why):
+    results = drawn(LOOK, "png", visitor(lines))
+    assert {name: json.loads(data) for name, data in results.items()} == {ENDED: {"why": why}}
 
 
-def test_a_guest_that_hangs_or_eats_memory_is_ended(visitor):
-    hangs = drawn(LOOK, "png", visitor("while True: pass", Bounds(0.3, 1 << 30, 1000)))
-    assert "longer than 0.3 s" in json.loads(hangs[ENDED])["why"]
-    eats = "kept = b'x' * (1 << 29)\nimport time\ntime.sleep(60)"
-    eaten = drawn(LOOK, "png", visitor(eats, Bounds(60, 1 << 28, 1000)))
-    assert "of memory" in json.loads(eaten[ENDED])["why"]
+EATS = "kept = b'x' * (1 << 29)\nimport time\ntime.sleep(60)"
 
 
 @pytest.mark.parametrize(
-    ("files", "words"),
+    ("lines", "bounds", "why"),
     [
-        ({"scene.xml": b"<mujoco><nonsense/></mujoco>"}, "cannot compile scene.xml"),
-        ({"scene.xml": b"not xml"}, "cannot compile scene.xml"),
-        ({"scene.xml": b'<mujoco><include file="gone.xml"/></mujoco>'}, "cannot compile scene.xml"),
-        ({"arm.urdf": b"<robot><joint/></robot>", "robot.json": b"{}"}, "cannot compile arm.urdf"),
+        ("while True: pass", Bounds(0.3, 1 << 30, 1000), "longer than 0.3 s"),
+        (EATS, Bounds(60, 1 << 28, 1000), "of memory"),
     ],
+    ids=["hangs", "eats memory"],
 )
-def test_a_model_that_does_not_compile_is_told(files, words):
-    with pytest.raises(SourceError) as caught:
-        look_of_files(model_of(files), files)
-    assert words in caught.value.message
+def test_guest_that_takes_too_much_is_ended(visitor, lines, bounds, why):
+    assert why in json.loads(drawn(LOOK, "png", visitor(lines, bounds))[ENDED])["why"]
 
 
-def test_it_is_made_once_for_the_same_files(cache, counted):
+@pytest.mark.parametrize(
+    "text", [b"<mujoco><nonsense/></mujoco>", b"not xml", b'<mujoco><include file="gone.xml"/></mujoco>']
+)
+def test_model_that_does_not_compile_is_reported(text):
+    for files in ({"scene.xml": text}, {"arm.urdf": b"<robot><joint/></robot>", "robot.json": b"{}"}):
+        with pytest.raises(SourceError, match=f"cannot compile {model_of(files)}"):
+            look_of_files(model_of(files), files)
+
+
+def test_picture_is_made_once_for_the_same_files(cache, guest_like):
     first = preview(cache, FILES, {}, "png")
     assert first.files == {PICTURE: b"picture"}
-    assert (first.small, first.path, first.found) == (b"small", PICTURE, ())
+    assert (first.small, first.path, first.diagnostics) == (b"small", PICTURE, ())
     assert preview(cache, {**FILES, "graph.svg": b"new"}, {}, "png") == first
-    assert counted.asked == 1
+    assert guest_like.call_count == 1
     preview(cache, {**FILES, "arm.xml": ARM.replace(b"0.3", b"0.4")}, {}, "png")
-    assert counted.asked == 2
+    assert guest_like.call_count == 2
 
 
-def test_an_edit_that_the_look_does_not_show_draws_nothing(cache, counted):
+def test_edit_that_the_look_does_not_show_draws_nothing(cache, guest_like):
     first = preview(cache, FILES, {}, "png")
     seen = ARM.replace(b"<geom", b'<geom contype="0" conaffinity="0"')
     hidden = seen.replace(b'axis="0 1 0"', b'axis="0 1 0" range="-1 1" damping="3"').replace(
         b"<joint", b'<geom size="9" group="3"/><inertial pos="0 0 0" mass="7" diaginertia="1 1 1"/><joint'
     )
     assert preview(cache, {**FILES, "arm.xml": ARM + b"<!-- -->"}, {}, "png") == first
-    assert counted.asked == 1
+    assert guest_like.call_count == 1
     assert preview(cache, {**FILES, "arm.xml": hidden}, {}, "png") == first
     assert preview(cache, {**FILES, "arm.xml": seen}, {}, "png") == first
-    assert counted.asked == 1
+    assert guest_like.call_count == 1
+    camera = b'<worldbody><camera name="overview" pos="3 0 0" xyaxes="0 1 0 0 0 1"/>'
     for path, old, new in (
         ("arm.xml", b"0.9 0.1 0.1", b"0.9 0.2 0.1"),
         ("arm.xml", b"<body>", b'<body pos="1 0 0"><geom size="0.1"/>'),
-        (
-            "scene.xml",
-            b"<worldbody>",
-            b'<worldbody><camera name="overview" pos="3 0 0" xyaxes="0 1 0 0 0 1"/>',
-        ),
+        ("scene.xml", b"<worldbody>", camera),
     ):
-        count = counted.asked
+        count = guest_like.call_count
         preview(cache, {**FILES, path: FILES[path].replace(old, new)}, {}, "png")
-        assert counted.asked == count + 1, path
+        assert guest_like.call_count == count + 1, path
 
 
 MESHED = b"""<mujoco><compiler meshdir="assets"/>
@@ -246,27 +235,26 @@ MESHED = b"""<mujoco><compiler meshdir="assets"/>
     <geom type="box" mesh="other" contype="0" conaffinity="0" density="0"/>
   </body></worldbody></mujoco>"""
 MASS = b'<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
-OF_MESHES = b""
 
 
-@pytest.mark.parametrize("mass", [MASS, OF_MESHES])
-def test_an_stl_that_mujoco_does_not_read_is_where_mujoco_has_it(mass):
+@pytest.mark.parametrize("mass", [MASS, b""])
+def test_stl_that_mujoco_does_not_read_is_where_mujoco_has_it(mass):
     """Triangle by triangle; a body without a mass of its own needs its meshes."""
     wedge = np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3.0]])
     faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
     data = stl.write(Surface(wedge, faces))
     files = {"scene.xml": MESHED.replace(b"{mass}", mass), "assets/wedge.stl": data}
-    found = look_of_files("scene.xml", files)
+    drawing = look_of_files("scene.xml", files)
     whole = mjcf_text("scene.xml", files, whole=True)
     model = mujoco.MjSpec.from_string(whole.text, assets=dict(whole.files)).compile()
-    wanted = look_of(model, {})
-    assert [geom.solid for geom in found.geoms] == [geom.solid for geom in wanted.geoms]
-    assert ("stl" in [blob.packing for blob in found.blobs]) == (mass == MASS)
-    places = [np.sort(surface_of(look).corners.reshape(-1, 3), axis=0) for look in (found, wanted)]
+    expected = look_of(model, {})
+    assert [geom.solid for geom in drawing.geoms] == [geom.solid for geom in expected.geoms]
+    assert ("stl" in [blob.packing for blob in drawing.blobs]) == (mass == MASS)
+    places = [np.sort(surface_of(look).corners.reshape(-1, 3), axis=0) for look in (drawing, expected)]
     assert places[0] == pytest.approx(places[1], abs=1e-6)
 
 
-def test_a_picture_from_the_cache_imports_nothing_heavy(tmp_path, cache, counted):
+def test_picture_from_the_cache_imports_nothing_heavy(tmp_path, cache, guest_like):
     made = preview(cache, FILES, {}, "png")
     code = (
         "import sys\nfrom pathlib import Path\nfrom linkwright.pipeline.show import preview as room\n"
@@ -277,37 +265,38 @@ def test_a_picture_from_the_cache_imports_nothing_heavy(tmp_path, cache, counted
         "heavy = [name for name in ('numpy', 'mujoco', 'PIL', 'lxml', 'trimesh') if name in sys.modules]\n"
         "print(found.files, heavy)"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=PROJECT, capture_output=True, text=True, check=True
-    )
+    options = {"cwd": PROJECT, "capture_output": True, "text": True, "check": True}
+    done = subprocess.run([sys.executable, "-c", code], **options)
     assert done.stdout.strip() == f"{made.files} []"
 
 
-def test_a_refusal_is_kept_and_an_accident_is_tried_again(cache, counted):
-    counted.found = {REFUSED: b'{"why": "MuJoCo says no"}'}
+def test_refusal_is_kept_and_an_accident_is_tried_again(cache, guest_like):
+    guest_like.return_value = {REFUSED: b'{"why": "MuJoCo says no"}'}
     for _ in range(2):
-        told = preview(cache, FILES, {}, "png")
-        assert (told.files, told.path) == ({}, "")
-        (found,) = told.found
-        assert (found.code, found.message) == ("I-PREVIEW", "no preview of the robot: MuJoCo says no")
-    assert counted.asked == 1
-    counted.found = {ENDED: b'{"why": "drawing it crashed"}'}
+        outcome = preview(cache, FILES, {}, "png")
+        assert (outcome.files, outcome.path) == ({}, "")
+        messages = [(diagnostic.code, diagnostic.message) for diagnostic in outcome.diagnostics]
+        assert messages == [("I-PREVIEW", "no preview of the robot: MuJoCo says no")]
+    assert guest_like.call_count == 1
+    guest_like.return_value = {ENDED: b'{"why": "drawing it crashed"}'}
     for _ in range(2):
-        (found,) = preview(cache, {**FILES, "arm.xml": ARM.replace(b"0.9", b"0.8")}, {}, "png").found
-        assert "crashed" in found.message
-    assert counted.asked == 3
+        (diagnostic,) = preview(
+            cache, {**FILES, "arm.xml": ARM.replace(b"0.9", b"0.8")}, {}, "png"
+        ).diagnostics
+        assert "crashed" in diagnostic.message
+    assert guest_like.call_count == 3
 
 
-def test_none_is_drawn_where_none_is_wished_or_can_be(cache, counted):
+def test_nothing_is_drawn_unless_requested_and_possible(cache, guest_like):
     assert preview(cache, FILES, {}, "none") == NONE
-    (found,) = preview(cache, {"arm.sdf": b"", "robot.json": b""}, {}, "png").found
-    assert "none of the exported files" in found.message
-    assert "export=" in found.hint
-    assert counted.asked == 0
+    (diagnostic,) = preview(cache, {"arm.sdf": b"", "robot.json": b""}, {}, "png").diagnostics
+    assert "none of the exported files" in diagnostic.message
+    assert "export=" in diagnostic.hint
+    assert guest_like.call_count == 0
     assert [names(kind) for kind in ("none", "png", "turn")] == [(), (PICTURE,), (PICTURE, TURN)]
 
 
-def test_a_turn_without_its_library_is_refused_before_the_build(monkeypatch):
+def test_turn_without_its_library_is_refused_before_the_build(monkeypatch):
     require("turn")
     monkeypatch.setattr(room.importlib.util, "find_spec", lambda name: None)
     require("png")

@@ -5,7 +5,7 @@ import pytest
 
 from linkwright.stages.show.preview import solids
 from linkwright.stages.show.preview.drawing.creases import normals_of
-from linkwright.stages.show.preview.drawing.light import key_lamps, sky_lamps, throwing
+from linkwright.stages.show.preview.drawing.light import key_lamps, shadow_casters, sky_lamps
 from linkwright.stages.show.preview.thinning import thinned
 
 SHAPES = {
@@ -19,7 +19,7 @@ SHAPES = {
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_a_shape_has_its_volume_its_area_and_normals_that_point_outwards(name):
+def test_shape_has_its_volume_its_area_and_normals_that_point_outwards(name):
     shape, volume, area = SHAPES[name]
     a, b, c = np.moveaxis(shape, 1, 0)
     areas = np.cross(b - a, c - a) / 2
@@ -29,65 +29,55 @@ def test_a_shape_has_its_volume_its_area_and_normals_that_point_outwards(name):
     assert outwards.min() > 0
 
 
+BALL = solids.ellipsoid(np.ones(3))
+
+
 def normals(corners, which=None, geom=None):
-    every = np.arange(len(corners))
+    rows = np.arange(len(corners))
     single = np.round(corners, 9).astype(np.float32)
-    return normals_of(
-        single, np.zeros_like(every) if geom is None else geom, every if which is None else which
-    )
+    return normals_of(single, np.zeros_like(rows) if geom is None else geom, rows if which is None else which)
 
 
-def test_a_box_keeps_its_edges_and_a_ball_has_none():
+def test_box_keeps_its_edges_and_round_shapes_have_smooth_normals():
     box = solids.box(np.array([1.0, 2.0, 3.0]))
-    found = normals(box)
-    assert np.abs(found).max(axis=2) == pytest.approx(np.ones((12, 3)))
-    assert (found * box).sum(axis=2).min() > 0
-    ball = solids.ellipsoid(np.ones(3))
-    assert (normals(ball) * ball).sum(axis=2).min() > 0.995
-
-
-def test_the_normals_of_an_ellipsoid_are_near_its_gradient():
+    assert np.abs(normals(box)).max(axis=2) == pytest.approx(np.ones((12, 3)))
+    assert (normals(box) * box).sum(axis=2).min() > 0
+    assert (normals(BALL) * BALL).sum(axis=2).min() > 0.995
     shape = solids.ellipsoid(np.array([1.0, 1.5, 2.0]))
     gradient = shape / np.array([1.0, 2.25, 4.0])
     gradient /= np.linalg.norm(gradient, axis=2, keepdims=True)
     assert (normals(shape) * gradient).sum(axis=2).min() > 0.99
 
 
-def test_some_triangles_have_the_normals_that_they_have_among_all():
-    ball = solids.ellipsoid(np.ones(3))
-    some = np.arange(5, len(ball), 7)
-    assert np.array_equal(normals(ball, some), normals(ball)[some])
-
-
-def test_faces_of_two_geoms_do_not_meet():
-    ball = solids.ellipsoid(np.ones(3))
-    geom = (ball.mean(axis=1)[:, 2] > 0).astype(np.int64)
+def test_normals_of_some_triangles_are_those_among_all_of_their_geom():
+    some = np.arange(5, len(BALL), 7)
+    assert np.array_equal(normals(BALL, some), normals(BALL)[some])
+    geom = (BALL.mean(axis=1)[:, 2] > 0).astype(np.int64)
     upper = np.flatnonzero(geom)
-    assert normals(ball, upper, geom) == pytest.approx(normals(ball[upper]), abs=1e-6)
+    assert normals(BALL, upper, geom) == pytest.approx(normals(BALL[upper]), abs=1e-6)
 
 
 def test_with_too_many_faces_at_a_corner_each_is_flat(monkeypatch):
-    monkeypatch.setattr("linkwright.stages.show.preview.drawing.creases._MOST_PAIRS", 10)
-    found = normals(solids.ellipsoid(np.ones(3)))
-    assert (found[:, 0] == found[:, 1]).all()
+    monkeypatch.setattr("linkwright.stages.show.preview.drawing.creases._MAX_PAIRS", 10)
+    flat = normals(BALL)
+    assert (flat[:, 0] == flat[:, 1]).all()
 
 
 def test_thinned_triangles_are_fewer_and_where_they_were():
-    ball = solids.ellipsoid(np.ones(3))
-    fewer = thinned(ball, 0.4)
-    assert 20 < len(fewer) < len(ball) / 3
+    fewer = thinned(BALL, 0.4)
+    assert 20 < len(fewer) < len(BALL) / 3
     assert np.linalg.norm(fewer, axis=2) == pytest.approx(np.ones(fewer.shape[:2]), abs=0.1)
-    assert len(thinned(np.concatenate([ball, ball]), 1e-6)) == len(thinned(ball, 1e-6))
+    assert len(thinned(np.concatenate([BALL, BALL]), 1e-6)) == len(thinned(BALL, 1e-6))
 
 
-def test_the_cloud_of_a_surface_lies_on_it_and_leaves_no_cell_of_it_out():
-    """Of a square that is cut into slivers, whatever their shape."""
+def test_cloud_of_a_surface_is_on_it_and_leaves_no_cell_out():
+    """The surface is a square that is cut into slivers, whatever their shape."""
     ends = np.linspace(-0.5, 0.5, 40)
     low, high = np.full(40, -0.5), np.full(40, 0.5)
     rows = [np.stack([ends, side, 0.1 * ends], axis=1) for side in (low, high)]
     first = np.stack([rows[0][:-1], rows[0][1:], rows[1][:-1]], axis=1)
     second = np.stack([rows[0][1:], rows[1][1:], rows[1][:-1]], axis=1)
-    shadows = throwing(np.concatenate([first, second]).astype(np.float32))
+    shadows = shadow_casters(np.concatenate([first, second]).astype(np.float32))
     points = shadows.fine
     assert np.abs(points[:, 2] - 0.1 * points[:, 0]).max() < 1.1 * shadows.fine_pixel
     assert np.abs(points[:, :2]).max() < 0.5 + shadows.fine_pixel
@@ -97,10 +87,10 @@ def test_the_cloud_of_a_surface_lies_on_it_and_leaves_no_cell_of_it_out():
     assert len(cells) > 0.98 * across**2
 
 
-def test_a_point_is_lit_where_nothing_is_on_its_way_to_the_lamp():
+def test_point_is_lit_where_nothing_is_on_its_way_to_the_lamp():
     """By a ball: a point is in its shadow where the line to the lamp passes its middle within the radius."""
     radius = 0.5
-    ball = throwing(solids.ellipsoid(np.full(3, radius)).astype(np.float32))
+    ball = shadow_casters(solids.ellipsoid(np.full(3, radius)).astype(np.float32))
     random = np.random.default_rng(4)
     points = random.uniform(-0.9, 0.9, (4000, 3)) / np.sqrt(3)
     outside = points[np.linalg.norm(points, axis=1) > radius + 0.03]
@@ -115,8 +105,8 @@ def test_a_point_is_lit_where_nothing_is_on_its_way_to_the_lamp():
         assert 50 < dark.sum() < len(dark) / 2
 
 
-def test_the_lamps_have_their_power_and_are_above_the_ground():
-    ball = throwing(solids.ellipsoid(np.full(3, 0.5)).astype(np.float32))
+def test_lamps_have_their_power_and_are_above_the_ground():
+    ball = shadow_casters(solids.ellipsoid(np.full(3, 0.5)).astype(np.float32))
     sky, key = sky_lamps(ball), key_lamps(np.array([0.6, 0.0, 0.8]), ball)
     assert all(lamp.direction[2] > 0.19 for lamp in sky)
     mean = sum(lamp.direction for lamp in key)

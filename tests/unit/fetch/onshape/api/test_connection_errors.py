@@ -3,9 +3,7 @@
 import errno
 import socket
 import ssl
-import threading
-from contextlib import contextmanager, suppress
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from contextlib import suppress
 
 import pytest
 
@@ -15,13 +13,13 @@ from linkwright.stages.fetch.onshape.api.client import Client
 from linkwright.stages.fetch.onshape.api.credentials import Credentials
 from linkwright.stages.fetch.onshape.url import AssemblyUrl
 from linkwright.stages.robot.errors import ConfigError, Offline
+from tests.support.bare_server import TLS, reply, serving
 from tests.support.kept import ADDRESS, QUICK, fetched, onshape
-from tests.support.places import PROJECT
 
 KEY = Credentials("the-access", "the-secret")
 MASS = "/partstudios/d/D/m/M/e/STUDIO/massproperties?configuration=default"
-TLS = PROJECT / "tests/fake_onshape/tls"
 WORLD = "https://cad.onshape.com"
+OK = reply(200, b"{}")
 
 
 @pytest.fixture(autouse=True)
@@ -31,67 +29,12 @@ def no_proxies(monkeypatch):
         monkeypatch.delenv(name.upper(), raising=False)
 
 
-@contextmanager
-def serving(answer, certificate=None):
-    """The port of a server on this computer that knows GET and CONNECT, and what was asked of it."""
-    asked = []
-
-    class Handler(BaseHTTPRequestHandler):
-        protocol_version = "HTTP/1.1"
-
-        def do_GET(self):
-            asked.append(self.requestline)
-            with suppress(OSError):
-                answer(self)
-
-        do_CONNECT = do_GET  # noqa: N815 - the name http.server calls
-
-        def log_message(self, *_):
-            pass
-
-    class Server(ThreadingHTTPServer):
-        daemon_threads = True
-
-        def handle_error(self, *_):
-            pass
-
-    server = Server(("127.0.0.1", 0), Handler)
-    if certificate:
-        context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
-        context.load_cert_chain(TLS / certificate)
-        server.socket = context.wrap_socket(server.socket, server_side=True)
-    thread = threading.Thread(target=server.serve_forever, args=(0.01,), daemon=True)
-    thread.start()
-    try:
-        yield server.server_address[1], asked
-    finally:
-        server.shutdown()
-        server.server_close()
-        thread.join()
-
-
-def well(handler):
-    handler.send_response_only(200)
-    handler.send_header("Content-Length", "2")
-    handler.end_headers()
-    handler.wfile.write(b"{}")
-
-
-def status(code):
-    def answer(handler):
-        handler.send_response_only(code)
-        handler.send_header("Content-Length", "0")
-        handler.end_headers()
-
-    return answer
-
-
 def asked_of(origin):
     with Client(AssemblyUrl(origin, "D", "w/W", "ROOT", "default"), KEY, patience=QUICK) as client:
         return client.get(MASS)
 
 
-def told(origin):
+def refusal(origin):
     with pytest.raises(Offline) as caught:
         asked_of(origin)
     assert caught.value.hint
@@ -99,121 +42,106 @@ def told(origin):
 
 
 def free_port():
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
+    with socket.socket() as server:
+        server.bind(("127.0.0.1", 0))
+        return server.getsockname()[1]
+
+
+def failing(error):
+    """A function of the system that fails."""
+
+    def fail(*_, **__):
+        raise error
+
+    return fail
 
 
 def test_a_certificate_that_the_user_names_is_trusted(monkeypatch):
     monkeypatch.setenv("SSL_CERT_FILE", str(TLS / "here.pem"))
-    with serving(well, "here.pem") as (port, _):
+    with serving(OK, certificate="here.pem") as (port, _):
         assert asked_of(f"https://127.0.0.1:{port}") == b"{}"
 
 
 @pytest.mark.parametrize(
-    ("certificate", "trusted", "said"),
+    ("certificate", "trusted", "words"),
     [
         ("here.pem", None, ["self-signed", "SSL_CERT_FILE", "your key was not sent"]),
         ("expired.pem", "expired.pem", ["has expired", "clock"]),
         ("elsewhere.pem", "elsewhere.pem", ["for another host", "source.url"]),
+        (None, None, ["TLS failed"]),
     ],
 )
-def test_a_certificate_that_is_not_to_be_trusted_is_reported_once(monkeypatch, certificate, trusted, said):
+def test_a_server_without_a_good_certificate_is_reported_once(monkeypatch, certificate, trusted, words):
     monkeypatch.delenv("SSL_CERT_FILE", raising=False)
     if trusted:
         monkeypatch.setenv("SSL_CERT_FILE", str(TLS / trusted))
-    with serving(well, certificate) as (port, asked):
-        message = told(f"https://127.0.0.1:{port}")
+    with serving(OK, certificate=certificate) as (port, asked):
+        message = refusal(f"https://127.0.0.1:{port}")
     assert asked == []
-    assert "tried 3 times" not in message
-    for words in ["no secure connection to 127.0.0.1", *said]:
-        assert words in message
-
-
-def test_a_server_without_tls_is_reported():
-    with serving(well) as (port, _):
-        message = told(f"https://127.0.0.1:{port}")
-    assert "no secure connection to 127.0.0.1: TLS failed" in message
+    assert ("tried 3 times" in message) == (certificate is None)
+    for word in ["no secure connection to 127.0.0.1: ", *words]:
+        assert word in message
 
 
 @pytest.mark.parametrize(
-    ("number", "said"),
+    ("function", "error", "words"),
     [
-        (socket.EAI_NONAME, "cad.onshape.com cannot be reached: its name is not known (DNS)"),
-        (socket.EAI_AGAIN, "cad.onshape.com cannot be reached: no name server answers (DNS)"),
-        (socket.EAI_FAIL, "cad.onshape.com cannot be reached: its name is not found (DNS: it failed)"),
+        ("getaddrinfo", socket.gaierror(socket.EAI_NONAME, "failed"), "reached: its name is not known (DNS)"),
+        ("getaddrinfo", socket.gaierror(socket.EAI_AGAIN, "failed"), "reached: no name server answers (DNS)"),
+        ("getaddrinfo", socket.gaierror(socket.EAI_FAIL, "failed"), "its name is not found (DNS: failed)"),
+        ("create_connection", OSError(errno.ECONNREFUSED, ""), "connection refused"),
+        ("create_connection", OSError(errno.ENETUNREACH, ""), "the network is unreachable"),
+        ("create_connection", OSError(errno.EHOSTUNREACH, ""), "there is no route to the host"),
+        ("create_connection", OSError(errno.EACCES, "Permission denied"), "permission denied"),
     ],
 )
-def test_a_name_that_leads_nowhere_is_reported(monkeypatch, number, said):
-    def unknown(*_, **__):
-        raise socket.gaierror(number, "it failed")
-
-    monkeypatch.setattr(socket, "getaddrinfo", unknown)
-    message = told(WORLD)
-    assert said in message
-    assert "source.offline=true" in message
-
-
-@pytest.mark.parametrize(
-    ("number", "said"),
-    [
-        (errno.ECONNREFUSED, "connection refused"),
-        (errno.ENETUNREACH, "the network is unreachable"),
-        (errno.EHOSTUNREACH, "there is no route to the host"),
-        (errno.EACCES, "permission denied"),
-    ],
-)
-def test_a_connection_that_is_not_made_is_reported(monkeypatch, number, said):
-    def refused(*_, **__):
-        raise OSError(number, "Permission denied")
-
-    monkeypatch.setattr(socket, "create_connection", refused)
-    assert said in told(WORLD)
+def test_an_unknown_name_or_a_failed_connection_is_reported(monkeypatch, function, error, words):
+    monkeypatch.setattr(socket, function, failing(error))
+    message = refusal(WORLD)
+    assert words in message
+    assert "cad.onshape.com cannot be reached" in message
+    assert function != "getaddrinfo" or "source.offline=true" in message
 
 
 def test_a_server_that_hangs_up_is_reported():
-    def hang_up(handler):
-        handler.close_connection = True
-
-    with serving(hang_up) as (port, _):
-        assert "it closed the connection" in told(f"http://127.0.0.1:{port}")
+    with serving(lambda handler: setattr(handler, "close_connection", True)) as (port, _):
+        assert "it closed the connection" in refusal(f"http://127.0.0.1:{port}")
 
 
 @pytest.mark.parametrize("name", ["HTTPS_PROXY", "https_proxy", "ALL_PROXY"])
 def test_a_proxy_that_is_not_there_is_named_without_its_password(monkeypatch, name):
-    port = free_port()
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
     monkeypatch.setenv(name, f"http://user:hunter22@127.0.0.1:{port}")
-    message = told(WORLD)
+    message = refusal(WORLD)
     assert f"the proxy 127.0.0.1:{port} ({name}) cannot be reached: nothing listens there" in message
     assert "NO_PROXY=cad.onshape.com" in message
     assert "hunter22" not in message
 
 
 def test_a_word_that_is_taken_for_a_proxy_is_reported(monkeypatch):
-    def unknown(*_, **__):
-        raise socket.gaierror(socket.EAI_NONAME, "Name or service not known")
-
     monkeypatch.setenv("HTTPS_PROXY", "garbage")
-    monkeypatch.setattr(socket, "getaddrinfo", unknown)
-    assert "the proxy garbage:80 (HTTPS_PROXY) cannot be reached: its name is not known" in told(WORLD)
+    monkeypatch.setattr(socket, "getaddrinfo", failing(socket.gaierror(socket.EAI_NONAME, "Not known")))
+    assert "the proxy garbage:80 (HTTPS_PROXY) cannot be reached: its name is not known" in refusal(WORLD)
 
 
 @pytest.mark.parametrize(
-    ("code", "times", "said"),
+    ("code", "times", "words"),
     [
         (407, 1, ["requires a login (407)", "http://USER:PASSWORD@HOST:PORT"]),
         (403, 1, ["refuses to connect to cad.onshape.com (403)", "NO_PROXY=cad.onshape.com"]),
         (502, 3, ["refuses to connect to cad.onshape.com (502)", "tried 3 times"]),
     ],
 )
-def test_a_proxy_that_lets_nothing_through_is_reported(monkeypatch, code, times, said):
-    with serving(status(code)) as (port, asked):
+def test_a_proxy_that_lets_nothing_through_is_reported(monkeypatch, code, times, words):
+    with serving(reply(code)) as (port, asked):
         monkeypatch.setenv("HTTPS_PROXY", f"http://user:hunter22@127.0.0.1:{port}")
-        message = told(WORLD)
-    assert asked == ["CONNECT cad.onshape.com:443 HTTP/1.1"] * times
+        message = refusal(WORLD)
+    assert [line for line, _, _ in asked] == ["CONNECT cad.onshape.com:443 HTTP/1.1"] * times
     assert "hunter22" not in message
-    for words in [f"the proxy 127.0.0.1:{port} (HTTPS_PROXY)", *said]:
-        assert words in message
+    for word in [f"the proxy 127.0.0.1:{port} (HTTPS_PROXY)", *words]:
+        assert word in message
 
 
 def test_a_server_behind_a_proxy_is_not_taken_for_it(monkeypatch):
@@ -231,52 +159,49 @@ def test_a_server_behind_a_proxy_is_not_taken_for_it(monkeypatch):
 
     with serving(lead) as (port, _):
         monkeypatch.setenv("HTTPS_PROXY", f"http://127.0.0.1:{port}")
-        assert "no secure connection to cad.onshape.com: its certificate is self-signed" in told(WORLD)
+        assert "no secure connection to cad.onshape.com: its certificate is self-signed" in refusal(WORLD)
 
 
-WRONG = [
-    ({"HTTPS_PROXY": "ftp://proxy:21"}, "HTTPS_PROXY", "not the address of a proxy"),
-    ({"HTTPS_PROXY": "http://"}, "HTTPS_PROXY", "not the address of a proxy"),
-    ({"HTTPS_PROXY": "://"}, "HTTPS_PROXY", "not the address of a proxy"),
-    ({"https_proxy": "http://proxy:port"}, "https_proxy", "not the address of a proxy"),
-    ({"https_proxy": "http://proxy:99999"}, "https_proxy", "not the address of a proxy"),
-    ({"ALL_PROXY": "http://[::1"}, "ALL_PROXY", "not the address of a proxy"),
-    ({"HTTP_PROXY": "ht tp://x"}, "HTTP_PROXY", "not the address of a proxy"),
-    ({"HTTPS_PROXY": "http://user:hunter22@proxy:port"}, "HTTPS_PROXY", "not the address of a proxy"),
-    ({"ALL_PROXY": "socks5://127.0.0.1:1080"}, "ALL_PROXY", "SOCKS"),
-    ({"HTTPS_PROXY": "socks4://127.0.0.1:1080"}, "HTTPS_PROXY", "not the address of a proxy"),
-    ({"SSL_CERT_FILE": "/nowhere/ca.pem"}, "SSL_CERT_FILE", "/nowhere/ca.pem is not a file"),
-    ({"SSL_CERT_FILE": __file__}, "SSL_CERT_FILE", "contains no certificate"),
-    ({"SSL_CERT_DIR": "/nowhere"}, "SSL_CERT_DIR", "/nowhere is not a folder"),
-]
+NO_PROXY = "not the address of a proxy"
 
 
-@pytest.mark.parametrize(("environ", "name", "said"), WRONG)
-def test_a_setting_that_cannot_be_meant_is_refused_by_its_name(monkeypatch, environ, name, said):
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        *(
+            ("HTTPS_PROXY", text, NO_PROXY)
+            for text in ("ftp://proxy:21", "http://", "://", "socks4://[::1]:1")
+        ),
+        *(("https_proxy", text, NO_PROXY) for text in ("http://proxy:port", "http://proxy:99999")),
+        ("ALL_PROXY", "http://[::1", NO_PROXY),
+        ("HTTP_PROXY", "ht tp://x", NO_PROXY),
+        ("HTTPS_PROXY", "http://user:hunter22@proxy:port", NO_PROXY),
+        ("ALL_PROXY", "socks5://127.0.0.1:1080", "SOCKS"),
+        ("SSL_CERT_FILE", "/nowhere/ca.pem", "/nowhere/ca.pem is not a file"),
+        ("SSL_CERT_FILE", __file__, "contains no certificate"),
+        ("SSL_CERT_DIR", "/nowhere", "/nowhere is not a folder"),
+    ],
+)
+def test_a_setting_that_cannot_be_meant_is_refused_by_its_name(monkeypatch, name, value, words):
     monkeypatch.setattr(network_settings.importlib.util, "find_spec", lambda _: None)
-    with pytest.raises(ConfigError, match=said) as caught:
-        network_settings.require(environ)
+    with pytest.raises(ConfigError, match=words) as caught:
+        network_settings.require({name: value})
     assert caught.value.where == name
     assert caught.value.hint
     assert "hunter22" not in str(caught.value)
 
 
-@pytest.mark.parametrize(
-    "environ",
-    [
+def test_what_can_be_meant_is_let_through():
+    for environ in (
         {},
         {"HTTPS_PROXY": "proxy:3128", "HTTP_PROXY": "http://proxy", "ALL_PROXY": "https://u:p@proxy:1"},
         {"HTTPS_PROXY": "ftp://x", "https_proxy": "http://proxy:1"},
         {"HTTPS_PROXY": "ftp://x", "NO_PROXY": "*"},
         {"SSL_CERT_FILE": str(TLS / "here.pem")},
         {"SSL_CERT_DIR": str(TLS)},
-    ],
-)
-def test_what_can_be_meant_is_let_through(environ):
-    network_settings.require(environ)
-
-
-def test_this_computers_own_servers_need_no_proxy():
+    ):
+        network_settings.require(environ)
+    # This computer's own servers need no proxy.
     network_settings.require({"HTTPS_PROXY": "ftp://x"}, proxies=False)
 
 

@@ -6,6 +6,7 @@ import json
 import struct
 import tracemalloc
 import zlib
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -14,14 +15,14 @@ from linkwright.stages.fetch.onshape import reply_sizes, requests
 from linkwright.stages.fetch.onshape.api.client import Client
 from linkwright.stages.fetch.onshape.api.credentials import Credentials
 from linkwright.stages.fetch.onshape.api.decompression import DamagedError, UnknownEncodingError, unpacked
-from linkwright.stages.fetch.onshape.api.retries import Patience
+from linkwright.stages.fetch.onshape.replies.checks import check
 from linkwright.stages.fetch.onshape.triangles import faces, json_stream, matching
 from linkwright.stages.fetch.onshape.triangles.json_stream import Document, MalformedError
 from linkwright.stages.fetch.onshape.url import AssemblyUrl
 from linkwright.stages.formats import triangles as codec
-from linkwright.stages.formats.meshes import gltf
+from linkwright.stages.formats.meshes import body_arrays, gltf
 from linkwright.stages.robot.bundle import StudioKey
-from linkwright.stages.robot.errors import ProtocolError
+from linkwright.stages.robot.errors import ProtocolError, SourceError
 from tests.fake_onshape.document import Document as Drawn
 from tests.fake_onshape.faults import Fault
 from tests.fake_onshape.gltf import gltf as drawn
@@ -64,32 +65,18 @@ def test_each_kind_of_reply_has_its_bound(request_, most):
     assert reply_sizes.largest(request_) == most * MB
 
 
-class Answering:
-    """A local Onshape that gives the same for whatever is asked, and a client of it."""
-
-    def __init__(self, fault: Fault, patience: Patience = QUICK) -> None:
-        self._server = OnshapeServer(Drawn("Empty"), fault=lambda *_: fault)
-        self._patience = patience
-
-    def __enter__(self):
-        url = AssemblyUrl(self._server.__enter__().url, "D", "w/W", "ROOT", "default")
-        self.client = Client(url, Credentials("access-key", "secret-key"), patience=self._patience)
-        return self
-
-    def __exit__(self, *reason):
-        self.client.__exit__(None, None, None)
-        self._server.__exit__(*reason)
-
-    def mass(self):
-        return self.client.get(requests.mass_properties(STUDIO, "r"))
-
-    @property
-    def asked(self):
-        return len(self._server.calls)
+@contextmanager
+def answering(**fault):
+    """A question to a local Onshape that meets this fault whatever is asked, and the list of requests."""
+    with OnshapeServer(Drawn("Empty"), fault=lambda *_: Fault(**fault)) as server:
+        url = AssemblyUrl(server.url, "D", "w/W", "ROOT", "default")
+        with Client(url, Credentials("access-key", "secret-key"), patience=QUICK) as client:
+            assert client._wire._http.headers["Accept-Encoding"] == "gzip"
+            yield lambda: client.get(requests.mass_properties(STUDIO, "r")), server.calls
 
 
 def bomb(size, times=1):
-    """So many zeros, packed so many times over."""
+    """This number of zeros, packed this number of times over."""
     packed = b"".join(_packed_zeros(size))
     for _ in range(times - 1):
         packed = gzip.compress(packed, 9)
@@ -104,58 +91,45 @@ def _packed_zeros(size):
     yield pack.flush()
 
 
+GZIP = {"Content-Encoding": "gzip"}
+
+
 def test_a_reply_that_unpacks_to_more_than_its_kind_may_have_is_left_unread():
-    body = bomb(96 * MB)
-    with Answering(Fault(body=body, headers={"Content-Encoding": "gzip"})) as there:
-        assert peak_of(there.mass) < 8 * MB
+    with answering(body=bomb(96 * MB), headers=GZIP) as (ask, calls):
+        assert peak_of(ask) < 8 * MB
         with pytest.raises(ProtocolError, match="larger than the limit \\(32 MB\\)"):
-            there.mass()
-        assert there.asked == 2
+            ask()
+        assert len(calls) == 2
 
 
-def test_a_length_beyond_the_bound_is_believed():
-    with (
-        Answering(Fault(body=b"{}", claimed=33 * MB)) as there,
-        pytest.raises(ProtocolError, match="larger than the limit"),
-    ):
-        there.mass()
+REFUSAL = gzip.compress(json.dumps({"message": "no"}).encode() + b" " * (16 * MB))
+PACKINGS = ("gzip, gzip", "gzip,gzip", "br", "zstd", "deflate", "x\x1b[2J")
+BODY = gzip.compress(b"{}" * 1000)
 
 
-def test_a_body_without_an_end_is_left_at_the_bound(monkeypatch):
-    monkeypatch.setattr(reply_sizes, "_BY_PATH", [(r"/massproperties$", 4 * MB)])
-    with (
-        Answering(Fault(body=b" " * 65536, endless=True)) as there,
-        pytest.raises(ProtocolError, match="larger than the limit \\(4 MB\\)"),
-    ):
-        there.mass()
-
-
-def test_the_words_of_a_refusal_are_bounded_too():
-    said = json.dumps({"message": "no"}).encode() + b" " * (16 * MB)
-    packed = gzip.compress(said)
-    with (
-        Answering(Fault(403, packed, {"Content-Encoding": "gzip"})) as there,
-        pytest.raises(Exception, match="403"),
-    ):
-        there.mass()
-
-
-@pytest.mark.parametrize("encoding", ["gzip, gzip", "gzip,gzip", "br", "zstd", "deflate", "x\x1b[2J"])
-def test_a_packing_that_was_not_asked_for_is_refused(encoding):
-    headers = {"Content-Encoding": encoding}
-    with (
-        Answering(Fault(body=bomb(8 * MB, 2), headers=headers)) as there,
-        pytest.raises(ProtocolError, match="has an unexpected encoding") as caught,
-    ):
-        there.mass()
+@pytest.mark.parametrize(
+    ("fault", "words"),
+    [
+        ({"body": b"{}", "claimed": 33 * MB}, "larger than the limit"),
+        ({"body": b" " * 65536, "endless": True}, "larger than the limit \\(4 MB\\)"),
+        ({"status": 403, "body": REFUSAL, "headers": GZIP}, "403"),
+        ({"body": BODY[:-4], "headers": GZIP}, "cut short; tried 2 times"),
+        *(
+            (fault | {"headers": {"Content-Encoding": packing}}, words)
+            for packing in PACKINGS
+            for fault, words in (
+                ({"body": bomb(8 * MB, 2)}, "has an unexpected encoding"),
+                ({"status": 403, "body": bomb(MB, 2)}, "403"),
+            )
+        ),
+    ],
+)
+def test_a_reply_beyond_its_bounds_or_in_another_packing_is_refused(monkeypatch, fault, words):
+    if fault.get("endless"):
+        monkeypatch.setattr(reply_sizes, "_BY_PATH", [(r"/massproperties$", 4 * MB)])
+    with answering(**fault) as (ask, _), pytest.raises(SourceError, match=words) as caught:
+        ask()
     assert "\x1b" not in str(caught.value)
-    with Answering(Fault(403, bomb(MB, 2), headers)) as there, pytest.raises(Exception, match="403"):
-        there.mass()
-
-
-def test_nothing_but_gzip_is_asked_for():
-    with Answering(Fault(body=b"{}")) as there:
-        assert there.client._wire._http.headers["Accept-Encoding"] == "gzip"
 
 
 @pytest.mark.parametrize("pieces", [1, 7, 100_000])
@@ -169,17 +143,11 @@ def test_gzip_of_one_member_or_several_is_unpacked(pieces):
 
 
 def test_what_is_harmed_is_reported():
-    packed = gzip.compress(b"{}" * 1000)
-    for harmed in (packed[:-1], packed[:-9], packed[:3], b"no gzip at all", packed + b"and more"):
+    for harmed in (BODY[:-1], BODY[:-9], BODY[:3], b"no gzip at all", BODY + b"and more"):
         with pytest.raises(DamagedError):
             list(unpacked([harmed], "gzip"))
     with pytest.raises(UnknownEncodingError, match="gzip, gzip"):
-        unpacked([packed], "gzip, gzip")
-    with (
-        Answering(Fault(body=packed[:-4], headers={"Content-Encoding": "gzip"})) as there,
-        pytest.raises(ProtocolError, match="cut short; tried 2 times"),
-    ):
-        there.mass()
+        unpacked([BODY], "gzip, gzip")
 
 
 def peak_of(refused):
@@ -194,17 +162,18 @@ def peak_of(refused):
 
 
 @pytest.mark.parametrize(
-    "text",
+    ("start", "piece", "times", "end"),
     [
-        b"[" + b"[]," * 400_000 + b"[]]",
-        b'{"bodies":[' + b"{}," * 400_000 + b"{}]}",
-        b'{"bodies": [1' + b",1" * 4_500_000 + b"]}",
-        b'{"bodies": [{"id": "A", "faces": [{"facets": [{"indices": [0' + b",0" * 4_500_000 + b"]}]}]}]}",
-        b'{"bodies": [{"id": "' + b"A" * 9_000_000 + b'"}]}',
+        (b"[", b"[],", 400_000, b"[]]"),
+        (b'{"bodies":[', b"{},", 400_000, b"{}]}"),
+        (b'{"bodies": [1', b",1", 4_500_000, b"]}"),
+        (b'{"bodies": [{"id": "A", "faces": [{"facets": [{"indices": [0', b",0", 4_500_000, b"]}]}]}]}"),
+        (b'{"bodies": [{"id": "', b"A", 9_000_000, b'"}]}'),
     ],
     ids=["brackets", "bodies", "numbers", "indices", "name"],
 )
-def test_a_text_that_would_take_many_times_its_size_is_refused(text):
+def test_a_text_that_would_take_many_times_its_size_is_refused(start, piece, times, end):
+    text = start + piece * times + end
     # A block of the text is looked at in 40 times its size, the whole text in 4 times.
     assert peak_of(lambda: faces.compact(text)) < 4 * len(text) + 40 * json_stream._BLOCK
 
@@ -236,11 +205,9 @@ def test_few_triangles_that_are_many_are_refused(monkeypatch):
 
 
 def test_more_colours_than_are_kept_are_reported(monkeypatch):
-    monkeypatch.setattr(codec, "_MOST_COLOURS", 100)
-    drawn = [
-        {"appearance": {"color": [n >> 16, n >> 8 & 255, n & 255]}, "facets": [{"indices": [0, 1, 2]}]}
-        for n in range(101)
-    ]
+    monkeypatch.setattr(body_arrays, "_MAX_COLOURS", 100)
+    facets = [{"indices": [0, 1, 2]}]
+    drawn = [{"appearance": {"color": [n >> 16, n >> 8, n & 255]}, "facets": facets} for n in range(101)]
     reply = [{"id": "A", "faces": drawn, "facetPoints": [[0, 0, 0], [1, 0, 0], [0, 1, 0]]}]
     with pytest.raises(ProtocolError, match="101 colours"):
         faces.compact(json.dumps(reply).encode())
@@ -261,7 +228,8 @@ def changed(**changes):
     data["buffers"] = [{"byteLength": len(buffer), "uri": uri}]
     for key, change in changes.items():
         if isinstance(change, dict):
-            data[key][0] = {name: one for name, one in (data[key][0] | change).items() if one is not ...}
+            merged = data[key][0] | change
+            data[key][0] = {name: value for name, value in merged.items() if value is not ...}
         else:
             data[key] = change
     return json.dumps(data).encode()
@@ -299,8 +267,8 @@ def changed(**changes):
     ],
 )
 def test_a_gltf_that_claims_more_than_it_has_is_refused(monkeypatch, changes, why):
-    monkeypatch.setattr(gltf, "_MOST_NODES", 100 if "nodes" in why else 1000)
-    monkeypatch.setattr(gltf, "_MOST_NUMBERS", 300_000)
+    monkeypatch.setattr(gltf, "_MAX_NODES", 100 if "nodes" in why else 1000)
+    monkeypatch.setattr(gltf, "_MAX_NUMBERS", 300_000)
     with pytest.raises(ProtocolError, match=why):
         gltf.read(changed(**changes))
 
@@ -312,13 +280,28 @@ def test_images_of_a_gltf_are_never_looked_at():
     assert len(node.corners)
 
 
+def test_the_error_about_a_reply_does_not_keep_what_it_was_parsed_to():
+    """Errors of several replies are kept until the build ends: together they would fill the memory."""
+    body, many = b'{"bodies":[' + b"[]," * 200_000 + b"[]]}", 200_000
+    tracemalloc.start()
+    try:
+        with pytest.raises(ProtocolError, match="has no bodies") as raised:
+            check("/partstudios/d/a/m/b/e/c/massproperties?partId=", body)
+        held, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert raised.value.__traceback__
+    assert peak > 50 * many  # an empty list takes 56 bytes
+    assert held < many
+
+
 def test_a_gltf_of_brackets_is_refused_before_it_is_parsed():
     text = b'{"nodes":[' + b"[]," * 4_200_000 + b"[]]}"
     assert peak_of(lambda: gltf.read(text)) < MB
 
 
 def test_bodies_and_parts_beyond_counting_are_refused(monkeypatch):
-    monkeypatch.setattr(matching, "_MOST_PAIRS", 5)
+    monkeypatch.setattr(matching, "_MAX_PAIRS", 5)
     shape = matching.BodyFigures("", 1.0, 1.0, 1.0, None, None)
     with pytest.raises(ValueError, match="3 bodies and 2 parts"):
         matching.assigned([shape] * 3, {"A": shape, "B": shape})

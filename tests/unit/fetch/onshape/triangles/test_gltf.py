@@ -9,6 +9,7 @@ import pytest
 
 from linkwright.stages.fetch.onshape.triangles import faces, gltf_parts
 from linkwright.stages.formats import triangles as codec
+from linkwright.stages.formats.meshes import body_arrays
 from linkwright.stages.formats.meshes import gltf as reader
 from linkwright.stages.robot.errors import ProtocolError
 from tests.fake_onshape import solids
@@ -37,20 +38,18 @@ def masses(of):
 
 
 def from_faces(of):
-    reply = tessellated_faces(
-        of, of.parts, appearances=True, facet_normals=False, vertex_normals=False, index_table=True
-    )
-    return codec.decode(faces.compact(json.dumps(reply).encode()))
+    reply = tessellated_faces(of, of.parts, appearances=True, facet_normals=False, index_table=True)
+    return body_arrays.decode(faces.compact(json.dumps(reply).encode()))
 
 
 def assert_same(bodies, expected):
     assert set(bodies) == set(expected)
     for name, body in expected.items():
-        found = bodies[name]
-        assert np.allclose(found.palette, body.palette, atol=2e-6)
-        assert [len(found.points), len(found.triangles)] == [len(body.points), len(body.triangles)]
-        ours, theirs = ({corners(one, row) for row in range(len(one.triangles))} for one in (found, body))
-        assert ours == theirs
+        ours = bodies[name]
+        assert np.allclose(ours.palette, body.palette, atol=2e-6)
+        assert [len(ours.points), len(ours.triangles)] == [len(body.points), len(body.triangles)]
+        first, second = ({corners(mesh, row) for row in range(len(mesh.triangles))} for mesh in (ours, body))
+        assert first == second
 
 
 def corners(body, row):
@@ -65,7 +64,7 @@ def test_bodies_are_distinguished_by_their_figures_whichever_axis_is_up(up):
     of = studio()
     for order in ([0, 1, 2, 3], [3, 1, 0, 2]):
         reply = gltf(of.parts, appearances=True, up=up, order=order)
-        assert_same(codec.decode(gltf_parts.compact(reply, masses(of))), from_faces(of))
+        assert_same(body_arrays.decode(gltf_parts.compact(reply, masses(of))), from_faces(of))
 
 
 def test_a_node_that_is_named_by_a_part_id_is_that_part():
@@ -75,21 +74,22 @@ def test_a_node_that_is_named_by_a_part_id_is_that_part():
     unnamed = codec.names(gltf_parts.compact(gltf(of.parts, appearances=True), masses(of)))
     assert unnamed == {part.id for part in of.parts} - twins  # neither has a mass, so neither a place
     named = gltf(of.parts, appearances=True, name=lambda part, _: part.id)
-    assert_same(codec.decode(gltf_parts.compact(named, masses(of))), from_faces(of))
+    assert_same(body_arrays.decode(gltf_parts.compact(named, masses(of))), from_faces(of))
 
 
-def test_parts_that_do_not_tell_which_way_is_up_are_refused():
-    of = Document("Loose").studio("Loose")
-    of.part("Cover", solids.box(0.2, 0.09, 0.002))
-    with pytest.raises(ProtocolError, match="with either axis up"):
-        gltf_parts.compact(gltf(of.parts, appearances=True), masses(of))
-
-
-def test_bodies_of_another_studio_are_refused():
-    other = Document("Other").studio("Other")
+def test_bodies_that_match_no_parts_or_no_axis_are_refused():
+    loose, other = Document("Loose").studio("Loose"), Document("Other").studio("Other")
+    loose.part("Cover", solids.box(0.2, 0.09, 0.002))
     other.part("Ball", solids.ball(0.3), density=1000)
-    with pytest.raises(ProtocolError, match="none of the 4 bodies"):
-        gltf_parts.compact(gltf(studio().parts, appearances=True), masses(other))
+    broken = mass_properties(studio(), studio().parts, as_group=False, overrides=True)
+    del broken["bodies"][studio().parts[0].id]["periphery"]
+    for parts, figures, words in (
+        (loose.parts, masses(loose), "with either axis up"),
+        (studio().parts, masses(other), "none of the 4 bodies"),
+        (studio().parts, json.dumps(broken).encode(), "do not identify the parts"),
+    ):
+        with pytest.raises(ProtocolError, match=words):
+            gltf_parts.compact(gltf(parts, appearances=True), figures)
 
 
 def opened(reply):
@@ -150,11 +150,3 @@ def test_a_file_that_is_cut_or_harmed_is_refused_or_read():
         with pytest.raises(ProtocolError):
             reader.read(reply[: rng.integers(len(reply))])
     assert refused > 50
-
-
-def test_figures_without_a_number_are_refused():
-    of = studio()
-    broken = mass_properties(of, of.parts, as_group=False, overrides=True)
-    del broken["bodies"][of.parts[0].id]["periphery"]
-    with pytest.raises(ProtocolError, match="do not identify the parts"):
-        gltf_parts.compact(gltf(of.parts, appearances=True), json.dumps(broken).encode())

@@ -2,7 +2,7 @@
 
 import json
 from types import SimpleNamespace
-from urllib.parse import parse_qsl
+from urllib.parse import parse_qsl, quote
 
 import numpy as np
 import pytest
@@ -10,30 +10,12 @@ import pytest
 from linkwright.stages.fetch.bundle.archive import pack
 from linkwright.stages.fetch.onshape.asking.triangle_requests import selected
 from linkwright.stages.formats import triangles
+from linkwright.stages.formats.meshes import body_arrays
 from linkwright.stages.robot.errors import Offline, ProtocolError, QuotaExhausted
-from tests.fake_onshape import solids
 from tests.fake_onshape.bundle import bundle_bytes
-from tests.fake_onshape.document import Document
-from tests.fake_onshape.frames import frame
 from tests.fake_onshape.server import Fault, OnshapeServer
 from tests.support.kept import Kept, fetched, onshape
-
-
-def rack(used, unused):
-    """An assembly that uses some parts of a part studio that holds more."""
-    document = Document("Rack")
-    studio = document.studio("Boxes")
-    rack = document.assembly("Rack")
-    for number in range(used + unused):
-        block = solids.box(0.01 + 0.001 * number, 0.02, 0.03)
-        part = studio.part(f"Box {number}", block, density=1000)
-        if number < used:
-            rack.add(part, fixed=True, pose=frame((number, 0, 0)))
-    return document
-
-
-def asked(server, kind):
-    return [target.partition("/api/v16")[2] for _, target, _ in server.calls if f"/{kind}?" in target]
+from tests.support.traffic import at_path, rack, targets_of
 
 
 def zipped_source(path):
@@ -52,15 +34,15 @@ def test_only_what_is_used_is_asked_for_where_a_studio_holds_many_others(used, u
     ids = sorted(part.id for part in document.studios[0].parts[:used])
     kept = Kept()
     with OnshapeServer(document) as server:
-        found = fetched(onshape(server.document_url()), kept, server.environ)
-        assert (found.calls, server.count) == (3, 3)
-        (request,) = asked(server, "tessellatedfaces")
+        outcome = fetched(onshape(server.document_url()), kept, server.environ)
+        assert (outcome.calls, server.count) == (3, 3)
+        (request,) = targets_of(server, "/tessellatedfaces?")
         assert parts_in(request) == (ids if some else [])
-        body = found.bundle.body(found.bundle.studios[0].tessellation)
+        body = outcome.bundle.body(outcome.bundle.studios[0].tessellation)
         assert triangles.names(body) == (set(ids) if some else {p.id for p in document.studios[0].parts})
         assert fetched(onshape(server.document_url("m")), kept).calls == 0
         again = fetched(onshape(server.document_url()), kept, server.environ)
-        assert (again.calls, again.bundle) == (1, found.bundle)
+        assert (again.calls, again.bundle) == (1, outcome.bundle)
 
 
 def test_parts_that_are_not_listed_as_solids_are_not_asked_for_by_id():
@@ -78,16 +60,13 @@ def test_parts_that_are_not_listed_as_solids_are_not_asked_for_by_id():
 
 def test_a_reply_for_all_parts_that_is_kept_serves_a_robot_that_needs_some():
     document = rack(2, 20)
-    kept = Kept()
+    kept, whole = Kept(), rack(2, 20)
+    for part in whole.studios[0].parts[2:]:
+        whole.root.add(part, fixed=True)
     with OnshapeServer(document) as server:
-        whole = rack(2, 20)
-        everything = whole.root
-        for part in whole.studios[0].parts[2:]:
-            everything.add(part, fixed=True)
         server.replies = type(server.replies)(whole)
         fetched(onshape(server.document_url("m")), kept, server.environ)
-        definition = next(request for request in kept if request.startswith("/assemblies"))
-        del kept[definition]
+        del kept[next(request for request in kept if request.startswith("/assemblies"))]
         server.replies = type(server.replies)(document)
         again = fetched(onshape(server.document_url("m")), kept, server.environ)
         assert (again.calls, again.saved) == (1, 2)
@@ -102,15 +81,15 @@ def test_a_server_that_forgets_parts_is_asked_for_all():
         def first_part_only(method, path, number):
             if len(parts_in(path)) != 2:
                 return None
-            asked_for = path.removeprefix("/api/v16").replace(f"&partId={ids[1]}", "")
+            asked_for = path.removeprefix("/api/v16").replace(f"&partId={quote(ids[1], safe='')}", "")
             return Fault(200, server.replies.answer(*asked_for.split("?")).body)
 
         server.fault = first_part_only
-        found = fetched(onshape(server.document_url("m")), kept, server.environ)
-        assert [parts_in(request) for request in asked(server, "tessellatedfaces")] == [ids, []]
-        body = found.bundle.body(found.bundle.studios[0].tessellation)
+        outcome = fetched(onshape(server.document_url("m")), kept, server.environ)
+        assert [parts_in(request) for request in targets_of(server, "/tessellatedfaces?")] == [ids, []]
+        body = outcome.bundle.body(outcome.bundle.studios[0].tessellation)
         assert set(ids) <= triangles.names(body)
-        assert fetched(onshape(server.document_url("m")), kept).bundle == found.bundle
+        assert fetched(onshape(server.document_url("m")), kept).bundle == outcome.bundle
 
 
 def test_the_quality_is_part_of_what_is_kept():
@@ -123,54 +102,46 @@ def test_the_quality_is_part_of_what_is_kept():
             for quality in [*qualities, *qualities]
         ]
         assert calls == [3, 1, 1, 1, 0, 0, 0, 0]
-        first = dict(parse_qsl(asked(server, "tessellatedfaces")[0].partition("?")[2]))
+        first = dict(parse_qsl(targets_of(server, "/tessellatedfaces?")[0].partition("?")[2]))
     assert first["outputFacetNormals"] == "false"
     assert first["outputIndexTable"] == first["outputFaceAppearances"] == "true"
     assert "outputVertexNormals" not in first  # off unless asked for
 
 
-@pytest.mark.parametrize(
-    "fault",
-    [Fault(404), Fault(406), Fault(400), Fault(415)],
-    ids=["404", "406", "400", "415"],
-)
+@pytest.mark.parametrize("fault", [*map(Fault, (404, 406, 400, 415))])
 def test_gltf_stands_in_for_tessellated_faces_that_are_refused(fault, tmp_path):
     document = rack(3, 1)
     kept = Kept()
     with OnshapeServer(document) as server:
         right = fetched(onshape(server.document_url("m")), Kept(), server.environ).bundle
         server.reset()
-        server.fault = lambda method, path, number: fault if "/tessellatedfaces" in path else None
-        found = fetched(onshape(server.document_url("m")), kept, server.environ)
-        assert found.calls == server.count
-        assert [problem.code for problem in found.diagnostics] == ["I-TESSELLATION"]
-        assert document.studios[0].element in found.diagnostics[0].where
+        server.fault = at_path(fault, "/tessellatedfaces")
+        outcome = fetched(onshape(server.document_url("m")), kept, server.environ)
+        assert outcome.calls == server.count
+        assert [problem.code for problem in outcome.diagnostics] == ["I-TESSELLATION"]
+        assert document.studios[0].element in outcome.diagnostics[0].where
         again = fetched(onshape(server.document_url("m")), kept)
-        assert (again.calls, again.bundle) == (0, found.bundle)
+        assert (again.calls, again.bundle) == (0, outcome.bundle)
         assert [problem.code for problem in again.diagnostics] == ["I-TESSELLATION"]
     ours, theirs = (
-        triangles.decode(bundle.body(bundle.studios[0].tessellation)) for bundle in (found.bundle, right)
+        body_arrays.decode(bundle.body(bundle.studios[0].tessellation)) for bundle in (outcome.bundle, right)
     )
     assert set(ours) == set(theirs)
     for name, body in theirs.items():
         assert np.abs(ours[name].points - body.points).max() < 1e-8
-    (tmp_path / "rack.zip").write_bytes(pack(found.bundle))
-    assert fetched(zipped_source(tmp_path / "rack.zip")).bundle == found.bundle
+    (tmp_path / "rack.zip").write_bytes(pack(outcome.bundle))
+    assert fetched(zipped_source(tmp_path / "rack.zip")).bundle == outcome.bundle
 
 
 def test_where_gltf_is_refused_too_the_first_refusal_is_reported():
     kept = Kept()
     with OnshapeServer(rack(2, 0)) as server:
-        server.fault = lambda method, path, number: (
-            Fault(400, b'{"message": "no faces"}')
-            if "/tessellatedfaces" in path
-            else Fault(400, b'{"message": "no glTF"}')
-            if "/gltf" in path
-            else None
-        )
+        faces = at_path(Fault(400, b'{"message": "no faces"}'), "/tessellatedfaces")
+        gltf = at_path(Fault(400, b'{"message": "no glTF"}'), "/gltf")
+        server.fault = lambda *call: faces(*call) or gltf(*call)
         with pytest.raises(ProtocolError, match="no faces"):
             fetched(onshape(server.document_url("m")), kept, server.environ)
-        assert len(asked(server, "tessellatedfaces")) == len(asked(server, "gltf")) == 1
+        assert len(targets_of(server, "/tessellatedfaces?")) == len(targets_of(server, "/gltf?")) == 1
         assert len(kept) == server.count == 2
 
 
@@ -186,13 +157,13 @@ def test_where_gltf_is_refused_too_the_first_refusal_is_reported():
 def test_what_may_pass_or_concerns_all_calls_is_no_reason_for_gltf(fault, error):
     """Else a bad moment of the network would decide what the robot looks like."""
     with OnshapeServer(rack(2, 0)) as server:
-        server.fault = lambda method, path, number: fault if "/tessellatedfaces" in path else None
+        server.fault = at_path(fault, "/tessellatedfaces")
         with pytest.raises(error):
             fetched(onshape(server.document_url("m")), Kept(), server.environ)
-        assert asked(server, "gltf") == []
+        assert targets_of(server, "/gltf?") == []
 
 
-def test_a_bundle_of_some_parts_and_a_recording_of_all_give_the_same_triangles(tmp_path):
+def test_some_parts_and_all_parts_give_the_same_triangles(tmp_path):
     document = rack(2, 20)
     with OnshapeServer(document) as server:
         live = fetched(onshape(server.document_url()), environ=server.environ).bundle
@@ -202,7 +173,7 @@ def test_a_bundle_of_some_parts_and_a_recording_of_all_give_the_same_triangles(t
         path.write_bytes(data)
         zipped[kind] = fetched(zipped_source(path)).bundle
     assert zipped["live"] == live
-    bodies = [triangles.decode(b.body(b.studios[0].tessellation)) for b in (zipped["live"], zipped["raw"])]
+    bodies = [body_arrays.decode(b.body(b.studios[0].tessellation)) for b in (zipped["live"], zipped["raw"])]
     assert set(bodies[0]) < set(bodies[1])
     for name, body in bodies[0].items():
         assert body.points.tobytes() == bodies[1][name].points.tobytes()

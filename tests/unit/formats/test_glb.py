@@ -1,0 +1,170 @@
+"""GLB files read back by trimesh, and by their own JSON: points, normals, colours, images and axes."""
+
+import io
+import json
+import os
+import struct
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import trimesh
+
+from linkwright.stages.formats.meshes import glb, gltf, gltf_claims
+from linkwright.stages.formats.meshes.surface import Surface, rounded
+from tests.support.textures import cube, image, ordered
+
+GREY = (0.7, 0.7, 0.7, 1.0)
+
+
+def surface(mesh):
+    return rounded(Surface(np.asarray(mesh.vertices), np.asarray(mesh.faces).astype(np.int64)))
+
+
+def cylinder(sections=32):
+    return surface(trimesh.creation.cylinder(0.1, 0.3, sections=sections))
+
+
+def tree(data):
+    (length,) = struct.unpack_from("<I", data, 12)
+    return json.loads(data[20 : 20 + length])
+
+
+def meshes(data):
+    scene = trimesh.load_scene(io.BytesIO(data), file_type="glb", process=False)
+    return [scene.geometry[scene.graph[node][1]] for node in sorted(scene.graph.nodes_geometry)]
+
+
+def attribute(data, primitive, name):
+    """The vectors of a primitive, by the tables of the file alone."""
+    root = tree(data)
+    accessor = root["accessors"][root["meshes"][0]["primitives"][primitive]["attributes"][name]]
+    view = root["bufferViews"][accessor["bufferView"]]
+    start = 20 + struct.unpack_from("<I", data, 12)[0] + 8 + view["byteOffset"]
+    rows = np.frombuffer(data[start : start + view["byteLength"]], "<f4")
+    return rows.reshape(accessor["count"], -1).astype(np.float64)
+
+
+def test_triangles_are_those_of_the_surface_to_the_bit():
+    original = cylinder()
+    (mesh,) = meshes(glb.write([glb.Piece(original, GREY)]))
+    assert np.array_equal(mesh.triangles.astype(np.float32), original.corners.astype(np.float32))
+
+
+def test_normals_follow_round_faces_and_turn_at_edges():
+    data = glb.write([glb.Piece(cylinder(), GREY)])
+    points, normals = attribute(data, 0, "POSITION"), attribute(data, 0, "NORMAL")
+    round_, flat = np.abs(normals[:, 2]) < 0.5, np.abs(normals[:, 2]) >= 0.5
+    # Two points a corner of the rim, one in the middle of each cap.
+    assert (round_.sum(), flat.sum()) == (2 * 32, 2 * 33)
+    expected = np.concatenate([points[round_, :2] / 0.1, np.zeros((64, 1))], axis=1)
+    # The mean of the two faces by area is off by at most half the angle between faces.
+    assert np.abs(normals[round_] - expected).max() < np.radians(360 / 32) / 2
+    assert np.allclose(normals[flat], np.sign(points[flat, 2:]) * [0, 0, 1], atol=1e-6)
+    assert np.abs(np.linalg.norm(normals, axis=1) - 1).max() < 1e-6
+
+
+def test_a_box_has_three_normals_at_each_corner():
+    data = glb.write([glb.Piece(surface(trimesh.creation.box((1, 2, 3))), GREY)])
+    assert len(attribute(data, 0, "NORMAL")) == 24
+    (mesh,) = meshes(data)
+    assert np.allclose(mesh.vertex_normals[mesh.faces], mesh.face_normals[:, None])
+
+
+def test_a_triangle_without_area_has_a_unit_normal():
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0]])
+    data = glb.write([glb.Piece(Surface(points, np.array([[0, 1, 2], [0, 2, 3]])), GREY)])
+    assert np.allclose(np.linalg.norm(attribute(data, 0, "NORMAL"), axis=1), 1)
+
+
+def test_colours_are_in_linear_light_and_come_back_exactly():
+    colours = [(0.0, 0.02, 0.04045, 1.0), (0.5, 0.25, 0.75, 0.5), (1.0, 0.956863, 0.7, 1.0)]
+    data = glb.write([glb.Piece(cylinder(8), colour) for colour in colours])
+    materials = tree(data)["materials"]
+    for colour, material in zip(colours, materials, strict=True):
+        look = material["pbrMetallicRoughness"]
+        linear = np.array(look["baseColorFactor"])
+        # The standard's own formula, IEC 61966-2-1.
+        low = np.array(colour[:3]) <= 0.04045
+        shown = np.where(low, np.array(colour[:3]) / 12.92, ((np.array(colour[:3]) + 0.055) / 1.055) ** 2.4)
+        assert np.allclose(linear[:3], shown, rtol=0, atol=1e-8)
+        assert linear[3] == colour[3]
+        assert (look["metallicFactor"], look["roughnessFactor"]) == (0.0, 0.5)
+    assert [material.get("alphaMode", "OPAQUE") for material in materials] == ["OPAQUE", "BLEND", "OPAQUE"]
+    (node,) = gltf.read(data)
+    assert np.allclose(node.colours, colours, rtol=0, atol=1e-6)
+
+
+def test_an_open_surface_is_seen_from_behind():
+    whole = cylinder(8)
+    half = Surface(whole.vertices, whole.triangles[::2])
+    materials = tree(glb.write([glb.Piece(whole, GREY), glb.Piece(half, GREY)]))["materials"]
+    assert [material.get("doubleSided", False) for material in materials] == [False, True]
+
+
+def test_every_corner_has_its_place_in_the_image_which_is_in_the_file_once():
+    corners = cube()
+    points, place = np.unique(corners[..., :3].reshape(-1, 3), axis=0, return_inverse=True)
+    body = Surface(points, place.reshape(-1, 3), corners[..., 3:].astype(np.float32))
+    pieces = [glb.Piece(body, GREY, image()), glb.Piece(body, (0.5, 0.5, 0.5, 1.0), image())]
+    data = glb.write(pieces)
+    root = tree(data)
+    assert len(root["images"]) == len(root["textures"]) == 1
+    assert data.count(image()) == 1
+    for mesh in meshes(data):
+        assert mesh.visual.material.baseColorTexture.size == (4, 4)
+        # trimesh turns v, so that it is upwards.
+        read_back = np.concatenate([mesh.vertices, mesh.visual.uv], axis=1)[mesh.faces]
+        assert np.allclose(ordered(read_back), ordered(corners), atol=1e-6)
+
+
+@pytest.mark.parametrize("up", ["z", "y"])
+def test_the_axis_that_is_up_turns_the_scene_but_not_the_points_that_we_read(up):
+    box = surface(trimesh.creation.box(bounds=[(0, 0, 0), (1, 2, 3)]))
+    data = glb.write([glb.Piece(box, GREY)], up)
+    scene = trimesh.load_scene(io.BytesIO(data), file_type="glb")
+    wanted = {"z": [(0, 0, 0), (1, 2, 3)], "y": [(0, 0, -2), (1, 3, 0)]}[up]
+    assert np.allclose(scene.bounds, wanted, atol=1e-6)
+    (node,) = gltf.read(data)
+    assert np.array_equal([node.points.min(axis=0), node.points.max(axis=0)], [(0, 0, 0), (1, 2, 3)])
+
+
+def test_large_meshes_have_wider_indices():
+    for subdivisions, kind in ((6, 5123), (7, 5125)):
+        data = glb.write([glb.Piece(surface(trimesh.creation.icosphere(subdivisions)), GREY)])
+        root = tree(data)
+        assert root["accessors"][root["meshes"][0]["primitives"][0]["indices"]]["componentType"] == kind
+        assert len(meshes(data)[0].faces) == 20 * 4**subdivisions
+
+
+def test_a_file_is_as_large_as_it_says():
+    data = glb.write([glb.Piece(cylinder(7), GREY), glb.Piece(cylinder(5), (0.1, 0.2, 0.3, 0.4))])
+    gltf_claims.check_claims(data, {})
+    assert len(data) % 4 == 0
+    for view in tree(data)["bufferViews"]:
+        assert view["byteOffset"] % 4 == 0
+    for primitive in range(2):
+        points = attribute(data, primitive, "POSITION")
+        accessor = tree(data)["accessors"][3 * primitive]
+        assert [accessor["min"], accessor["max"]] == [
+            points.min(axis=0).tolist(),
+            points.max(axis=0).tolist(),
+        ]
+
+
+PROGRAM = """
+import hashlib, numpy as np
+from linkwright.stages.formats.meshes import glb
+from linkwright.stages.formats.meshes.surface import Surface
+rng = np.random.default_rng(1)
+body = Surface(rng.random((50, 3)), rng.integers(0, 50, (200, 3)))
+data = glb.write([glb.Piece(body, (k / 9, 0.5, 0.2, 1.0)) for k in range(9)])
+print(hashlib.sha256(data).hexdigest())
+"""
+
+
+def test_the_bytes_do_not_depend_on_the_seed_of_hashes():
+    command = [sys.executable, "-c", PROGRAM]
+    environs = [{**os.environ, "PYTHONHASHSEED": seed} for seed in ("0", "1")]
+    assert len({subprocess.check_output(command, env=environ) for environ in environs}) == 1

@@ -1,0 +1,239 @@
+"""Targets: what the configuration says of them, what they make of it, and how each row is known."""
+
+from dataclasses import replace
+from typing import get_args
+
+import mujoco
+import numpy as np
+import pytest
+
+from linkwright.pipeline.config.compose import compose_plan
+from linkwright.pipeline.errors import ConfigError
+from linkwright.stages.export.requirements import require
+from linkwright.stages.export.settled import changes, settled
+from linkwright.stages.robot.model.actuation import Actuation, Actuator
+from linkwright.stages.robot.model.mjcf_extras import NO_EXTRAS
+from linkwright.stages.robot.model.robot import Dynamics, Frame, frozen
+from linkwright.stages.targets.engines import ENGINES, NO_LIMITS, MujocoVersion, shape_limits
+from linkwright.stages.targets.options import actuation_of, flags_of, options_of
+from linkwright.stages.targets.readers import READERS, rows_of
+from linkwright.stages.targets.section import TargetSection
+from linkwright.stages.targets.things import dropped_things
+from tests.support.building import NO_MESHES, plan_of
+from tests.support.robots import joint, robot_with
+
+
+def chosen(*arguments):
+    return compose_plan(["source=sample", *arguments]).plan.tree()["target"]
+
+
+def test_targets_are_chosen_as_formats_are_or_by_a_key():
+    assert chosen() == chosen("target=none") == {}
+    assert set(chosen("target=[mjx,newton]")) == {"mjx", "newton"}
+    assert chosen("target.mjx.iterations=7")["mjx"]["iterations"] == 7
+    assert chosen("target={mujoco: {version: '3.11'}, mjx: {}}")["mujoco"] == {"version": "3.11"}
+    assert list(TargetSection.model_fields) == list(ENGINES)
+
+
+def test_two_targets_that_exclude_each_other_are_both_named():
+    with pytest.raises(ConfigError, match=r"mjx has iterations 4 and mjwarp has 9"):
+        chosen("target=[mjx,mjwarp]", "target.mjwarp.iterations=9")
+    assert set(chosen("target=[mjx,mjwarp]", "target.mjwarp.iterations=4")) == {"mjx", "mjwarp"}
+
+
+def test_the_key_that_there_was_shows_the_new_line():
+    with pytest.raises(ConfigError, match="target=mjx") as refused:
+        chosen("mesh.target=mjx")
+    assert "mesh.target" in str(refused.value)
+
+
+@pytest.mark.parametrize("version", get_args(MujocoVersion))
+def test_a_version_may_be_typed_as_a_number(version):
+    assert chosen(f"target.mujoco.version={version}")["mujoco"] == {"version": version}
+
+
+def test_a_target_that_reads_no_format_of_the_build_is_refused():
+    with pytest.raises(ConfigError, match="pybullet reads urdf"):
+        require(plan_of(target={"pybullet": {}}, export={"sdf": {}}))
+    with pytest.raises(ConfigError, match="gazebo reads sdf"):
+        require(plan_of(target={"gazebo": {}}))
+    require(plan_of(target={"gazebo": {}}, export={"sdf": {}}))
+
+
+def test_user_wins_over_target_over_defaults():
+    robot = robot_with([joint("revolute", "base", "arm")])
+    option = settled(plan_of(target={"mjx": {}}), robot).scene.option
+    assert (option.iterations, option.ls_iterations, option.flag.eulerdamp) == (4, 8, "disable")
+    assert option.integrator == "implicitfast"
+    own = {"iterations": 30, "flag": {"eulerdamp": "enable"}}
+    option = settled(plan_of(target={"mjx": {}}, scene__option=own), robot).scene.option
+    assert (option.iterations, option.ls_iterations, option.flag.eulerdamp) == (30, 8, "enable")
+    assert settled(plan_of(), robot).scene.option.iterations is None
+
+
+def test_unknown_flag_of_a_source_is_no_error():
+    extras = replace(NO_EXTRAS, flag=(("energy", "enable"), ("brandnew", "enable")))
+    robot = replace(robot_with([joint("revolute", "base", "arm")]), mjcf=extras)
+    flag = settled(plan_of(target={"mjx": {}}), robot).scene.option.flag
+    assert flag.explicit() == {"eulerdamp": "disable"}
+    assert settled(plan_of(), robot).scene.option.flag.explicit() == {"energy": "enable"}
+
+
+def messages(robot, **tree):
+    return [
+        (change.message, change.hint)
+        for change in changes(plan_of(**tree), robot)
+        if change.code == "I-TARGET"
+    ]
+
+
+def test_settings_that_targets_change_are_reported():
+    extras = replace(NO_EXTRAS, option=(("iterations", "50"),), flag=(("energy", "enable"),))
+    robot = replace(robot_with([joint("revolute", "base", "arm")]), mjcf=extras)
+    targets = {name: {} for name in ("mjx", "mjwarp", "newton")}
+    option = {"solver": "PGS", "ls_iterations": 9, "flag": {"fwdinv": "enable"}}
+    ours = "without it this stays as it is"
+    assert messages(robot, target=targets, scene__option=option) == [
+        ("MuJoCo's options: iterations (50 → 4), eulerdamp (unset → disable)",
+         "for mjx; target.mjx.iterations=null leaves it, and scene.option comes first"),
+        ("MuJoCo's option solver: PGS → Newton, which looks for the same forces",
+         "for mjx, mjwarp; without them this stays as it is"),
+        ("MuJoCo's flag energy: enable → left out, which moves nothing", f"for mjx; {ours}"),
+        ("MuJoCo's flag fwdinv: enable → left out, which moves nothing",
+         "for mjx, mjwarp; without them this stays as it is"),
+    ]  # fmt: skip
+    assert messages(robot, target={"mujoco": {}, "newton": {}}, scene__option=option) == []
+    assert messages(robot, scene__option=option) == []
+
+
+def test_an_inertial_of_frames_is_told():
+    robot = robot_with([joint("revolute", "base", "arm")])
+    robot = replace(robot, frames=(Frame("tip", "arm", frozen(np.eye(4)), ""),))
+    targets = {"pybullet": {}, "drake": {}}
+    urdf = {"frame_inertia": "none"}
+    assert [text for text, _ in messages(robot, target=targets, export={"urdf": urdf})] == [
+        "export.urdf.frame_inertia: none → tiny"
+    ]
+    assert messages(robot, target=targets, export={"urdf": {"frame_inertia": "tiny"}}) == []
+    assert messages(replace(robot, frames=()), target=targets) == []
+
+
+def test_frames_have_an_inertial_for_pybullet():
+    robot = robot_with([joint("revolute", "base", "arm")])
+    assert settled(plan_of(target={"pybullet": {}}), robot).export.urdf.frame_inertia == "tiny"
+    assert settled(plan_of(target={"mjx": {}}), robot).export.urdf.frame_inertia == "none"
+
+
+def test_what_engines_ask_of_shapes_together():
+    assert shape_limits([]) == NO_LIMITS
+    both = shape_limits(["mjx", "drake"])
+    assert (both.without, both.vertices(64), both.vertices(16), both.obj) == (
+        ("cylinder", "ellipsoid"), 32, 16, True,
+    )  # fmt: skip
+    assert shape_limits(["drake"]).vertices(64) == 64
+
+
+def test_options_without_effect_on_motion_are_replaced():
+    assert options_of(["mjwarp"], {"solver": "PGS", "timestep": 0.01}) == {
+        "solver": "Newton",
+        "timestep": 0.01,
+    }
+    assert options_of(["mujoco"], {"solver": "PGS"}) == {"solver": "PGS"}
+    flags = {"energy": "enable", "fwdinv": "enable", "eulerdamp": "disable"}
+    assert flags_of(["mjx"], flags) == {"eulerdamp": "disable"}
+    assert flags_of(["mjwarp"], flags) == {"energy": "enable", "eulerdamp": "disable"}
+    assert flags_of([], flags) == flags
+
+
+def moved(actuator):
+    """The motion of an arm under a control of 4, by MuJoCo."""
+    more = {"kp": actuator.kp, "kv": actuator.kv}
+    attributes = {
+        **{key: f"{value}" for key, value in more.items() if value is not None},
+        **dict(actuator.terms),
+    }
+    text = " ".join(f'{key}="{value}"' for key, value in attributes.items())
+    model = mujoco.MjModel.from_xml_string(
+        '<mujoco><option integrator="implicitfast"/><worldbody><body>'
+        '<joint name="j" axis="0 1 0" armature="0.01"/>'
+        '<geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.02"/></body></worldbody>'
+        f'<actuator><{actuator.type} joint="j" gear="{actuator.gear}" {text}/></actuator></mujoco>'
+    )
+    data = mujoco.MjData(model)
+    data.ctrl[:] = 4.0
+    path = []
+    for _ in range(400):
+        mujoco.mj_step(model, data)
+        path.append(float(data.qpos[0]))
+    return np.array(path)
+
+
+MOTOR = (("motorconst", "0.1 0.2"), ("resistance", "2"))
+NOMINAL = (("nominal", "12 1 100"),)
+PID = (("input", "pos"),)
+
+
+@pytest.mark.parametrize(("before", "becomes"), [
+    (Actuator("m", "j", "dcmotor", gear=3.0, terms=MOTOR), "general"),
+    (Actuator("m", "j", "dcmotor", gear=3.0, terms=NOMINAL), "general"),
+    (Actuator("m", "j", "pid", gear=2.0, kp=30.0, kv=2.0, terms=PID), "position"),
+], ids=["constants", "nominal", "pid"])  # fmt: skip
+def test_an_actuator_in_another_form_moves_the_robot_as_before(before, becomes):
+    (after,) = actuation_of(["mjx"], Actuation(actuators=(before,))).actuators
+    assert after.type == becomes
+    assert np.abs(moved(before)).max() > 0.1
+    assert moved(after) == pytest.approx(moved(before), abs=1e-9)
+
+
+@pytest.mark.parametrize("actuator", [
+    Actuator("m", "j", "dcmotor", terms=(*MOTOR, ("saturation", "1 2 3"))),
+    Actuator("m", "j", "dcmotor", terms=(*MOTOR, ("inductance", "0.1 0"))),
+    Actuator("m", "j", "pid", kp=1.0, terms=(*PID, ("ki", "2"))),
+    Actuator("m", "j", "position", kp=1.0),
+], ids=["saturation", "inductance", "integral", "position"])  # fmt: skip
+def test_an_actuator_without_an_exact_form_stays(actuator):
+    before = Actuation(actuators=(actuator,))
+    assert actuation_of(["mjx", "mjwarp"], before) == before
+
+
+def test_each_row_was_measured_on_a_day_or_read_somewhere():
+    for row in READERS:
+        assert bool(row.measured) != bool(row.source), row
+        assert not row.source or row.source.startswith("https://")
+        assert row.evidence.startswith(("measured 2026-", "read in its "))
+
+
+def test_a_row_says_what_it_was_read_in():
+    read = {row.source: row.evidence for row in READERS if row.source}
+    assert read["https://github.com/isaac-sim/IsaacSim/issues/841"] == "read in its issues"
+    assert read["https://github.com/google-deepmind/mujoco/blob/3.17.0/mjx/mujoco/mjx/_src/mesh.py"] == (
+        "read in its source"
+    )
+    assert read["https://docs.ros.org/en/jazzy/p/sdformat_urdf"] == "read in its documentation"
+
+
+def test_the_report_says_how_a_target_meets_a_row():
+    robot = robot_with([joint("revolute", "base", "arm")])
+    rows = dropped_things(robot, NO_MESHES, ["urdf"], {"pybullet": None})
+    assert {row["reader"]: row.get("target") for row in rows}["PyBullet"] in ("refused", "stated", "replaced")
+    assert all("target" not in row for row in dropped_things(robot, NO_MESHES, ["urdf"]))
+
+
+def test_report_marks_the_rows_of_the_chosen_version():
+    robot = robot_with([joint("revolute", "base", "arm", dynamics=Dynamics(0.1, 0.2, None, 3.0, 4.0))])
+
+    def marked(**target):
+        versions = TargetSection(**target).versions
+        rows = dropped_things(robot, NO_MESHES, ["mjcf"], versions)
+        return {(row["reader"], row["version"]) for row in rows if "target" in row}
+
+    assert (marked(mujoco={}), marked(mujoco={"version": "3.11"})) == (set(), {("MuJoCo", "3.11")})
+    assert marked(mjx={}) == {("MJX", "3.17.0")}
+
+
+def test_engine_has_the_words_of_its_mujoco():
+    words = {name: {row.thing for row in rows_of(name, "mjcf")} for name in ("mjx", "mjwarp", "mujoco")}
+    assert "words of MuJoCo 4.0" in words["mjx"]
+    for name in ("mjwarp", "mujoco"):
+        assert "words of MuJoCo 4.0" not in words[name]
+        assert "words that MuJoCo 4.0 no longer has" in words[name]
