@@ -1,16 +1,18 @@
-"""The command `linkwright`: arguments, help, exit status, error border. Imports nothing heavy."""
+"""Runs the command `linkwright`: arguments, help, exit status, error border. Imports nothing heavy."""
 
 import gc
 import importlib
 import os
 import sys
 from collections.abc import Callable, Iterable, Sequence
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 from linkwright.pipeline.interrupt import behind
 from linkwright.pipeline.options import HELP, Command, Detail, UsageError, parse
 from linkwright.pipeline.terminal import streams
 from linkwright.pipeline.verbs import VERBS
+from linkwright.stages.robot.system import garbage
 
 if TYPE_CHECKING:
     from linkwright.pipeline.config.plan import Plan
@@ -18,15 +20,13 @@ if TYPE_CHECKING:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """The console script: runs the command line and returns the exit status."""
-    # Nearly all objects live until the command ends, and the garbage collector would spend a tenth of
-    # its time on them.
-    gc.set_threshold(100_000, 50, 100)
+    """Runs the command line as the console script; returns the exit status."""
+    garbage.collect_rarely()
     streams.survive_closed_pipes()
     status = run(sys.argv[1:] if arguments is None else arguments)
-    why_not = streams.flush()
-    if why_not and not status:
-        print(f"error: the standard output cannot be written: {why_not}", file=sys.stderr)
+    failure = streams.flush()
+    if failure and not status:
+        print(f"error: the standard output cannot be written: {failure}", file=sys.stderr)
         status = 1
     gc.freeze()
     return status
@@ -56,7 +56,7 @@ def _run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None") -> 
             print(_own_text(command.show))
             return 0
         if command.show:
-            for text in _shown(command):
+            for text in _command_output(command):
                 print(text, end="")
             return 0
         if command.multirun:
@@ -89,7 +89,7 @@ def _version() -> str:
 
 
 def _verb(name: str, arguments: Sequence[str]) -> int:
-    """Runs a verb, or shows its help; the exit status."""
+    """Runs a verb, or shows its help; returns the exit status."""
     verb = importlib.import_module(VERBS[name])
     if "-h" in arguments or "--help" in arguments:
         print(verb.HELP.rstrip())
@@ -98,10 +98,10 @@ def _verb(name: str, arguments: Sequence[str]) -> int:
     return status
 
 
-def _shown(command: Command) -> Iterable[str]:
-    """The output of a command that builds nothing."""
+def _command_output(command: Command) -> Iterable[str]:
+    """Returns the output of `--install-completion`, `--cfg` or `--info`."""
     if command.show == "install-completion":
-        return [_install_completion(command.what)]
+        return [_install_completion(command.subject)]
     # Late: few commands need it, and `--help` does not.
     from linkwright.pipeline.config.looking import configuration, information
 
@@ -110,10 +110,7 @@ def _shown(command: Command) -> Iterable[str]:
 
 def _complete(argument: str) -> int:
     """Answers a shell's request for completions; a failed query prints nothing."""
-    # Late: few commands need it, and `--help` does not.
-    from linkwright.pipeline import completion
-
-    text = completion.run(argument)
+    text: str = _completion().run(argument)
     print(text, end="")
     if not text and not argument.startswith("query="):
         print(
@@ -123,15 +120,20 @@ def _complete(argument: str) -> int:
     return 0
 
 
-def _install_completion(shell: str) -> str:
+def _completion() -> ModuleType:
     # Late: few commands need it, and `--help` does not.
-    from linkwright.pipeline.completion import SHELLS, install
+    from linkwright.pipeline import completion
 
+    return completion
+
+
+def _install_completion(shell: str) -> str:
+    completion = _completion()
     try:
-        return f"{install(shell)}\n"
+        return f"{completion.install(shell)}\n"
     except ValueError as error:
         msg = f"there is no completion for {error.args[0] or 'a shell without a name'}"
-        hint = " or ".join(f"linkwright --install-completion {name}" for name in SHELLS)
+        hint = " or ".join(f"linkwright --install-completion {name}" for name in completion.SHELLS)
         raise UsageError(f"{msg}\n  → {hint}") from None
 
 
@@ -142,9 +144,9 @@ def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:
 
 
 def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
-    from linkwright.pipeline.sweep.command import sweep  # a single build needs none of it
+    from linkwright.pipeline.sweep.command import plan, sweep  # a single build needs none of it
 
-    return sweep(command, build)
+    return plan(command) if command.plan else sweep(command, build)
 
 
 def _report(error: BaseException, detail: Detail) -> int:

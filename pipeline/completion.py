@@ -36,6 +36,7 @@ WORDS_OF: Mapping[str, tuple[str, ...]] = {
     "--cfg": ("job", "hydra", "all"),
     "--info": ("all", "config", "defaults", "defaults-tree", "plugins", "searchpath"),
     "--install-completion": SHELLS,
+    "--level": ("quick", "standard", "strict"),
 }
 """Option → the words that may follow it."""
 
@@ -43,10 +44,17 @@ SHORT = {"-c": "--cfg", "-i": "--info", "-cd": "--config-dir"}
 
 OPTIONS = (
     "--multirun", "--config-dir", "--cfg", "--package", "--resolve", "--info", "--install-completion",
-    "--verbose", "--quiet", "--help", "--help-all", "--version",
+    "--plan", "--offline", "--verbose", "--quiet", "--help", "--help-all", "--version",
 )  # fmt: skip
 
-CHECK_OPTIONS = ("--level", "--json", "--sarif", "--junit", "--baseline", "--help")
+OPTIONS_OF: Mapping[str, tuple[str, ...]] = {
+    "check": ("--level", "--json", "--sarif", "--junit", "--baseline", "--help"),
+    "diff": ("--json", "--markdown"),
+    "job": ("--shard", "--help"),
+    "jobs": ("--fetch", "--shard", "--help"),
+    "snapshot": ("--check", "--config-dir", "--help"),
+}
+"""Verb about files or folders → its options."""
 
 BASH = """\
 _linkwright() {
@@ -93,52 +101,53 @@ REMOVALS = {
 
 
 def run(argument: str, environ: Mapping[str, str] = os.environ) -> str:
-    """The output of `-sc` for `install=SHELL`, `uninstall=SHELL` or `query=SHELL`, as in Hydra; "" for other
-    arguments."""
+    """Returns the output of `-sc` for `install=`, `uninstall=` or `query=SHELL`, as in Hydra; else ""."""
     verb, _, shell = argument.partition("=")
     if shell not in SHELLS:
         return ""
     if verb == "query":
-        return "".join(f"{one}\n" for one in query(shell, environ))
+        return "".join(f"{candidate}\n" for candidate in query(shell, environ))
     return {"install": SCRIPTS, "uninstall": REMOVALS}.get(verb, {}).get(shell, "")
 
 
 _HARMLESS = re.compile(r"[\w./,+:=@ -]*")
-"""What completion may add: characters that are themselves in every shell, a space after a backslash."""
+"""Texts that completion may add: characters without a meaning in any shell, a space after a backslash."""
 
 
 def query(shell: str, environ: Mapping[str, str]) -> list[str]:
-    """The candidates for the line in `COMP_LINE`, in the format of the shell."""
+    """Returns the candidates for the line in `COMP_LINE`, in the format of the shell."""
     line = environ.get("COMP_LINE", "")
     point = environ.get("COMP_POINT", "")
-    written = split(line[: int(point)] if point.isdigit() else line)
-    if len(written) < 2:
+    raw_words = split(line[: int(point)] if point.isdigit() else line)
+    if len(raw_words) < 2:
         return []
-    typed, words = written[-1], [word.replace("\\ ", " ") for word in written]
-    found = _additions(words[-1], candidates(words[-1], words[1:-1], Path.cwd()))
+    typed, words = raw_words[-1], [word.replace("\\ ", " ") for word in raw_words]
+    rests = _additions(words[-1], candidates(words[-1], words[1:-1], Path.cwd()))
     if shell == "fish":
         # fish quotes what it inserts.
-        return [words[-1] + rest for rest in found]
-    found = [typed + rest.replace(" ", "\\ ") for rest in found]
+        return [words[-1] + rest for rest in rests]
+    rests = [typed + rest.replace(" ", "\\ ") for rest in rests]
     if shell == "zsh":
-        return found
+        return rests
     # bash replaces only the text after the last of these characters, and the script asks it to add no space.
     breaks = set(environ.get("COMP_WORDBREAKS", "=:")) & set("=:@")
-    cut = max((typed.rfind(one) + 1 for one in breaks), default=0)
+    cut = max((typed.rfind(character) + 1 for character in breaks), default=0)
     sweep = {"-m", "--multirun"} & set(words)
-    return [one[cut:] if one.endswith(("=", ".", "/")) or sweep else f"{one[cut:]} " for one in found]
+    return [text[cut:] if text.endswith(("=", ".", "/")) or sweep else f"{text[cut:]} " for text in rests]
 
 
-def _additions(word: str, found: Iterable[str]) -> list[str]:
-    """The text that each candidate adds to `word`, without candidates that would add more to a shell's line
-    than a part of a word: `$(...)`, quotes, globs, control characters; or, from a file's name, an option."""
-    rests = (one.removeprefix(word) for one in found)
-    own = () if word else ("-", "=")
-    return [rest for rest in rests if _HARMLESS.fullmatch(rest) and not rest.startswith(own)]
+def _additions(word: str, texts: Iterable[str]) -> list[str]:
+    """Returns the text that each candidate adds to `word`.
+
+    Leaves out candidates that would add more to a shell's line than a part of a word (`$(...)`, quotes,
+    globs, control characters), and names of files that would be read as options."""
+    rests = (text.removeprefix(word) for text in texts)
+    forbidden_starts = () if word else ("-", "=")
+    return [rest for rest in rests if _HARMLESS.fullmatch(rest) and not rest.startswith(forbidden_starts)]
 
 
 def split(line: str) -> list[str]:
-    """The words of a line, quotes and backslashes left as they are; the last one is empty after a space."""
+    """Returns the words of a line, with their quotes and backslashes; the last is empty after a space."""
     words, quote, escaped = [""], "", False
     for letter in line:
         if letter.isspace() and not quote and not escaped:
@@ -152,16 +161,13 @@ def split(line: str) -> list[str]:
 
 
 def candidates(word: str, before: Sequence[str], here: Path) -> list[str]:
-    """The completions of `word`, which follows the words `before`; sorted."""
+    """Returns the sorted completions of `word`, which follows the words `before`."""
     option = SHORT.get(before[-1], before[-1]) if before else ""
-    if option == "--config-dir":
-        return [one for one in _files(word, here) if one.endswith("/")]
-    if before[:1] == ["diff"]:
-        return _starting(("--json", "--markdown"), word) if word.startswith("-") else _files(word, here)
-    if before[:1] == ["check"]:
-        if option == "--level":
-            return _starting(("quick", "standard", "strict"), word)
-        return _starting(CHECK_OPTIONS, word) if word.startswith("-") else _files(word, here)
+    if option in ("--config-dir", "--plan"):
+        return [file for file in _files(word, here) if file.endswith("/") or option == "--plan"]
+    if before and before[0] in OPTIONS_OF and option != "--level":
+        paths = [file for file in _files(word, here) if before[0] != "snapshot" or file.endswith("/")]
+        return _starting(OPTIONS_OF[before[0]], word) if word.startswith("-") else paths
     if option in WORDS_OF and (words := _starting(WORDS_OF[option], word)):
         return words
     if word.startswith("-"):
@@ -172,16 +178,16 @@ def candidates(word: str, before: Sequence[str], here: Path) -> list[str]:
         return _explained(word)
     sign = word[: len(word) - len(word.lstrip("+~"))]
     word = word[len(sign) :]
-    folders = [here, *(here / one for one in _config_dirs(before))]
+    folders = [here, *(here / directory for directory in _config_dirs(before))]
     key, equal, value = word.partition("=")
     if equal:
         head, comma, last = value.rpartition(",")
-        found = [f"{key}={head}{comma}{one}" for one in _values(key, last, folders)]
+        completions = [f"{key}={head}{comma}{option_value}" for option_value in _values(key, last, folders)]
     else:
-        found = _starting((f"{group}=" for group in _groups(folders)), word)
-        found += [] if sign == "~" else _keys(word)
-        found += _starting(_verbs(), word) if not before and not sign else []
-    return [sign + one for one in sorted(set(found))]
+        completions = _starting((f"{group}=" for group in _groups(folders)), word)
+        completions += [] if sign == "~" else _keys(word)
+        completions += _starting(_verbs(), word) if not before and not sign else []
+    return [sign + completion for completion in sorted(set(completions))]
 
 
 def _starting(words: Iterable[str], start: str) -> list[str]:
@@ -193,7 +199,7 @@ def _verbs() -> Iterable[str]:
 
 
 def _explained(word: str) -> list[str]:
-    # Late: only where values of this key are asked for.
+    # Imported late, since other completions do not need it.
     from linkwright.pipeline.verbs.explain import names
 
     return _starting(sorted(set(names())), word)
@@ -208,27 +214,27 @@ def _config_dirs(words: Sequence[str]) -> Iterator[str]:
 
 
 def _groups(folders: Iterable[Path]) -> set[str]:
-    """The groups in `conf`, and the user's `experiment`; other folders may hold anything."""
-    ours = {folder.name for folder in CONF.iterdir() if folder.is_dir() and folder.name != "hydra"}
-    own = {"experiment" for folder in folders if (folder / "experiment").is_dir()}
-    return {one for one in ours if not one.startswith("_")} | own | {"hydra/launcher"}
+    """Returns the groups in `conf`, and the user's `experiment`; other folders may hold anything."""
+    shipped_groups = {folder.name for folder in CONF.iterdir() if folder.is_dir() and folder.name != "hydra"}
+    user_groups = {"experiment" for folder in folders if (folder / "experiment").is_dir()}
+    return {name for name in shipped_groups if not name.startswith("_")} | user_groups | {"hydra/launcher"}
 
 
 def _values(key: str, start: str, folders: Sequence[Path]) -> list[str]:
-    found: list[str] = []
+    words: list[str] = []
     if key in _groups(folders):
-        found = [option for folder in (CONF, *folders) for option in _options(folder / key)]
-        found += _launchers() if key == "hydra/launcher" else ()
+        words = [option for folder in (CONF, *folders) for option in _options(folder / key)]
+        words += _launchers() if key == "hydra/launcher" else ()
     else:
-        found = [word for entry in matching(key, entries()) for word in entry.words]
+        words = [word for entry in matching(key, entries()) for word in entry.words]
         if any(entry.key == MOTOR for entry in matching(key, entries())):
-            found += library(folders)
+            words += library(folders)
     paths = _files(start, folders[0]) if key in PATHS and (key != "robot" or "/" in start) else []
-    return [*_starting(found, start), *paths]
+    return [*_starting(words, start), *paths]
 
 
 def _launchers() -> list[str]:
-    """Hydra's own launcher, and those of the plug-ins that are installed."""
+    """Returns Hydra's own launcher, and the launchers of installed plug-ins."""
     spec = importlib.util.find_spec("hydra_plugins")
     places = [Path(place) for place in spec.submodule_search_locations or ()] if spec else []
     return ["basic"] + [
@@ -246,24 +252,24 @@ def _options(group: Path) -> Iterator[str]:
 
 
 def _files(start: str, here: Path) -> list[str]:
-    """Files and folders whose path begins with `start`; folders end with a slash."""
+    """Returns files and folders whose path begins with `start`; folders end with a slash."""
     folder, slash, name = start.rpartition("/")
     place = here / Path(f"{folder}{slash}").expanduser()
     try:
-        inside = sorted(place.iterdir())
+        names_in_folder = sorted(place.iterdir())
     except OSError:
         return []
     return [
-        f"{folder}{slash}{one.name}{'/' if one.is_dir() else ''}"
-        for one in inside
-        if one.name.startswith(name) and (name or not one.name.startswith("."))
+        f"{folder}{slash}{path.name}{'/' if path.is_dir() else ''}"
+        for path in names_in_folder
+        if path.name.startswith(name) and (name or not path.name.startswith("."))
     ]
 
 
 def _keys(word: str) -> list[str]:
-    """The keys that begin with `word`, up to the next dot."""
+    """Returns the keys that begin with `word`, up to the next dot."""
     *typed, last = word.split(".")
-    found = set()
+    keys = set()
     for entry in entries():
         names = entry.names
         if entry.is_section or len(names) <= len(typed):
@@ -273,14 +279,14 @@ def _keys(word: str) -> list[str]:
         name = names[len(typed)]
         if not is_any(name) and name.startswith(last):
             end = "=" if len(names) == len(typed) + 1 else "."
-            found.add(".".join([*typed, name]) + end)
-    return sorted(found)
+            keys.add(".".join([*typed, name]) + end)
+    return sorted(keys)
 
 
 def install(shell: str, environ: Mapping[str, str] = os.environ) -> str:
     """Installs the script of a shell (default: the current shell); returns a description of the changes.
 
-    ValueError for an unknown shell.
+    Raises ValueError for an unknown shell.
     """
     shell = shell or Path(environ.get("SHELL", "")).name
     if shell not in SHELLS:
@@ -296,7 +302,7 @@ def install(shell: str, environ: Mapping[str, str] = os.environ) -> str:
         start = Path(environ.get("ZDOTDIR") or home) / ".zshrc" if shell == "zsh" else home / ".bashrc"
     script.parent.mkdir(parents=True, exist_ok=True)
     script.write_text(SCRIPTS[shell], encoding="utf-8")
-    done = [f"{script}: completion for {shell}"]
+    changes = [f"{script}: completion for {shell}"]
     if start is not None:
         path = f'"{script}"' if re.fullmatch(r"[\w ./,+:=@-]+", str(script)) else shlex.quote(str(script))
         line = f"[ -r {path} ] && . {path}  # completion of linkwright\n"
@@ -305,5 +311,5 @@ def install(shell: str, environ: Mapping[str, str] = os.environ) -> str:
             gap = "" if not before or before.endswith("\n") else "\n"
             with start.open("a", encoding="utf-8") as file:
                 file.write(gap + line)
-        done.append(f"{start}: loads it")
-    return "\n".join([*done, "open a new shell to use it"])
+        changes.append(f"{start}: loads it")
+    return "\n".join([*changes, "open a new shell to use it"])

@@ -1,4 +1,4 @@
-"""Errors on the command line: each is one message and an exit status.
+"""Turns errors into a message and an exit status.
 
 Exit status: 0 built and valid; 1 failed while the stages ran; 2 an error found before the first stage
 (`ConfigError`); 3 built, but a check failed, or an older state was built since the API quota is used up;
@@ -80,32 +80,32 @@ class InTheWay(OutputError):
     """The result cannot be moved into the output folder: a file that is not linkwright's is in the way."""
 
 
-WORST = Style("-v shows all", indent="  ", hint="    ")
-"""How the problems of a stage are shown, which its report lists."""
+REPORTED_STYLE = Style("-v shows all", indent="  ", hint="    ")
+"""Style of the problems of a stage on the terminal, where only the worst are shown: its report lists all."""
 
 FULL = {errno.ENOSPC: "the disk is full", errno.EDQUOT: "the disk quota is used up"}
 """Errors of a full disk: errno → text."""
 
 
 def reason(error: OSError) -> str:
-    """The reason that the system gives, as text."""
+    """Returns the system's reason for an error, as text."""
     return FULL.get(error.errno or 0) or error.strerror or str(error)
 
 
-def refusal(problems: Sequence[Diagnostic], what: str = "the configuration") -> ConfigError:
-    """One error with all problems of `what`."""
+def refusal(problems: Sequence[Diagnostic], subject: str = "the configuration") -> ConfigError:
+    """Returns a ConfigError that lists all problems of `subject`."""
     count = "a problem" if len(problems) == 1 else f"{len(problems)} problems"
-    msg = f"{what} has {count}"
+    msg = f"{subject} has {count}"
     return ConfigError(msg, problems=problems)
 
 
 def as_problems(error: ConfigError) -> tuple[Diagnostic, ...]:
-    """The problems that an error lists, or the error itself as one problem."""
+    """Returns the problems that an error lists, or the error itself as one problem."""
     return error.problems or (Diagnostic("E-VALUE", error.message, error.where, error.hint),)
 
 
 def exit_status(error: BaseException) -> int:
-    """The exit status of a run that `error` ended."""
+    """Returns the exit status of a run that `error` ended."""
     if isinstance(error, ConfigError):
         return 2
     if isinstance(error, ValidationFailed):
@@ -116,13 +116,15 @@ def exit_status(error: BaseException) -> int:
 
 
 def render(error: BaseException, *, whole: bool = True) -> str:
-    """The message of `error` with its place, hint and notes; no traceback. Unless `whole`, of the problems of
-    a stage, which its report lists, only the worst of each code."""
+    """Returns the message of `error` with its place, hint and notes, without a traceback. If not `whole`,
+    only the worst problems of each code are shown for a stage, whose report lists all."""
     notes = getattr(error, "__notes__", ())
     message = _message(error)
     if isinstance(error, LinkwrightError) and not whole and not isinstance(error, ConfigError):
         hint = [f"  → {error.hint}"] if error.hint else []
-        message = "\n".join([message.partition("\n")[0], *finding_lines(error.problems, WORST), *hint])
+        message = "\n".join(
+            [message.partition("\n")[0], *finding_lines(error.problems, REPORTED_STYLE), *hint]
+        )
     return "\n".join([message, *(f"  {note}" for note in notes)])
 
 

@@ -1,4 +1,4 @@
-"""The texts of `--help`, a screen, and `--help-all`, within 80 columns. Imports nothing heavy."""
+"""Holds the texts of `--help`, a screen, and `--help-all`, within 80 columns. Imports nothing heavy."""
 
 SHORT = """\
 linkwright: a robot is a YAML file; this builds it.
@@ -16,8 +16,10 @@ usage: linkwright [option ...] [group=option ...] [key=value ...]
 
 options: -q shows only errors, -v all findings; -m sweeps over values a,b,c;
          --config-dir DIR holds robot/; --cfg job prints the configuration
-groups:  robot source root depth mesh ground export validate actuators elements
-verbs:   bundle view check diff cache explain, each with a --help of its own
+groups:  robot source root depth mesh ground export target validate actuators
+         elements
+verbs:   bundle view check diff snapshot cache explain doctor jobs job
+         (linkwright VERB --help)
 
   linkwright explain KEY|CODE         what a key or the code of a message means
   linkwright --help-all               all options, groups, keys and variables
@@ -56,16 +58,26 @@ other verbs (linkwright VERB --help shows more):
   linkwright check DIR|FILE       whether the files of a robot are right, as
                                   they are now
   linkwright diff A B             what is different between two robots
+  linkwright snapshot [DIR]       keep what the robots of a repository come to,
+                                  as texts; --check compares
   linkwright cache info|gc|verify
                                   show the cache's size and API calls, clean it,
                                   check it
+  linkwright doctor               whether builds can work on this computer, and
+                                  what to do where not
   linkwright explain CODE|KEY     explain a diagnostic's code or a key
+  linkwright jobs FILE            which jobs of a list are done; --fetch fetches
+                                  their sources
+  linkwright job FILE N           run job N of a list, anywhere
 
 options:
   -v, --verbose          all findings, whole; else the worst three of each code
   -q, --quiet            only errors and failed checks
   -m, --multirun         sweep over values that are separated by commas;
-                         in parallel with hydra/launcher=workstation
+                         in parallel with hydra/launcher=workstation, slurm,
+                         slurm_local or ray
+  --plan FILE            with -m: write the list of its jobs and build nothing;
+                         --offline makes no call for it
   --config-dir DIR       DIR holds robot/ with robots of your own (besides
                          ./robot/); may be repeated
   --cfg job|hydra|all    print the validated configuration and build nothing;
@@ -91,6 +103,8 @@ groups, each a set of presets (group=option):
   ground      plane, none
   export      [urdf,mjcf], urdf, mjcf, sdf, usd, ros2, python: the formats;
               [urdf,mjcf,sdf] several
+  target      none, mjx, mjwarp, mujoco, newton, isaac, gazebo, pybullet, drake:
+              the engines whose limits the files keep; [mjx,newton] several
   validate    quick, standard, strict (warnings are errors)
   actuators   none, motor, position, velocity, intvelocity, pid (servos),
               legged, damper, general: what drives joints
@@ -110,8 +124,8 @@ exit status:
 
 
 def whole() -> str:
-    """The text of `--help-all`; its list of keys is generated from the schema."""
-    # Late: `--help` needs none of the reference.
+    """Returns the text of `--help-all`; its list of keys is generated from the schema."""
+    # Imported late: `--help` does not need the reference.
     from linkwright.pipeline.reference import HELP, environment
 
     keys = HELP.read_text(encoding="utf-8").rstrip()

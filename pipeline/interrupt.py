@@ -1,7 +1,7 @@
-"""Ctrl-C ends a command with exit status 130, wherever it comes.
+"""Ends a command with exit status 130 after Ctrl-C, wherever it comes.
 
 Python raises KeyboardInterrupt between any two instructions, and so also where it is lost: in a `__del__` or
-a callback, of which Python only prints it, and below a library that makes another error of it. So a command
+a callback, where Python only prints it, and below a library that makes another error of it. So a command
 records that Ctrl-C came, asks at each step of a build (`check`), and takes each later error for it
 (`behind`). Some compiled libraries crash where their first import is interrupted (orjson, as of 3.13.0), so
 Ctrl-C waits until such an import ends. In a program that imports linkwright the signals are that program's.
@@ -22,16 +22,16 @@ STATUS = 130
 MESSAGE = "error: interrupted"
 
 FINISHED = (0, 3)
-"""The exit statuses of a command that did all that it was asked for."""
+"""The exit statuses of a command that finished its work."""
 
-LOOK = 0.1
+WATCH_INTERVAL = 0.1
 """Interval [s] at which the watcher checks whether the sweep is over."""
 
-AGAIN = 0.01
-"""Interval [s] after which a Ctrl-C that came during the import of a compiled module is looked at again."""
+RETRY_INTERVAL = 0.01
+"""Time [s] after which a Ctrl-C during the import of a compiled module is raised again."""
 
 COMPILED_IMPORTS = (ExtensionFileLoader.create_module.__code__, ExtensionFileLoader.exec_module.__code__)
-"""What runs while Python imports a compiled module."""
+"""The code that runs while Python imports a compiled module."""
 
 _CAME = threading.Event()
 
@@ -45,7 +45,7 @@ def command(run: Callable[[], int]) -> int:
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
             signal.signal(signal.SIGINT, _note)
         status = run()
-        # The status stands: to end the process by now would contradict what it said.
+        # The status is final: to end the process now would contradict its output.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
     except KeyboardInterrupt:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -58,13 +58,13 @@ def _note(number: int, frame: FrameType | None) -> None:
     _CAME.set()
     if not _in_compiled_import(frame):
         raise KeyboardInterrupt
-    again = threading.Timer(AGAIN, _thread.interrupt_main)
-    again.daemon = True
-    again.start()
+    timer = threading.Timer(RETRY_INTERVAL, _thread.interrupt_main)
+    timer.daemon = True
+    timer.start()
 
 
 def _in_compiled_import(frame: FrameType | None) -> bool:
-    """Whether Python runs here below the first import of a compiled module."""
+    """Tells whether a frame belongs to the first import of a compiled module."""
     while frame is not None:
         if frame.f_code in COMPILED_IMPORTS:
             return True
@@ -73,19 +73,22 @@ def _in_compiled_import(frame: FrameType | None) -> bool:
 
 
 def came() -> bool:
-    """Whether Ctrl-C came."""
+    """Tells whether the user has pressed Ctrl-C."""
     return _CAME.is_set()
 
 
 def check() -> None:
-    """Raises KeyboardInterrupt again if Ctrl-C came and was lost: before a step begins, and before a result
-    is kept, which may lack what the lost exception cut short. Not for cleaning up."""
+    """Raises KeyboardInterrupt again if Ctrl-C came and was lost.
+
+    To be called before a step begins, and before a result is stored, which may be incomplete since the lost
+    exception cut its making short; not while cleaning up.
+    """
     if _CAME.is_set():
         raise KeyboardInterrupt
 
 
 def behind(error: BaseException | None) -> bool:
-    """Whether Ctrl-C is the reason of an error."""
+    """Tells whether Ctrl-C is the cause of an error."""
     # An error that is raised again from what it caused is its own context: the chain may be a ring.
     seen: set[int] = set()
     while error is not None and id(error) not in seen and not _CAME.is_set():
@@ -98,7 +101,7 @@ def behind(error: BaseException | None) -> bool:
 
 @contextlib.contextmanager
 def kept_from_workers() -> Iterator[None]:
-    """Processes started inside do not receive Ctrl-C; in this process it still raises KeyboardInterrupt.
+    """Keeps Ctrl-C from processes that start in the block; here it still raises KeyboardInterrupt.
 
     The terminal sends the signal to all processes, and each worker would print a traceback. Child processes
     inherit a blocked signal, so it is blocked here, and a thread waits for it.
@@ -106,20 +109,20 @@ def kept_from_workers() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask") or threading.current_thread() is not threading.main_thread():
         yield
         return
-    over = threading.Event()
+    ended = threading.Event()
 
     def watch() -> None:
-        while not over.wait(LOOK):
+        while not ended.wait(WATCH_INTERVAL):
             if signal.SIGINT in signal.sigpending():
                 signal.sigwait({signal.SIGINT})
                 _thread.interrupt_main()
 
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    old_mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     watcher = threading.Thread(target=watch, name="interrupt", daemon=True)
     watcher.start()
     try:
         yield
     finally:
-        over.set()
+        ended.set()
         watcher.join()
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, old_mask)

@@ -1,14 +1,14 @@
-"""The place of a value in the configuration, and its full key as users type it."""
+"""Converts the path of a value in the configuration to the full key that users type."""
 
 import re
 from collections.abc import Iterable
 
 Place = tuple[int | str, ...]
-"""The way to a value: names of mappings and indices of lists."""
+"""Path of a value in the tree: keys of mappings and indices of lists, from the root."""
 
 
 def key_of(place: Iterable[int | str]) -> str:
-    """The full key of a place: `joints.elbow.limits[0]`, `joints["a.b"].damping`."""
+    """Returns the full key of a path: `joints.elbow.limits[0]`, `joints["a.b"].damping`."""
     text = ""
     for part in place:
         if isinstance(part, int):

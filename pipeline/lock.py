@@ -1,4 +1,4 @@
-"""A lock file: one owner at a time, among all threads and processes that use the same file.
+"""Locks by a lock file: one owner at a time, among all threads and processes that use the same file.
 
 A lock file must not be unlinked while others wait for it: the old file and a new one at the same path
 could each have an owner. So an owner checks that its file is still at the path, and only `drop`, which
@@ -6,6 +6,7 @@ acquires the lock first, removes a file.
 """
 
 import contextlib
+import errno
 import os
 import stat
 from collections.abc import Callable, Iterator
@@ -18,7 +19,10 @@ if TYPE_CHECKING:
     from filelock import BaseFileLock
 
 FOLDER = ".linkwright"
-"""The hidden folder beside the outputs for their lock files."""
+"""Name of the hidden folder for lock files, beside the output folders."""
+
+NO_LOCKS = (errno.ENOLCK, errno.ENOSYS, errno.ENOTSUP, errno.EOPNOTSUPP)
+"""Errors of a file system without locks, such as some network file systems."""
 
 PATIENCE = 2.0
 """Time [s] after which a waiting build reports that it waits."""
@@ -28,7 +32,8 @@ PATIENCE = 2.0
 def acquired(path: Path, waiting: Callable[[], None]) -> Iterator[None]:
     """Acquires the lock `path`, whose folder must exist; `waiting` is called once if it is not free soon.
 
-    OSError where the file cannot be made or written, is a link, or where its file system has no locks.
+    Continues without the lock if the file system has no locks. Raises OSError if the file is a link, or
+    cannot be created or written.
     """
     lock, patience = None, PATIENCE
     while lock is None:
@@ -37,19 +42,26 @@ def acquired(path: Path, waiting: Callable[[], None]) -> Iterator[None]:
         except filelock.Timeout:
             waiting()
             patience = -1.0
+        except OSError as error:
+            if error.errno not in NO_LOCKS:
+                raise
+            break
     try:
         yield
     finally:
-        lock.release()
+        # If the server is gone, it has freed the lock, and the work is done anyway.
+        with contextlib.suppress(OSError):
+            if lock is not None:
+                lock.release()
 
 
 def place(target: Path) -> Path:
-    """The lock file of an output folder."""
+    """Returns the path of the lock file of an output folder."""
     return target.parent / FOLDER / f"{target.name}.lock"
 
 
 def beside(target: Path) -> Path:
-    """As `place`, and creates the folder of the lock file. OSError where that fails."""
+    """Returns `place`, and creates the folder of the lock file. Raises OSError if that fails."""
     path = place(target)
     if path.parent.is_symlink():
         msg = f"{path.parent} is a link"
@@ -78,13 +90,13 @@ def drop(path: Path) -> bool:
 
 
 def _acquire(path: Path, patience: float) -> "BaseFileLock | None":
-    """Acquires the lock; None where its file was removed meanwhile.
+    """Acquires the lock; returns None if its file was removed meanwhile.
 
-    filelock.Timeout where it is not free within `patience` [s]; below zero it is waited for.
+    Raises filelock.Timeout if the lock is not free within `patience` [s]; a negative value waits forever.
     """
-    seen = _opened(path)
+    handle = _open(path)
     try:
-        status = os.fstat(seen)
+        status = os.fstat(handle)
         # The mode is the file's own, since some versions of filelock set it.
         lock = filelock.FileLock(path, timeout=patience, mode=stat.S_IMODE(status.st_mode))
         try:
@@ -92,22 +104,22 @@ def _acquire(path: Path, patience: float) -> "BaseFileLock | None":
         except FileNotFoundError:
             return None
         except NotImplementedError as error:
-            raise OSError(str(error)) from error
-        # While `seen` is open, no other file has its number: if it lies there now, it did all the time.
-        if _lies_at(path, status):
+            raise OSError(errno.ENOSYS, str(error)) from error
+        # While `handle` is open, no other file has its number: if it is there now, it was there all the time.
+        if _is_at(path, status):
             return lock
         lock.release()
         return None
     finally:
-        os.close(seen)
+        os.close(handle)
 
 
-def _opened(path: Path) -> int:
-    """Opens the lock file, and creates it if needed. OSError where filelock would retry forever: the file
-    cannot be created, is a link, or its file system has no locks."""
+def _open(path: Path) -> int:
+    """Opens the lock file, and creates it if needed. Raises OSError in the cases in which filelock would
+    retry forever: the file cannot be created, is a link, or its file system has no locks."""
     handle = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o666)
     try:
-        # Late: POSIX only.
+        # Imported late: exists only on POSIX systems.
         import fcntl
     except ImportError:
         return handle
@@ -122,7 +134,7 @@ def _opened(path: Path) -> int:
     return handle
 
 
-def _lies_at(path: Path, status: os.stat_result) -> bool:
+def _is_at(path: Path, status: os.stat_result) -> bool:
     try:
         return os.path.samestat(status, path.lstat())
     except FileNotFoundError:

@@ -1,7 +1,7 @@
-"""Where the files of the motor library are. No heavy imports: tab completion reads their names too.
+"""Finds the files of the motor library. Imports nothing heavy, since tab completion reads their names too.
 
-Ours are in `conf/actuators/motors`, the user's own in `motors/` beside `robot/`. They are data, and no
-options of a group.
+Linkwright's are in `conf/actuators/motors`, the user's own in `motors/` beside `robot/`. They are data, and
+not options of a group.
 """
 
 import re
@@ -17,16 +17,16 @@ OURS = Path(__file__).resolve().parents[1] / "conf" / "actuators" / FOLDER
 _NAME = re.compile(r"\w[\w.+-]*")
 
 
-def library(own: Iterable[Path] = ()) -> dict[str, Path]:
-    """Name → file of every motor, sorted; one of the user's own stands in place of ours. `own`: the folders
-    that hold `robot/`."""
-    found: dict[str, Path] = {}
-    for folder in (OURS, *(one / FOLDER for one in own)):
+def library(own_folders: Iterable[Path] = ()) -> dict[str, Path]:
+    """Maps the name of each motor to its file, sorted. A motor of the user's own replaces Linkwright's.
+    `own_folders`: the user's folders, which contain `robot/`."""
+    files_by_name: dict[str, Path] = {}
+    for folder in (OURS, *(parent / FOLDER for parent in own_folders)):
         files = (folder / name for name in observed.yaml_files(folder))
-        found |= {file.stem: file for file in files if _NAME.fullmatch(file.stem)}
-    return dict(sorted(found.items()))
+        files_by_name |= {file.stem: file for file in files if _NAME.fullmatch(file.stem)}
+    return dict(sorted(files_by_name.items()))
 
 
 def is_motor(file: Path, group: Path) -> bool:
-    """Whether a file below the folder of a group is one of a motor."""
+    """Tells whether a file below the folder of a group describes a motor."""
     return group.name == "actuators" and file.relative_to(group).parts[0] == FOLDER

@@ -1,4 +1,4 @@
-"""What a build asks of the file system and of the environment before its first stage, with each answer.
+"""Records the questions that a build asks the file system and the environment before its first stage.
 
 An unchanged build is recognised by asking the same again (`pipeline.run.unchanged`). Whoever reads a file or
 a variable that decides what is composed asks here. A variable's value is kept as a digest, since it may be a
@@ -17,26 +17,26 @@ from pathlib import Path
 import linkwright.conf
 from linkwright.stages.robot.system import regular_files
 
-LARGEST = 16 << 20
-"""A larger file counts as unreadable [bytes]; of YAML and XML less is read."""
+MAX_BYTES = 16 << 20
+"""Largest size of a readable file [bytes]; YAML and XML have lower limits."""
 
 DOTENV = ".env"
 
 VARIABLES = ("HOME", "PWD", "USERPROFILE", "XDG_CACHE_HOME")
 PREFIXES = ("LINKWRIGHT_", "ONSHAPE_")
-"""The variables that every build may read."""
+"""The names, and the beginnings of names, of variables that every build may read."""
 
 Answer = tuple[str, str, str]
-"""A question, what it is about, and its answer."""
+"""A question, its subject (a path or the name of a variable), and its answer."""
 
-_OURS = os.path.join(os.path.dirname(linkwright.conf.__file__), "")  # noqa: PTH118, PTH120
+_CONF = os.path.join(os.path.dirname(linkwright.conf.__file__), "")  # noqa: PTH118, PTH120
 
 
 class Observed:
-    """The questions of a build with their answers. `salt` goes into the digests of variables.
+    """The questions of a build with their answers. `salt` becomes part of the digests of variables.
 
-    `lasts`: whether the same answers lead to the same build; not where a file changed meanwhile, or where a
-    value is that of a moment, as `${now:%H}`.
+    `lasts`: whether the same answers lead to the same build. They do not if a file changed meanwhile, or if a
+    value depends on the moment, such as `${now:%H}`.
     """
 
     def __init__(self, salt: str, environ: Mapping[str, str] = os.environ) -> None:
@@ -53,17 +53,18 @@ class Observed:
 
     @property
     def answers(self) -> tuple[Answer, ...]:
-        """All questions with their answers, in the order of the first time that each was asked."""
+        """All questions with their answers, in the order in which each was first asked."""
         return tuple((question, about, answer) for (question, about), answer in self._answers.items())
 
     def ask(self, question: str, about: str) -> None:
         self.note(question, about, answer(question, about, self.salt, self._environ))
 
-    def note(self, question: str, about: str, said: str) -> None:
-        """Keeps an answer. The files of `conf` are a part of the program (see `pipeline.run.program`)."""
-        if about.startswith(_OURS) and ".." not in about:
+    def note(self, question: str, about: str, recorded: str) -> None:
+        """Records an answer, except about files of `conf`, which belong to the program
+        (`pipeline.run.program`)."""
+        if about.startswith(_CONF) and ".." not in about:
             return
-        if self._answers.setdefault((question, about), said) != said:
+        if self._answers.setdefault((question, about), recorded) != recorded:
             self.lasts = False
 
 
@@ -72,7 +73,7 @@ _NOW: ContextVar[Observed | None] = ContextVar("observed", default=None)
 
 @contextmanager
 def recording(salt: str) -> Iterator[Observed]:
-    """Inside, the questions below are kept with their answers."""
+    """Records the answers to the questions below that are asked in the block."""
     observed = Observed(salt)
     token = _NOW.set(observed)
     try:
@@ -82,75 +83,75 @@ def recording(salt: str) -> Iterator[Observed]:
 
 
 def still_true(answers: Iterable[Answer], salt: str, environ: Mapping[str, str] = os.environ) -> bool:
-    """Whether every question has the same answer now."""
-    return all(answer(question, about, salt, environ) == said for question, about, said in answers)
+    """Tells whether every question has the same answer now."""
+    return all(answer(question, about, salt, environ) == recorded for question, about, recorded in answers)
 
 
 def is_file(path: Path) -> bool:
-    """Whether a file is at the path."""
-    return _asked("kind", path) == "file"
+    """Tells whether a file is at the path."""
+    return _ask("kind", path) == "file"
 
 
 def is_folder(path: Path) -> bool:
-    """Whether a folder is at the path."""
-    return _asked("kind", path) == "folder"
+    """Tells whether a folder is at the path."""
+    return _ask("kind", path) == "folder"
 
 
 def real(path: Path) -> Path:
-    """The path without links."""
-    return Path(_asked("real", path))
+    """Returns a path with all links resolved."""
+    return Path(_ask("real", path))
 
 
 def yaml_files(folder: Path) -> list[str]:
-    """The names of the YAML files in a folder, sorted; none where there is no such folder."""
-    names: list[str] = json.loads(_asked("YAML files", folder))
+    """Returns the names of the YAML files in a folder, sorted; [] if there is no such folder."""
+    names: list[str] = json.loads(_ask("YAML files", folder))
     return names
 
 
 def yaml_below(folder: Path) -> list[str]:
-    """The paths of the YAML files in a folder and below it, relative to it, sorted."""
-    paths: list[str] = json.loads(_asked("YAML below", folder))
+    """Returns the paths of the YAML files in a folder and below it, relative to it, sorted."""
+    paths: list[str] = json.loads(_ask("YAML below", folder))
     return paths
 
 
 def folders_with_yaml(folder: Path) -> list[str]:
-    """The names of the folders in a folder that have YAML files, sorted."""
-    names: list[str] = json.loads(_asked("folders with YAML", folder))
+    """Returns the names of the folders in a folder that have YAML files, sorted."""
+    names: list[str] = json.loads(_ask("folders with YAML", folder))
     return names
 
 
 def holds_yaml(folder: Path) -> bool:
-    """Whether a YAML file is anywhere below a folder of this folder."""
-    return _asked("holds YAML", folder) == "yes"
+    """Tells whether a YAML file is anywhere below a folder of this folder."""
+    return _ask("holds YAML", folder) == "yes"
 
 
 def read(path: Path, content: bytes) -> None:
-    """Notes the content of a file that was read."""
+    """Records the content of a file that was read."""
     if observed := _NOW.get():
         observed.note("text", str(path), hashlib.sha256(content).hexdigest())
 
 
 def variable(name: str) -> None:
-    """Notes that the value of a variable of the environment is used."""
+    """Records that the value of an environment variable is used."""
     if observed := _NOW.get():
         observed.ask("variable", name)
 
 
 def momentary() -> None:
-    """Notes that a value is used that another moment, or another machine, may change."""
+    """Records the use of a value that may differ at another moment or on another machine."""
     if observed := _NOW.get():
         observed.lasts = False
 
 
-def _asked(question: str, path: Path) -> str:
-    said = answer(question, str(path))
+def _ask(question: str, path: Path) -> str:
+    recorded = answer(question, str(path))
     if observed := _NOW.get():
-        observed.note(question, str(path), said)
-    return said
+        observed.note(question, str(path), recorded)
+    return recorded
 
 
 def answer(question: str, about: str, salt: str = "", environ: Mapping[str, str] = os.environ) -> str:
-    """The answer to a question now. KeyError for a question that does not exist."""
+    """Returns the current answer to a question. Raises KeyError for an unknown question."""
     if question == "variable":
         return _salted(environ.get(about), salt)
     if question == "variables":
@@ -180,7 +181,7 @@ def _mode(path: str) -> str:
 
 def _text(path: str) -> str:
     try:
-        return regular_files.digest(Path(path), LARGEST)
+        return regular_files.digest(Path(path), MAX_BYTES)
     except (OSError, ValueError, regular_files.FileTooLarge):
         return ""
 
@@ -201,8 +202,8 @@ def _folders_with_yaml(folder: str) -> str:
 
 def _holds_yaml(folder: str) -> str:
     below = [entry.path for entry in _entries(folder) if entry.is_dir()]
-    found = any(_is_yaml(name) for place in below for _, _, names in os.walk(place) for name in names)
-    return "yes" if found else ""
+    is_there = any(_is_yaml(name) for place in below for _, _, names in os.walk(place) for name in names)
+    return "yes" if is_there else ""
 
 
 def _yaml_in(folder: str) -> list[str]:
@@ -210,7 +211,7 @@ def _yaml_in(folder: str) -> list[str]:
 
 
 def _entries(folder: str) -> list["os.DirEntry[str]"]:
-    """The entries of a folder; none where it cannot be read."""
+    """Returns the entries of a folder; [] if it cannot be read."""
     try:
         with os.scandir(folder) as entries:
             return list(entries)

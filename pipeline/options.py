@@ -4,12 +4,12 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Literal, NamedTuple
 
 CFG = ("job", "hydra", "all")
-"""What `--cfg` shows."""
+"""Arguments of `--cfg`: parts of the configuration to show."""
 
 INFO = ("all", "config", "defaults", "defaults-tree", "plugins", "searchpath")
-"""What `--info` shows."""
+"""Arguments of `--info`: kinds of information to show."""
 
-ELSEWHERE = {
+HYDRA_ONLY = {
     "--config-name": "a robot is a file: linkwright robot=NAME builds ./robot/NAME.yaml",
     "--config-path": "add a folder of your own: linkwright --config-dir DIR, where DIR holds robot/",
     "--hydra-help": "linkwright --help lists all options; linkwright --cfg hydra shows Hydra's configuration",
@@ -25,39 +25,44 @@ SHORT = {
 
 
 Detail = Literal["errors", "usual", "all"]
-"""How much a build tells: errors alone (`-q`), of each code the worst findings, or all of them (`-v`)."""
+"""The findings that a build shows: only errors (`-q`), the worst of each code, or all (`-v`)."""
 
 HELP = ("--help", "--help-all", "--version")
-"""Options that show a text of our own."""
+"""Options that show a text of Linkwright's own."""
 
 
-# No dataclass: to import their module takes a quarter of the time of `--help`.
+# Not a dataclass: importing the module `dataclasses` takes a quarter of the time of `--help`.
 class Command(NamedTuple):
-    """The parsed command line.
-
-    `show`: the output in place of a build: help, help-all, version, cfg, info, shell-completion or
-    install-completion; `what`: its kind; `package` and `resolve` are the options of `--cfg`. `detail`: how
-    much a build tells.
-    """
+    """The parsed command line."""
 
     overrides: tuple[str, ...] = ()
     config_dirs: tuple[str, ...] = ()
     multirun: bool = False
     show: str = ""
-    what: str = ""
+    """The output in place of a build: help, help-all, version, cfg, info, shell-completion or
+    install-completion; "" for a build."""
+    subject: str = ""
+    """The argument of the option that `show` names."""
     package: str = ""
+    """The part of the configuration that `--cfg` shows."""
     resolve: bool = False
+    """Whether `--cfg` resolves interpolations."""
     detail: Detail = "usual"
+    """The findings that a build shows."""
+    plan: str = ""
+    """The file for the list of a sweep's jobs, which are then not built."""
+    offline: bool = False
+    """Whether the list of jobs is written without an API call."""
 
 
 class UsageError(Exception):
-    """The command line has an unknown option, or one without its value."""
+    """The command line has an unknown option, or an option without its value."""
 
 
 def parse(arguments: Sequence[str]) -> Command:
-    """Parses the command line; UsageError for an unknown option."""
-    rest = _Rest(arguments)
-    command = _Reading(rest)
+    """Parses the command line; raises UsageError for an unknown option."""
+    rest = _Arguments(arguments)
+    command = _OptionReader(rest)
     for argument in rest:
         if not argument.startswith("-"):
             command.overrides.append(argument)
@@ -68,67 +73,84 @@ def parse(arguments: Sequence[str]) -> Command:
             return Command(show=name[2:])
         reader = _OPTIONS.get(name)
         if reader is None:
-            elsewhere = ELSEWHERE.get(name)
-            msg = f"there is no option {option} here\n  → {elsewhere}" if elsewhere else ""
+            alternative = HYDRA_ONLY.get(name)
+            msg = f"there is no option {option} here\n  → {alternative}" if alternative else ""
             raise UsageError(msg or f"there is no option {option}\n  → linkwright --help lists the options")
         reader(command, option, value if equal else None)
     return command.done()
 
 
-class _Reading:
-    """The options read so far. Each method takes the option as typed, and the value after its `=` or
-    None."""
+class _OptionReader:
+    """Collects the options of a command line. Each method takes the option as typed, and the value after its
+    `=` or None."""
 
-    def __init__(self, rest: "_Rest") -> None:
+    def __init__(self, rest: "_Arguments") -> None:
         self._rest = rest
         self.overrides: list[str] = []
         self._folders: list[str] = []
-        self._multirun = self._resolve = False
-        self._show, self._what, self._package = "", "", ""
+        self._multirun = self._resolve = self._offline = False
+        self._plan = ""
+        self._show, self._subject, self._package = "", "", ""
         self._details: set[Detail] = set()
 
-    def multirun(self, option: str, given: str | None) -> None:
+    def multirun(self, option: str, value: str | None) -> None:
         self._multirun = True
 
-    def resolve(self, option: str, given: str | None) -> None:
+    def resolve(self, option: str, value: str | None) -> None:
         self._resolve = True
 
-    def verbose(self, option: str, given: str | None) -> None:
+    def verbose(self, option: str, value: str | None) -> None:
         self._details.add("all")
 
-    def quiet(self, option: str, given: str | None) -> None:
+    def quiet(self, option: str, value: str | None) -> None:
         self._details.add("errors")
 
-    def run(self, option: str, given: str | None) -> None:
-        """Hydra's option for a single run; it has no effect here."""
+    def run(self, option: str, value: str | None) -> None:
+        """Accepts Hydra's option for a single run, which has no effect here."""
 
-    def config_dir(self, option: str, given: str | None) -> None:
+    def config_dir(self, option: str, value: str | None) -> None:
         example = f"{option} DIR, where DIR holds robot/"
-        self._folders.append(given or self._rest.value(option, "a folder", example))
+        self._folders.append(value or self._rest.value(option, "a folder", example))
 
-    def package(self, option: str, given: str | None) -> None:
-        self._package = given or self._rest.value(option, "a key", f"{option} mesh, with --cfg job")
+    def plan(self, option: str, value: str | None) -> None:
+        example = f"{option} jobs.json, with -m"
+        self._plan = value or self._rest.value(option, "a file", example)
+        if "=" in self._plan:
+            raise UsageError(f"{option} needs a file, and {self._plan} is an override\n  → {example}")
 
-    def cfg(self, option: str, given: str | None) -> None:
-        word = given or self._rest.value(option, "a word", f"{option} job")
-        self._show, self._what = "cfg", _one_of(CFG, word, option)
+    def offline(self, option: str, value: str | None) -> None:
+        self._offline = True
 
-    def info(self, option: str, given: str | None) -> None:
-        word = given or self._rest.one_of(INFO) or "all"
-        self._show, self._what = "info", _one_of(INFO, word, option)
+    def package(self, option: str, value: str | None) -> None:
+        self._package = value or self._rest.value(option, "a key", f"{option} mesh, with --cfg job")
 
-    def completion(self, option: str, given: str | None) -> None:
+    def cfg(self, option: str, value: str | None) -> None:
+        word = value or self._rest.value(option, "a word", f"{option} job")
+        self._show, self._subject = "cfg", _one_of(CFG, word, option)
+
+    def info(self, option: str, value: str | None) -> None:
+        word = value or self._rest.one_of(INFO) or "all"
+        self._show, self._subject = "info", _one_of(INFO, word, option)
+
+    def completion(self, option: str, value: str | None) -> None:
         self._show = SHORT.get(option, option)[2:]
-        self._what = given if given is not None else next(self._rest, "")
+        self._subject = value if value is not None else next(self._rest, "")
 
     def done(self) -> Command:
-        """The whole command; UsageError for options that exclude each other."""
+        """Returns the parsed command; raises UsageError for options that exclude each other."""
         if self._show != "cfg" and (self._package or self._resolve):
             msg = "--package and --resolve belong to --cfg\n  → linkwright --cfg job --resolve"
             raise UsageError(msg)
         if self._multirun and self._show in ("cfg", "info"):
             text = f"--{self._show} shows one configuration, and a sweep has many"
             msg = f"{text}\n  → leave out -m and give single values"
+            raise UsageError(msg)
+        if self._plan and not self._multirun:
+            raise UsageError(
+                "--plan lists the jobs of a sweep\n  → add -m, and what is swept: root=fixed,free"
+            )
+        if self._offline and not self._plan:
+            msg = "--offline belongs to --plan\n  → source.offline=true builds from what was fetched before"
             raise UsageError(msg)
         if len(self._details) > 1:
             raise UsageError("-q and -v exclude each other\n  → -q shows only errors, -v shows all findings")
@@ -137,27 +159,31 @@ class _Reading:
             tuple(self._folders),
             self._multirun,
             self._show,
-            self._what,
+            self._subject,
             self._package,
             self._resolve,
             next(iter(self._details), "usual"),
+            self._plan,
+            self._offline,
         )
 
 
-_OPTIONS: dict[str, Callable[[_Reading, str, str | None], None]] = {
-    "--multirun": _Reading.multirun,
-    "--resolve": _Reading.resolve,
-    "--run": _Reading.run,
-    "--verbose": _Reading.verbose,
-    "--quiet": _Reading.quiet,
-    "--config-dir": _Reading.config_dir,
-    "--package": _Reading.package,
-    "--cfg": _Reading.cfg,
-    "--info": _Reading.info,
-    "--shell-completion": _Reading.completion,
-    "--install-completion": _Reading.completion,
+_OPTIONS: dict[str, Callable[[_OptionReader, str, str | None], None]] = {
+    "--multirun": _OptionReader.multirun,
+    "--resolve": _OptionReader.resolve,
+    "--run": _OptionReader.run,
+    "--verbose": _OptionReader.verbose,
+    "--quiet": _OptionReader.quiet,
+    "--config-dir": _OptionReader.config_dir,
+    "--package": _OptionReader.package,
+    "--plan": _OptionReader.plan,
+    "--offline": _OptionReader.offline,
+    "--cfg": _OptionReader.cfg,
+    "--info": _OptionReader.info,
+    "--shell-completion": _OptionReader.completion,
+    "--install-completion": _OptionReader.completion,
 }
-"""Option → its reader."""
+"""Option → the method that reads it."""
 
 
 def _one_of(words: Sequence[str], word: str, option: str) -> str:
@@ -167,8 +193,8 @@ def _one_of(words: Sequence[str], word: str, option: str) -> str:
     return word
 
 
-class _Rest:
-    """The arguments that are not yet read."""
+class _Arguments:
+    """The arguments of a command line that are not yet read."""
 
     def __init__(self, arguments: Sequence[str]) -> None:
         self._arguments = list(arguments)
@@ -181,12 +207,12 @@ class _Rest:
             raise StopIteration
         return self._arguments.pop(0)
 
-    def value(self, option: str, what: str, example: str) -> str:
-        found = next(self, "")
-        if not found:
-            msg = f"{option} needs {what}\n  → {example}"
+    def value(self, option: str, thing: str, example: str) -> str:
+        argument = next(self, "")
+        if not argument:
+            msg = f"{option} needs {thing}\n  → {example}"
             raise UsageError(msg)
-        return found
+        return argument
 
     def one_of(self, words: Sequence[str]) -> str:
         """Takes the next argument if it is one of these words; else returns ""."""

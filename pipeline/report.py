@@ -1,4 +1,4 @@
-"""The report of a build: `Report`, and its JSON."""
+"""Defines the report of a build, and writes its JSON."""
 
 import json
 import os
@@ -20,7 +20,7 @@ Status = Literal["built", "stale", "invalid", "failed"]
 
 @dataclass(frozen=True, slots=True)
 class StageReport:
-    """One stage of a build: whether its result came from the cache, its time [s], its outputs."""
+    """A stage of a build: whether its result came from the cache, its time [s], and its outputs in words."""
 
     name: str
     cached: bool
@@ -30,105 +30,110 @@ class StageReport:
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """Everything about one build.
-
-    `status`: built (exit status 0), stale (built and valid, but from an older state, since the API quota is
-    used up: 3), invalid (built, but a check failed: 3) or failed (1 or 2).
-    `source`: its kind and the pinned version. `calls`: API calls `made`, and `saved` by the cache;
-    after a call also `counted_this_year` (by the ledger of this key), `remaining` (calls in the server's
-    windows by kind of request, as it reported), `served` (its API versions and release) and `waited`
-    (seconds, at the server's request).
-    `bundle`: the inputs, by the SHA-256 of their `manifest`, by which `linkwright bundle` finds them.
-    `figures`: counts of links, joints, dofs, loops, parts, meshes and triangles, the mass [kg], with
-    `validate=strict` MuJoCo's `steps_per_second` on one thread of the machine that built it, and how
-    the mechanism moves: `coordinates`, `gruebler` and `dof` (see `stages.robot.model.robot.Mobility`).
-    `details`: tables of the stages, each a list of rows: `colliders`, `links`, `excludes` and
-    `touching` (see `pipeline.mesh_details.details`), and the `order` of joints, actuators and sensors
-    (see `stages.export.order_tables`), and what other `readers` drop (see `stages.export.readers`).
-    `outline`: the lines of the kinematic tree as text; `narrow_outline`: the same for a terminal, which no
-    file has. `outputs`: SHA-256 of each file of the robot, by
-    path below `folder` ("" for a build in memory). `error`: of a failed build, its class, message, place,
-    hint and problems.
-    `title`: the assembly's name, where a reply has it and the user gave the robot no name.
-    `advice`: what to try next; "" for nothing. `preview`: the robot's picture, below `folder`; "" for none.
-    """
+    """Everything about a build."""
 
     status: Status
+    """built (exit status 0); stale (3): built and valid, but from an older state, since the API quota is used
+    up; invalid (3): built, but a check failed; failed (1 or 2)."""
     name: str
     folder: str
+    """The output folder; "" for a build in memory."""
     until: str
     exit_status: int
     source: Mapping[str, Any] = field(default_factory=dict)
+    """The kind of the source, and the pinned version."""
     calls: Mapping[str, Any] = field(default_factory=lambda: {"made": 0, "saved": 0})
+    """API calls `made`, and `saved` by the cache. After a call also `counted_this_year` (by the ledger of
+    this key), `remaining` (calls in the server's windows by kind of request, as it reported), `served` (its
+    API versions and release) and `waited` (seconds, at the server's request)."""
     bundle: Mapping[str, str] = field(default_factory=dict)
+    """The inputs: the SHA-256 of their `manifest`, by which `linkwright bundle` finds them."""
     stages: tuple[StageReport, ...] = ()
     figures: Mapping[str, float] = field(default_factory=dict)
+    """Numbers of links, joints, dofs, loops, parts, meshes and triangles; the mass [kg]; with
+    `validate=strict` MuJoCo's `steps_per_second` on one thread of the machine that built it; and the
+    mobility: `coordinates`, `gruebler` and `dof` (see `stages.robot.model.robot.Mobility`)."""
+    objective: Mapping[str, float] = field(default_factory=dict)
+    """The numbers of the objective by name; {} without an objective."""
     details: Mapping[str, Any] = field(default_factory=dict)
+    """Tables of the stages: `colliders`, `links`, `excludes` and `touching` (see
+    `pipeline.mesh_details.details`), the `order` of joints, actuators and sensors (see
+    `stages.export.order_tables`), what other `readers` drop (see `stages.targets.things`), and what varies in
+    the `variants` (see `stages.export.variants`)."""
     diagnostics: tuple[Diagnostic, ...] = ()
     checks: tuple[Check, ...] = ()
     outline: tuple[str, ...] = ()
+    """The lines of the kinematic tree as text."""
     narrow_outline: tuple[str, ...] = ()
+    """The outline for a terminal, which is in no file."""
     outputs: Mapping[str, str] = field(default_factory=dict)
+    """SHA-256 of each file of the robot, by its path in `folder`."""
     versions: Mapping[str, str] = field(default_factory=dict)
     error: Mapping[str, Any] | None = None
+    """For a failed build: the class of the error, its message, place, hint and problems."""
     title: str = ""
+    """The assembly's name, if a reply has it and the user gave the robot no name."""
     advice: str = ""
+    """A suggestion what to try next, or ""."""
     preview: str = ""
+    """The path of the robot's picture in `folder`, or ""."""
 
     @property
     def heading(self) -> str:
-        """The robot's name, with the assembly's name where the user gave none."""
+        """The robot's name, followed by the assembly's name if the user gave the robot no name."""
         return f"{self.name} ({self.title})" if self.title else self.name
 
     def tree(self) -> dict[str, Any]:
-        """The report as plain data. Its own mappings are not copied: a big robot's details are large."""
+        """Returns the report as plain data. Mappings are not copied, since a big robot's details are
+        large."""
         tree = _shallow(self)
         del tree["narrow_outline"]
         return tree | {
             "stages": [_shallow(stage) for stage in self.stages],
-            "diagnostics": [_shallow(one) for one in self.diagnostics],
+            "diagnostics": [_shallow(diagnostic) for diagnostic in self.diagnostics],
             "checks": [_check(check) for check in self.checks],
         }
 
     def to_json(self, secrets: Secrets | None = None) -> bytes:
-        """The content of `report.json`, with secrets blanked."""
+        """Returns the content of `report.json`, with secrets blanked."""
         tree = {REPORT: 1, **self.tree()}
         blanked = secrets.within(tree) if secrets else tree
         return printable_lines(json.dumps(blanked, indent=2, ensure_ascii=False)).encode() + b"\n"
 
     @property
     def failed_checks(self) -> tuple[Check, ...]:
-        """The checks that prove the robot wrong."""
+        """The checks that show an error of the robot."""
         return tuple(check for check in self.checks if check.fails)
 
     @property
     def warned_checks(self) -> tuple[Check, ...]:
-        """The checks that say that something could be better."""
+        """The checks that end with a warning."""
         return tuple(check for check in self.checks if check.warns)
 
 
 def _shallow(value: Any) -> dict[str, Any]:
-    """The fields of a dataclass as they are."""
-    return {one.name: getattr(value, one.name) for one in fields(value)}
+    """Returns the fields of a dataclass as they are."""
+    return {field.name: getattr(value, field.name) for field in fields(value)}
 
 
 def _check(check: Check) -> dict[str, Any]:
     table = None if check.table is None else _shallow(check.table)
-    return _shallow(check) | {"findings": [_shallow(one) for one in check.findings], "table": table}
+    return _shallow(check) | {"findings": [_shallow(finding) for finding in check.findings], "table": table}
 
 
 def spent(report: Report) -> list[str]:
-    """A line about the API calls of a build; no line without any."""
+    """Returns a line about the API calls of a build; [] if there were none."""
     made, saved = report.calls.get("made", 0), report.calls.get("saved", 0)
     if not made and not saved:
         return []
     year = report.calls.get("counted_this_year")
-    so_far = "" if year is None else f"; {year} of this key counted this year"
+    so_far = "" if year is None else f"; {year} counted for this key this year"
     return [f"{made} API call{'' if made == 1 else 's'} made, {saved} saved by the cache{so_far}"]
 
 
 def failure_lines(report: Report, folder: Path | None) -> list[str]:
-    """The lines after the error of a failed build: its calls, its source, and its report below `folder`."""
+    """Returns the lines after the error of a failed build: its API calls, its source, and its report in
+    `folder`."""
     url = report.source.get("url")
     return [
         *spent(report),
@@ -138,5 +143,5 @@ def failure_lines(report: Report, folder: Path | None) -> list[str]:
 
 
 def versions(libraries: Mapping[str, str]) -> dict[str, str]:
-    """Versions of linkwright, of Python and of the libraries that made the result."""
+    """Returns the versions of linkwright, of Python and of the libraries that made the result."""
     return {"linkwright": installed("linkwright"), "python": platform.python_version(), **libraries}

@@ -1,43 +1,52 @@
-"""Secrets that must never be written: the API keys, in any encoding."""
+"""Finds and blanks secrets that must never be written: the API keys, in any encoding."""
 
 import contextlib
 import json
-from collections.abc import Iterable, Iterator, Mapping
+import os
+from collections.abc import Iterable, Iterator, Mapping, MutableMapping
 from pathlib import Path
 from typing import Any
 
 from linkwright.pipeline.errors import Diagnostic, SecretFound
 from linkwright.pipeline.key_path import key_of
-from linkwright.stages.fetch.onshape.api.credentials import known
+from linkwright.stages.fetch.onshape.api.credentials import PRIVATE, known_secrets
 
-SHORTEST = 8
-"""Least length of a secret: a shorter text may occur in ordinary words, which must not be blanked."""
+MIN_LENGTH = 8
+"""Least length of a secret: a shorter text may be a part of ordinary words, which must not be blanked."""
 
-BLANK = "***"
+REPLACEMENT = "***"
 
 Place = tuple[int | str, ...]
+
+_WITHHELD: dict[str, str] = {}
+"""The API keys that are removed from the environment at present, so that no other process gets them."""
 
 
 class Secrets:
     """The API keys in the environment and in `.env`: plain, base64 and escaped."""
 
     def __init__(self, environ: Mapping[str, str], folder: Path | None = None) -> None:
-        """`folder` holds `.env`; default: the working folder."""
-        found = {text: name for text, name in known(environ, folder).items() if len(text) >= SHORTEST}
+        """Reads the keys; `folder` contains `.env`, by default the working folder."""
+        # No other variable is read: a build that read it would run again after its change.
+        variables = {name: environ.get(name) or _WITHHELD.get(name, "") for name in PRIVATE}
+        secrets = known_secrets(variables, folder).items()
+        names = {text: name for text, name in secrets if len(text) >= MIN_LENGTH}
         # The longest first: a secret may contain another.
-        self._forms = sorted(found, key=lambda text: (-len(text), text))
+        self._forms = sorted(names, key=lambda text: (-len(text), text))
         # A secret that contains another is found by the shorter secret.
-        least = [one for one in self._forms if not any(other in one for other in found if other != one)]
-        self._sought = [(text, text.encode(), found[text]) for text in least]
+        minimal_forms = [
+            form for form in self._forms if not any(other in form for other in names if other != form)
+        ]
+        self._patterns = [(text, text.encode(), names[text]) for text in minimal_forms]
 
     def blanked(self, text: str) -> str:
-        """The text with every secret in it blanked."""
+        """Blanks all secrets in a text."""
         for secret in self._forms:
-            text = text.replace(secret, BLANK)
+            text = text.replace(secret, REPLACEMENT)
         return text
 
     def within(self, tree: Any) -> Any:
-        """Plain data with the secrets in its texts blanked; the keys of mappings stay as they are."""
+        """Blanks all secrets in the texts of plain data; the keys of mappings stay as they are."""
         if isinstance(tree, str):
             return self.blanked(tree)
         if isinstance(tree, Mapping):
@@ -50,11 +59,12 @@ class Secrets:
         return bool(self._forms)
 
     def problems(self, tree: Mapping[str, Any]) -> list[Diagnostic]:
-        """One problem for each key of a configuration that holds a secret."""
+        """Returns a problem for each key of a configuration that contains a secret."""
         return [self._problem(name, self.blanked(key_of(place))) for place, name in self._leaks(tree)]
 
     def typed(self, arguments: Iterable[str]) -> tuple[list[str], list[Diagnostic]]:
-        """The arguments of a command line without secrets, and a problem for each argument with one."""
+        """Returns the arguments of a command line without secrets, and a problem for each argument with
+        one."""
         clean: list[str] = []
         problems: list[Diagnostic] = []
         for argument in arguments:
@@ -66,16 +76,16 @@ class Secrets:
         return clean, problems
 
     def check(self, files: Mapping[str, bytes]) -> None:
-        """SecretFound for the first of `files`, which are about to be written, that holds a secret."""
+        """Raises SecretFound if one of `files`, which are about to be written, contains a secret."""
         for path, data in files.items():
-            name = self._in(path) or next((name for _, raw, name in self._sought if raw in data), "")
+            name = self._in(path) or next((name for _, raw, name in self._patterns if raw in data), "")
             if name:
                 text = f"would hold the value of {name}; nothing was written"
                 hint = (
                     "remove it from the robot's source (the name of a part, a property, a file), and "
                     "create a new key in Onshape: everyone who can read the source has this key"
                 )
-                where = self.blanked(f"{path}{self._spot(data)}")
+                where = self.blanked(f"{path}{self._place_in_file(data)}")
                 raise SecretFound(text, where, hint)
 
     def _problem(self, name: str, where: str) -> Diagnostic:
@@ -84,11 +94,11 @@ class Secrets:
         return Diagnostic("E-SECRET", text, where, hint)
 
     def _in(self, text: str) -> str:
-        """The name of the variable whose value is in a text, or ""."""
-        return next((name for secret, _, name in self._sought if secret in text), "")
+        """Returns the name of the variable whose value is in a text, or ""."""
+        return next((name for secret, _, name in self._patterns if secret in text), "")
 
     def _leaks(self, tree: Any, place: Place = ()) -> Iterator[tuple[Place, str]]:
-        """The places of secrets in plain data, each with the name of its variable."""
+        """Yields the places of secrets in plain data, each with the name of its variable."""
         if isinstance(tree, str):
             name = self._in(tree)
             if name:
@@ -105,13 +115,29 @@ class Secrets:
             for index, value in enumerate(tree):
                 yield from self._leaks(value, (*place, index))
 
-    def _spot(self, data: bytes) -> str:
-        """The place of a secret in a file: the key in JSON, else the line; "" where it is in the path."""
+    def _place_in_file(self, data: bytes) -> str:
+        """Returns the place of a secret in a file: the key in JSON, else the line; "" if it is in the
+        path."""
         with contextlib.suppress(ValueError, RecursionError):
             place = next((place for place, _ in self._leaks(json.loads(data))), ())
             if place:
                 return f", {key_of(place)}"
         for number, line in enumerate(data.splitlines(), 1):
-            if any(raw in line for _, raw, _ in self._sought):
+            if any(raw in line for _, raw, _ in self._patterns):
                 return f", line {number}"
         return ""
+
+
+@contextlib.contextmanager
+def withheld(environ: MutableMapping[str, str] = os.environ) -> Iterator[None]:
+    """Removes the API keys from the environment while the block runs, so that processes started in it do not
+    get them. `Secrets` of this process still knows them."""
+    removed_keys = {name: environ.pop(name) for name in PRIVATE if name in environ}
+    old_keys = dict(_WITHHELD)
+    _WITHHELD.update(removed_keys)
+    try:
+        yield
+    finally:
+        environ.update(removed_keys)
+        _WITHHELD.clear()
+        _WITHHELD.update(old_keys)

@@ -1,6 +1,6 @@
-"""What `linkwright` offers to notebooks and scripts.
+"""The functions and classes of `linkwright` for notebooks and scripts.
 
-- arguments: `build`'s arguments as a plan.
-- building: `build`, and the `Build` that it returns.
-- robot: the `Robot` of a build, with its kinematics and dynamics.
+- arguments: Composes a plan from the arguments of `linkwright.build`, as from a command line.
+- building: Defines `build`, which builds a robot, and the `Build` that it returns.
+- robot: Defines the `Robot` of a build, with its kinematics and its mass matrix.
 """

@@ -12,7 +12,7 @@ from typing import Any
 
 import yaml
 
-from linkwright.pipeline.config.choices import name_of
+from linkwright.pipeline.config.choices import default_robot_name
 from linkwright.pipeline.config.compose import compose_plan
 from linkwright.pipeline.config.files.trust import CODE
 from linkwright.pipeline.config.hydra.node import hydra_text
@@ -24,40 +24,40 @@ HEADER = "# @package _global_\n"
 
 DATA = "the robot's data"
 
-TRUSTING = {"source.trust": "trust=True", "plugins": "plugins=[...]", "output": "output=..."}
-"""Key that only the caller may set, or only the caller freely → the argument of `build` for it."""
+TRUST_ARGUMENTS = {"source.trust": "trust=True", "plugins": "plugins=[...]", "output": "output=..."}
+"""Keys that only the caller may set, or only the caller without limits → the argument of `build`."""
 
-_ALONE = RLock()
+_HYDRA_LOCK = RLock()
 """Hydra composes for one thread at a time."""
 
 
 def plan_of(
-    what: Sequence[str | os.PathLike[str] | Mapping[str, Any]],
+    arguments: Sequence[str | os.PathLike[str] | Mapping[str, Any]],
     trust: bool,
     plugins: Sequence[str],
     output: str | os.PathLike[str] | None,
     config_dirs: Sequence[str | os.PathLike[str]],
 ) -> Plan:
-    """The plan that the arguments of `build` describe; ConfigError lists all problems."""
-    robots = [one for one in what if is_robot(one)]
+    """Returns the plan that the arguments of `build` describe; raises ConfigError with all problems."""
+    robots = [argument for argument in arguments if is_robot(argument)]
     if len(robots) > 1:
-        given = " and ".join("a mapping" if isinstance(one, Mapping) else str(one) for one in robots)
-        raise ConfigError(f"one robot is built at a time, got {given}", "", "call build once for each")
-    overrides = [str(one) for one in what if not is_robot(one)]
+        names = " and ".join("a mapping" if isinstance(robot, Mapping) else str(robot) for robot in robots)
+        raise ConfigError(f"one robot is built at a time, got {names}", "", "call build once for each")
+    overrides = [str(argument) for argument in arguments if not is_robot(argument)]
     chosen = next((text for text in overrides if text.lstrip("+").startswith("robot=")), None)
     if robots and chosen:
-        given = "a mapping" if isinstance(robots[0], Mapping) else str(robots[0])
+        names = "a mapping" if isinstance(robots[0], Mapping) else str(robots[0])
         hint = f"leave one out, or begin with the other: defaults: [/robot/{chosen.partition('=')[2]}]"
-        raise ConfigError(f"one robot is built at a time, got {given} and {chosen}", "", hint)
+        raise ConfigError(f"one robot is built at a time, got {names} and {chosen}", "", hint)
     overrides += ["source.trust=true"] if trust else []
     overrides += [f"plugins=[{','.join(map(hydra_text, plugins))}]"] if plugins else []
     overrides += [f"output={hydra_text(os.fspath(output))}"] if output is not None else []
     folders = [os.fspath(folder) for folder in config_dirs]
     robot = robots[0] if robots else None
     if isinstance(robot, Mapping) and output is None and _names_a_folder(robot.get("output")):
-        # What Python says may be any place, as on the command line.
+        # The caller may name any folder, as on the command line.
         overrides.insert(0, f"output={hydra_text(os.fspath(robot['output']))}")
-    with _ALONE, robot_file(robot) as file:
+    with _HYDRA_LOCK, robot_file(robot) as file:
         overrides = [*([f"robot={file}"] if file else []), *overrides]
         try:
             addresses = _addresses(robot)
@@ -72,19 +72,19 @@ def plan_of(
 
 
 def _names_a_folder(output: Any) -> bool:
-    """Whether a robot's `output` is a folder that is not computed by an interpolation."""
+    """Tells whether a robot's `output` names a folder without an interpolation."""
     return isinstance(output, str | os.PathLike) and "${" not in str(output)
 
 
-def is_robot(one: object) -> bool:
-    """Whether an argument is a robot (data or the path of a file), not an override."""
-    if isinstance(one, str):
-        return "=" not in one and one.endswith((".yaml", ".yml"))
-    return isinstance(one, Mapping | os.PathLike)
+def is_robot(argument: object) -> bool:
+    """Tells whether an argument is a robot (data or the path of a file), not an override."""
+    if isinstance(argument, str):
+        return "=" not in argument and argument.endswith((".yaml", ".yml"))
+    return isinstance(argument, Mapping | os.PathLike)
 
 
 def _addresses(robot: Any) -> list[str]:
-    """The address of the assembly in a robot given as data, which the caller names."""
+    """Returns the address of the assembly if the robot is data, since then the caller names it."""
     source = robot.get("source") if isinstance(robot, Mapping) else None
     address = source.get("url") if isinstance(source, Mapping) else None
     return [address] if isinstance(address, str) else []
@@ -92,13 +92,13 @@ def _addresses(robot: Any) -> list[str]:
 
 @contextmanager
 def robot_file(robot: Any) -> Iterator[str]:
-    """The path of a robot's file; "" without a robot. Data is written to a temporary file, so that it is
-    read, and trusted, like any file."""
+    """Yields the path of a robot's file, or "" without a robot. Data is written to a temporary file, so that
+    it is read, and trusted, like any file."""
     if not isinstance(robot, Mapping):
         yield "" if robot is None else os.fspath(robot)
         return
     data = as_data(robot)
-    name = data.get("name") or name_of(data.get("source"))
+    name = data.get("name") or default_robot_name(data.get("source"))
     stem = name if isinstance(name, str) and re.fullmatch(r"[A-Za-z0-9_-]+", name) else "robot"
     with tempfile.TemporaryDirectory(prefix="linkwright-") as folder:
         file = Path(folder) / "robot" / f"{stem}.yaml"
@@ -118,12 +118,12 @@ _Quoting.add_representer(
 
 
 def as_data(value: Any, key: str = "") -> Any:
-    """A robot's data in types that YAML has; ConfigError for other types. numpy arrays become lists, numpy
-    numbers become numbers, and paths become texts."""
+    """Converts a robot's data to types that YAML has: numpy arrays become lists, numpy numbers become
+    numbers, and paths become texts. Raises ConfigError for other types."""
     if isinstance(value, Mapping):
-        return {str(name): as_data(one, f"{key}.{name}".lstrip(".")) for name, one in value.items()}
+        return {str(name): as_data(entry, f"{key}.{name}".lstrip(".")) for name, entry in value.items()}
     if isinstance(value, list | tuple):
-        return [as_data(one, f"{key}[{index}]") for index, one in enumerate(value)]
+        return [as_data(entry, f"{key}[{index}]") for index, entry in enumerate(value)]
     if isinstance(value, os.PathLike):
         return os.fspath(value)
     if hasattr(value, "tolist"):
@@ -135,14 +135,14 @@ def as_data(value: Any, key: str = "") -> Any:
 
 
 def _in_python(problem: Diagnostic) -> Diagnostic:
-    """The problem with a hint for Python."""
-    if problem.code != CODE or problem.where not in TRUSTING:
+    """Returns a problem with a hint for callers from Python."""
+    if problem.code != CODE or problem.where not in TRUST_ARGUMENTS:
         return problem
-    return replace(problem, hint=f"if you trust it: linkwright.build(..., {TRUSTING[problem.where]})")
+    return replace(problem, hint=f"if you trust it: linkwright.build(..., {TRUST_ARGUMENTS[problem.where]})")
 
 
 def _without_file(problem: Diagnostic, file: Path) -> Diagnostic:
-    """A problem of a robot given as data, without the path of its temporary file."""
+    """Returns a problem of a robot given as data, without the path of its temporary file."""
     name = re.escape(f"{file.parent.name}/{file.stem}")
     path = re.compile(rf"[^\s'\"]*{re.escape(file.parent.parent.name)}/{name}(\.yaml)?|\b{name}\.yaml")
     texts = (path.sub(DATA, text) for text in (problem.message, problem.where, problem.hint))

@@ -1,4 +1,4 @@
-"""`linkwright.build`: builds a robot from its configuration and returns it as values."""
+"""Defines `linkwright.build`, which builds a robot from its configuration and returns it as values."""
 
 import base64
 import functools
@@ -14,7 +14,7 @@ from linkwright.pipeline.errors import LinkwrightError
 from linkwright.pipeline.report import Report
 from linkwright.pipeline.run.build import build_files
 from linkwright.pipeline.terminal.check_text import tally
-from linkwright.pipeline.terminal.progress import progress_for
+from linkwright.pipeline.terminal.display import progress_for
 from linkwright.stages.robot.codec import decode_robot
 from linkwright.stages.show.graph_view.views import PICTURE
 
@@ -24,25 +24,24 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Build:
-    """The result of a build.
-
-    `report`: status, calls, figures, diagnostics and checks. `files`: the robot's files in memory, relative
-    path → bytes: the same that an output folder gets, without the report and the log.
-    """
+    """The result of a build."""
 
     report: Report
+    """Status, calls, figures, diagnostics and checks."""
     files: Mapping[str, bytes]
+    """The robot's files in memory, relative path → bytes: those of an output folder, without the report and
+    the log."""
     encoded: bytes | None
-    """The robot as the graph stage encoded it; None where the build stopped before."""
+    """The robot as the graph stage encoded it; None if the build stopped earlier."""
 
     @functools.cached_property
     def robot(self) -> "Robot":
-        """The robot: links, joints, poses and mass matrix. LinkwrightError after `until=fetch`."""
+        """The robot: links, joints, poses and mass matrix. Raises LinkwrightError after `until=fetch`."""
         if self.encoded is None:
             raise LinkwrightError(
                 "there is no robot: the build ended before the graph stage", "until", "until=graph"
             )
-        # Late: it imports numpy, which a build that is only reported on needs not.
+        # Imported late: it imports numpy, which a build needs only if its robot is used.
         from linkwright.pipeline.api.robot import Robot
 
         return Robot(decode_robot(self.encoded))
@@ -74,21 +73,21 @@ class Build:
         return f"{report.heading}: {', '.join(parts)}"
 
     def _repr_html_(self) -> str:
-        """The view in a notebook: status, kinematic tree and picture."""
-        found = [f"<p>{escape(self._heading())}</p>"]
+        """Returns HTML for a notebook: status, kinematic tree and picture."""
+        pieces = [f"<p>{escape(self._heading())}</p>"]
         if self.report.outline:
-            found.append(f"<pre>{escape(self.outline)}</pre>")
+            pieces.append(f"<pre>{escape(self.outline)}</pre>")
         if PICTURE in self.files:
             # As an image, so that no script in it can run.
             data = base64.b64encode(self.files[PICTURE]).decode()
             name = escape(f"links and joints of {self.report.name}")
             style = "background: white; max-width: 100%"
-            found.append(f'<img alt="{name}" src="data:image/svg+xml;base64,{data}" style="{style}">')
-        return "\n".join(found)
+            pieces.append(f'<img alt="{name}" src="data:image/svg+xml;base64,{data}" style="{style}">')
+        return "\n".join(pieces)
 
 
 def build(
-    *what: str | os.PathLike[str] | Mapping[str, Any],
+    *arguments: str | os.PathLike[str] | Mapping[str, Any],
     output: str | os.PathLike[str] | None = None,
     trust: bool = False,
     plugins: Sequence[str] = (),
@@ -113,9 +112,9 @@ def build(
     Raises ConfigError for problems found before the first stage, and another LinkwrightError for later
     errors. A failed check does not raise: see `report.status` and `report.failed_checks`.
     """
-    plan = plan_of(what, trust, plugins, output, config_dirs)
-    shown = None
+    plan = plan_of(arguments, trust, plugins, output, config_dirs)
+    display = None
     if progress:
-        shown = progress_for(sys.stderr)
-    built = build_files(plan, shown, in_memory=plan.output is None)
+        display = progress_for(sys.stderr)
+    built = build_files(plan, display, in_memory=plan.output is None)
     return Build(built.report, built.files, built.robot)

@@ -1,4 +1,4 @@
-"""`linkwright.Robot`: a robot as a value, with its kinematics and its mass matrix."""
+"""Defines `linkwright.Robot`: a robot as a value, with its kinematics and its mass matrix."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
@@ -20,7 +20,7 @@ Q: TypeAlias = "Mapping[str, float | Sequence[float]] | Sequence[float] | npt.ND
 """Joint values by name, or all of them in the order of `Robot.dofs`, one after the other."""
 
 NUMBERS = {"turn": 1, "slide": 1, "ball": 4, "free": 7}
-"""How many numbers a value has, by the kind of its dof."""
+"""Number of numbers in a joint value, by the kind of its dof."""
 
 
 class Robot:
@@ -57,20 +57,20 @@ class Robot:
 
     @property
     def saved(self) -> dict[str, Value]:
-        """The joint values of the pose that CAD, or the robot's own file, was left in."""
+        """The joint values of the pose in which CAD, or the robot's own file, was saved."""
         return dict(kinematics.saved_configuration(self.model))
 
     def poses(self, q: "Q | None" = None) -> dict[str, Array]:
-        """root_from_link (4, 4) of every link at `q`, by name."""
+        """Returns root_from_link (4, 4) of every link at `q`, by name."""
         return kinematics.link_poses(self.model, self.values(q))
 
     def frame_poses(self, q: "Q | None" = None) -> dict[str, Array]:
-        """root_from_frame (4, 4) of every frame at `q`, by name."""
+        """Returns root_from_frame (4, 4) of every frame at `q`, by name."""
         poses = self.poses(q)
         return {name: poses[frame.link] @ frame.link_from_frame for name, frame in self.frames.items()}
 
     def mass_matrix(self, q: "Q | None" = None) -> Array:
-        """M (n, n) of the kinetic energy ½ q̇ᵀ M q̇ at `q`, with the root link at rest.
+        """Returns M (n, n) of the kinetic energy ½ q̇ᵀ M q̇ at `q`, with the root link at rest.
 
         Its rows and columns are `speeds`. Every dof counts as if it moved on its own, also one that follows
         another; armature (`dof.dynamics.armature`) is not in it.
@@ -83,46 +83,47 @@ class Robot:
 
         A turn [rad/s] and a slide [m/s] have one row. A ball has three: the angular velocity of its child in
         the child's axes. Free motion has six: the velocity in the parent's axes, then the angular velocity
-        as of a ball.
+        as for a ball.
         """
         return tuple(name for name, dof in self.dofs.items() for _ in range(dynamics.SPEEDS[dof.kind]))
 
     def values(self, q: "Q | None" = None) -> dict[str, Value]:
-        """The value of every dof at `q`: relations followed, the rest 0."""
-        given = self._read({} if q is None else q)
-        found = {**kinematics.rest_configuration(self.model), **given}
-        rules = {rule.follower: rule for rule in self.model.relations if rule.follower not in given}
+        """Returns the value of every dof at `q`; a dof that `q` does not name follows its relation or is
+        0."""
+        chosen = self._read({} if q is None else q)
+        values = {**kinematics.rest_configuration(self.model), **chosen}
+        rules = {rule.follower: rule for rule in self.model.relations if rule.follower not in chosen}
 
         def value(name: str) -> Value:
             rule = rules.get(name)
-            driver = value(rule.driver) if rule and rule.driver in found else None
+            driver = value(rule.driver) if rule and rule.driver in values else None
             if rule is None or not isinstance(driver, float):
-                return found[name]
+                return values[name]
             return rule.multiplier * driver + rule.offset
 
         return {name: value(name) for name in self.dofs}
 
     def _read(self, q: Q) -> dict[str, Value]:
-        """The values that `q` gives, by name."""
+        """Returns the values in `q`, by the name of the dof."""
         if not isinstance(q, Mapping):
             numbers = [float(number) for number in q]
             total = sum(NUMBERS[dof.kind] for dof in self.dofs.values())
             if len(numbers) != total:
                 message = f"expected {total} numbers, one after the other as in `dofs`, got {len(numbers)}"
                 raise LinkwrightError(message, "q")
-            left = iter(numbers)
-            q = {name: [next(left) for _ in range(NUMBERS[dof.kind])] for name, dof in self.dofs.items()}
-        return {name: self._value(name, one) for name, one in q.items()}
+            remaining = iter(numbers)
+            q = {name: [next(remaining) for _ in range(NUMBERS[dof.kind])] for name, dof in self.dofs.items()}
+        return {name: self._value(name, numbers) for name, numbers in q.items()}
 
-    def _value(self, name: str, given: Any) -> Value:
+    def _value(self, name: str, value: Any) -> Value:
         dof = self.dofs.get(name)
         if dof is None:
             hint = nearest(name, self.dofs) or f"dofs: {', '.join(self.dofs)}"
             raise LinkwrightError("the robot has no dof of this name", f"q.{name}", hint)
         try:
-            numbers = tuple(float(number) for number in given)
-        except TypeError:  # a number alone, of Python or numpy
-            numbers = (float(given),)
+            numbers = tuple(float(number) for number in value)
+        except TypeError:  # a single number, of Python or numpy
+            numbers = (float(value),)
         if len(numbers) != NUMBERS[dof.kind]:
             message = f"expected {count(NUMBERS[dof.kind], 'number')}, got {len(numbers)}"
             raise LinkwrightError(message, f"q.{name}")

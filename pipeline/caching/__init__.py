@@ -1,1 +1,1 @@
-"""The cache: a result is reused while its inputs are the same."""
+"""Caches results: a result is reused while its inputs are the same."""

@@ -1,8 +1,8 @@
-"""The action cache: a result is reused while its inputs are the same.
+"""Caches the results of actions: a result is reused while its inputs are the same.
 
-The key of an action holds everything that its outputs depend on: the stage and its version, its section
-of the configuration, the *content* of its inputs and the versions of the libraries that make the
-result. Its record names the outputs by digest. A record with missing or corrupt blobs is a miss.
+The key of an action holds everything that its outputs depend on: the stage and its version, its section of
+the configuration, the *content* of its inputs and the versions of the libraries that make the result. Its
+record names the outputs by digest. A record with missing or corrupt blobs is a miss.
 """
 
 import contextlib
@@ -32,13 +32,14 @@ LAYOUT = 1
 
 
 def canonical(value: Any) -> bytes:
-    """Plain data as bytes. Mappings keep their order, since in a configuration later entries win."""
+    """Encodes plain data as bytes. Mappings keep their order: in a configuration later entries win."""
     return json.dumps(value, separators=(",", ":"), allow_nan=False).encode()
 
 
 @dataclass(frozen=True, slots=True)
 class Action:
-    """The dependencies of a result. `inputs`: digests by name; `libraries`: versions by name."""
+    """Everything that a result depends on. `config`: the stage's section of the configuration, as plain data;
+    `inputs`: digests by name; `libraries`: versions by name."""
 
     stage: str
     version: int
@@ -64,7 +65,7 @@ class Action:
 
 @dataclass(frozen=True, slots=True)
 class Remembered:
-    """A result inside a stage: whether it was there before, and how long making it took [s]."""
+    """A result inside a stage; `seconds`: the time to make it [s], even if it came from the cache."""
 
     kind: str
     key: Mapping[str, Any]
@@ -73,7 +74,7 @@ class Remembered:
 
 
 class Files(Mapping[str, bytes]):
-    """Outputs by relative path, read when asked for. `digests`: path → SHA-256; `seconds` to make them."""
+    """Outputs by relative path, read on access. `digests`: path → SHA-256; `seconds`: time to make them."""
 
     def __init__(self, store: Store, digests: Mapping[str, str], seconds: float = 0.0) -> None:
         self._store = store
@@ -94,16 +95,16 @@ class Files(Mapping[str, bytes]):
         return len(self.digests)
 
     def below(self, prefix: str) -> "Files":
-        """The files below a folder, named from there."""
+        """Returns the files below a folder, with paths relative to it."""
         inside = {p.removeprefix(prefix): d for p, d in self.digests.items() if p.startswith(prefix)}
         return Files(self._store, inside)
 
 
 class Cache:
-    """The actions in a store. `refresh` runs each action once more and overwrites its record.
+    """Runs actions, and keeps their outputs in a store.
 
-    `on_wait` is called with a line of text while a build waits for another process; `check` judges all
-    files before they are stored.
+    In the mode `refresh`, each action runs once more and its record is overwritten. `on_wait` gets a line of
+    text while a build waits for another process. `check` raises an error for files that must not be stored.
     """
 
     def __init__(self, store: Store, mode: Mode = "use", check: Check = lambda _: None) -> None:
@@ -121,20 +122,20 @@ class Cache:
         force: bool = False,
         lasts: Callable[[Mapping[str, bytes]], bool] = lambda _: True,
     ) -> tuple[Files, bool]:
-        """The outputs of `action`, from the cache or from `make()`; and whether from the cache.
+        """Returns the outputs of `action`, and whether they came from the cache and not from `make()`.
 
-        `force` makes them again and overwrites the record. Outputs for which `lasts` is false get no
-        record: they are made again next time. Of several processes with the same action one runs it and
-        the others wait.
+        `force` makes them again and overwrites the record. Outputs for which `lasts` is false get no record,
+        so that they are made again next time. Among several processes with the same action, the first runs it
+        and the others wait.
         """
         key = action.key
-        if not force and (found := self.known(action)) is not None:
-            return found, True
+        if not force and (files := self.reusable(action)) is not None:
+            return files, True
         with self.store.lock(
             key, lambda: self.on_wait(f"waiting for another build of the same {action.stage}")
         ):
-            if not force and (found := self.known(action)) is not None:
-                return found, True
+            if not force and (files := self.reusable(action)) is not None:
+                return files, True
             start = time.perf_counter()
             outputs = make()
             interrupt.check()
@@ -154,12 +155,12 @@ class Cache:
         return files, False
 
     def keep(self, outputs: Mapping[str, bytes]) -> Files:
-        """Stores outputs without a record: those of an action without a key."""
+        """Stores outputs without a record, for an action without a key."""
         self.check(outputs)
         return Files(self.store, {path: self.store.put(outputs[path]) for path in sorted(outputs)})
 
     def name(self, action: Action, files: Files) -> None:
-        """Records files that are in the store already as the outputs of `action`."""
+        """Records files that the store already holds as the outputs of `action`."""
         record = {
             "stage": action.stage,
             "version": action.version,
@@ -173,7 +174,8 @@ class Cache:
     def memo(
         self, stage: str, version: int, libraries: Mapping[str, str], seen: Seen = lambda _: None
     ) -> Memo:
-        """For results inside a stage, one action each: `memo(kind, key, make)`; each is told to `seen`."""
+        """Returns a function that caches results inside a stage, each as an action: `memo(kind, key, make)`.
+        `seen` is called with each result."""
 
         def remember(kind: str, key: Mapping[str, Any], make: Callable[[], bytes]) -> bytes:
             action = Action(f"{stage}/{kind}", version, config=dict(key), libraries=libraries)
@@ -186,14 +188,14 @@ class Cache:
     def replies(self) -> "Replies":
         return Replies(self)
 
-    def known(self, action: Action) -> Files | None:
-        """The outputs of an action that `run` would take from the cache."""
+    def reusable(self, action: Action) -> Files | None:
+        """Returns the outputs of an action if `run` would take them from the cache, else None."""
         if self.mode == "refresh" and action.key not in self._fresh:
             return None
         return self.find(action.key)
 
     def find(self, key: str) -> Files | None:
-        """The outputs recorded under `key`, if all of them exist and are intact."""
+        """Returns the outputs recorded under `key` if all of them exist and are intact, else None."""
         record = self.store.record(key)
         if record is None:
             return None
@@ -211,16 +213,16 @@ class Cache:
 
 
 class Replies:
-    """The store of the fetch stage: replies by request, and changing facts by subject.
+    """The replies of the fetch stage by request, and facts that change by subject.
 
-    Replies are pinned, hence immutable: `cache.mode=refresh` spends no call on them.
+    A reply is to a pinned request, hence immutable: `cache.mode=refresh` makes no call for it.
     """
 
     def __init__(self, cache: Cache) -> None:
         self._cache = cache
 
     def get(self, request: str) -> bytes | None:
-        """The body of the reply to `request`, or None."""
+        """Returns the body of the reply to `request`, or None."""
         files = self._cache.find(self._action(request).key)
         return None if files is None else files.get("body")
 
@@ -231,7 +233,7 @@ class Replies:
         self._publish("reply", request, files.digests, {"body": len(body)})
 
     def recall(self, subject: str) -> Mapping[str, Any] | None:
-        """The last fact stored for `subject`."""
+        """Returns the last fact stored for `subject`, or None."""
         record = self._cache.store.record(self._action(subject, "fact").key)
         fact = None if record is None else record.get("fact")
         return fact if isinstance(fact, dict) else None
@@ -241,15 +243,15 @@ class Replies:
         self._cache.check({subject: json.dumps(fact).encode()})
         self._publish("fact", subject, {}, {}, fact=dict(fact))
 
-    def alone(self, subject: str) -> contextlib.AbstractContextManager[None]:
-        """Only one thread of one process is inside at a time, for each subject.
+    def lock(self, subject: str) -> contextlib.AbstractContextManager[None]:
+        """Admits a single thread of all processes at a time, for each subject.
 
         The lock of a process that is killed ends with it.
         """
         return self._cache.store.lock(self._action(subject, "alone").key)
 
     def _publish(
-        self, kind: str, request: str, outputs: Mapping[str, str], sizes: Mapping[str, int], **more: Any
+        self, kind: str, request: str, outputs: Mapping[str, str], sizes: Mapping[str, int], **fields: Any
     ) -> None:
         record = {
             "stage": kind,
@@ -258,7 +260,7 @@ class Replies:
             "outputs": dict(outputs),
             "sizes": dict(sizes),
             "seconds": 0.0,
-            **more,
+            **fields,
         }
         self._cache.store.publish(self._action(request, kind).key, record)
 
@@ -268,9 +270,8 @@ class Replies:
 
 
 def folder(configured: str | None, environ: Mapping[str, str]) -> Path:
-    """The cache folder: `cache.dir`, else LINKWRIGHT_CACHE, else the platform's cache folder.
-
-    ConfigError for the home folder of an unknown user.
+    """Returns the cache folder: `cache.dir`, else LINKWRIGHT_CACHE, else the platform's cache folder.
+    Raises ConfigError for the home folder of an unknown user.
     """
     chosen = configured or environ.get("LINKWRIGHT_CACHE")
     if chosen:
@@ -279,8 +280,8 @@ def folder(configured: str | None, environ: Mapping[str, str]) -> Path:
         except RuntimeError as error:
             msg = f"{chosen} names the home folder of an unknown user"
             where = "cache.dir" if configured else "LINKWRIGHT_CACHE"
-            raise ConfigError(msg, where, "name a folder, or leave it out") from error
-    # Late: a cache in a folder that is named needs none.
+            raise ConfigError(msg, where, "name a folder, or remove the key") from error
+    # Imported late: a cache in a named folder needs no platformdirs.
     import platformdirs
 
     return Path(platformdirs.user_cache_dir("linkwright", appauthor=False))
@@ -290,10 +291,8 @@ def folder(configured: str | None, environ: Mapping[str, str]) -> Path:
 def opened(
     mode: Mode, configured: str | None = None, environ: Mapping[str, str] = os.environ
 ) -> Iterator[Cache]:
-    """The cache of one build, which keeps no secret.
-
-    `bypass` works in a private folder, removed at the end.
-    """
+    """Opens the cache of a build, which stores no secret. The mode `bypass` works in a private folder that is
+    removed at the end."""
     check = Secrets(environ).check
     if mode == "bypass":
         with _private() as private:
@@ -304,12 +303,12 @@ def opened(
 
 @contextlib.contextmanager
 def _private() -> Iterator[Path]:
-    """A private folder, removed at the end; CacheError where it cannot be created."""
+    """Creates a private folder, and removes it at the end; raises CacheError if it cannot be created."""
     with contextlib.ExitStack() as stack:
         try:
-            made = tempfile.TemporaryDirectory(prefix="linkwright-", ignore_cleanup_errors=True)
+            private = tempfile.TemporaryDirectory(prefix="linkwright-", ignore_cleanup_errors=True)
         except OSError as error:
             msg = f"no temporary folder can be made: {reason(error)}"
             hint = "free space there, or name another folder in the environment variable TMPDIR"
             raise CacheError(msg, tempfile.tempdir or "", hint) from error
-        yield Path(stack.enter_context(made))
+        yield Path(stack.enter_context(private))

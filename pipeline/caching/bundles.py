@@ -1,8 +1,8 @@
-"""The bundle of a build: recorded in the cache under its digest, by which it is found.
+"""Records the bundle of a build in the cache under its digest, and finds it by the digest.
 
-The digest is that of the fetch stage's manifest, which names every reply by its digest; `report.json`
-holds it as `bundle.manifest`. So the inputs of a build can be found while the cache keeps them, also for
-a workspace, whose fetch has no key.
+It is the digest of the fetch stage's manifest, which names every reply by its digest; `report.json` has it as
+`bundle.manifest`. With it the inputs of a build can be found while the cache keeps them, even for a
+workspace, whose fetch has no key.
 """
 
 import json
@@ -27,7 +27,7 @@ def remember(cache: Cache, fetched: Files) -> str:
 
 
 def recall(cache: Cache, digest: str) -> "Bundle | None":
-    """The bundle with that manifest; None where the cache lacks any part of it."""
+    """Returns the bundle whose manifest has this digest; None if the cache lacks any part of it."""
     files = cache.find(_action(digest).key)
     if files is None:
         return None
@@ -36,7 +36,7 @@ def recall(cache: Cache, digest: str) -> "Bundle | None":
 
 
 def named(bundle: "Bundle") -> dict[str, bytes]:
-    """The content of a bundle by readable names: the robot's file, or the request of a reply."""
+    """Returns the content of a bundle by readable names: the robot's file, or the request of a reply."""
     names = {digest: request for request, digest in bundle.requests.items()}
     about = {"root": dict(bundle.root), "requests": dict(bundle.requests)}
     if isinstance(bundle, FileBundle):

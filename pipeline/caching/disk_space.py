@@ -7,8 +7,8 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-LEAST = 1_000_000
-"""Bytes that any build needs."""
+MIN_FREE_BYTES = 1_000_000
+"""Free space that every build needs [bytes]."""
 
 _CHUNK = 1 << 20
 _UNSUPPORTED = (errno.EINVAL, errno.ENOSYS, errno.ENOTSUP)
@@ -16,9 +16,11 @@ _UNSUPPORTED = (errno.EINVAL, errno.ENOSYS, errno.ENOTSUP)
 
 @contextlib.contextmanager
 def reserved(folder: Path, size: int) -> Iterator[None]:
-    """Inside, `size` bytes are reserved on the disk of `folder` by a temporary file that is synced: a file
-    system may report free space that a server or a quota refuses. OSError where the space is missing.
-    Nothing remains, even after a kill, where the system has files without a name."""
+    """Reserves `size` bytes on the disk of `folder` while the block runs; raises OSError if space is missing.
+
+    A synced temporary file reserves them, since a file system may report free space that a server or a quota
+    refuses. If the system supports files without a name, nothing remains even after a kill.
+    """
     with tempfile.TemporaryFile(dir=folder, prefix="room-") as file:
         _reserve(file.fileno(), size)
         try:

@@ -1,11 +1,10 @@
-"""Maintenance of the cache folder: its content, freeing space, and finding corrupt files.
+"""Maintains the cache folder: summarises its content, frees space, and finds corrupt files.
 
-Safe while builds use the folder: recently used files stay, and reading a record or storing a blob again
+It is safe while builds use the folder: recently used files stay, and reading a record or storing a blob again
 updates its time. At worst a result is made or fetched twice.
 """
 
 import contextlib
-import hashlib
 import json
 import time
 from collections import Counter
@@ -13,36 +12,42 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from linkwright.pipeline.errors import CacheError
+from linkwright.pipeline.caching.shared import LOST, now, patient
+from linkwright.pipeline.caching.store import digest_of
+from linkwright.pipeline.errors import CacheError, reason
 from linkwright.pipeline.lock import drop
 
-SPARED = 3600.0
-"""Age [s] below which no file is removed: a running build may use it."""
+MIN_AGE = 3600.0
+"""Age [s] below which no file is removed, since a running build may use it."""
 
-PAID = ("reply", "fact")
-"""Records that cost API calls to make again: dropped last."""
+COSTLY_STAGES = ("reply", "fact")
+"""Stages whose records cost API calls to make again; these are removed last."""
 
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """A record: its file and length [bytes], when it was last used, and the blobs that it names."""
+    """A record in the cache folder."""
 
     path: Path
     size: int
+    """Length of its file [bytes]."""
     used: float
+    """Time of its last use [s]."""
     stage: str
     outputs: tuple[str, ...]
+    """Digests of the blobs that it names."""
 
     @property
     def paid(self) -> bool:
-        return self.stage in PAID
+        return self.stage in COSTLY_STAGES
 
 
 @dataclass(frozen=True, slots=True)
 class CacheSummary:
-    """The content of the cache folder. `size`: of blobs and records together [bytes]."""
+    """The content of the cache folder."""
 
     size: int
+    """Length of all blobs and records together [bytes]."""
     blobs: int
     records: int
     replies: int
@@ -50,25 +55,32 @@ class CacheSummary:
 
 @dataclass(frozen=True, slots=True)
 class Cleared:
-    """The result of a collection: what was removed, and the remaining `size` [bytes]; `paid` of the `records`
-    were replies, which cost API calls to fetch again."""
+    """The result of freeing space."""
 
     records: int
+    """The number of removed records."""
     paid: int
+    """The number of removed records that cost API calls to make again."""
     blobs: int
+    """The number of removed blobs."""
     freed: int
+    """Length of the removed files [bytes]."""
     size: int
+    """Length of the remaining files [bytes]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Verified:
-    """The result of a check: the removed `broken` blobs by digest, and the number of removed `records` that
-    named broken or missing blobs; `paid` of these were replies."""
+    """The result of verifying the cache."""
 
     blobs: int
+    """The number of blobs that were read."""
     broken: tuple[str, ...]
+    """Digests of the corrupt blobs, which were removed."""
     records: int
+    """The number of removed records, which named corrupt or missing blobs."""
     paid: int
+    """The number of removed records that cost API calls to make again."""
 
 
 def summary(root: Path) -> CacheSummary:
@@ -89,29 +101,31 @@ def collect(root: Path, most: int) -> Cleared:
     Records that cost API calls are removed last.
     """
     sizes, records = dict(_blobs(root)), list(_records(root))
-    named = Counter(digest for record in records for digest in set(record.outputs))
-    size = sum(record.size for record in records) + sum(sizes.get(digest, 0) for digest in named)
-    dropped = []
-    limit = time.time() - SPARED
+    use_counts = Counter(digest for record in records for digest in set(record.outputs))
+    size = sum(record.size for record in records) + sum(sizes.get(digest, 0) for digest in use_counts)
+    removed_records = []
+    limit = _now(root) - MIN_AGE
     for record in sorted(records, key=lambda record: (record.paid, record.used, record.path)):
         if size <= most:
             break
         if record.used > limit:
             continue
-        dropped.append(record)
+        removed_records.append(record)
         size -= record.size
         for digest in set(record.outputs):
-            named[digest] -= 1
-            if not named[digest]:
+            use_counts[digest] -= 1
+            if not use_counts[digest]:
                 size -= sizes.get(digest, 0)
-    for record in dropped:
+    for record in removed_records:
         _remove(record.path)
-    gone = [digest for digest in sizes if not named[digest] and _remove_old(_blob(root, digest), limit)]
+    removed_blobs = [
+        digest for digest in sizes if not use_counts[digest] and _remove_old(_blob(root, digest), limit)
+    ]
     drop_locks(root / "locks")
-    freed = sum(record.size for record in dropped) + sum(sizes[digest] for digest in gone)
-    paid = sum(record.paid for record in dropped)
-    left = sum(sizes.values()) + sum(record.size for record in records) - freed
-    return Cleared(len(dropped), paid, len(gone), freed, left)
+    freed = sum(record.size for record in removed_records) + sum(sizes[digest] for digest in removed_blobs)
+    paid = sum(record.paid for record in removed_records)
+    remaining = sum(sizes.values()) + sum(record.size for record in records) - freed
+    return Cleared(len(removed_records), paid, len(removed_blobs), freed, remaining)
 
 
 def drop_locks(folder: Path) -> int:
@@ -120,25 +134,25 @@ def drop_locks(folder: Path) -> int:
 
 
 def verify(root: Path) -> Verified:
-    """Reads every blob; removes blobs with a wrong digest, and the records that name missing blobs."""
+    """Reads every blob; removes blobs with a wrong digest, and records that name missing blobs."""
     sizes = dict(_blobs(root))
-    broken = tuple(digest for digest in sorted(sizes) if not _whole(_blob(root, digest)))
+    broken = tuple(digest for digest in sorted(sizes) if not _is_intact(_blob(root, digest)))
     for digest in broken:
         _remove(_blob(root, digest))
-    whole = sizes.keys() - broken
+    intact = sizes.keys() - broken
     # A blob that was stored meanwhile is not in the list, but it exists.
-    idle = [
+    broken_records = [
         record
         for record in _records(root)
-        if any(digest not in whole and not _blob(root, digest).exists() for digest in record.outputs)
+        if any(digest not in intact and not _blob(root, digest).exists() for digest in record.outputs)
     ]
-    for record in idle:
+    for record in broken_records:
         _remove(record.path)
-    return Verified(len(sizes), broken, len(idle), sum(record.paid for record in idle))
+    return Verified(len(sizes), broken, len(broken_records), sum(record.paid for record in broken_records))
 
 
 def _blobs(root: Path) -> Iterator[tuple[str, int]]:
-    """Digest and length [bytes] of all blobs."""
+    """Yields the digest and the length [bytes] of each blob."""
     for path in (root / "cas").glob("??/*"):
         with contextlib.suppress(OSError):
             yield path.name, path.stat().st_size
@@ -149,12 +163,17 @@ def _blob(root: Path, digest: str) -> Path:
 
 
 def _records(root: Path) -> Iterator[Record]:
-    """All records; an unreadable record names no blobs and counts as never used."""
+    """Yields all records; an unreadable record names no blobs and counts as never used."""
     for path in (root / "ac").glob("??/*.json"):
         try:
             status = path.stat()
-            data = path.read_bytes()
-        except OSError:
+            data = patient(path.read_bytes)
+        except OSError as error:
+            if error.errno in LOST:
+                # The blobs that it names would look unused.
+                msg = f"a file of the cache cannot be read: {reason(error)}"
+                hint = "run it again when the disk or the server is back"
+                raise CacheError(msg, str(path), hint) from error
             continue
         try:
             record = json.loads(data)
@@ -164,15 +183,23 @@ def _records(root: Path) -> Iterator[Record]:
             yield Record(path, status.st_size, 0.0, "unreadable", ())
 
 
-def _whole(path: Path) -> bool:
-    """Whether the content matches the name; a file that vanished meanwhile counts as intact."""
+def _is_intact(path: Path) -> bool:
+    """Tells whether the content matches the name; a file that vanished meanwhile counts as intact."""
     try:
-        with path.open("rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest() == path.name
+        return patient(lambda: digest_of(path)) == path.name
     except FileNotFoundError:
         return True
     except OSError:
         return False
+
+
+def _now(root: Path) -> float:
+    """Returns the current time [s] of the clock that dates the cache's files; of this host's clock if the
+    cache cannot be written."""
+    try:
+        return now(root / "tmp")
+    except OSError:
+        return time.time()
 
 
 def _remove_old(path: Path, limit: float) -> bool:

@@ -6,7 +6,7 @@ from typing import Any
 
 from linkwright.pipeline.changes.change import Change
 from linkwright.pipeline.changes.pairs import Entry, Key, Names, name_of, paired, renamed
-from linkwright.pipeline.changes.values import alike, described, is_pose
+from linkwright.pipeline.changes.values import alike, change_text, is_pose
 
 KEYED_BY: Mapping[str, Key] = {
     "links": "name",
@@ -32,99 +32,103 @@ KEYED_BY: Mapping[str, Key] = {
     "touching": ("link_a", "link_b"),
     "surplus": "file",
 }
-"""Table of robot.json → the key by which its rows are found."""
+"""Maps each table of robot.json to the key by which its rows are found."""
 
-_NAMED_AS: Mapping[str, Callable[[Names], Mapping[str, str]]] = {
+_NEW_NAMES: Mapping[str, Callable[[Names], Mapping[str, str]]] = {
     **dict.fromkeys(("links", "merged", "fused", "compensated"), lambda names: names.links),
     **dict.fromkeys(("shapes", "colliders", "excludes", "touching"), lambda names: names.links),
     **dict.fromkeys(
         ("joints", "loops", "couplings", "lowered", "actuators", "armatures"), lambda names: names.joints
     ),
 }
-"""Table → the new names of what its rows are found by; others have names of their own."""
+"""Maps each table to the new names of its rows' keys. The rows of other tables are named differently."""
 
-_LINKS = ("parent", "child", "link", "link_a", "link_b", "into", "root")
-_JOINTS = ("follower", "driver", "dof", "joint")
-_OF_JOINTS = ("given", "values", "compensating")
-"""Fields that name links, joints or dofs, and several of these."""
+_LINK_FIELDS = ("parent", "child", "link", "link_a", "link_b", "into", "root")
+"""Fields that name a link."""
+
+_JOINT_FIELDS = ("follower", "driver", "dof", "joint")
+"""Fields that name a joint or a dof."""
+
+_JOINT_TABLES = ("given", "values", "compensating")
+"""Fields that name several joints or dofs."""
 
 _WITH_DOFS = ("joints", "loops")
-"""Tables whose rows list their degrees of freedom; the units of a row are those of its first."""
+"""Tables whose rows list their degrees of freedom; the first of these decides the units of a row."""
 
-_APART = ("format", "version", "source", "order", *KEYED_BY)
-"""What has rows of its own, or is no property of the robot: its document, and the places in arrays, which
-follow from all else but the order of the rows."""
+_SKIPPED_KEYS = ("format", "version", "source", "order", *KEYED_BY)
+"""Keys that are not compared as values of the robot: tables, which are compared row by row; fields of the
+document; and positions in arrays, which follow from everything else except the order of the rows."""
 
-_OF_PARTS = ("path", "world")
-"""Fields of a part that are its key, or follow from the others: where it stands in the assembly."""
+_SKIPPED_PART_FIELDS = ("path", "world")
+"""Fields of a part that are not compared: its place in the assembly is its key, or follows from others."""
 
-_NOT_COMPARED = ("cad", "provenance", "unset", "estimated", "parts")
-"""Fields of a row that say where its values come from; parts have a table of their own."""
+_SKIPPED_FIELDS = ("cad", "provenance", "unset", "estimated", "parts")
+"""Fields of a row that are not compared: the origin of its values, and parts, which are a table here."""
 
 
 def compare(before: Mapping[str, Any], after: Mapping[str, Any]) -> tuple[Change, ...]:
-    """Every difference between two robots but those of rounding, in the order of robot.json."""
+    """Returns all differences between two robots beyond rounding, in the order of robot.json."""
     names = renamed(before, after)
     return (*_robot(before, after, names), *_tables(before, after, names), *_order(before, after, names))
 
 
 def _robot(before: Mapping[str, Any], after: Mapping[str, Any], names: Names) -> Iterator[Change]:
-    """Differences of the robot as a whole, and of tables that this version does not know."""
+    """Yields differences of the robot as a whole, and of tables that this version does not know."""
     for key in dict.fromkeys((*before, *after)):
-        if key not in _APART:
-            one = _in_new_names(key, before.get(key), names)
-            yield from _fields("robot", after["name"], key, one, after.get(key))
+        if key not in _SKIPPED_KEYS:
+            value = _in_new_names(key, before.get(key), names)
+            yield from _fields("robot", after["name"], key, value, after.get(key))
 
 
 def _tables(before: Mapping[str, Any], after: Mapping[str, Any], names: Names) -> Iterator[Change]:
     for table, key in KEYED_BY.items():
-        known = _NAMED_AS[table](names) if table in _NAMED_AS else {}
-        pairs = paired(before.get(table, ()), after.get(table, ()), key, known)
-        for one in pairs.removed:
-            yield Change(table, name_of(one, key), "removed", before=one, text=_presence(table, one))
-        for one in pairs.added:
-            yield Change(table, name_of(one, key), "added", after=one, text=_presence(table, one))
-        for one, other in pairs.both:
-            yield from _rows(table, key, one, other, names)
+        new_names = _NEW_NAMES[table](names) if table in _NEW_NAMES else {}
+        pairs = paired(before.get(table, ()), after.get(table, ()), key, new_names)
+        for row in pairs.removed:
+            yield Change(table, name_of(row, key), "removed", before=row, text=_presence(table, row))
+        for row in pairs.added:
+            yield Change(table, name_of(row, key), "added", after=row, text=_presence(table, row))
+        for earlier, later in pairs.both:
+            yield from _rows(table, key, earlier, later, names)
         if table == "links":
             yield from _parts(before, after, names)
 
 
 def _rows(table: str, key: Key, before: Entry, after: Entry, names: Names) -> Iterator[Change]:
-    """Differences of a row that both robots have."""
-    name, was = name_of(after, key), name_of(before, key)
+    """Yields differences of a row that both robots have."""
+    name, old_name = name_of(after, key), name_of(before, key)
     kind = after["dofs"][0]["kind"] if table in _WITH_DOFS and after["dofs"] else "turn"
-    # An actuator that has the name of its joint has nothing of its own to tell.
-    if was != name and table in ("links", "joints", "loops"):
-        yield Change(table, name, "renamed", "name", was, name, f"was {was}")
+    # An actuator is named after its joint, so that its own renaming says nothing more.
+    if old_name != name and table in ("links", "joints", "loops"):
+        yield Change(table, name, "renamed", "name", old_name, name, f"was {old_name}")
     for field in dict.fromkeys((*before, *after)):
-        if field == key or field in key or field in _NOT_COMPARED:
+        if field == key or field in key or field in _SKIPPED_FIELDS:
             continue
         if field == "dofs" and table in _WITH_DOFS:
             yield from _dofs(table, name, before[field], after[field], names)
         else:
-            one = _in_new_names(field, before.get(field), names)
-            yield from _fields(table, name, field, one, after.get(field), kind)
+            value = _in_new_names(field, before.get(field), names)
+            yield from _fields(table, name, field, value, after.get(field), kind)
 
 
 def _dofs(table: str, joint: str, before: Any, after: Any, names: Names) -> Iterator[Change]:
-    """Differences of the degrees of freedom of a joint."""
+    """Yields differences of the degrees of freedom of a joint."""
     pairs = paired(before, after, "name", names.joints)
-    for one in pairs.removed:
-        yield Change(table, joint, "changed", one["name"], before=one, text=f"{one['name']} removed")
-    for one in pairs.added:
-        yield Change(table, joint, "changed", one["name"], after=one, text=f"{one['name']} added")
-    for one, other in pairs.both:
-        alone = len(after) == 1 and other["name"] == joint
-        for field in dict.fromkeys((*one, *other)):
-            if field in ("name", *_NOT_COMPARED):
+    for dof in pairs.removed:
+        yield Change(table, joint, "changed", dof["name"], before=dof, text=f"{dof['name']} removed")
+    for dof in pairs.added:
+        yield Change(table, joint, "changed", dof["name"], after=dof, text=f"{dof['name']} added")
+    for earlier, later in pairs.both:
+        is_single = len(after) == 1 and later["name"] == joint
+        for field in dict.fromkeys((*earlier, *later)):
+            if field in ("name", *_SKIPPED_FIELDS):
                 continue
-            path = field if alone else f"{other['name']}.{field}"
-            yield from _fields(table, joint, path, one.get(field), other.get(field), other["kind"])
+            path = field if is_single else f"{later['name']}.{field}"
+            yield from _fields(table, joint, path, earlier.get(field), later.get(field), later["kind"])
 
 
 def _parts(before: Mapping[str, Any], after: Mapping[str, Any], names: Names) -> Iterator[Change]:
-    """CAD parts that came, went, went to another link, or moved in it."""
+    """Yields CAD parts that were added or removed, went to another link, or moved in their link."""
     old, new = _parts_of(before), _parts_of(after)
     for key, (link, part) in old.items():
         if key not in new:
@@ -133,66 +137,69 @@ def _parts(before: Mapping[str, Any], after: Mapping[str, Any], names: Names) ->
         if key not in old:
             yield Change("parts", part["name"], "added", after=part, text=f"to {link}, {_mass(part)}")
             continue
-        was, earlier = old[key]
-        was = names.links.get(was, was)
-        if was != link:
-            yield Change("parts", part["name"], "changed", "link", was, link, f"went from {was} to {link}")
+        old_name, earlier = old[key]
+        old_name = names.links.get(old_name, old_name)
+        if old_name != link:
+            yield Change(
+                "parts", part["name"], "changed", "link", old_name, link, f"went from {old_name} to {link}"
+            )
         for field in dict.fromkeys((*earlier, *part)):
-            # Where a part goes to another link its pose is in another frame.
-            if field not in _OF_PARTS and not (field == "pose" and was != link):
+            # In another link the part's pose is in another frame.
+            if field not in _SKIPPED_PART_FIELDS and not (field == "pose" and old_name != link):
                 yield from _fields("parts", part["name"], field, earlier.get(field), part.get(field))
 
 
 def _parts_of(robot: Mapping[str, Any]) -> dict[tuple[Any, ...], tuple[str, Entry]]:
-    """The parts of all links, by where they are in the assembly, else by link and name, and by which of
-    several alike they are."""
-    found: dict[tuple[Any, ...], tuple[str, Entry]] = {}
+    """Maps a key of each part to its link and row. The key is the part's place in the assembly, else the
+    names of link and part; a number at its end tells equal keys apart."""
+    parts: dict[tuple[Any, ...], tuple[str, Entry]] = {}
     for link in robot["links"]:
         for part in link["parts"]:
             key = tuple(part["path"]) or (link["name"], part["name"])
             number = 0
-            while (*key, number) in found:
+            while (*key, number) in parts:
                 number += 1
-            found[*key, number] = link["name"], part
-    return found
+            parts[*key, number] = link["name"], part
+    return parts
 
 
 def _fields(
     section: str, name: str, path: str, before: Any, after: Any, kind: str = "turn"
 ) -> Iterator[Change]:
-    """Differences of a value, of a mapping for each of its keys."""
+    """Yields the difference of a value, or the differences of a mapping's keys."""
     if isinstance(before, Mapping) and isinstance(after, Mapping) and not is_pose(before):
         for key in dict.fromkeys((*before, *after)):
             yield from _fields(section, name, f"{path}.{key}", before.get(key), after.get(key), kind)
     elif not alike(before, after, path):
-        yield Change(section, name, "changed", path, before, after, described(path, before, after, kind))
+        yield Change(section, name, "changed", path, before, after, change_text(path, before, after, kind))
 
 
 def _order(before: Mapping[str, Any], after: Mapping[str, Any], names: Names) -> Iterator[Change]:
-    """Tables of a file whose rows are the same in another order: arrays of a controller would be mixed up."""
+    """Yields tables of a file whose rows are the same in another order, which would mix up a controller's
+    arrays."""
     old, new = before.get("order") or {}, after.get("order") or {}
     for file in old.keys() & new.keys():
         for table in sorted(old[file].keys() & new[file].keys()):
-            one = [names.joints.get(row["name"], row["name"]) for row in old[file][table]]
-            other = [row["name"] for row in new[file][table]]
-            if one != other and Counter(one) == Counter(other):
-                shown, now = (", ".join(name or "(unnamed)" for name in row) for row in (one, other))
-                text = f"{table} have another order: {shown} → {now}"
-                yield Change("order", file, "changed", table, one, other, text)
+            earlier = [names.joints.get(row["name"], row["name"]) for row in old[file][table]]
+            later = [row["name"] for row in new[file][table]]
+            if earlier != later and Counter(earlier) == Counter(later):
+                texts = (", ".join(name or "(unnamed)" for name in row) for row in (earlier, later))
+                text = f"{table} have another order: {' → '.join(texts)}"
+                yield Change("order", file, "changed", table, earlier, later, text)
 
 
 def _in_new_names(field: str, value: Any, names: Names) -> Any:
-    """A value of the first robot with the names that the second has for the same things."""
-    if field in _OF_JOINTS and isinstance(value, Mapping):
-        return {names.joints.get(key, key): one for key, one in value.items()}
-    if field in _OF_JOINTS and isinstance(value, list):
-        return [names.joints.get(one, one) for one in value]
-    known = names.links if field in _LINKS else names.joints if field in _JOINTS else {}
-    return known.get(value, value) if known and isinstance(value, str) else value
+    """Returns a value of the first robot with the second robot's names for the same things."""
+    if field in _JOINT_TABLES and isinstance(value, Mapping):
+        return {names.joints.get(key, key): entry for key, entry in value.items()}
+    if field in _JOINT_TABLES and isinstance(value, list):
+        return [names.joints.get(name, name) for name in value]
+    new_names = names.links if field in _LINK_FIELDS else names.joints if field in _JOINT_FIELDS else {}
+    return new_names.get(value, value) if new_names and isinstance(value, str) else value
 
 
 def _presence(table: str, row: Entry) -> str:
-    """What is said of a row that came or went."""
+    """Describes a row that was added or removed."""
     if table == "links":
         return _mass(row)
     if table in ("joints", "loops"):

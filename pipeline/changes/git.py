@@ -1,4 +1,4 @@
-"""Reads a file of a revision from git, which runs nothing that the repository's own configuration names.
+"""Reads a file of a revision from git, without running programs that the repository's configuration names.
 
 A repository may come from anywhere, and its configuration can name programs: hooks, filters, text converters,
 pagers, helpers of remotes. `cat-file` starts only the helper of a remote from which git fetches missing files
@@ -11,7 +11,8 @@ import subprocess
 from linkwright.pipeline.errors import OutputError
 from linkwright.stages.robot.system.programs import program
 
-_LIMIT_S = 60
+_TIMEOUT = 60
+"""Largest time [s] that git may take."""
 
 _SETTINGS = (
     "protocol.allow=never",
@@ -27,7 +28,7 @@ _ENVIRONMENT = {
     "GIT_TERMINAL_PROMPT": "0",
     "LC_ALL": "C",
 }
-_NOT_GIVEN = (
+_REMOVED_VARIABLES = (
     "GIT_EXTERNAL_DIFF",
     "GIT_SSH",
     "GIT_SSH_COMMAND",
@@ -38,21 +39,21 @@ _NOT_GIVEN = (
 
 
 def blob(name: str, hint: str) -> "subprocess.CompletedProcess[bytes]":
-    """The file that git calls `name` (REV:path); a status other than 0 where it has none. OutputError without
-    git, and where it gives no answer."""
+    """Runs git to read the file `name` (REV:path); the status is not 0 if git has no such file. Raises
+    OutputError without git, or if it does not answer."""
     git = program("git")
     if git is None:
         raise OutputError("git is not installed", name, hint)
     settings = [word for setting in _SETTINGS for word in ("-c", setting)]
-    environ = {key: value for key, value in os.environ.items() if key not in _NOT_GIVEN}
+    environ = {key: value for key, value in os.environ.items() if key not in _REMOVED_VARIABLES}
     try:
         return subprocess.run(
             [git, "--no-pager", "--no-replace-objects", *settings, "cat-file", "blob", name],
             env=environ | _ENVIRONMENT,
             stdin=subprocess.DEVNULL,
             capture_output=True,
-            timeout=_LIMIT_S,
+            timeout=_TIMEOUT,
             check=False,
         )
     except subprocess.TimeoutExpired:
-        raise OutputError(f"git gave no answer in {_LIMIT_S} s", name, hint) from None
+        raise OutputError(f"git gave no answer in {_TIMEOUT} s", name, hint) from None

@@ -1,4 +1,4 @@
-"""Which thing of one robot is which of another: by name, and where CAD has it under another name by that."""
+"""Pairs the rows of two robots: by name, or by CAD if a row was renamed."""
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
@@ -10,93 +10,101 @@ Entry = Mapping[str, Any]
 Key = str | tuple[str, ...]
 """The field, or the fields, by which a row is found."""
 
-_SAME_LINK = 0.5
-"""A link under another name is one that has at least this share of the parts of both."""
+_MIN_COMMON_PARTS = 0.5
+"""Least share of common parts for which two links with different names count as the same link."""
 
 
 @dataclass(frozen=True, slots=True)
 class Pairs:
-    """The rows of a table: those that both robots have, and those of one alone."""
+    """The rows of a table in two robots."""
 
     both: tuple[tuple[Entry, Entry], ...]
+    """The pairs of rows that both robots have."""
     removed: tuple[Entry, ...]
+    """The rows of only the first robot."""
     added: tuple[Entry, ...]
+    """The rows of only the second robot."""
 
 
 @dataclass(frozen=True, slots=True)
 class Names:
-    """The names of the first robot → those of the second, where these differ: of links, and of joints and
-    their dofs."""
+    """Maps names in the first robot to names in the second robot, where they differ."""
 
     links: Mapping[str, str]
     joints: Mapping[str, str]
+    """Names of joints, loops and dofs."""
 
 
 def paired(before: Sequence[Entry], after: Sequence[Entry], key: Key, names: Mapping[str, str]) -> Pairs:
-    """Rows paired by `key`, those of `before` by the name that they have in the second robot."""
-    later = {_found_by(one, key, {}): one for one in after}
+    """Pairs rows by `key`; rows of `before` are looked up by their names in the second robot."""
+    later = {_key_value(row, key, {}): row for row in after}
     both, removed = [], []
-    for one in before:
-        name = _found_by(one, key, names)
+    for row in before:
+        name = _key_value(row, key, names)
         if name in later:
-            both.append((one, later.pop(name)))
+            both.append((row, later.pop(name)))
         else:
-            removed.append(one)
+            removed.append(row)
     return Pairs(tuple(both), tuple(removed), tuple(later.values()))
 
 
 def name_of(row: Entry, key: Key) -> str:
-    """What a row is called by the fields by which it is found."""
+    """Returns the title of a row, made from its key fields."""
     if isinstance(key, str):
         return str(row[key])
     joint = " and " if key == ("link_a", "link_b") else " "
-    return joint.join(str(row[one]) for one in key)
+    return joint.join(str(row[field]) for field in key)
 
 
-def _found_by(row: Entry, key: Key, names: Mapping[str, str]) -> Hashable:
+def _key_value(row: Entry, key: Key, names: Mapping[str, str]) -> Hashable:
     if isinstance(key, str):
         return names.get(row[key], row[key])
-    return tuple(names.get(row[one], row[one]) if one.startswith("link") else row[one] for one in key)
+    return tuple(
+        names.get(row[field], row[field]) if field.startswith("link") else row[field] for field in key
+    )
 
 
 def renamed(before: Mapping[str, Any], after: Mapping[str, Any]) -> Names:
-    """What CAD says is the same under another name: a link that shares at least half of its parts, a joint
-    of the same mate."""
+    """Returns the new names of renamed links, joints and dofs. CAD identifies these: the two links share at
+    least half of their parts, the two joints are the same mate."""
     links = _matched(before["links"], after["links"], _links_alike)
     joints = _matched(before["joints"], after["joints"], _mates_alike)
     loops = _matched(before["loops"], after["loops"], _mates_alike)
     dofs: dict[str, str] = {}
-    for table, found in (("joints", joints), ("loops", loops)):
-        old, new = ({one["name"]: one for one in robot[table]} for robot in (before, after))
-        for was, now in found.items():
-            pairs = zip(old[was]["dofs"], new[now]["dofs"], strict=False)
-            dofs |= {one["name"]: other["name"] for one, other in pairs if one["name"] != other["name"]}
+    for table, names in (("joints", joints), ("loops", loops)):
+        old, new = ({row["name"]: row for row in robot[table]} for robot in (before, after))
+        for old_name, new_name in names.items():
+            pairs = zip(old[old_name]["dofs"], new[new_name]["dofs"], strict=False)
+            changed = ((dof["name"], later["name"]) for dof, later in pairs if dof["name"] != later["name"])
+            dofs |= dict(changed)
     return Names(links, joints | loops | dofs)
 
 
 def _matched(
-    before: Sequence[Entry], after: Sequence[Entry], same: Callable[[Entry, Entry], bool]
+    before: Sequence[Entry], after: Sequence[Entry], is_same: Callable[[Entry, Entry], bool]
 ) -> dict[str, str]:
-    """Names of rows that the other robot has under another name."""
-    known = {one["name"] for one in before} & {one["name"] for one in after}
-    waiting = [one for one in after if one["name"] not in known]
-    found = {}
-    for one in before:
-        if one["name"] in known:
+    """Maps the names of renamed rows to their names in the other robot."""
+    common = {row["name"] for row in before} & {row["name"] for row in after}
+    unmatched = [row for row in after if row["name"] not in common]
+    new_names = {}
+    for row in before:
+        if row["name"] in common:
             continue
-        twin = next((other for other in waiting if same(one, other)), None)
+        twin = next((later for later in unmatched if is_same(row, later)), None)
         if twin is not None:
-            waiting.remove(twin)
-            found[one["name"]] = twin["name"]
-    return found
+            unmatched.remove(twin)
+            new_names[row["name"]] = twin["name"]
+    return new_names
 
 
-def _links_alike(one: Entry, other: Entry) -> bool:
-    mine, theirs = ({tuple(part["path"]) for part in link["parts"] if part["path"]} for link in (one, other))
-    return bool(mine) and len(mine & theirs) >= _SAME_LINK * max(len(mine), len(theirs))
+def _links_alike(first: Entry, second: Entry) -> bool:
+    parts, other_parts = (
+        {tuple(part["path"]) for part in link["parts"] if part["path"]} for link in (first, second)
+    )
+    return bool(parts) and len(parts & other_parts) >= _MIN_COMMON_PARTS * max(len(parts), len(other_parts))
 
 
-def _mates_alike(one: Entry, other: Entry) -> bool:
-    mine, theirs = ((joint["cad"] or {}) for joint in (one, other))
+def _mates_alike(first: Entry, second: Entry) -> bool:
+    mate, other_mate = ((joint["cad"] or {}) for joint in (first, second))
     key = ("owner", "feature")
-    return bool(mine.get("feature")) and [mine.get(k) for k in key] == [theirs.get(k) for k in key]
+    return bool(mate.get("feature")) and [mate.get(k) for k in key] == [other_mate.get(k) for k in key]

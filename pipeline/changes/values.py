@@ -1,24 +1,24 @@
-"""Values of robot.json: whether two are alike, and what is said of two that are not."""
+"""Compares values of robot.json, and describes their difference in words."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-ALIKE = 1e-9
-"""Numbers are alike up to this share of the largest of their vector, lengths and angles of poses up to this
-many metres and radians: two formats of one robot differ by as much."""
+TOLERANCE = 1e-9
+"""Tolerance of numbers, relative to the largest number of their vector, and of poses [m, rad]. Two formats of
+the same robot differ by as much."""
 
-ROUGH: Mapping[str, tuple[float, float]] = {
+MESH_TOLERANCES: Mapping[str, tuple[float, float]] = {
     "area": (1e-5, 0.0),
     "volume": (1e-5, 0.0),
     "depth": (1e-4, 1e-6),
     "bounds": (1e-5, 1e-6),
 }
-"""Fields that are worked out of meshes, which are in single precision: they are alike up to this share, and
-up to this much."""
+"""Relative and absolute tolerance of fields that are computed from meshes, which are in single precision."""
 
 UNITS = {
     "mass": "kg",
+    "total_mass": "kg",
     "com": "m",
     "inertia": "kg m²",
     "damping": ("N m s/rad", "N s/m"),
@@ -36,36 +36,36 @@ UNITS = {
     "depth": "m",
     "lever": "m",
 }
-"""Field → its unit, or that of a turn and that of a slide."""
+"""Maps each field to its unit, or to its units for a turn and for a slide."""
 
 
 def is_pose(value: Any) -> bool:
-    """Whether a value is a pose {xyz, quat}."""
+    """Tells whether a value is a pose {xyz, quat}."""
     return isinstance(value, Mapping) and set(value) == {"xyz", "quat"}
 
 
 def is_numeric(value: Any) -> bool:
-    """Whether a value is a number, or a list of numbers and such lists."""
+    """Tells whether a value is a number, or a list of numbers and such lists."""
     if isinstance(value, list):
         return bool(value) and all(map(is_numeric, value))
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def alike(before: Any, after: Any, field: str = "") -> bool:
-    """Whether two values of a field are the same up to rounding."""
-    if field in ROUGH and is_numeric(before) and is_numeric(after):
-        share, least = ROUGH[field]
-        one, other = list(_flat(before)), list(_flat(after))
-        most = max(map(abs, (*one, *other)))
-        off = max(abs(a - b) for a, b in zip(one, other, strict=False))
-        return len(one) == len(other) and bool(off <= max(least, share * most))
+    """Tells whether two values of a field are the same up to rounding."""
+    if field in MESH_TOLERANCES and is_numeric(before) and is_numeric(after):
+        share, absolute = MESH_TOLERANCES[field]
+        earlier, later = list(_flat(before)), list(_flat(after))
+        largest = max(map(abs, (*earlier, *later)))
+        difference = max(abs(a - b) for a, b in zip(earlier, later, strict=False))
+        return len(earlier) == len(later) and bool(difference <= max(absolute, share * largest))
     if is_pose(before) and is_pose(after):
-        return max(moved(before, after)) <= ALIKE
+        return max(moved(before, after)) <= TOLERANCE
     if is_numeric(before) and is_numeric(after):
-        one, other = list(_flat(before)), list(_flat(after))
-        scale = max(map(abs, (*one, *other)), default=0.0)
-        return len(one) == len(other) and all(
-            abs(a - b) <= ALIKE * scale for a, b in zip(one, other, strict=True)
+        earlier, later = list(_flat(before)), list(_flat(after))
+        scale = max(map(abs, (*earlier, *later)), default=0.0)
+        return len(earlier) == len(later) and all(
+            abs(a - b) <= TOLERANCE * scale for a, b in zip(earlier, later, strict=True)
         )
     if isinstance(before, list) and isinstance(after, list):
         return len(before) == len(after) and all(map(alike, before, after))
@@ -75,12 +75,12 @@ def alike(before: Any, after: Any, field: str = "") -> bool:
 
 
 def moved(before: Mapping[str, Any], after: Mapping[str, Any]) -> tuple[float, float]:
-    """By how much a pose differs from another: the distance [m] and the angle [rad]."""
-    return math.dist(before["xyz"], after["xyz"]), _angle(before["quat"], after["quat"])
+    """Returns the difference of two poses: the distance [m] and the angle [rad]."""
+    return math.dist(before["xyz"], after["xyz"]), _rotation_angle(before["quat"], after["quat"])
 
 
-def described(field: str, before: Any, after: Any, kind: str = "turn") -> str:
-    """What is said of a field that changed; `kind`: of the dof that has it."""
+def change_text(field: str, before: Any, after: Any, kind: str = "turn") -> str:
+    """Describes a field's change in words; `kind`: the kind of the dof with the field."""
     name = _WORDS.get(field, field.replace("_", " "))
     above, dot, dof = field.partition(".")
     if dot and above in _VALUES:
@@ -91,33 +91,33 @@ def described(field: str, before: Any, after: Any, kind: str = "turn") -> str:
         return _files(before, after)
     last = field.rpartition(".")[2]
     unit = UNITS.get(last, "")
-    shown = f" {unit[kind == 'slide'] if isinstance(unit, tuple) else unit}".rstrip()
+    unit_text = f" {unit[kind == 'slide'] if isinstance(unit, tuple) else unit}".rstrip()
     if field == "com" and is_numeric(before) and is_numeric(after):
         return f"{name} moved by {_length(math.dist(before, after))}"
     if last == "axis" and is_numeric(before) and is_numeric(after):
-        return f"{name} turned by {_degrees(_between(before, after))}"
+        return f"{name} turned by {_degrees(_axis_angle(before, after))}"
     if last == "inertia" and is_numeric(before) and is_numeric(after):
-        one, other = list(_flat(before)), list(_flat(after))
-        share = math.dist(one, other) / max(math.hypot(*one), math.hypot(*other))
-        one, other = ([row[i] for i, row in enumerate(tensor)] for tensor in (before, after))
-        moments = f"{_text(one)} → {_text(other)}"
-        return f"{name} differs by {_percent(share)} (ixx, iyy, izz: {moments}{shown})"
+        earlier, later = list(_flat(before)), list(_flat(after))
+        share = math.dist(earlier, later) / max(math.hypot(*earlier), math.hypot(*later))
+        earlier, later = ([row[i] for i, row in enumerate(tensor)] for tensor in (before, after))
+        moments = f"{_text(earlier)} → {_text(later)}"
+        return f"{name} differs by {_percent(share)} (ixx, iyy, izz: {moments}{unit_text})"
     if last == "limits" and isinstance(before, list) and isinstance(after, list):
         ends = zip(("lower", "upper"), before, after, strict=False)
-        told = [
-            f"{end} limit {_text(one)} → {_text(other)}{shown}"
-            for end, one, other in ends
-            if not alike(one, other)
+        texts = [
+            f"{end} limit {_text(earlier)} → {_text(later)}{unit_text}"
+            for end, earlier, later in ends
+            if not alike(earlier, later)
         ]
-        return ", ".join(told)
-    text = f"{name} {_text(before)} → {_text(after)}{shown}"
-    if last == "mass" and before:
+        return ", ".join(texts)
+    text = f"{name} {_text(before)} → {_text(after)}{unit_text}"
+    if last in ("mass", "total_mass") and before:
         text += f" ({100 * (after - before) / before:+.3g} %)"
     return text
 
 
 _VALUES = {"values": "value", "given": "given value"}
-"""Mapping of a keyframe, by dof → what people call its entries."""
+"""Maps the fields of a keyframe that map dofs to values, to words for their entries."""
 
 _WORDS = {
     "com": "center of mass",
@@ -125,19 +125,19 @@ _WORDS = {
     "qpos0": "value at the start",
     "dof": "degrees of freedom",
 }
-"""Field → what people call it."""
+"""Maps fields to words for people."""
 
 
 def _files(before: Sequence[str], after: Sequence[str]) -> str:
-    """Which files came and went."""
-    told = [("removed ", [one for one in before if one not in after])]
-    told.append(("added ", [one for one in after if one not in before]))
-    return "files: " + "; ".join(word + ", ".join(names) for word, names in told if names)
+    """Describes in words the files that were added and removed."""
+    groups = [("removed ", [file for file in before if file not in after])]
+    groups.append(("added ", [file for file in after if file not in before]))
+    return "files: " + "; ".join(word + ", ".join(names) for word, names in groups if names)
 
 
 def _motion(distance: float, angle: float) -> str:
-    parts = [f"moved by {_length(distance)}"] * (distance > ALIKE) + [f"turned by {_degrees(angle)}"] * (
-        angle > ALIKE
+    parts = [f"moved by {_length(distance)}"] * (distance > TOLERANCE) + [f"turned by {_degrees(angle)}"] * (
+        angle > TOLERANCE
     )
     return ", ".join(parts)
 
@@ -154,10 +154,12 @@ def _percent(share: float) -> str:
     return f"{100 * share:.3g} %"
 
 
-def _angle(before: Sequence[float], after: Sequence[float]) -> float:
-    """The angle [rad] between two orientations (w, x, y, z)."""
+def _rotation_angle(before: Sequence[float], after: Sequence[float]) -> float:
+    """Returns the angle [rad] between two orientations (w, x, y, z)."""
     w, x, y, z = before
     W, X, Y, Z = after
+    # The sine is the length of the vector part of conj(q) Q: small angles are exact, unlike with acos. q and
+    # -q are the same orientation, hence abs.
     cosine = w * W + x * X + y * Y + z * Z
     sine = math.hypot(
         w * X - x * W - y * Z + z * Y, w * Y + x * Z - y * W - z * X, w * Z - x * Y + y * X - z * W
@@ -165,16 +167,17 @@ def _angle(before: Sequence[float], after: Sequence[float]) -> float:
     return 2.0 * math.atan2(sine, abs(cosine))
 
 
-def _between(one: Sequence[float], other: Sequence[float]) -> float:
-    """The angle [rad] between two directions."""
-    (a, b, c), (d, e, f) = one, other
+def _axis_angle(first: Sequence[float], second: Sequence[float]) -> float:
+    """Returns the angle [rad] between two directions."""
+    # The cross and the dot product: exact also for small angles, unlike acos.
+    (a, b, c), (d, e, f) = first, second
     return math.atan2(math.hypot(b * f - c * e, c * d - a * f, a * e - b * d), a * d + b * e + c * f)
 
 
 def _flat(value: Any) -> Iterator[float]:
     if isinstance(value, list):
-        for one in value:
-            yield from _flat(one)
+        for entry in value:
+            yield from _flat(entry)
     else:
         yield value
 
@@ -189,5 +192,5 @@ def _text(value: Any) -> str:
     if isinstance(value, list):
         return f"[{', '.join(map(_text, value))}]"
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{key}: {_text(one)}" for key, one in value.items()) + "}"
+        return "{" + ", ".join(f"{key}: {_text(entry)}" for key, entry in value.items()) + "}"
     return str(value)

@@ -1,15 +1,15 @@
-"""Checks of files that are there already: which are made, and how their results are told.
+"""Checks existing files, and shows the results.
 
-- as_json: The verdict of checks as JSON for programs, and such JSON as a baseline.
-- ask: Asks the guest that checks files, within limits of time and memory.
-- guest: Guest process that checks files of any origin: some crash what reads them, or exhaust time and
+- as_json: Writes the verdict of checks as JSON for programs, and reads such JSON as a baseline.
+- ask: Asks the guest process to check files, within limits of time and memory.
+- guest: Checks files of any origin in a process of its own: some crash their reader, or exhaust time and
   memory.
-- junit: The verdict of checks as JUnit XML, in the form that pytest writes.
-- lines: The lines of elements in the files of a folder.
-- packages: The checks of a build's packages, which `stages.export` writes again from what lies beside them.
-- run: Makes the checks of a folder or a file, against its robot.json or, without one, by themselves.
-- sarif: The verdict of checks as SARIF 2.1.0, which code hosts show beside the lines of a pull request.
-- show: The verdict of checks as text.
-- verdict: The results of the checks of a folder or file, and which of them fail.
-- wire: A verdict as JSON, and back: what the guest that checks replies with.
+- junit: Writes the verdict of checks as JUnit XML, in the form of pytest.
+- lines: Finds the lines of elements in the files of a folder.
+- packages: Checks a build's packages: `stages.export` writes them again from the files beside them.
+- run: Checks a folder or a file against its robot.json or, without robot.json, against itself.
+- sarif: Writes the verdict of checks as SARIF 2.1.0, which code hosts show in a pull request.
+- show: Shows the verdict of checks as text.
+- verdict: Judges the results of the checks of a folder or file: which of them fail.
+- wire: Converts a verdict to JSON and back: the reply of the guest process.
 """

@@ -1,4 +1,4 @@
-"""The verdict of checks as JSON for programs, and such JSON as a baseline.
+"""Writes the verdict of checks as JSON for programs, and reads such JSON as a baseline.
 
     {
       "format": "linkwright-check", "version": 1,
@@ -15,9 +15,9 @@
           "file": path below the folder, null for none,
           "level": "error" | "warning",
           "passed": whether it passes,
-          "known": whether all that it found is in the baseline,
+          "known": whether all its findings are in the baseline,
           "detail": what was measured, in words,
-          "value", "limit": numbers, null where there are none or they are infinite,
+          "value", "limit": numbers, null where the check has none or they are infinite,
           "hint": what to do, null for nothing,
           "findings": [
             {"element": 'joint "elbow"', "attribute": "range" or "", "message": text,
@@ -43,15 +43,16 @@ from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.system.regular_files import FileTooLarge, content
 
 FORMAT, VERSION = "linkwright-check", 1
-LARGEST_BASELINE = 1 << 27
+MAX_BASELINE_BYTES = 1 << 27
 """Largest size of a baseline [bytes]."""
 
 _HINT = "linkwright check --json DIR > baseline.json writes one"
 
 
 def as_json(verdict: Verdict) -> str:
-    wrong = [check for check in verdict.checks if verdict.is_wrong(check)]
-    warned = [check for check in verdict.checks if not check.passed and not verdict.is_wrong(check)]
+    """Returns the verdict in the form that the text of this module describes."""
+    failed = [check for check in verdict.checks if verdict.is_wrong(check)]
+    warnings = [check for check in verdict.checks if not check.passed and not verdict.is_wrong(check)]
     lines = ElementLines(Path(verdict.folder))
     table = {
         "format": FORMAT,
@@ -63,8 +64,8 @@ def as_json(verdict: Verdict) -> str:
         "counts": {
             "checks": len(verdict.checks),
             "passed": sum(check.passed for check in verdict.checks),
-            "warnings": len(warned),
-            "failed": len(wrong),
+            "warnings": len(warnings),
+            "failed": len(failed),
             "known": verdict.seen_before,
         },
         "notes": list(verdict.notes),
@@ -74,18 +75,18 @@ def as_json(verdict: Verdict) -> str:
 
 
 def baseline(file: str) -> frozenset[Issue]:
-    """The issues of a file that `as_json` wrote. OutputError for any other file."""
+    """Returns the issues in a file that `as_json` wrote. Raises OutputError for any other file."""
     try:
-        table = json.loads(content(Path(file), LARGEST_BASELINE))
+        table = json.loads(content(Path(file), MAX_BASELINE_BYTES))
     except FileTooLarge:
-        msg = f"the baseline is longer than {LARGEST_BASELINE >> 20} MB"
+        msg = f"the baseline is longer than {MAX_BASELINE_BYTES >> 20} MB"
         raise OutputError(msg, file, _HINT) from None
     except OSError as error:
         raise OutputError(f"the baseline cannot be read: {reason(error)}", file, _HINT) from None
     except (ValueError, RecursionError) as error:
-        raise OutputError(f"the baseline is no JSON: {error}", file, _HINT) from None
+        raise OutputError(f"the baseline is not JSON: {error}", file, _HINT) from None
     if not isinstance(table, dict) or (table.get("format"), table.get("version")) != (FORMAT, VERSION):
-        raise OutputError(f"the baseline is no {FORMAT} of version {VERSION}", file, _HINT)
+        raise OutputError(f"the baseline is not a {FORMAT} of version {VERSION}", file, _HINT)
     try:
         return frozenset(_issues(table))
     except (KeyError, TypeError, AttributeError):
@@ -93,12 +94,14 @@ def baseline(file: str) -> frozenset[Issue]:
 
 
 def _issues(table: dict[str, Any]) -> list[Issue]:
-    found: list[Issue] = []
+    all_issues: list[Issue] = []
     for check in table["checks"]:
         if not check["passed"]:
-            every = check["findings"] or [{"element": "", "attribute": ""}]
-            found += [(check["code"], check["name"], one["element"], one["attribute"]) for one in every]
-    return found
+            entries = check["findings"] or [{"element": "", "attribute": ""}]
+            all_issues += [
+                (check["code"], check["name"], entry["element"], entry["attribute"]) for entry in entries
+            ]
+    return all_issues
 
 
 def _check(check: Check, verdict: Verdict, lines: ElementLines) -> dict[str, Any]:
@@ -117,13 +120,13 @@ def _check(check: Check, verdict: Verdict, lines: ElementLines) -> dict[str, Any
         "hint": None if check.passed else remedy(check.code) or None,
         "findings": [
             {
-                "element": one.element,
-                "attribute": one.attribute,
-                "message": one.message,
-                "line": lines.of(file, one.element, one.attribute),
-                "known": issue in (verdict.known or ()),
+                "element": problem.element,
+                "attribute": problem.attribute,
+                "message": problem.message,
+                "line": lines.of(file, problem.element, problem.attribute),
+                "known": issue in (verdict.baseline or ()),
             }
-            for one, issue in pairs
+            for problem, issue in pairs
         ],
     }
 

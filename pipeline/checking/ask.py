@@ -1,6 +1,7 @@
-"""Asks the guest that checks files, within limits of time and memory."""
+"""Asks the guest process to check files, within limits of time and memory."""
 
 import json
+from collections.abc import Sequence
 
 from linkwright.pipeline.checking.verdict import Verdict
 from linkwright.pipeline.checking.wire import load
@@ -11,10 +12,10 @@ from linkwright.stages.robot.system import guest
 GUEST = "linkwright.pipeline.checking.guest"
 
 BOUNDS = guest.Bounds(seconds=900, memory=8 << 30, reply=256 << 20)
-"""The most of any check; the guest holds itself to less, by the sizes of the files."""
+"""Limits of any check. The guest sets lower limits for itself, from the sizes of the files."""
 
 _ENVIRON = {"MUJOCO_GL": "disable", "OPENBLAS_NUM_THREADS": "1"}
-"""Environment without rendering and threaded linear algebra: to initialise them takes as long as all else."""
+"""Environment without rendering and threaded linear algebra, whose start takes as long as all the rest."""
 
 _HINT = (
     "look for large counts or sizes, models in models, or a file that includes itself; a file without these "
@@ -22,9 +23,10 @@ _HINT = (
 )
 
 
-def checked(place: str, level: str) -> Verdict:
-    """The verdict for a folder or file. OutputError where it cannot be read, or not within the limits."""
-    request = json.dumps({"place": place, "level": level}).encode()
+def checked(place: str, level: str, targets: Sequence[str] = ()) -> Verdict:
+    """Returns the verdict for a folder or file; with `targets`, on whether these engines take it. Raises
+    OutputError if it cannot be read, or not within the limits."""
+    request = json.dumps({"place": place, "level": level, "targets": list(targets)}).encode()
     try:
         return load(guest.ask(GUEST, request, BOUNDS, _ENVIRON))
     except guest.Ended as ended:
@@ -32,4 +34,4 @@ def checked(place: str, level: str) -> Verdict:
     except SourceError as error:
         raise OutputError(error.message, error.where, error.hint) from None
     except (ValueError, KeyError, TypeError, RecursionError):
-        raise OutputError("it cannot be checked: the reply is no verdict", place, _HINT) from None
+        raise OutputError("it cannot be checked: the reply is not a verdict", place, _HINT) from None

@@ -1,66 +1,68 @@
-"""Guest process that checks files of any origin: some crash what reads them, or exhaust time and memory."""
+"""Checks files of any origin in a process of its own: some crash their reader, or exhaust time and memory."""
 
 import json
 import signal
 from pathlib import Path
 
+from linkwright.pipeline.checking.run import checked
 from linkwright.pipeline.checking.wire import dump
 from linkwright.stages.robot.errors import SourceError
+from linkwright.stages.validate.reading.admission import admitted
 
-SECONDS, MEMORY = 4.0, 700 << 20
-"""Of the processor and of memory: what the checks of the smallest file may take."""
+BASE_SECONDS, BASE_MEMORY = 3.5, 700 << 20
+"""Processor time [s] and memory [bytes] that the checks of the smallest file may take."""
 
-PER_TEXT, PER_ASSET = 20e-6, 4e-6
-"""More seconds for each byte of a text, and of a mesh or an image."""
+SECONDS_PER_TEXT_BYTE, SECONDS_PER_ASSET_BYTE = 20e-6, 4e-6
+"""Additional processor time [s] for each byte of a text, and of a mesh or an image."""
 
-MEMORY_PER_TEXT, MEMORY_PER_ASSET = 60, 12
-"""More memory [bytes] for each byte of these."""
+MEMORY_PER_TEXT_BYTE, MEMORY_PER_ASSET_BYTE = 60, 12
+"""Additional memory [bytes] for each byte of a text, and of a mesh or an image."""
 
-STRICT = 4.0
-"""Times as much of the processor for what only `--level strict` runs."""
+STRICT_FACTOR = 4.0
+"""Factor of the processor time with `--level strict`."""
 
-_DATA = 5
-"""The field of Linux's `statm` that has the pages of data and stack."""
+_DATA_FIELD = 5
+"""Index of the field of Linux's `statm` with the pages of data and stack."""
 
 _LARGE = "look for large counts or sizes, models in models, or a file that includes itself"
 
 
 def answer(request: bytes) -> bytes:
-    """To {"place", "level"}: the verdict, as `wire` has it. SourceError where the files cannot be read, or
-    need more time or memory than their sizes explain."""
-    # Late: it takes a while, and only a guest that checks needs it.
-    from linkwright.pipeline.checking.run import checked
-    from linkwright.stages.validate.reading.admission import admitted
-
-    asked = json.loads(request)
+    """Returns the verdict, in the form of `wire`, for a request {"place", "level", "targets"}. Raises
+    SourceError if the files cannot be read, or need more time or memory than their sizes explain."""
+    options = json.loads(request)
     try:
-        _limit(SECONDS, MEMORY)
-        sizes = admitted(Path(asked["place"]))
-        times = STRICT if asked["level"] == "strict" else 1.0
+        _limit(BASE_SECONDS, BASE_MEMORY)
+        sizes = admitted(Path(options["place"]))
+        times = STRICT_FACTOR if options["level"] == "strict" else 1.0
         _limit(
-            times * (SECONDS + PER_TEXT * sizes.texts + PER_ASSET * sizes.assets),
-            MEMORY + MEMORY_PER_TEXT * sizes.texts + MEMORY_PER_ASSET * sizes.assets,
+            times
+            * (BASE_SECONDS + SECONDS_PER_TEXT_BYTE * sizes.texts + SECONDS_PER_ASSET_BYTE * sizes.assets),
+            BASE_MEMORY + MEMORY_PER_TEXT_BYTE * sizes.texts + MEMORY_PER_ASSET_BYTE * sizes.assets,
         )
-        return dump(checked(asked["place"], asked["level"]))
+        return dump(checked(options["place"], options["level"], options["targets"]))
     except MemoryError:
         msg = "checking it needs more memory than its size explains"
     except RecursionError:
         msg = "it is nested too deep to be checked"
-    raise SourceError(msg, asked["place"], _LARGE)
+    raise SourceError(msg, options["place"], _LARGE)
 
 
 def _limit(seconds: float, memory: int) -> None:
-    """From now on: the kernel ends this process after `seconds` of the processor, and gives it no more than
-    this memory [bytes] beside what it has. Only memory that is written to counts: usd-core reserves 400 MB of
-    addresses for each of its threads. Not on Windows, where the guest's own bounds hold."""
+    """Limits this process from now on: the kernel ends it after `seconds` of processor time, and gives it at
+    most `memory` [bytes] more than it has.
+
+    Only memory that is written to counts, since usd-core reserves 400 MB of addresses for each of its
+    threads. On Windows this has no effect; there only the bounds of the guest process hold.
+    """
     if not hasattr(signal, "setitimer"):
         return
-    # Late: POSIX only.
+    # Imported late: exists only on POSIX systems.
     import resource
 
     signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
-        taken = int(Path("/proc/self/statm").read_text().split()[_DATA]) * resource.getpagesize()
+        used = int(Path("/proc/self/statm").read_text().split()[_DATA_FIELD]) * resource.getpagesize()
     except (OSError, ValueError, IndexError):
         return
-    resource.setrlimit(resource.RLIMIT_DATA, (taken + memory, resource.RLIM_INFINITY))
+    resource.setrlimit(resource.RLIMIT_DATA, (used + memory, resource.RLIM_INFINITY))

@@ -1,4 +1,4 @@
-"""The lines of elements in the files of a folder."""
+"""Finds the lines of elements in the files of a folder."""
 
 import re
 from pathlib import Path
@@ -9,14 +9,14 @@ from linkwright.stages.formats.xml import Malformed, parse
 from linkwright.stages.robot.system.regular_files import FileTooLarge, content
 
 _LABEL = re.compile(r'(?P<tag>[\w:.-]+)(?: "(?P<name>.*)")?')
-"""How a finding names an element: its tag, and its name."""
+"""Pattern of an element in a finding: its tag, and its name."""
 
 _XML = (".urdf", ".xml", ".sdf", ".srdf")
 _PRIM = re.compile(r'^\s*(?:def|over)\b[^"\n]*"([^"\n]+)"', re.MULTILINE)
-"""What begins a prim of a USD in text."""
+"""The start of a prim in a USD text file."""
 
-_ALSO = {"body": ("link",), "link": ("body",), "geom": ("collision", "visual")}
-"""Tag → those that another format has for it."""
+_OTHER_TAGS = {"body": ("link",), "link": ("body",), "geom": ("collision", "visual")}
+"""Tag → tags of other formats for the same element."""
 
 
 class ElementLines:
@@ -27,46 +27,49 @@ class ElementLines:
         self._read: dict[str, dict[tuple[str, str], Any]] = {}
 
     def of(self, file: str, element: str, attribute: str = "") -> int | None:
-        """The line, from 1, of the element that a finding names, or of the one in it that has the attribute
-        ("limit lower"); None where it is not found."""
+        """Returns the line, from 1, of the element that a finding names, or of its child that has the
+        attribute ("limit lower"); None if it is not found."""
         label = _LABEL.fullmatch(element)
         if label is None:
             return None
         if Path(file).suffix == ".usda":
-            return self._of_prims(file).get(("def", label["name"] or ""))
-        known = self._of_elements(file)
+            return self._prim_lines(file).get(("def", label["name"] or ""))
+        nodes = self._element_nodes(file)
         tag, name = label["tag"], label["name"] or ""
-        node = next((known[one, name] for one in (tag, *_ALSO.get(tag, ())) if (one, name) in known), None)
+        node = next(
+            (nodes[kind, name] for kind in (tag, *_OTHER_TAGS.get(tag, ())) if (kind, name) in nodes), None
+        )
         if node is None:
             return None
         for inner in attribute.split()[:1]:
-            found = next((one for one in node.iterdescendants() if one.tag == inner), None)
-            node = node if found is None else found
+            child = next((child for child in node.iterdescendants() if child.tag == inner), None)
+            node = node if child is None else child
         return int(node.sourceline) if node.sourceline else None
 
-    def _of_elements(self, file: str) -> dict[tuple[str, str], Any]:
-        """By tag and name, and by tag alone, the first such element of an XML file."""
+    def _element_nodes(self, file: str) -> dict[tuple[str, str], Any]:
+        """Maps tag and name to the first such element of an XML file; the name "" maps to the first of a
+        tag."""
         if file not in self._read:
-            found: dict[tuple[str, str], Any] = {}
+            nodes: dict[tuple[str, str], Any] = {}
             root = self._root(file) if Path(file).suffix in _XML else None
             for node in root.iter() if root is not None else ():
                 if isinstance(node.tag, str):
                     keys = ("link1", "link2") if node.get("link1") else ("body1", "body2")
                     pair = '" "'.join(node.get(key, "") for key in keys)
                     for name in (node.get("name") or pair, ""):
-                        found.setdefault((node.tag, name), node)
-            self._read[file] = found
+                        nodes.setdefault((node.tag, name), node)
+            self._read[file] = nodes
         return self._read[file]
 
-    def _of_prims(self, file: str) -> dict[tuple[str, str], int]:
-        """The lines of the prims of a USD, by name."""
+    def _prim_lines(self, file: str) -> dict[tuple[str, str], int]:
+        """Maps ("def", name) to the line of each prim in a USD text file."""
         if file not in self._read:
             data = self._data(file)
             text = "" if data is None else data.decode(errors="replace")
-            found: dict[tuple[str, str], Any] = {}
+            lines: dict[tuple[str, str], Any] = {}
             for prim in _PRIM.finditer(text):
-                found.setdefault(("def", prim[1]), text.count("\n", 0, prim.start(1)) + 1)
-            self._read[file] = found
+                lines.setdefault(("def", prim[1]), text.count("\n", 0, prim.start(1)) + 1)
+            self._read[file] = lines
         return self._read[file]
 
     def _root(self, file: str) -> Any:

@@ -1,4 +1,4 @@
-"""The checks of a build's packages, which `stages.export` writes again from what lies beside them."""
+"""Checks a build's packages: `stages.export` writes them again from the files beside them."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -14,35 +14,35 @@ from linkwright.stages.validate.reading.guarded import guarded
 from linkwright.stages.validate.rewritten.check import rewritten
 
 CODES = {"ros2": "C-ROS2", "python": "C-PYTHON"}
-"""By format."""
+"""Format of a package → the code of its check."""
 
 TRUTH = "robot.json"
 
 
 def check_packages(folder: Path, truth: Truth) -> Iterator[Check]:
-    """That each says what a build would write again, and that copies are those of the files as they are."""
+    """Checks that each package has what a build would write again, and that its copies equal the files."""
     if truth.packages:
-        files = _beside(folder, truth)
+        files = _package_sources(folder, truth)
         for name in truth.packages:
-            found = guarded(f"{name}: package", partial(_package, folder, truth, name, files))
-            yield from (replace(one, code=CODES[name]) for one in found)
+            checks = guarded(f"{name}: package", partial(_package, folder, truth, name, files))
+            yield from (replace(check, code=CODES[name]) for check in checks)
 
 
 def _package(folder: Path, truth: Truth, name: str, files: dict[str, bytes]) -> Iterator[Check]:
     expected = package_again(truth, name, files)
     place = truth.packages[name].folder
     copies = {path: data for path, data in expected.items() if place and path.startswith(f"{place}/")}
-    own = {path: data for path, data in expected.items() if path not in copies}
+    other_files = {path: data for path, data in expected.items() if path not in copies}
     current = truth.packages[name].writer == VERSION
     urdf = f"{truth.written.robot.name}.urdf"
     changes = () if urdf in files else truth.written.amendments.of(urdf)
-    yield from rewritten(folder, own, copies=False, current=current, changes=changes)
+    yield from rewritten(folder, other_files, copies=False, current=current, changes=changes)
     yield from rewritten(folder, copies, copies=True, current=current)
 
 
-def _beside(folder: Path, truth: Truth) -> dict[str, bytes]:
-    """The files that packages are made of, by path. What a build leaves in a package alone is what it is
-    there."""
+def _package_sources(folder: Path, truth: Truth) -> dict[str, bytes]:
+    """Returns the files that packages are made of, by path. Files that a build leaves only in a package are
+    read there."""
     inside = tuple(f"{name}/" for name in truth.packages)
     paths = {path: folder / path for path in (TRUTH, *truth.files) if not path.startswith(inside)}
     if "python" in truth.packages:

@@ -1,4 +1,4 @@
-"""The verdict of checks as SARIF 2.1.0, which code hosts show beside the lines of a pull request."""
+"""Writes the verdict of checks as SARIF 2.1.0, which code hosts show in a pull request."""
 
 import hashlib
 import json
@@ -7,7 +7,7 @@ from typing import Any
 from urllib.parse import quote
 
 from linkwright.pipeline.checking.lines import ElementLines
-from linkwright.pipeline.checking.verdict import Verdict, file_of, issues, told
+from linkwright.pipeline.checking.verdict import Verdict, file_of, findings_of, issues
 from linkwright.pipeline.reference.codes import explanations, remedy
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.system.install import installed
@@ -16,14 +16,14 @@ SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sar
 
 
 def as_sarif(verdict: Verdict) -> str:
-    """One run: a rule for each code, a result for each finding of a check that does not pass."""
+    """Returns a SARIF run: a rule for each code, and a result for each finding of a failing check."""
     codes = list(dict.fromkeys(check.code for check in verdict.checks))
     lines = ElementLines(Path(verdict.folder))
     results = [
         _result(verdict, check, finding, index, lines)
         for check in verdict.checks
         if not check.passed
-        for index, finding in enumerate(told(check))
+        for index, finding in enumerate(findings_of(check))
     ]
     driver = {
         "name": "linkwright",
@@ -36,10 +36,13 @@ def as_sarif(verdict: Verdict) -> str:
 
 
 def _rule(code: str) -> dict[str, Any]:
-    found = explanations().get(code)
+    explanation = explanations().get(code)
     rule: dict[str, Any] = {"id": code}
-    if found is not None:
-        rule |= {"shortDescription": {"text": found.meaning}, "help": {"text": remedy(code) or found.meaning}}
+    if explanation is not None:
+        rule |= {
+            "shortDescription": {"text": explanation.meaning},
+            "help": {"text": remedy(code) or explanation.meaning},
+        }
     return rule
 
 
@@ -48,16 +51,16 @@ def _result(
 ) -> dict[str, Any]:
     file, title = file_of(check)
     issue = issues(check)[index]
-    what = f"{finding.element} {finding.attribute}".strip()
-    text = f"{title}: {what}: {finding.message}" if what else f"{title}: {finding.message}"
+    subject = f"{finding.element} {finding.attribute}".strip()
+    text = f"{title}: {subject}: {finding.message}" if subject else f"{title}: {finding.message}"
     result: dict[str, Any] = {
         "ruleId": check.code,
         "level": "error" if verdict.is_wrong(check) else "warning",
         "message": {"text": text},
         "partialFingerprints": {"linkwright/v1": hashlib.sha256("\0".join(issue).encode()).hexdigest()},
     }
-    if verdict.known is not None:
-        result["baselineState"] = "unchanged" if issue in verdict.known else "new"
+    if verdict.baseline is not None:
+        result["baselineState"] = "unchanged" if issue in verdict.baseline else "new"
     if file:
         line = lines.of(file, finding.element, finding.attribute)
         uri = _uri(PurePath(verdict.folder) / file)
@@ -69,5 +72,5 @@ def _result(
 
 
 def _uri(path: PurePath) -> str:
-    """Of a relative path as it is; of an absolute one with its scheme."""
+    """Returns the URI of a path: relative as it is, or absolute with its scheme."""
     return path.as_uri() if path.is_absolute() else quote(path.as_posix())

@@ -1,4 +1,4 @@
-"""A verdict as JSON, and back: what the guest that checks replies with."""
+"""Converts a verdict to JSON and back: the reply of the guest process."""
 
 import json
 from dataclasses import asdict
@@ -9,14 +9,14 @@ from linkwright.stages.robot.check import Check, Finding
 
 
 def dump(verdict: Verdict) -> bytes:
-    """Without what is known from a baseline, and without tables, which no verdict shows."""
+    """Returns a verdict as JSON, without its baseline, and without tables, which no verdict shows."""
     head = {"place": verdict.place, "folder": verdict.folder, "robot": verdict.robot, "level": verdict.level}
     checks = [{**asdict(check), "table": None} for check in verdict.checks]
     return json.dumps({**head, "notes": verdict.notes, "checks": checks}, default=float).encode()
 
 
 def load(data: bytes) -> Verdict:
-    """The verdict; ValueError, KeyError or TypeError where it is none."""
+    """Reads the verdict that `dump` wrote. Raises ValueError, KeyError or TypeError for other data."""
     record = json.loads(data)
     return Verdict(
         place=str(record["place"]),
@@ -40,8 +40,8 @@ def _check(record: dict[str, Any]) -> Check:
         code=str(record["code"]),
         level=record["level"],
         findings=tuple(
-            Finding(*(str(one[key]) for key in ("element", "attribute", "message")))
-            for one in record["findings"]
+            Finding(*(str(finding[key]) for key in ("element", "attribute", "message")))
+            for finding in record["findings"]
         ),
     )
 

@@ -21,13 +21,13 @@ from omegaconf import DictConfig, open_dict
 from omegaconf.errors import OmegaConfBaseException
 
 from linkwright.pipeline.config import interpolated
-from linkwright.pipeline.config.choices import resolved_tree
+from linkwright.pipeline.config.choices import resolve_choices
 from linkwright.pipeline.config.files import hosts, trust
 from linkwright.pipeline.config.files.places import OUTPUT, SWEEP_DIR, outside
 from linkwright.pipeline.config.hydra.errors import explained
 from linkwright.pipeline.config.hydra.files import guarded
 from linkwright.pipeline.config.hydra.loader import PRIMARY, aside, composed, swift, use_loader
-from linkwright.pipeline.config.hydra.node import HydraNode, hydra_text, searching
+from linkwright.pipeline.config.hydra.node import HydraNode, hydra_text, search_path_override
 from linkwright.pipeline.config.hydra.reading import Reading
 from linkwright.pipeline.config.messages import fitting
 from linkwright.pipeline.config.optional import add_optional
@@ -41,35 +41,34 @@ from linkwright.pipeline.key_path import Place
 from linkwright.pipeline.secrets import Secrets
 from linkwright.pipeline.terminal import pasted
 
-DEFAULT = "robot=sample"
+DEFAULT_ROBOT = "robot=sample"
 
 _ROBOT = re.compile(r"[+~]*(robot|source)(=|$)")
 
+_TYPED_ONLY = (*trust.SAFE_VALUES, OUTPUT)  # keys for which it counts whether they are typed
 HYDRA: Mapping[str, str] = {"version_base": "1.3"} if __version__.startswith("1.3.") else {}
 """Arguments that give Hydra its current defaults: 1.3 needs `version_base`, and 1.4 warns about it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Composed:
-    """A plan, the tree that it was parsed from, the robot's option, and the sweep settings of files; also the
-    tree as Hydra composed it, and the places of its interpolations."""
+    """A plan, and the composed tree behind it."""
 
     plan: Plan
-    tree: dict[str, Any]
-    robot: str
-    sweeping: trust.SweepSettings
-    config: DictConfig
-    computed: Collection[Place]
+    tree: dict[str, Any]  # the plain data from which the plan was parsed
+    robot: str  # the option of the group `robot`
+    sweeping: trust.SweepSettings  # as files set it
+    config: DictConfig  # the tree as Hydra composed it
+    computed: Collection[Place]  # the places of interpolations in the tree
 
 
 @dataclass(frozen=True, slots=True)
 class SweepRequest:
-    """A requested sweep: its overrides, the problems of invalid overrides, and the tree that all jobs start
-    from (None if it cannot be composed)."""
+    """A requested sweep."""
 
     overrides: Sequence[Override]
-    problems: Sequence[Diagnostic]
-    tree: DictConfig | None = None
+    problems: Sequence[Diagnostic]  # of invalid overrides
+    tree: DictConfig | None = None  # where all jobs start; None if it cannot be composed
     sweeping: trust.SweepSettings = field(default_factory=trust.SweepSettings)
 
 
@@ -81,10 +80,10 @@ def compose_plan(
     environ: Mapping[str, str] = os.environ,
     addresses: Iterable[str] = (),
 ) -> Composed:
-    """The plan of a single build; ConfigError lists all problems.
+    """Returns the plan of a single build, with its tree; raises a ConfigError that lists all problems.
 
-    If there is any problem, `judge` adds the problems that it finds in the valid rest. `addresses`: those
-    that the caller gives as `source.url` besides the arguments.
+    If there is any problem, `judge` adds the problems that it finds in the valid rest. `addresses`: values of
+    `source.url` that the caller gives besides the arguments.
     """
     with session(config_dirs, cwd, judge, environ) as composer:
         composer.addresses |= {*addresses}
@@ -99,7 +98,7 @@ def session(
     judge: Judge | None = None,
     environ: Mapping[str, str] = os.environ,
 ) -> Iterator["Composer"]:
-    """Hydra, ready to compose from `conf`, `./robot/` of `cwd` and `config_dirs`."""
+    """Sets up Hydra to compose from `conf`, `./robot/` of `cwd` and `config_dirs`, and yields a composer."""
     presets = Presets(config_dirs, cwd)
     with (
         aside(),
@@ -133,20 +132,20 @@ class Composer:
         self.addresses: set[str] = set()
         """The addresses of assemblies that the user gave, not a file."""
         self._typed = ["linkwright"]
-        self._everything: list[str] = []
+        self._arguments: list[str] = []
 
     def read(
         self, arguments: Sequence[str], multirun: bool = False
     ) -> tuple[list[Override], list[Diagnostic]]:
-        """The overrides of a command line, and the problems of invalid arguments."""
+        """Returns the overrides of a command line, and the problems of invalid arguments."""
         clean, leaks = self._secrets.typed(arguments)
         self._typed = ["linkwright", *["-m"] * multirun, *self._presets.options_typed, *clean]
-        paths = [self._by_path(one) for one in clean]
+        paths = [self._by_path(argument) for argument in clean]
         overrides, problems = read(paths, GROUPS, self.reading.values, multirun, self._presets.own_groups())
-        overrides = [replace(one, typed=clean[paths.index(one.typed)]) for one in overrides]
-        problems += leaks + [problem for one in overrides if (problem := refused(one, multirun))]
-        overrides = [one for one in overrides if not refused(one, multirun)]
-        problems += self._node.take(overrides, self._typed)
+        overrides = [replace(override, typed=clean[paths.index(override.typed)]) for override in overrides]
+        problems += leaks + [problem for override in overrides if (problem := refused(override, multirun))]
+        overrides = [override for override in overrides if not refused(override, multirun)]
+        problems += self._node.store_overrides(overrides, self._typed)
         self.addresses |= self.reading.addresses(overrides)
         return overrides, problems
 
@@ -163,28 +162,28 @@ class Composer:
         return f"{sign}robot={','.join(texts)}"
 
     def compose(
-        self, overrides: Sequence[str], known: Iterable[Diagnostic] = (), job: tuple[int, str] | None = None
+        self, overrides: Sequence[str], earlier: Iterable[Diagnostic] = (), job: tuple[int, str] | None = None
     ) -> Composed:
-        """The plan of overrides in Hydra's form, without sweeps; `job`: number and label of a sweep's job.
+        """Returns the plan of overrides in Hydra's form; `job`: number and label of a sweep's job.
 
         The sample is built if neither the command line nor a defaults list chooses a robot or a source.
 
-        ConfigError lists the `known` problems of the command line and all others: an option that cannot
-        be composed is replaced by the default of `build`, so that the rest is validated too.
+        Raises a ConfigError that lists the `earlier` problems of the command line and all others. An option
+        that cannot be composed is replaced by the default of `build`, so that the rest is validated too.
         """
         good, bad = self._presets.judged(overrides)
-        draft = Draft.of(known, bad)
+        draft = Draft.of(earlier, bad)
         # An override that adds or deletes a key may fail; the rest is validated without it.
-        sure = [one for one in good if one.startswith("++") or one[0] not in "+~"]
+        sure = [override for override in good if override.startswith("++") or override[0] not in "+~"]
         # Only a choice of an option can add a defaults list, and only files of the user choose a robot
         # there.
-        named = any(map(_ROBOT.match, overrides))
-        open_yet = self._presets.own and any(not one.startswith("++") for one in good)
-        found = self._whole(good, draft) if named or open_yet else None
-        if not named and (found is None or _lacks_a_robot(found[0])):
-            good, sure = [DEFAULT, *good], [DEFAULT, *sure]
-            found = self._whole(good, draft)
-        config, composed_of = found or self._whole(sure, draft) or self._around(sure, draft)
+        chooses_robot = any(map(_ROBOT.match, overrides))
+        open_yet = self._presets.own and any(not override.startswith("++") for override in good)
+        composition = self._whole(good, draft) if chooses_robot or open_yet else None
+        if not chooses_robot and (composition is None or lacks_a_robot(composition[0])):
+            good, sure = [DEFAULT_ROBOT, *good], [DEFAULT_ROBOT, *sure]
+            composition = self._whole(good, draft)
+        config, composed_of = composition or self._whole(sure, draft) or self._around(sure, draft)
         robot = config.hydra.runtime.choices.get("robot") or "bare"
         ambiguous = self._presets.problem("robot", robot)
         draft.problems += [ambiguous] if ambiguous else []
@@ -196,20 +195,20 @@ class Composer:
         draft.problems += [problem for problem in unresolved if not draft.unsure(problem)]
         draft.problems += self._leaks(config, tree)
         tree = self._secrets.within(tree)
-        formats = tuple(path.removeprefix("export/") for path in composed_of if path.startswith("export/"))
-        resolved = resolved_tree(tree, self._presets.choices(robot, formats, good, composed_of))
+        resolved = resolve_choices(tree, self._presets.choices(robot, good, composed_of))
         interpolated.decode(resolved, computed)
         add_optional(resolved, self._presets.shared(composed_of))
-        sweeping = self._node.sweeping(config, draft, resolved.get("name"), job)
+        sweeping = self._node.sweep_settings(config, draft, resolved.get("name"), job)
         for problem in self._params(sweeping.params)[1]:
             draft.add(problem)
         files, command = self._presets.own_files(composed_of), pasted.line(self._typed)
-        draft.problems += trust.targets(resolved, command)
+        draft.problems += trust.forbidden_targets(resolved, command)
         places = {problem.where for problem in draft.problems}
-        draft.problems += [one for one in trust.overridden(map(content, files)) if one.where not in places]
+        overridden = trust.overridden(map(content, files))
+        draft.problems += [problem for problem in overridden if problem.where not in places]
         draft.problems += self._presets.chosen_twice(files)
         draft.problems += hosts.unnamed(resolved, self.addresses, self._environ)
-        typed = self.reading.given(good, (*trust.DEFAULTS, OUTPUT)) | self._node.given([SWEEP_DIR])
+        typed = self._node.typed_keys([SWEEP_DIR]) | self.reading.typed_keys(good, _TYPED_ONLY)
         distrusted = trust.untrusted(resolved, typed, files, self._environ, command)
         draft.problems += distrusted
         if any(problem.where == "plugins" for problem in distrusted):
@@ -217,12 +216,12 @@ class Composer:
             resolved["plugins"] = []
         own_places = {OUTPUT: resolved.get(OUTPUT), SWEEP_DIR: sweeping.dir}
         draft.problems += outside(own_places, config, typed, files, self._environ, command)
-        known, folders = draft.problems, self._presets.with_motors
-        plan = Plan.parse(resolved, known, unsure=draft.unsure, judge=self._judge, folders=folders)
+        folders = self._presets.with_motors
+        plan = Plan.parse(resolved, draft.problems, unsure=draft.unsure, judge=self._judge, folders=folders)
         return Composed(plan, resolved, robot, sweeping, config, computed)
 
     def _leaks(self, config: DictConfig, tree: dict[str, Any]) -> list[Diagnostic]:
-        """Problems of the keys in a composed configuration, also in Hydra's, that hold a secret."""
+        """Returns a problem for each key of a composed configuration, and of Hydra's, with a secret in it."""
         if not self._secrets:
             return []
         hydra = plain(config.hydra, ("hydra",), [])
@@ -231,12 +230,13 @@ class Composer:
         return self._secrets.problems({**tree, "hydra": hydra})
 
     def _whole(self, overrides: Sequence[str], draft: "Draft") -> tuple[DictConfig, Mapping[str, Any]] | None:
-        """The composed tree and its files by their paths; None where composition fails."""
+        """Composes a tree; returns it with its files by their paths, or None if composition fails."""
         stand_ins: dict[str, str] = {}
+        own_folders = search_path_override(self._presets.own)
         while True:
-            everything = [*overrides, *stand_ins.values(), *self._node.typed, *searching(self._presets.own)]
+            arguments = [*overrides, *stand_ins.values(), *self._node.typed, *own_folders]
             try:
-                config, files = composed(everything)
+                config, files = composed(arguments)
             except Exception as error:
                 draft.add(explained(error, self._presets))
                 missing = error.missing_cfg_file if isinstance(error, MissingConfigException) else None
@@ -246,69 +246,70 @@ class Composer:
                 stand_ins[group] = f"{group}={stand_in(group)}"
                 draft.without.add(group)
             else:
-                self._everything = everything
-                if len(config.hydra.overrides.hydra) + len(config.hydra.overrides.task) != len(everything):
+                self._arguments = arguments
+                if len(config.hydra.overrides.hydra) + len(config.hydra.overrides.task) != len(arguments):
                     draft.add(trust.not_allowed("overrides"))
                 return config, files
 
     def _around(self, overrides: Sequence[str], draft: "Draft") -> tuple[DictConfig, Mapping[str, Any]]:
-        """As `_whole`, with the keys of the robot's file, but without its invalid defaults list."""
-        robots = [one.partition("=")[2] for one in overrides if one.startswith("robot=")]
+        """Composes as `_whole`, with the keys of the robot's file, but without its invalid defaults list."""
+        robots = [override.partition("=")[2] for override in overrides if override.startswith("robot=")]
         own = self._presets.content("robot", chosen(robots[-1])[0]) if robots else {}
         own.pop("defaults", None)
         draft.without |= {"robot", "source"}
-        others = [one for one in overrides if not one.startswith("robot=")]
+        remaining = [override for override in overrides if not override.startswith("robot=")]
         try:
-            found = self._whole(["robot=bare", *others], draft) if robots else None
-            if found is None:
+            composition = self._whole(["robot=bare", *remaining], draft) if robots else None
+            if composition is None:
                 raise refusal(draft.problems)
-            config, files = found
+            config, files = composition
             with open_dict(config):
                 config.merge_with(own)
         except OmegaConfBaseException:
             raise refusal(draft.problems) from None
         return config, files
 
-    def with_params(self, overrides: Sequence[Override], known: Iterable[Diagnostic]) -> SweepRequest:
-        """The overrides of a sweep after the `hydra.sweeper.params` of files; the command line wins."""
-        fixed = [one.hydra for one in overrides if not one.swept and not one.for_hydra_itself]
-        good, bad = self._presets.judged(fixed)
+    def with_params(self, overrides: Sequence[Override], problems: Iterable[Diagnostic]) -> SweepRequest:
+        """Adds the `hydra.sweeper.params` of files to a sweep's overrides; the command line wins."""
+        own = [override for override in overrides if not override.for_hydra_itself]
+        good, bad = self._presets.judged([override.hydra for override in own if not override.swept])
         draft = Draft.of((), bad)
-        found = self._whole(good, draft)
-        settings = trust.SweepSettings() if found is None else self._node.sweeping(found[0], draft)
-        known_keys = {one.key for one in overrides}
-        added = [one for one in self._params(settings.params)[0] if one.key not in known_keys]
-        return SweepRequest([*added, *overrides], list(known), found and found[0], settings)
+        # An interpolation may name a key that is swept.
+        composition = self._whole(good, draft) or self._whole([override.first for override in own], draft)
+        settings = self._node.sweep_settings(composition[0], draft) if composition else trust.SweepSettings()
+        typed_keys = {override.key for override in overrides}
+        added = [override for override in self._params(settings.params)[0] if override.key not in typed_keys]
+        return SweepRequest([*added, *overrides], list(problems), composition and composition[0], settings)
 
     def _params(self, params: Mapping[str, str]) -> tuple[list[Override], list[Diagnostic]]:
-        """The overrides that files sweep, and the problems of invalid entries."""
+        """Returns the overrides that files sweep, and the problems of invalid entries."""
         added: list[Override] = []
         problems: list[Diagnostic] = []
         for key, values in params.items():
-            given, wrong = read([f"{key}={values}"], GROUPS, self.reading.values, multirun=True)
+            swept, wrong = read([f"{key}={values}"], GROUPS, self.reading.values, multirun=True)
             place = f"sweeper.params.{key}"
-            keys = self.reading.given((one.hydra for one in given), (*trust.DEFAULTS, OUTPUT))
-            if keys or any(one.for_hydra_itself for one in given):
+            keys = self.reading.typed_keys((override.hydra for override in swept), _TYPED_ONLY)
+            if keys or any(override.for_hydra_itself for override in swept):
                 problems.append(trust.not_allowed(place, values))
             else:
-                added += given
-            problems += [Diagnostic(one.code, one.message, f"hydra.{place}", one.hint) for one in wrong]
+                added += swept
+            problems += [replace(problem, where=f"hydra.{place}") for problem in wrong]
         return added, problems
 
-    def show(self, kind: str, overrides: Sequence[Override], known: Iterable[Diagnostic]) -> None:
+    def show(self, kind: str, overrides: Sequence[Override], problems: Iterable[Diagnostic]) -> None:
         """Lets Hydra log how it composes a tree, even an invalid tree. `kind`: as for `--info`."""
         with suppress(ConfigError):
-            self.compose([override.hydra for override in overrides], known)
+            self.compose([override.hydra for override in overrides], problems)
         hydra = GlobalHydra.instance().hydra
-        if hydra is None or not self._everything:
-            raise refusal(list(known))
-        hydra.show_info(kind, PRIMARY, self._everything, RunMode.RUN)
+        if hydra is None or not self._arguments:
+            raise refusal(list(problems))
+        hydra.show_info(kind, PRIMARY, self._arguments, RunMode.RUN)
 
-    def ours(self, launcher: str) -> DictConfig:
-        """Hydra's configuration from the command line alone, under which a sweep runs."""
-        return self._node.ours(launcher)
+    def ours(self, launcher: str, sweeper: str = "") -> DictConfig:
+        """Composes Hydra's configuration from the command line alone; a sweep runs under it."""
+        return self._node.trusted_config(launcher, sweeper)
 
 
-def _lacks_a_robot(config: DictConfig) -> bool:
-    """Whether neither the command line nor a defaults list chooses a robot or a source."""
+def lacks_a_robot(config: DictConfig) -> bool:
+    """Tells whether neither the command line nor a defaults list chooses a robot or a source."""
     return config.hydra.runtime.choices.get("robot") in (None, "bare") and not config.get("source")

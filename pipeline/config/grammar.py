@@ -1,13 +1,13 @@
-"""Names and values in the grammar of Hydra's overrides."""
+"""Writes names and values in the grammar of Hydra's overrides."""
 
 import re
 from typing import Any
 
 import yaml
 
-_CARRIED = re.compile(r"[\w\-/+.$%*@?|()\[\]{}:=, \\]+", re.ASCII)
-_ESCAPED = re.compile(r"([()\[\]{}:=, \\])")
-_NO_TEXT = re.compile(r"[+-]?[\d._]+(e[+-]?\d+)?|[+-]?(inf|nan)|true|false|null", re.IGNORECASE)
+_NAME_CHARACTERS = re.compile(r"[\w\-/+.$%*@?|()\[\]{}:=, \\]+", re.ASCII)
+_SPECIAL_CHARACTERS = re.compile(r"([()\[\]{}:=, \\])")
+_OTHER_TYPE = re.compile(r"[+-]?[\d._]+(e[+-]?\d+)?|[+-]?(inf|nan)|true|false|null", re.IGNORECASE)
 
 
 class NoFormError(ValueError):
@@ -15,41 +15,41 @@ class NoFormError(ValueError):
 
 
 def has_form(name: str) -> bool:
-    """Whether a name can be a mapping's key."""
-    plain = bool(_CARRIED.fullmatch(name)) and name == name.strip()
-    return plain and not _NO_TEXT.fullmatch(name)
+    """Tells whether the grammar can write a name as a mapping's key."""
+    plain = bool(_NAME_CHARACTERS.fullmatch(name)) and name == name.strip()
+    return plain and not _OTHER_TYPE.fullmatch(name)
 
 
 def name(text: str) -> str:
-    """A name as a mapping's key."""
-    return _ESCAPED.sub(r"\\\1", text)
+    """Writes a name as a mapping's key."""
+    return _SPECIAL_CHARACTERS.sub(r"\\\1", text)
 
 
-def carried(value: str) -> str:
+def converted(value: str) -> str:
     """Converts a mapping or a list from YAML or JSON, with quoted names, to the grammar; returns other values
-    unchanged. NoFormError for a name that the grammar cannot write."""
+    unchanged. Raises NoFormError for a name that the grammar cannot write."""
     if value.lstrip()[:1] not in ("{", "[") or not re.search(r"[\"']", value):
         return value
     # Imported where it is used: help and completion need no OmegaConf.
     from omegaconf._utils import get_yaml_loader
 
     try:
-        # As in a file, where 1e-3 is a number: YAML 1.1 has it only as 1.0e-3.
-        return _written(yaml.load(value, Loader=get_yaml_loader()))
+        # OmegaConf's loader, as for files: it reads 1e-3 as a number, where YAML 1.1 needs 1.0e-3.
+        return _write(yaml.load(value, Loader=get_yaml_loader()))
     except NoFormError:
         raise
     except (yaml.YAMLError, ValueError, RecursionError):
         return value
 
 
-def _written(tree: Any) -> str:
-    """Plain data in the grammar; ValueError for data that the grammar cannot write."""
+def _write(tree: Any) -> str:
+    """Writes plain data in the grammar; raises ValueError for data that the grammar cannot write."""
     if isinstance(tree, dict):
         if not all(isinstance(key, str) and has_form(key) for key in tree):
             raise NoFormError
-        return "{" + ",".join(f"{name(key)}:{_written(value)}" for key, value in tree.items()) + "}"
+        return "{" + ",".join(f"{name(key)}:{_write(value)}" for key, value in tree.items()) + "}"
     if isinstance(tree, list):
-        return f"[{','.join(map(_written, tree))}]"
+        return f"[{','.join(map(_write, tree))}]"
     if tree is None or isinstance(tree, bool):
         return {None: "null", True: "true", False: "false"}[tree]
     if isinstance(tree, int | float):
@@ -60,6 +60,6 @@ def _written(tree: Any) -> str:
 
 
 def text(plain: str) -> str:
-    """A text in quotes, interpolations left in it; a backslash counts only before a quote."""
+    """Writes a text in quotes, with its interpolations. A backslash has a meaning only before a quote."""
     doubled = re.sub(r"(\\+)(?='|$)", r"\1\1", plain)
     return "'" + doubled.replace("'", r"\'") + "'"

@@ -16,9 +16,9 @@ def decode(tree: dict[str, Any], places: Iterable[Place]) -> None:
     kind = SOURCES.get(str(source.get("kind"))) if isinstance(source, Mapping) else None
     for place in places:
         if place[0] == "source" and kind is not None:
-            wanted = annotation_at(kind, place[1:])
+            expected_type = annotation_at(kind, place[1:])
         else:
-            wanted = annotation_at(Plan, place)
+            expected_type = annotation_at(Plan, place)
         node: Any = tree
         try:
             for name in place[:-1]:
@@ -27,17 +27,17 @@ def decode(tree: dict[str, Any], places: Iterable[Place]) -> None:
         except (KeyError, IndexError, TypeError):
             continue
         if isinstance(text, str):
-            node[place[-1]] = _meant(text.strip(), wanted, text)
+            node[place[-1]] = _converted(text.strip(), expected_type, text)
 
 
-def _meant(text: str, wanted: Any, otherwise: Any) -> Any:
-    """The text as a value of the type `wanted`; `otherwise` where it cannot be converted."""
-    if wanted is bool:
-        return {"true": True, "false": False}.get(text.lower(), otherwise)
-    if wanted in (int, float):
-        for read in (int, wanted):
+def _converted(text: str, expected_type: Any, default: Any) -> Any:
+    """Returns the text as a value of the type `expected_type`, or `default` if it cannot be converted."""
+    if expected_type is bool:
+        return {"true": True, "false": False}.get(text.lower(), default)
+    if expected_type in (int, float):
+        for convert in (int, expected_type):
             try:
-                return read(text)
+                return convert(text)
             except ValueError:
                 continue
-    return otherwise
+    return default

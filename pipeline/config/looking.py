@@ -1,4 +1,4 @@
-"""The output of `--cfg` and `--info`: the configuration, and how it was composed."""
+"""Produces the output of `--cfg` and `--info`: the configuration, and how it was composed."""
 
 import contextlib
 import io
@@ -20,10 +20,10 @@ from linkwright.pipeline.secrets import Secrets
 
 
 def configuration(command: Command, environ: Mapping[str, str] = os.environ) -> str:
-    """The validated configuration of a command, as YAML with secrets blanked.
+    """Returns the validated configuration of a command, as YAML with secrets blanked.
 
-    Interpolations stay unresolved without `--resolve`. ConfigError as for a build, without the checks that
-    only a build needs, such as credentials.
+    Interpolations stay unresolved without `--resolve`. Raises ConfigError as a build does, except for the
+    checks that only a build needs, such as credentials.
     """
     with session(command.config_dirs, environ=environ) as composer:
         overrides, problems = composer.read(command.overrides)
@@ -33,28 +33,28 @@ def configuration(command: Command, environ: Mapping[str, str] = os.environ) -> 
 
 def _as_yaml(composed: Composed, command: Command, environ: Mapping[str, str]) -> str:
     tree: dict[str, Any] = {}
-    if command.what != "hydra":
+    if command.subject != "hydra":
         tree = composed.plan.tree()
         if not command.resolve:
-            _put_back(tree, as_written(composed.config), composed.computed)
-    if command.what != "job":
+            _restore_interpolations(tree, as_written(composed.config), composed.computed)
+    if command.subject != "job":
         node = as_written(composed.config.hydra)
-        tree["hydra"] = {key: one for key, one in node.items() if key not in ("help", "hydra_help")}
+        tree["hydra"] = {key: value for key, value in node.items() if key not in ("help", "hydra_help")}
     tree = Secrets(environ).within(tree)
     if command.package in ("", "_global_"):
-        return _dumped(tree)
+        return _as_text(tree)
     part = _part(tree, command.package)
-    return f"# @package {command.package}\n{_dumped(part)}" if isinstance(part, dict | list) else f"{part}\n"
+    return f"# @package {command.package}\n{_as_text(part)}" if isinstance(part, dict | list) else f"{part}\n"
 
 
-def _dumped(tree: Any) -> str:
+def _as_text(tree: Any) -> str:
     return str(yaml.safe_dump(tree, sort_keys=False, allow_unicode=True))
 
 
-def _put_back(tree: Any, written: Any, places: Iterable[Place]) -> None:
+def _restore_interpolations(tree: Any, unresolved: Any, places: Iterable[Place]) -> None:
     """Restores interpolations at their places, where the plan has those places."""
     for place in places:
-        node, text = tree, written
+        node, text = tree, unresolved
         with contextlib.suppress(KeyError, IndexError, TypeError):
             for name in place[:-1]:
                 node, text = node[name], text[name]
@@ -70,34 +70,34 @@ def _part(tree: Any, package: str) -> Any:
         elif isinstance(node, dict) and name in node:
             node = node[name]
         else:
-            there = list(map(str, node)) if isinstance(node, dict) else []
+            names = list(map(str, node)) if isinstance(node, dict) else []
             msg = "there is no such part of the configuration"
-            hint = nearest(name, there) or f"there is: {', '.join(there) or 'nothing below'}"
+            hint = nearest(name, names) or f"there is: {', '.join(names) or 'nothing below'}"
             raise ConfigError(msg, f"--package {package}", hint)
     return node
 
 
 def information(command: Command, environ: Mapping[str, str] = os.environ) -> Iterator[str]:
-    """How the configuration is composed, mostly as Hydra prints it: files, defaults, plug-ins, search path;
-    last the configuration itself, if requested."""
-    kinds = [kind for kind in INFO if command.what in (kind, "all") and kind not in ("all", "config")]
+    """Yields how the configuration is composed, mostly as Hydra prints it: files, defaults, plug-ins, search
+    path; last the configuration itself, if requested."""
+    kinds = [kind for kind in INFO if command.subject in (kind, "all") and kind not in ("all", "config")]
     with session(command.config_dirs, environ=environ) as composer:
         overrides, problems = composer.read(command.overrides)
         for kind in kinds:
             text = _captured(partial(composer.show, kind, overrides, problems))
             yield Secrets(environ).blanked(text.strip("\n") + "\n\n")
-    if command.what in ("config", "all"):
-        yield configuration(command._replace(what="job"), environ)
+    if command.subject in ("config", "all"):
+        yield configuration(command._replace(subject="job"), environ)
 
 
 def _captured(show: Callable[[], None]) -> str:
-    """Hydra's log output on the terminal."""
+    """Returns what Hydra logs while `show` runs."""
     root = logging.getLogger()
     handlers, level = list(root.handlers), root.level
     stream = io.StringIO()
     # A sweep in the same process quiets Hydra's loggers, and switches off those that were there before it.
-    before = [(logger, logger.disabled, logger.level) for logger in _loggers("hydra")]
-    for logger, *_ in before:
+    settings = [(logger, logger.disabled, logger.level) for logger in _loggers("hydra")]
+    for logger, *_ in settings:
         logger.disabled = False
         logger.setLevel(logging.NOTSET)
     try:
@@ -106,13 +106,13 @@ def _captured(show: Callable[[], None]) -> str:
     finally:
         root.handlers[:] = handlers
         root.setLevel(level)
-        for logger, disabled, own_level in before:
+        for logger, disabled, logger_level in settings:
             logger.disabled = disabled
-            logger.setLevel(own_level)
+            logger.setLevel(logger_level)
     return stream.getvalue()
 
 
 def _loggers(package: str) -> list[logging.Logger]:
-    """The logger of a package and those below it that exist."""
+    """Returns the logger of a package and the existing loggers below it."""
     below = [name for name in logging.root.manager.loggerDict if name.startswith(f"{package}.")]
     return [logging.getLogger(name) for name in (package, *below)]

@@ -1,4 +1,4 @@
-"""Messages about errors of a configuration: the full key, the given value, the allowed values."""
+"""Describes errors of a configuration: the full key, the given value, the allowed values."""
 
 import difflib
 import re
@@ -38,16 +38,16 @@ WORDS = {
 
 
 def diagnostics(error: ValidationError, root: type[Section]) -> list[Diagnostic]:
-    """Each problem that pydantic found in a tree of `root`, once, in the order of the tree.
+    """Returns the problems that pydantic found in a tree of `root`, each once, in the order of the tree.
 
     Codes: E-KEY unknown, E-MISSING, E-LATER not supported yet, E-VALUE not allowed.
     """
-    found = [_diagnostic(details, root) for details in error.errors(include_url=False)]
-    return list(dict.fromkeys(found))
+    problems = [_diagnostic(details, root) for details in error.errors(include_url=False)]
+    return list(dict.fromkeys(problems))
 
 
 def shown(value: Any) -> str:
-    """A value as an error shows it: short, and as in YAML."""
+    """Returns a value as errors show it: short, and as in YAML."""
     if value is None or isinstance(value, bool):
         return str(value).lower().replace("none", "null")
     text = repr(_on_a_line(value))
@@ -55,7 +55,7 @@ def shown(value: Any) -> str:
 
 
 def _on_a_line(value: Any) -> Any:
-    """A value whose texts have spaces in place of their line breaks."""
+    """Replaces line breaks and runs of blanks in a value's texts by spaces."""
     if isinstance(value, str):
         return " ".join(value.split()) if "\n" in value else value
     if isinstance(value, dict):
@@ -64,13 +64,13 @@ def _on_a_line(value: Any) -> Any:
 
 
 def nearest(name: str, candidates: Iterable[str]) -> str:
-    """A question that suggests the names most similar to `name`, or ""."""
-    near = difflib.get_close_matches(name, sorted(candidates), n=3, cutoff=0.6)
-    return f"did you mean {' or '.join(near)}?" if near else ""
+    """Returns a question that suggests the names most similar to `name`, or ""."""
+    matches = difflib.get_close_matches(name, sorted(candidates), n=3, cutoff=0.6)
+    return f"did you mean {' or '.join(matches)}?" if matches else ""
 
 
 def how_to_give(key: str, kind: str = "") -> str:
-    """The hint how to set a missing value, for a source of this kind."""
+    """Returns a hint that says how to set a missing value; `kind`: the kind of source."""
     files = {"urdf": "arm.urdf", "mjcf": "arm.xml", "bundle": "arm.zip"}
     examples = {"source.url": "https://cad.onshape.com/documents/...", "source.path": files.get(kind)}
     example = examples.get(key) or "..."
@@ -78,23 +78,22 @@ def how_to_give(key: str, kind: str = "") -> str:
 
 
 def fitting(problem: Diagnostic, kind: str) -> Diagnostic:
-    """The problem, that of a missing value with an example for the kind of source."""
+    """Returns the problem; a missing value gets a hint with an example for the kind of source."""
     missing = problem.code == "E-MISSING"
     return replace(problem, hint=how_to_give(problem.where, kind)) if missing else problem
 
 
 @dataclass(frozen=True, slots=True)
 class _Problem:
-    """A problem that pydantic found. `place`: in the tree; `owner`: the section or type that holds the
-    value; `context`: what pydantic says about the rule that is broken."""
+    """A problem that pydantic found."""
 
     kind: str
     place: Place
     value: Any
-    owner: Any
+    owner: Any  # the section or type that contains the value
     root: type[Section]
     message: str
-    context: Mapping[str, Any]
+    context: Mapping[str, Any]  # details of the rule that is broken
 
     @classmethod
     def of(cls, details: ErrorDetails, root: type[Section]) -> "_Problem":
@@ -124,13 +123,13 @@ class _Problem:
 def _diagnostic(details: ErrorDetails, root: type[Section]) -> Diagnostic:
     problem = _Problem.of(details, root)
     handler = _mapping_name if problem.name == "[key]" else _HANDLERS.get(problem.kind, _other)
-    found = handler(problem)
-    hint = _number_as_text(problem.value) if found.code == "E-VALUE" else ""
-    return replace(found, hint=hint) if hint else found
+    diagnostic = handler(problem)
+    hint = _number_as_text(problem.value) if diagnostic.code == "E-VALUE" else ""
+    return replace(diagnostic, hint=hint) if hint else diagnostic
 
 
 def _number_as_text(value: Any) -> str:
-    """The hint for a number that YAML takes for text: one that begins with a sign and a point."""
+    """Returns a hint for a number that YAML reads as text, since it begins with a point; else ""."""
     match = _SIGNED_POINT.fullmatch(value) if isinstance(value, str) else None
     return f"write {match[1] or ''}0{match[2]}: in YAML {value} is text" if match else ""
 
@@ -181,6 +180,23 @@ def _not_text(problem: _Problem) -> Diagnostic:
     return _value(WORDS[problem.kind], problem.value, problem.key, hint)
 
 
+def _not_a_section(problem: _Problem) -> Diagnostic:
+    section, value, hint = problem.annotation, problem.value, ""
+    if is_section(section) and isinstance(value, bool | int | float):
+        keys = [name for name in names(section) if _takes(section, name, value)]
+        hint = f"its keys are set by name, as {problem.key}.{keys[0]}={shown(value)}" if keys else ""
+    return _value(WORDS[problem.kind], value, problem.key, hint)
+
+
+def _takes(section: type[Section], name: str, value: Any) -> bool:
+    """Tells whether a key of a section may have a value."""
+    try:
+        section.model_validate({name: value})
+    except ValidationError as error:
+        return all(details["loc"][:1] not in ((), (name,)) for details in error.errors())
+    return True
+
+
 def _other(problem: _Problem) -> Diagnostic:
     text = WORDS.get(problem.kind) or problem.message.replace("Input should be", "must be")
     return _value(text, problem.value, problem.key)
@@ -211,50 +227,58 @@ def _later(problem: _Problem) -> Diagnostic:
 def _unknown(problem: _Problem) -> Diagnostic:
     place, value, owner, root = problem.place, problem.value, problem.owner, problem.root
     name, key = str(problem.name), problem.key
-    given = f"(given {shown(value)})"
+    value_text = f"(given {shown(value)})"
+    if key in _MOVED:
+        return Diagnostic("E-KEY", f"unknown key {value_text}", key, _MOVED[key])
     if owner.unknown_is_later:
         hint = f"supported so far: {', '.join(names(owner))}"
-        return Diagnostic("E-LATER", f"not supported yet {given}", key, hint)
+        return Diagnostic("E-LATER", f"not supported yet {value_text}", key, hint)
     if key in ("robot", EXPERIMENT) and isinstance(value, dict):
         text, hint = (
-            f"the keys of the {key}'s file lie under `{key}`",
+            f"the keys of the {key}'s file are under `{key}`",
             f"the first line of a {key}'s file must be: {GLOBAL}",
         )
         return Diagnostic("E-KEY", text, key, hint)
     if key == EXPERIMENT:
         hint = f"an experiment is a file ./{key}/NAME.yaml, or in a folder that --config-dir names"
-        return Diagnostic("E-KEY", f"there is no folder {key} here {given}", key, hint)
+        return Diagnostic("E-KEY", f"there is no folder {key} here {value_text}", key, hint)
     if owner in SOURCES.values():
-        here = next(kind for kind, keys in SOURCES.items() if keys is owner)
-        others = [kind for kind, keys in SOURCES.items() if name in names(keys)]
-        if others:
-            text = f"source={here} has no such key {given}"
-            return Diagnostic("E-KEY", text, key, f"it belongs to source={others[0]}")
+        own_kind = next(kind for kind, keys in SOURCES.items() if keys is owner)
+        kinds = [kind for kind, keys in SOURCES.items() if name in names(keys)]
+        if kinds:
+            text = f"source={own_kind} has no such key {value_text}"
+            return Diagnostic("E-KEY", text, key, f"it belongs to source={kinds[0]}")
     hint = _dotted(place, value, root) or _instead(name, place, owner, root)
-    return Diagnostic("E-KEY", f"unknown key {given}", key, hint)
+    return Diagnostic("E-KEY", f"unknown key {value_text}", key, hint)
+
+
+_MOVED = {
+    "mesh.target": "it is the group target: target=mjx, or in a file `target: {mjx: {}}`; MuJoCo needs none"
+}
+"""Key of an earlier version → what to write in its place."""
 
 
 def _dotted(place: Place, value: Any, root: type[Section]) -> str:
-    """The hint for a name that was cut at its dot: joints.joint_0.0.damping."""
-    above = place[:-2]
-    if not (isinstance(value, dict) and above and get_origin(annotation_at(root, above)) is dict):
+    """Returns a hint for a name that was split at its dot, as in joints.joint_0.0.damping; else ""."""
+    parent = place[:-2]
+    if not (isinstance(value, dict) and parent and get_origin(annotation_at(root, parent)) is dict):
         return ""
-    return f'a name with a dot is quoted: {key_of(above)}["{place[-2]}.{place[-1]}"]'
+    return f'a name with a dot is quoted: {key_of(parent)}["{place[-2]}.{place[-1]}"]'
 
 
 def _instead(name: str, place: Place, owner: Any, root: type[Section]) -> str:
-    """The hint for an unknown key: similar keys of the section, else the same name elsewhere, else all keys
-    here."""
+    """Returns a hint for an unknown key: similar keys of its section, else keys of the same name elsewhere,
+    else all keys of its section."""
     siblings = names(owner)
-    # `robot` is the one group that is no section of the plan too.
+    # `robot` is a group, but no section of the plan.
     candidates = sorted([*siblings, "robot"] if owner is root else siblings)
-    near = difflib.get_close_matches(name, candidates, n=3, cutoff=0.6)
-    if not near:
-        near = [key for key in leaves(root) if key.rpartition(".")[2] == name][:3]
+    matches = difflib.get_close_matches(name, candidates, n=3, cutoff=0.6)
+    if not matches:
+        matches = [key for key in leaves(root) if key.rpartition(".")[2] == name][:3]
     else:
-        near = [key_of((*place[:-1], one)) for one in near]
-    if near:
-        return f"did you mean {' or '.join(near)}?"
+        matches = [key_of((*place[:-1], sibling)) for sibling in matches]
+    if matches:
+        return f"did you mean {' or '.join(matches)}?"
     if owner is root:
         return "linkwright --help lists the keys"
     return f"keys there: {', '.join(siblings)}" if siblings else "there are no keys there yet"
@@ -278,10 +302,11 @@ _HANDLERS: dict[str, Callable[[_Problem], Diagnostic]] = {
     "extra_forbidden": _unknown,
     "literal_error": _not_a_choice,
     "missing": _missing,
+    "model_type": _not_a_section,
     "string_type": _not_text,
     "too_long": _too_long,
     "tuple_type": _not_a_list,
     "union_tag_invalid": lambda problem: _source(problem.value),
     "union_tag_not_found": lambda problem: _source(problem.value),
 }
-"""pydantic's error type, or one of ours → the diagnostic."""
+"""Error type, pydantic's or ours → the diagnostic."""

@@ -1,5 +1,5 @@
-"""The motors that `actuators` names: read when a plan is made, and part of it, so that a cached result knows
-what their files held."""
+"""Reads the motors that `actuators` names, and makes them part of the plan: a cached result depends on the
+content of their files."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -17,50 +17,53 @@ from linkwright.stages.robot.section import Section
 
 
 class _Library(Section):
-    """Motors as the plan has them, so that problems have keys."""
+    """The section with the motors, as in a plan, so that problems have keys."""
 
     motors: dict[str, MotorSection]
 
 
-def with_motors(tree: Mapping[str, Any], own: Sequence[Path] = ()) -> tuple[dict[str, Any], list[Diagnostic]]:
-    """The tree with the motors that `actuators` names under `motors`, and the problems of those. What the
-    tree itself has there wins, and needs no file."""
-    given = tree.get("motors")
-    if given is not None and not isinstance(given, Mapping):
+def with_motors(
+    tree: Mapping[str, Any], own_folders: Sequence[Path] = ()
+) -> tuple[dict[str, Any], list[Diagnostic]]:
+    """Adds the motors that `actuators` names to `motors` of the tree; returns the tree, and the motors'
+    problems. A motor that the tree itself defines needs no file. `own_folders`: the user's folders with
+    `robot/`."""
+    tree_motors = tree.get("motors")
+    if tree_motors is not None and not isinstance(tree_motors, Mapping):
         return dict(tree), []
-    motors: dict[str, Any] = dict(given or {})
+    motors: dict[str, Any] = dict(tree_motors or {})
     problems: list[Diagnostic] = []
-    known: dict[str, Path] | None = None
-    for key, name in _named(tree.get("actuators")):
+    files: dict[str, Path] | None = None
+    for key, name in _named_motors(tree.get("actuators")):
         if name in motors:
             continue
-        known = library(own) if known is None else known
-        if name not in known:
-            problems.append(_unknown(key, name, sorted({*known, *(given or ())}), own))
+        files = library(own_folders) if files is None else files
+        if name not in files:
+            problems.append(_unknown(key, name, sorted({*files, *(tree_motors or ())}), own_folders))
             continue
-        motors[name], wrong = _content(known[name])
-        problems += wrong
-    bad = {one for one, content in motors.items() if content is None}
-    motors = {name: content for name, content in motors.items() if name not in bad}
+        motors[name], file_problems = _content(files[name])
+        problems += file_problems
+    invalid = {name for name, content in motors.items() if content is None}
+    motors = {name: content for name, content in motors.items() if name not in invalid}
     return ({**tree, "motors": motors} if motors else dict(tree)), problems
 
 
-def _named(actuators: Any) -> Iterator[tuple[str, str]]:
-    """(key, motor) of each entry of `actuators` that names one."""
+def _named_motors(actuators: Any) -> Iterator[tuple[str, str]]:
+    """Yields the key and the motor of each entry of `actuators` that names a motor."""
     for glob, entry in actuators.items() if isinstance(actuators, Mapping) else ():
         if isinstance(entry, Mapping) and isinstance(entry.get("motor"), str) and entry["motor"]:
             yield f"actuators.{glob}.motor", entry["motor"]
 
 
-def _unknown(key: str, name: str, known: Sequence[str], own: Sequence[Path]) -> Diagnostic:
-    near = nearest(name, known)
-    places = " and ".join(str(folder / FOLDER) for folder in own) or f"./{FOLDER}/ beside ./robot/"
-    hint = f"{near} motors: {', '.join(known)}; motors of your own: {places}".strip()
+def _unknown(key: str, name: str, motors: Sequence[str], own_folders: Sequence[Path]) -> Diagnostic:
+    suggestion = nearest(name, motors)
+    places = " and ".join(str(folder / FOLDER) for folder in own_folders) or f"./{FOLDER}/ beside ./robot/"
+    hint = f"{suggestion} motors: {', '.join(motors)}; motors of your own: {places}".strip()
     return Diagnostic("E-MOTOR", f"there is no motor {name}", key, hint)
 
 
 def _content(file: Path) -> tuple[dict[str, Any] | None, list[Diagnostic]]:
-    """The content of a motor's file, and its problems, which name the file."""
+    """Reads a motor's file; returns its content, None if invalid, and its problems, which name the file."""
     try:
         content = yaml_file.read(file)
     except (OSError, ValueError, yaml.YAMLError) as error:
@@ -73,12 +76,14 @@ def _content(file: Path) -> tuple[dict[str, Any] | None, list[Diagnostic]]:
     try:
         _Library.model_validate({"motors": {file.stem: content}})
     except ValidationError as error:
-        found = diagnostics(error, _Library)
-        inside = [one.where.removeprefix(f"motors.{file.stem}").lstrip(".") for one in found]
+        problems = diagnostics(error, _Library)
+        keys = [problem.where.removeprefix(f"motors.{file.stem}").lstrip(".") for problem in problems]
         texts = [
-            f"{key}: {one.message}" if key else one.message for key, one in zip(inside, found, strict=True)
+            f"{key}: {problem.message}" if key else problem.message
+            for key, problem in zip(keys, problems, strict=True)
         ]
         return None, [
-            Diagnostic("E-MOTOR", text, str(file), one.hint) for text, one in zip(texts, found, strict=True)
+            Diagnostic("E-MOTOR", text, str(file), problem.hint)
+            for text, problem in zip(texts, problems, strict=True)
         ]
     return content, []

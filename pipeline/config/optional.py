@@ -1,4 +1,4 @@
-"""The key `optional` of a configuration: globs that may match nothing."""
+"""Adds to the key `optional` of a configuration: globs that may match nothing."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
@@ -11,29 +11,29 @@ KEY = "optional"
 
 
 def add_optional(tree: dict[str, Any], shared: Iterable[Mapping[str, Any]]) -> None:
-    """Adds the globs of `shared` files, those of several robots, to the key `optional` of a resolved tree,
-    where the tree still has them."""
-    there, given = all_globs(tree), tree.get(KEY, {})
+    """Adds the globs of `shared` files to the key `optional` of a resolved tree, if the tree still has them:
+    a file that several robots share may have globs that match nothing in one of them."""
+    globs_by_key, section = all_globs(tree), tree.get(KEY, {})
     for key, globs in ((key, globs) for file in shared for key, globs in all_globs(file).items()):
-        if isinstance(given, dict) and isinstance(given.get(key, []), list):
-            added = [glob for glob in globs if glob in there.get(key, ()) and glob != "*"]
-            given[key] = list(dict.fromkeys([*given.get(key, ()), *added]))
-    if given:
-        tree[KEY] = {key: globs for key, globs in given.items() if globs}
+        if isinstance(section, dict) and isinstance(section.get(key, []), list):
+            added = [glob for glob in globs if glob in globs_by_key.get(key, ()) and glob != "*"]
+            section[key] = list(dict.fromkeys([*section.get(key, ()), *added]))
+    if section:
+        tree[KEY] = {key: globs for key, globs in section.items() if globs}
 
 
 def without_effect(tree: Mapping[str, Any]) -> Iterator[Diagnostic]:
-    """E-VALUE for what the key names that no glob of the configuration is."""
-    given = tree.get(KEY)
-    for key, globs in given.items() if isinstance(given, Mapping) else ():
+    """Yields E-VALUE for each entry of `optional` that is no glob of the configuration."""
+    section = tree.get(KEY)
+    for key, globs in section.items() if isinstance(section, Mapping) else ():
         if key not in GLOB_KEYS:
             hint = f"{did_you_mean(str(key), GLOB_KEYS)} allowed: {', '.join(GLOB_KEYS)}".lstrip()
             yield Diagnostic("E-VALUE", f"{key} holds no globs", KEY, hint)
             continue
-        there = list(globs_of(tree, key))
+        tree_globs = list(globs_of(tree, key))
         for glob in globs if isinstance(globs, list | tuple) else ():
-            if glob not in there:
-                hint = there_are(str(glob), {"its globs": there})
+            if glob not in tree_globs:
+                hint = there_are(str(glob), {"its globs": tree_globs})
                 yield Diagnostic(
                     "E-VALUE", f"{key} has no glob {glob!r} that could be optional", f"{KEY}.{key}", hint
                 )

@@ -17,38 +17,63 @@ from linkwright.stages.robot.errors import Diagnostic
 
 CODE = "E-OVERRIDE"
 
-VERBS = ("new", "check", "diff", "view", "explain", "bundle", "cache")
+VERBS = ("new", "check", "diff", "view", "explain", "bundle", "cache", "jobs", "job")
 """Verbs of the command line, also those that are decided but not supported yet: never read as overrides."""
 
 _NAME = r"[A-Za-z_$][\w$-]*"
 _PATH = re.compile(rf"{_NAME}(\.({_NAME}|0|[1-9]\d*))*", re.ASCII)
 _GROUP = re.compile(r"[A-Za-z_][\w-]*(/[A-Za-z_][\w-]*)*(@.*)?", re.ASCII)
 
-OF_HYDRA = re.compile(
-    r"hydra(/launcher|\.launcher(\..*)?|\.sweep\.(dir|subdir)|\.sweeper\.max_batch_size"
+ALLOWED_HYDRA_KEYS = re.compile(
+    r"hydra(/launcher|\.launcher(\..*)?|\.sweep\.(dir|subdir)|/sweeper(/.*)?|\.sweeper\.(?!params).*"
     r"|[./](job|hydra)_logging(\..*)?|\.verbose)"
 )
-"""The keys of Hydra that may be overridden, in a sweep."""
+"""Keys of Hydra that may be overridden in a sweep."""
 
 Values = Callable[[str], list[str]]
 """Hydra's parser: an override → its values as text, several in a sweep.
 
-ValueError, with the problem and perhaps a hint: unreadable.
+Raises ValueError, with the problem and perhaps a hint, if the override cannot be read.
 """
 
 
 @dataclass(frozen=True, slots=True)
 class Override:
-    """One argument: as typed, its key without `+` and `~`, its values, and its form for Hydra."""
+    """An argument of the command line that sets a key or chooses options."""
 
     typed: str
+    """The argument as the user typed it."""
     key: str
+    """The key, without `+` and `~`."""
     values: tuple[str, ...]
+    """The values as text, several in a sweep."""
     hydra: str
+    """The override for Hydra."""
 
     @property
     def swept(self) -> bool:
         return len(self.values) > 1
+
+    @property
+    def texts(self) -> list[str]:
+        """The override for Hydra, once with each of the values."""
+        sign = self.hydra.partition("=")[0]
+        return [f"{sign}={value}" for value in self.values] or [f"{sign}=null"]
+
+    @property
+    def first(self) -> str:
+        """The override for Hydra with only the first value."""
+        return self.texts[0] if self.swept else self.hydra
+
+    def text_in(self, job: Sequence[str]) -> str | None:
+        """Returns the override of a job that sets this key, or None. Keys with a name that is no word,
+        such as `joints.*.damping` and `joints.*.friction`, are one key for Hydra: their values tell them
+        apart."""
+        sign = self.hydra.partition("=")[0]
+        texts = [text for text in job if text.partition("=")[0] == sign]
+        if len(texts) > 1:
+            texts = [text for text in texts if text.partition("=")[2] in self.values] or texts
+        return texts[0] if texts else None
 
     @property
     def for_hydra_itself(self) -> bool:
@@ -62,9 +87,9 @@ def read(
     multirun: bool,
     added: Collection[str] = (),
 ) -> tuple[list[Override], list[Diagnostic]]:
-    """The overrides of a command line, and the problems of invalid arguments.
+    """Reads the arguments of a command line; returns their overrides, and the problems of invalid arguments.
 
-    `added`: groups that are in no defaults list, for which Hydra needs a `+`.
+    `groups`: those in the defaults list; `added`: groups in no defaults list, for which Hydra needs a `+`.
     """
     overrides, problems = [], []
     for argument in arguments:
@@ -85,10 +110,10 @@ def read(
 
 
 def refused(override: Override, multirun: bool) -> Diagnostic | None:
-    """The problem of an override that concerns Hydra itself."""
+    """Returns the problem of an override that sets a key of Hydra, or None."""
     if not override.for_hydra_itself:
         return None
-    if not OF_HYDRA.fullmatch(override.key):
+    if not ALLOWED_HYDRA_KEYS.fullmatch(override.key):
         hint = "--config-dir adds folders of your own; the key `output` sets the output folder"
         return Diagnostic(CODE, "this part of Hydra is set by linkwright", override.typed, hint)
     if not multirun:
@@ -100,17 +125,17 @@ def refused(override: Override, multirun: bool) -> Diagnostic | None:
 
 
 class _RefusedError(Exception):
-    """(message, hint) about one argument."""
+    """(message, hint) about an argument."""
 
 
-_NOT_CARRIED = "this key cannot be written on the command line"
+_NOT_WRITABLE = "this key cannot be written on the command line"
 _NO_KEY = "expected key=value"
 _QUOTE_TWICE = "a URL needs quotes, and around them quotes for the shell"
 
 
 @dataclass(frozen=True, slots=True)
 class _Typed:
-    """An argument, split. `sign`: `+`, `++`, `~` or nothing; `equal`: `=` or nothing."""
+    """An argument, split into its parts. `sign`: `+`, `++`, `~` or ""; `equal`: `=` or ""."""
 
     sign: str
     key: str
@@ -127,7 +152,7 @@ class _Typed:
 
     @property
     def is_assignment(self) -> bool:
-        """Whether it sets, adds or deletes something; a URL does not, though it may hold a `=`."""
+        """Tells whether the argument sets, adds or deletes a key. A URL does not, even if it contains `=`."""
         is_url = re.match(r"\w+://", self.text)
         return not is_url and any(self.names[:1]) and (bool(self.equal) or self.sign == "~")
 
@@ -137,7 +162,7 @@ class _Typed:
 
 
 def _read(argument: str, groups: Collection[str], values: Values) -> Override:
-    typed = _with_carried_value(_split(argument))
+    typed = _with_converted_value(_split(argument))
     if not typed.is_assignment:
         raise _RefusedError(*_no_key(typed.text))
     if typed.sign == "~":
@@ -153,16 +178,16 @@ def _read(argument: str, groups: Collection[str], values: Values) -> Override:
     return _key_with_names(typed, values)
 
 
-def _with_carried_value(typed: _Typed) -> _Typed:
-    """The argument with its value in a form that Hydra's grammar knows."""
+def _with_converted_value(typed: _Typed) -> _Typed:
+    """Returns the argument with its value in Hydra's grammar."""
     try:
-        return replace(typed, value=grammar.carried(typed.value))
+        return replace(typed, value=grammar.converted(typed.value))
     except grammar.NoFormError:
-        raise _RefusedError(_NOT_CARRIED, f"write it in YAML: {typed.key}: {typed.value}") from None
+        raise _RefusedError(_NOT_WRITABLE, f"write it in YAML: {typed.key}: {typed.value}") from None
 
 
 def _option(typed: _Typed, values: Values) -> Override:
-    """A choice of options of a group; a glob stands for the options that it matches."""
+    """Returns the override that chooses options of a group; a glob chooses the options that it matches."""
     options = _parsed(typed.text, typed.text, values)
     is_glob = re.match(r"\s*glob\(", typed.value)
     hydra = f"{typed.sign}{typed.key}={','.join(options)}" if is_glob else typed.text
@@ -175,12 +200,13 @@ def _plain_key(typed: _Typed, values: Values) -> Override:
 
 
 def _key_with_names(typed: _Typed, values: Values) -> Override:
-    """A key with a part that is not a word, such as `joints.*.damping`: a mapping for its first part."""
+    """Returns the override of a key with a part that is not a word, such as `joints.*.damping`: it sets the
+    first part to a mapping."""
     head, *path = _segments(typed.key)
-    given = _parsed(typed.text, f"++x={typed.value}", values)
+    parsed = _parsed(typed.text, f"++x={typed.value}", values)
     if not _PATH.fullmatch(head) or not all(map(grammar.has_form, path)):
-        raise _RefusedError(_NOT_CARRIED, f"write it in YAML: {_yaml(typed.key, typed.value)}")
-    hydra = f"++{head}={','.join(_nested(path, one) for one in given)}"
+        raise _RefusedError(_NOT_WRITABLE, f"write it in YAML: {_yaml(typed.key, typed.value)}")
+    hydra = f"++{head}={','.join(_nested(path, value) for value in parsed)}"
     return Override(typed.text, typed.key, tuple(values(hydra)), hydra)
 
 
@@ -221,12 +247,13 @@ _SEGMENT = re.compile(r"""\["([^"]*)"\]|\['([^']*)'\]|"([^"]*)"|((?:(?!\[["'])[^
 
 
 def _segments(key: str) -> list[str]:
-    """The names of a path; a quoted name may contain dots: joints."a.b".damping, joints["a.b"].damping."""
-    return ["".join(found) for found in _SEGMENT.findall(key)]
+    """Returns the names of a path; a quoted name may contain dots: joints."a.b".damping,
+    joints["a.b"].damping."""
+    return ["".join(groups) for groups in _SEGMENT.findall(key)]
 
 
 def _nested(path: Iterable[str], value: str) -> str:
-    names = [grammar.name(one) for one in path]
+    names = [grammar.name(part) for part in path]
     return "".join(f"{{{name}:" for name in names) + value + "}" * len(names)
 
 
@@ -244,8 +271,8 @@ def _paste(arguments: Iterable[str], multirun: bool) -> str:
     words = ["linkwright", "-m"] if multirun else ["linkwright"]
     for argument in arguments:
         key, _, value = argument.partition("=")
-        whole = pasted.override(key, value) if _has_url(argument) else pasted.word(argument)
-        words.append(whole)
+        quoted = pasted.override(key, value) if _has_url(argument) else pasted.word(argument)
+        words.append(quoted)
     line = " ".join(words)
     return f"paste: {line}   (check its end: an unquoted & has cut the URL in the shell)"
 
@@ -263,19 +290,19 @@ def _no_key(argument: str) -> tuple[str, str]:
         return f"`{argument}` is not supported yet", "linkwright --help lists the verbs"
     if "://" in argument:
         return _NO_KEY, f"linkwright source=onshape {pasted.override('source.url', argument)}"
-    near = nearest(argument, VERBS)
-    if near or not re.fullmatch(r"[\w./~ -]+", argument):
-        return _NO_KEY, near or "linkwright --help shows how keys and groups are typed"
+    suggestion = nearest(argument, VERBS)
+    if suggestion or not re.fullmatch(r"[\w./~ -]+", argument):
+        return _NO_KEY, suggestion or "linkwright --help shows how keys and groups are typed"
     ending = argument.lower().rpartition(".")[2]
     key = f"source={_SOURCES[ending]} source.path" if ending in _SOURCES else "robot"
     plain = re.fullmatch(r"[\w./-]+", argument)
-    return _NO_KEY, f"linkwright {key}={argument}" if plain else f"linkwright {_given(key, argument)}"
+    return _NO_KEY, f"linkwright {key}={argument}" if plain else f"linkwright {_assigned(key, argument)}"
 
 
-def _given(key: str, value: str) -> str:
-    """The last word of `key` in quotes, with its value."""
-    *before, last = key.split(" ")
-    return " ".join([*before, pasted.override(last, value)])
+def _assigned(key: str, value: str) -> str:
+    """Returns `key` with the value assigned to its last word, in quotes."""
+    *first_words, last = key.split(" ")
+    return " ".join([*first_words, pasted.override(last, value)])
 
 
 _SOURCES = {"urdf": "urdf", "xacro": "urdf", "xml": "mjcf", "mjcf": "mjcf", "zip": "bundle"}

@@ -7,7 +7,7 @@ from pydantic import Field
 from linkwright.stages.robot.section import Count, Section, example
 
 MOST_FACES = 1_000_000
-"""So many triangles that no page becomes too large to open or to send."""
+"""Largest value of `faces`: a page with more triangles is too large to open or to send."""
 
 
 class PageSection(Section):
@@ -15,13 +15,13 @@ class PageSection(Section):
 
     live: Literal["whole", "shared", "kinematics"] = "whole"
     """How the robot simulates in `report.html`. whole: the physics engine is in the file, which needs nothing
-    else; shared: the engine is `linkwright-engine.js` beside the page, and one file for all jobs of a sweep;
-    kinematics: without an engine the robot is moved by its sliders alone, and the file is small."""
+    else; shared: the engine is `linkwright-engine.js` beside the page, a single file for all jobs of a sweep;
+    kinematics: no engine, only sliders move the robot, and the file is small."""
 
     faces: Annotated[Count, Field(le=MOST_FACES), example(50_000)] = 200_000
-    """The most triangles that the page shows of the robot's visual meshes, and of its colliders; of more the
-    page has thinned copies, small parts with fewer triangles first, and says so. The exported meshes stay as
-    they are."""
+    """Largest number of triangles that the page shows of the robot's visual meshes, and of its colliders. If
+    there are more, the page shows simplified copies, and says so; small parts lose triangles first. The
+    exported meshes stay as they are."""
 
     preview: Literal["png", "turn", "none"] = "png"
     """The picture of the robot. png: `preview.png`; turn: also `preview.webp`, in which it turns; none: no

@@ -9,31 +9,30 @@ from linkwright.pipeline.errors import Diagnostic
 
 @dataclass(slots=True)
 class Draft:
-    """The state of an incomplete composition.
-
-    `problems`: found so far; `without`: the groups whose choice was ignored; `lost`: the keys with an
-    unreadable value on the command line.
-    """
+    """The state of an incomplete composition."""
 
     problems: list[Diagnostic] = field(default_factory=list)
+    """The problems so far."""
     without: set[str] = field(default_factory=set)
+    """The groups whose choice was ignored."""
     lost: set[str] = field(default_factory=set)
+    """The keys with an unreadable value on the command line."""
 
     @classmethod
-    def of(cls, known: Iterable[Diagnostic], bad: Mapping[str, Sequence[Diagnostic]]) -> "Draft":
-        """The draft of a command line with `known` problems, and `bad` choices by group."""
-        problems = list(known)
-        lost = {problem.where.lstrip("+~").partition("=")[0] for problem in problems}
-        problems += [problem for found in bad.values() for problem in found]
-        return cls(problems, set(bad), lost)
+    def of(cls, problems: Iterable[Diagnostic], bad: Mapping[str, Sequence[Diagnostic]]) -> "Draft":
+        """Creates the draft of a command line. `problems`: of its arguments; `bad`: the problems of invalid
+        choices, by group."""
+        typed = list(problems)
+        lost = {problem.where.lstrip("+~").partition("=")[0] for problem in typed}
+        return cls([*typed, *(problem for of_group in bad.values() for problem in of_group)], set(bad), lost)
 
     def add(self, problem: Diagnostic) -> None:
-        """Adds a problem, unless it is there already."""
+        """Adds a problem unless the draft already has it."""
         if problem not in self.problems:
             self.problems.append(problem)
 
     def unsure(self, problem: Diagnostic) -> bool:
-        """Whether a problem may only follow from an ignored choice or an unreadable value."""
+        """Tells whether a problem may only follow from an ignored choice or an unreadable value."""
         missing = problem.code == "E-MISSING"
         if missing and problem.where in self.lost:
             return True

@@ -1,4 +1,4 @@
-"""Composed trees as plain data."""
+"""Converts composed trees to plain data."""
 
 from collections.abc import Iterable, Iterator
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 from omegaconf import DictConfig, ListConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
-from linkwright.pipeline.config.files.yaml_file import DEEPEST, MOST_VALUES
+from linkwright.pipeline.config.files.yaml_file import MAX_DEPTH, MAX_VALUES
 from linkwright.pipeline.config.hydra.words import RESOLVING, Words, in_words
 from linkwright.pipeline.config.messages import how_to_give
 from linkwright.pipeline.errors import Diagnostic
@@ -14,14 +14,14 @@ from linkwright.pipeline.key_path import Place, key_of
 
 
 def as_written(node: DictConfig) -> dict[str, Any]:
-    """The node as plain data, interpolations as they are."""
+    """Converts a node to plain data, with unresolved interpolations."""
     tree: Any = OmegaConf.to_container(node, resolve=False)
     return dict(tree)
 
 
 def at(config: DictConfig, place: Place, problems: list[Diagnostic]) -> Any:
-    """The value at a place, as plain data with interpolations resolved; None, and a problem, where that
-    fails."""
+    """Returns the value at a place, as plain data with resolved interpolations. If that fails, adds a problem
+    and returns None."""
     node: Any = config
     try:
         for name in place:
@@ -39,23 +39,26 @@ def plain(
     computed: set[Place] | None = None,
     room: Iterator[int] | None = None,
 ) -> Any:
-    """The node as plain data with interpolations resolved. A value that is missing or cannot be resolved is a
-    problem, and is left out; so are values above the limit, since interpolations repeat the values that they
-    name: `room` counts the values that may follow. `computed` receives the places of interpolations."""
-    room = iter(range(MOST_VALUES)) if room is None else room
+    """Converts a node to plain data, with resolved interpolations.
+
+    A value that is missing or cannot be resolved is left out, and becomes a problem. So do values above the
+    limit: interpolations repeat the values that they name. `computed` receives the places of interpolations;
+    `room` has an item for each value that may follow.
+    """
+    room = iter(range(MAX_VALUES)) if room is None else room
     if isinstance(node, ListConfig):
         pairs: Iterable[tuple[Any, Any]] = enumerate(range(len(node)))
     elif isinstance(node, DictConfig):
         pairs = ((name, name) for name in list(node))
     else:
         return node
-    found: dict[Any, Any] = {}
+    content: dict[Any, Any] = {}
     for name, index in pairs:
         if name == "hydra" and not place:
             continue
         inner = (*place, name)
-        if next(room, None) is None or len(inner) > DEEPEST:
-            text = f"it holds more than {MOST_VALUES} values, or is nested deeper than {DEEPEST} levels"
+        if next(room, None) is None or len(inner) > MAX_DEPTH:
+            text = f"it holds more than {MAX_VALUES} values, or is nested deeper than {MAX_DEPTH} levels"
             if not any(problem.message == text for problem in problems):
                 hint = "check its interpolations: ${...}"
                 problems.append(Diagnostic("E-VALUE", text, key_of(place), hint))
@@ -71,12 +74,12 @@ def plain(
         except OmegaConfBaseException as error:
             problems.append(_unresolved(error, inner))
             continue
-        found[name] = plain(value, inner, problems, computed, room)
-    return list(found.values()) if isinstance(node, ListConfig) else found
+        content[name] = plain(value, inner, problems, computed, room)
+    return list(content.values()) if isinstance(node, ListConfig) else content
 
 
 def _unresolved(error: Exception, place: Place) -> Diagnostic:
-    """The problem of an interpolation."""
+    """Returns the problem of an interpolation."""
     unknown = Words(f"cannot be resolved: {str(error).splitlines()[0]}", hint="correct its ${...}")
     words = in_words(str(error), RESOLVING) or unknown
     return Diagnostic("E-VALUE", words.text, key_of(place), words.hint)

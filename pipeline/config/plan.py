@@ -1,4 +1,4 @@
-"""The whole configuration as one frozen value."""
+"""Defines the whole configuration as one frozen value."""
 
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -9,6 +9,7 @@ from pydantic import AfterValidator, Field, ValidationError
 
 from linkwright.pipeline.config.messages import diagnostics
 from linkwright.pipeline.config.motor_library import with_motors
+from linkwright.pipeline.config.objective_section import ObjectiveSection
 from linkwright.pipeline.config.optional import without_effect
 from linkwright.pipeline.config.page_section import PageSection
 from linkwright.pipeline.errors import Diagnostic, refusal
@@ -56,15 +57,15 @@ Module = Annotated[Text, AfterValidator(_module)]
 
 
 def is_run_key(key: str) -> bool:
-    """Whether a full key is about how a build runs, not about its result."""
-    return any(key == one or key.startswith(f"{one}.") for one in RUN_KEYS)
+    """Tells whether a full key is about how a build runs, not about its result."""
+    return any(key == run_key or key.startswith(f"{run_key}.") for run_key in RUN_KEYS)
 
 
 class CacheSection(Section):
     """The cache of earlier results."""
 
     mode: Literal["use", "refresh", "bypass"] = "use"
-    """use: read and store results; refresh: make everything again and store it; bypass: neither read nor
+    """use: read and store results; refresh: compute everything again and store it; bypass: neither read nor
     store."""
 
     dir: Annotated[Text | None, example("~/.cache/linkwright")] = None
@@ -75,7 +76,11 @@ class Plan(FetchSections, GraphSections, MeshSections, ExportSections, ValidateS
     """The whole configuration of a build: the sections of the stages, and how they run."""
 
     page: PageSection = PageSection()
-    """The page about the build, and the robot's picture: no key of them changes a file of the robot."""
+    """The page about the build, and the robot's picture; these keys change no file of the robot."""
+
+    objective: ObjectiveSection | None = None
+    """The number that a search minimizes or maximizes over the robots of a sweep; no file of the robot has
+    it."""
 
     cache: CacheSection = CacheSection()
     """The cache of earlier results."""
@@ -84,16 +89,17 @@ class Plan(FetchSections, GraphSections, MeshSections, ExportSections, ValidateS
     """Values of your own, for interpolations such as `${vars.reach}`."""
 
     plugins: Annotated[tuple[Module, ...], example(["my_checks"])] = ()
-    """Modules whose functions and classes may be used as `_target_`. Counts on the command line, and in files
-    that `LINKWRIGHT_TRUST` names."""
+    """Modules whose functions and classes may be used as `_target_`. Counts only on the command line, and in
+    files that `LINKWRIGHT_TRUST` names."""
 
     output: Annotated[Text | None, example("~/robots/my_arm")] = None
-    """The output folder; `~` is the home folder; null: `outputs/<name>`. It is new, empty or of an earlier
-    build. In a file it lies below the working folder, or is `${oc.env:NAME}`, which may be any place."""
+    """The output folder; `~` is the home folder; null: `outputs/<name>`. The folder must be new, empty or
+    from an earlier build. A file may only name a folder below the working folder, or `${oc.env:NAME}`, which
+    may be any place."""
 
     overwrite: Flag = False
-    """Whether files in the way of the build (files of an earlier build that were changed, and files of yours
-    at a path that the build writes) are moved to `<output>.replaced`; else they stop the build."""
+    """Whether files in the way of the build (changed files of an earlier build, and your own files at a path
+    that the build writes) are moved to `<output>.replaced`; otherwise they stop the build."""
 
     until: Literal["fetch", "graph", "mesh", "export", "validate"] = "validate"
     """The last stage that runs."""
@@ -102,28 +108,28 @@ class Plan(FetchSections, GraphSections, MeshSections, ExportSections, ValidateS
     def parse(
         cls,
         data: Mapping[str, Any],
-        known: Iterable[Diagnostic] = (),
+        earlier: Iterable[Diagnostic] = (),
         *,
         unsure: Callable[[Diagnostic], bool] = lambda _: False,
         judge: "Judge | None" = None,
         folders: Sequence[Path] = (),
     ) -> "Plan":
-        """The plan that `data`, plain mappings and lists, describes.
+        """Returns the plan that `data`, plain mappings and lists, describes.
 
-        One ConfigError lists all problems: the `known` problems; each key that is unknown, missing, not
-        supported yet or has a value that is not allowed, except those that may only follow from a known
-        problem (`unsure`); and the problems that `judge` finds in the rest. `folders`: the user's own, which
-        hold `robot/` and may hold `motors/`.
+        Raises a single ConfigError with all problems: the `earlier` problems; each key that is unknown,
+        missing, not supported yet or has a value that is not allowed; and the problems that `judge` finds in
+        the rest. Problems of keys are left out if they may only follow from an earlier problem (`unsure`).
+        `folders`: the user's folders, which contain `robot/` and may contain `motors/`.
         """
         data, missing = with_motors(data, folders)
-        problems = [*known, *missing, *without_effect(data)]
+        problems = [*earlier, *missing, *without_effect(data)]
         plan: Plan | None
         try:
             plan = cls.model_validate(dict(data))
         except ValidationError as error:
             places = {problem.where for problem in problems}
-            found = [one for one in diagnostics(error, cls) if one.where not in places]
-            problems += [one for one in found if not unsure(one)]
+            invalid_keys = [problem for problem in diagnostics(error, cls) if problem.where not in places]
+            problems += [problem for problem in invalid_keys if not unsure(problem)]
             plan = cls._of_the_rest(data, [details["loc"] for details in error.errors()])
         if plan is not None and not problems:
             return plan
@@ -132,13 +138,15 @@ class Plan(FetchSections, GraphSections, MeshSections, ExportSections, ValidateS
         raise refusal(problems)
 
     @classmethod
-    def _of_the_rest(cls, data: Mapping[str, Any], wrong: Iterable[Sequence[int | str]]) -> "Plan | None":
-        """The plan without the invalid sections; None where it is invalid without them."""
+    def _of_the_rest(
+        cls, data: Mapping[str, Any], invalid_places: Iterable[Sequence[int | str]]
+    ) -> "Plan | None":
+        """Returns the plan without its invalid sections, or None if the rest is invalid too."""
         rest = dict(data)
-        for head, *below in wrong:
+        for head, *below in invalid_places:
             if head == "source" and len(below) == 2 and isinstance(rest.get("source"), dict):
                 # pydantic puts the kind of source between the two.
-                rest["source"] = {key: one for key, one in rest["source"].items() if key != below[1]}
+                rest["source"] = {key: value for key, value in rest["source"].items() if key != below[1]}
             else:
                 rest.pop(str(head), None)
         try:
@@ -154,17 +162,17 @@ class Plan(FetchSections, GraphSections, MeshSections, ExportSections, ValidateS
         return Path(os.path.expanduser(self.output))  # noqa: PTH111  (a user that is not known is no error here)
 
     def tree(self) -> dict[str, Any]:
-        """The plan as plain data in the order of the stages; `parse` reads it back."""
+        """Returns the plan as plain data in the order of the stages; `parse` reads it back."""
         data = self.identity()
-        own = [name for keys in SECTIONS for name in keys.model_fields]
-        own += [name for name in data if name not in own]
-        return {name: data[name] for name in ["name", *(name for name in own if name != "name")]}
+        names = [name for keys in SECTIONS for name in keys.model_fields]
+        names += [name for name in data if name not in names]
+        return {name: data[name] for name in ["name", *(name for name in names if name != "name")]}
 
 
 Judge = Callable[[Plan], Iterable[Diagnostic]]
-"""Finds further problems of a plan before it is built."""
+"""A function that finds further problems of a plan before it is built."""
 
 
 def section(plan: Plan, keys: type[Section]) -> dict[str, Any]:
-    """One stage's part of the plan as plain data: its part of a cache key. Mappings keep their order."""
+    """Returns a stage's part of the plan as plain data, for a cache key. Mappings keep their order."""
     return plan.model_dump(mode="json", by_alias=True, include=set(keys.model_fields))

@@ -1,4 +1,4 @@
-"""The YAML files that a configuration is composed from: ours in `conf`, and the user's own."""
+"""Finds the YAML files that a configuration is composed from: in `conf`, and in the user's folders."""
 
 import os
 import re
@@ -24,35 +24,35 @@ OURS = Path(linkwright.conf.__file__).parent
 GROUPS = tuple(sorted(folder.name for folder in OURS.iterdir() if any(folder.glob("*.yaml"))))
 """The groups that a robot chooses from, and `robot` itself."""
 
-SEVERAL = ("export",)
-"""Groups of which several options are chosen at once."""
+SEVERAL = ("export", "target")
+"""Groups of which several options can be chosen at once."""
 
 _PACKAGED = re.compile(r"(\s*#.*\n)*\s*#\s*@package\s+(?!_group_)\S")
-"""The head of a file with its place in the tree."""
+"""The head of a file that states its place in the tree."""
 
 
 class Presets:
-    """Options of groups, in `conf` and in the user's folders, which hold `robot/`."""
+    """The options of all groups, in `conf` and in the user's folders, which contain `robot/`."""
 
     def __init__(self, config_dirs: Iterable[str | Path] = (), cwd: Path | None = None) -> None:
-        """ConfigError where one of `config_dirs` is not a folder. `./robot/` is included if it exists."""
+        """Includes `./robot/` if it exists. Raises ConfigError if one of `config_dirs` is not a folder."""
         self._here, dirs = cwd or Path.cwd(), list(config_dirs)
         here = self._here
         folders = [here] if any(observed.is_folder(here / group) for group in ("robot", EXPERIMENT)) else []
-        given = []
+        named_folders = []
         self.options_typed = [text for named in dirs for text in ("--config-dir", str(named))]
         for named in dirs:
             folder = here / Path(named).expanduser()
             _check_place(folder, str(named))
-            given.append(observed.real(folder))
-        self.given = tuple(dict.fromkeys(folder for folder in given if folder != OURS))
+            named_folders.append(observed.real(folder))
+        self.given = tuple(dict.fromkeys(folder for folder in named_folders if folder != OURS))
         """The folders of `config_dirs`, whose launchers are trusted."""
-        own = [*map(observed.real, folders), *given]
+        own = [*map(observed.real, folders), *named_folders]
         self.own = tuple(dict.fromkeys(folder for folder in own if folder != OURS))
 
     def named(self, value: str) -> str | None:
-        """The option of a robot's file, where `value` is its path: relative to `conf/robot`, so that Hydra
-        finds it anywhere. Adds the folder of the file, or the parent of `robot/`, to the search path."""
+        """Returns the option of a robot's file if `value` is its path, relative to `conf/robot`, so that
+        Hydra finds it anywhere. Adds the folder of the file, or the parent of `robot/`, to `own`."""
         path = Path(value).expanduser()
         file = self._here / (path if path.suffix == ".yaml" else path.with_name(f"{path.name}.yaml"))
         by_path = path.suffix == ".yaml" or "/" in value
@@ -66,23 +66,23 @@ class Presets:
         return Path(os.path.relpath(file.with_suffix(""), OURS.resolve() / "robot")).as_posix()
 
     def options(self, group: str) -> list[str]:
-        """The options of a group, sorted."""
-        found = set()
+        """Returns the options of a group, sorted."""
+        names = set()
         for folder in (OURS, *self.own):
             for path in map(PurePath, observed.yaml_below(folder / group)):
                 if not is_motor(folder / group / path, folder / group):
-                    found.add(path.with_suffix("").as_posix())
-        return sorted(found)
+                    names.add(path.with_suffix("").as_posix())
+        return sorted(names)
 
     def files(self, group: str, option: str) -> list[Path]:
-        """The files of an option; more than one file is a conflict."""
+        """Returns the files of an option; more than one file is a conflict."""
         # The path of a robot's file is one from our own folder.
         bases = (OURS.resolve(),) if option.startswith("../") else (OURS, *self.own)
         inside = (OURS.resolve(), *self.own)
-        found = [place for base in bases if (place := reach.place(base, f"{group}/{option}.yaml", inside))]
+        places = [place for base in bases if (place := reach.place(base, f"{group}/{option}.yaml", inside))]
         if group == "actuators" and option.startswith(f"{MOTORS}/"):
             return []
-        return [file for file in found if observed.is_file(file)]
+        return [file for file in places if observed.is_file(file)]
 
     @property
     def with_motors(self) -> tuple[Path, ...]:
@@ -91,29 +91,29 @@ class Presets:
         return tuple(dict.fromkeys([*([here] if observed.is_folder(here / MOTORS) else []), *self.own]))
 
     def own_files(self, paths: Iterable[str]) -> list[Path]:
-        """The files of a composed tree that are not ours, by their paths in the search path."""
-        found = []
+        """Returns the user's own files among the `paths` in the search path of a composed tree."""
+        own = []
         for path in paths:
             name = f"{path.removesuffix('.yaml')}.yaml"
             files = [folder / name for folder in self.own if observed.is_file(folder / name)]
-            ours = observed.real(OURS / name)
-            if observed.is_file(ours) and not ours.is_relative_to(OURS.resolve()):
-                files = [ours]
-            elif not files and not observed.is_file(ours) and not path.startswith("hydra/"):
+            shipped_file = observed.real(OURS / name)
+            if observed.is_file(shipped_file) and not shipped_file.is_relative_to(OURS.resolve()):
+                files = [shipped_file]
+            elif not files and not observed.is_file(shipped_file) and not path.startswith("hydra/"):
                 files = [Path(path)]
-            found += files
-        return found
+            own += files
+        return own
 
     def shared(self, files: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-        """What the files set that several robots share: those of groups other than the robot and the
-        experiment, and what robots of ours but the sample give to others. `files`: those of a composed tree,
-        by their paths in the search path."""
+        """Returns the content of the files that several robots share: files of all groups except robot and
+        experiment, and the package's robots except the sample. `files`: content of the files of a composed
+        tree, by their paths in the search path."""
         single = [path for path in files if path.partition("/")[0] in ("robot", EXPERIMENT)]
         strict = {"robot/sample", *(path for path in single if self.own_files([path]))}
         return [tree for path, tree in files.items() if isinstance(tree, Mapping) and path not in strict]
 
     def problem(self, group: str, option: str) -> Diagnostic | None:
-        """The problem of a choice of an option, or None."""
+        """Returns the problem of a choice of an option, or None."""
         files = self.files(group, option)
         if len(files) > 1:
             text = f"ambiguous: {' and '.join(str(file) for file in files)}"
@@ -121,7 +121,7 @@ class Presets:
         return None if files else self.unknown(group, option)
 
     def judged(self, overrides: Iterable[str]) -> tuple[list[str], dict[str, list[Diagnostic]]]:
-        """The overrides whose options exist, and the problems of the others, by group."""
+        """Returns the overrides whose options exist, and the problems of the others, by group."""
         good, bad = [], {}
         for override in overrides:
             group, _, value = override.lstrip("+~").partition("=")
@@ -135,55 +135,60 @@ class Presets:
 
     def _problems(self, group: str, value: str) -> list[Diagnostic]:
         options = chosen(value)
-        listed = value.startswith("[") and group in SEVERAL
-        if not listed and (len(options) != 1 or value.startswith("[")):
+        is_list = value.startswith("[") and group in SEVERAL
+        if not is_list and (len(options) != 1 or value.startswith("[")):
             hint = f"options: {', '.join(self.options(group))}"
             return [Diagnostic("E-OPTION", "expected one option", f"{group}={value}", hint)]
-        return [found for option in options if (found := self.problem(group, option))]
+        return [problem for option in options if (problem := self.problem(group, option))]
 
     def content(self, group: str, option: str) -> dict[str, Any]:
-        """The content of an option's file; {} where it cannot be read."""
+        """Returns the content of an option's file; {} if it cannot be read."""
         files = self.files(group, option)
         return content(files[0]) if files else {}
 
     def _section(self, group: str, option: str) -> dict[str, Any]:
-        """The keys that an option sets in its group; {} where its file belongs elsewhere in the tree."""
+        """Returns the keys that an option sets in its group; {} if its file belongs elsewhere in the tree."""
         files = self.files(group, option)
         if not files or _PACKAGED.match(files[0].read_text(encoding="utf-8", errors="replace")):
             return {}
         return {key: value for key, value in content(files[0]).items() if key != "defaults"}
 
     def own_groups(self) -> list[str]:
-        """The groups that exist only in the user's folders, such as `experiment`; sorted."""
+        """Returns the groups that exist only in the user's folders, such as `experiment`; sorted."""
         folders = {name for own in self.own for name in observed.folders_with_yaml(own)}
         return sorted(folders - {*GROUPS, "hydra", MOTORS})
 
-    def choices(
-        self, robot: str, formats: tuple[str, ...], overrides: Iterable[str], paths: Iterable[str] = ()
-    ) -> Choices:
-        """The choices of a tree that was composed of these valid overrides and of the files at `paths`; a
+    def choices(self, robot: str, overrides: Iterable[str], paths: Iterable[str] = ()) -> Choices:
+        """Returns the choices of a tree that was composed of valid overrides and of the files at `paths`. A
         choice of an experiment counts as a choice on the command line."""
         presets: dict[str, dict[str, Any]] = {}
         keys: set[str] = set()
+        explicit_groups: set[str] = set()
+        several = {group: tuple(_below(group, paths)) for group in SEVERAL}
         groups = self.own_groups()
         experiments = [path.partition("/")[2] for path in paths if path.startswith(f"{EXPERIMENT}/")]
         for file in self.own_files(path for path in paths if path.partition("/")[0] in groups):
             experiment = content(file)
             for group, option in _overridden(experiment.pop("defaults", None)):
-                if group in GROUPS and group != "robot" and group not in SEVERAL:
+                if group in SEVERAL:
+                    explicit_groups.add(group)
+                elif group in GROUPS and group != "robot":
                     presets[group] = self._section(group, option)
             keys |= {key_of(place) for place in ends(experiment)}
         for text in overrides:
             key, _, value = text.lstrip("+~").partition("=")
             if key not in GROUPS or text.startswith("+"):
                 keys.add(key)
-            elif key != "robot" and key not in SEVERAL and not text.startswith("~"):
+            elif key in SEVERAL:
+                explicit_groups.add(key)
+            elif key != "robot" and not text.startswith("~"):
                 presets[key] = self._section(key, chosen(value)[0])
-        return Choices(robot, formats, tuple(experiments), presets, frozenset(keys))
+        sets = frozenset(keys), frozenset(explicit_groups)
+        return Choices(robot, several, tuple(experiments), presets, *sets)
 
     def chosen_twice(self, files: Iterable[Path]) -> list[Diagnostic]:
-        """The problems of files whose defaults lists override a group more than once."""
-        found = []
+        """Returns the problems of files whose defaults lists override a group more than once."""
+        problems = []
         for file in files:
             options: dict[str, list[str]] = {}
             for group, option in _overridden(content(file).get("defaults")):
@@ -192,11 +197,11 @@ class Presets:
                 if len(several) > 1:
                     msg = f"its defaults list overrides {group} more than once: {', '.join(several)}"
                     hint = f"keep one line, override /{group}: {several[-1]}"
-                    found.append(Diagnostic("E-OPTION", msg, f"{file.parent.name}/{file.name}", hint))
-        return found
+                    problems.append(Diagnostic("E-OPTION", msg, f"{file.parent.name}/{file.name}", hint))
+        return problems
 
     def unknown(self, group: str, option: str) -> Diagnostic:
-        """The problem of an option without a file."""
+        """Returns the problem of an option without a file."""
         where = f"{group}={option}"
         if group != "robot" and not reach.is_plain(option):
             return reach.outside(option, where)
@@ -232,7 +237,7 @@ class Presets:
         return f"{near} paths start at {self._here}{f'; robots by name: {places}' if places else ''}".strip()
 
     def not_utf8(self) -> Path | None:
-        """A file of the user's own that cannot be read as text."""
+        """Returns a file of the user's own that cannot be read as text."""
         for file in (file for folder in self.own for file in sorted((folder / "robot").rglob("*.yaml"))):
             try:
                 yaml_file.text(file)
@@ -244,43 +249,49 @@ class Presets:
 
 
 def content(file: Path) -> dict[str, Any]:
-    """The content of a file; {} where it cannot be read."""
+    """Returns the content of a file; {} if it cannot be read."""
     try:
-        read = yaml_file.read(file)
+        tree = yaml_file.read(file)
     except (OSError, UnicodeDecodeError, yaml.YAMLError):
         return {}
-    return read if isinstance(read, dict) else {}
+    return tree if isinstance(tree, dict) else {}
+
+
+def _below(group: str, paths: Iterable[str]) -> Iterator[str]:
+    """Returns the options of a group among the files of a composed tree."""
+    return (path.removeprefix(f"{group}/") for path in paths if path.startswith(f"{group}/"))
 
 
 def _check_place(folder: Path, named: str) -> None:
-    """ConfigError where a folder cannot be one of `--config-dir`, which holds `robot/` or other groups."""
-    wanted = "name the folder that holds robot/, that is DIR of DIR/robot/my_arm.yaml"
+    """Raises ConfigError unless a folder can be a `--config-dir`: it must hold `robot/` or other groups."""
+    hint = "name the folder that holds robot/, that is DIR of DIR/robot/my_arm.yaml"
     if not observed.is_folder(folder):
         msg = f"{named} is {'a file' if folder.exists() else 'not a folder'}"
-        raise ConfigError(msg, "--config-dir", wanted)
+        raise ConfigError(msg, "--config-dir", hint)
     if observed.holds_yaml(folder):
         return
     if any(folder.glob("*.yaml")):
         msg = f"{named} contains YAML files, but no folder robot/"
         above = folder.resolve().parent
         if folder.resolve().name == "robot":
-            wanted = f"name the folder above it: --config-dir {pasted.word(str(above))}"
-        raise ConfigError(msg, "--config-dir", wanted)
+            hint = f"name the folder above it: --config-dir {pasted.word(str(above))}"
+        raise ConfigError(msg, "--config-dir", hint)
     msg = f"{named} has no folder robot/ with a robot in it"
-    raise ConfigError(msg, "--config-dir", wanted)
+    raise ConfigError(msg, "--config-dir", hint)
 
 
 def _overridden(defaults: Any) -> Iterator[tuple[str, str]]:
-    """Group and option of each override in a defaults list."""
+    """Yields group and option of each override in a defaults list."""
     for entry in defaults if isinstance(defaults, list) else ():
         for key, option in entry.items() if isinstance(entry, dict) else ():
             sign, _, group = str(key).partition(" ")
-            if sign == "override" and isinstance(option, str):
-                yield group.strip().lstrip("/"), option
+            if sign == "override" and isinstance(option, str | list):
+                text = option if isinstance(option, str) else f"[{', '.join(map(str, option))}]"
+                yield group.strip().lstrip("/"), text
 
 
 def ends(tree: Any, place: Place = ()) -> Iterator[Place]:
-    """The places of all values below mappings."""
+    """Yields the places of all values below mappings."""
     if isinstance(tree, dict) and tree:
         for name, value in tree.items():
             yield from ends(value, (*place, str(name)))
@@ -289,16 +300,16 @@ def ends(tree: Any, place: Place = ()) -> Iterator[Place]:
 
 
 def stand_in(group: str) -> str:
-    """The default option of a group in `build`; for the source, the sample."""
+    """Returns the default option of a group in `build`; for the source, the sample."""
     defaults = yaml.safe_load((OURS / "build.yaml").read_text(encoding="utf-8"))["defaults"]
-    options = {key: one for entry in defaults if isinstance(entry, dict) for key, one in entry.items()}
+    options = {key: option for entry in defaults if isinstance(entry, dict) for key, option in entry.items()}
     option = options.get(group) or "sample"
     return f"[{','.join(option)}]" if isinstance(option, list) else str(option)
 
 
 def chosen(value: str) -> Sequence[str]:
-    """The options that the value of a group's override names: `hull`, `[urdf, mjcf]`."""
+    """Returns the options that the value of a group's override names: `hull`, `[urdf, mjcf]`."""
     text = value.strip()
     inside = text[1:-1] if text.startswith("[") and text.endswith("]") else text
-    options = (re.sub(r"\\(.)", r"\1", one).strip().strip("'\"") for one in inside.split(","))
+    options = (re.sub(r"\\(.)", r"\1", word).strip().strip("'\"") for word in inside.split(","))
     return [option for option in options if option]

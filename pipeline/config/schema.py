@@ -1,4 +1,4 @@
-"""The schema of a key: its section, its type, its names."""
+"""Looks up keys in the schema: their section, their type, their names."""
 
 import types
 from collections.abc import Iterator
@@ -12,23 +12,23 @@ from linkwright.stages.robot.section import Section
 
 
 def field_at(owner: Any, name: int | str) -> FieldInfo | None:
-    """The field of a section that the tree calls `name`."""
+    """Returns the field with a name in the tree; None if `owner` is no section or has no such field."""
     fields = owner.model_fields.items() if is_section(owner) else ()
     return next((field for key, field in fields if (field.alias or key) == name), None)
 
 
 def names(owner: Any) -> list[str]:
-    """The keys of a section, as the tree calls them."""
+    """Returns the keys of a section by their names in the tree."""
     return [field.alias or name for name, field in owner.model_fields.items()] if is_section(owner) else []
 
 
 def is_section(annotation: Any) -> bool:
-    """Whether an annotation is a section: a class of named keys."""
+    """Tells whether an annotation is a section: a class of named keys."""
     return isinstance(annotation, type) and issubclass(annotation, Section)
 
 
 def annotation_at(root: Any, place: Place) -> Any:
-    """The annotation at a place: a section, or a type."""
+    """Returns the annotation at a place: a section, or a type."""
     node = _bare(root)
     for part in place:
         if is_section(node):
@@ -44,22 +44,22 @@ def annotation_at(root: Any, place: Place) -> Any:
 
 
 def _bare(annotation: Any) -> Any:
-    """The type without `Annotated` and without `| None`."""
+    """Removes `Annotated` and `| None` from a type."""
     while get_origin(annotation) is Annotated:
         annotation = get_args(annotation)[0]
     if get_origin(annotation) in (Union, types.UnionType):
-        options = [one for one in get_args(annotation) if one is not type(None)]
+        options = [argument for argument in get_args(annotation) if argument is not type(None)]
         return _bare(options[0]) if len(options) == 1 else annotation
     return annotation
 
 
 def options(annotation: Any) -> list[str]:
-    """The allowed words of a key that is a choice of words."""
-    return [str(one) for one in get_args(annotation)] if get_origin(annotation) is Literal else []
+    """Returns the allowed words if a type is a choice of words, else []."""
+    return [str(argument) for argument in get_args(annotation)] if get_origin(annotation) is Literal else []
 
 
 def leaves(root: Any, place: Place = ()) -> Iterator[str]:
-    """Every full key of the tree below a section; the keys of all kinds of source."""
+    """Yields all full keys below a section; for the source, the keys of all its kinds."""
     for section in SOURCES.values() if place == ("source",) else (root,):
         for name in names(section):
             inner, below = (*place, name), annotation_at(section, (name,))

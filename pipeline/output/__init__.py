@@ -1,10 +1,12 @@
-"""The output folder: whose files are in it, and how a build replaces an earlier build.
+"""Writes output folders: knows which of their files are linkwright's, and replaces an earlier build.
 
-- access: Who may use an output: its mode and its owner, which what replaces it keeps.
+- access: Gives a new output the mode and the owner of the old output.
 - builds: Finds the build that a user names.
-- conflicts: Files in an output folder that a build must not replace: it keeps them, or they stop the build.
-- folder: The output folder: written beside its path, swapped in by renames, repaired after a kill.
-- location: Checks that a folder may be an output folder: not the home, the working or the cache folder, say.
-- manifest: The manifest of a folder: which files in it are linkwright's.
-- room: The room that a build needs on its disks, looked for before expensive work.
+- conflicts: Finds files in an output folder that a build must not replace: it keeps them, or they stop it.
+- folder: Writes the output folder beside its path, swaps it in by renames, and repairs it after a kill.
+- location: Checks that a folder may be an output folder, unlike the home, the working or the cache folder.
+- manifest: Reads and writes the manifest of a folder, which tells linkwright's files from others.
+- packing: Packs the inputs of a build from the cache into a bundle.
+- replacing: Replaces a file as a whole.
+- room: Checks before expensive work that the disks have room for a build.
 """

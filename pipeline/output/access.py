@@ -1,4 +1,4 @@
-"""Who may use an output: its mode and its owner, which what replaces it keeps."""
+"""Gives a new output the mode and the owner of the old output."""
 
 import os
 import shutil
@@ -9,38 +9,38 @@ from pathlib import Path
 
 
 def make(folder: Path, like: Path) -> None:
-    """Creates a folder; where the folder `like` exists, nobody else can open it until `copy`."""
+    """Creates a folder; if the folder `like` exists, only the owner can open the new folder until `copy`."""
     folder.mkdir(mode=0o700 if like.is_dir() else 0o777)
 
 
 def copy(old: Path, new: Path) -> None:
-    """Gives `new` the mode of `old`, if that exists, and the owner; all that is in `new` gets the owner, too.
+    """Gives `new` the mode and the owner of `old`, if `old` exists; all entries of `new` get the owner, too.
 
-    Only root may give files away. For others the group stays where they are members of it; where they are
-    not, the group's permissions are dropped, since they would be another group's.
+    Only root may change the owner of files. Other users can keep the group if they are members of it;
+    otherwise the group's permissions are dropped, since they would apply to a different group.
     """
     if not old.exists():
         return
-    before = old.stat()
-    for path in _all_of(new):
-        there = path.lstat()
-        if (there.st_uid, there.st_gid) != (before.st_uid, before.st_gid):
-            _give(path, before)
+    status = old.stat()
+    for path in _entries(new):
+        entry_status = path.lstat()
+        if (entry_status.st_uid, entry_status.st_gid) != (status.st_uid, status.st_gid):
+            _change_owner(path, status)
     # After the owner, whose change clears bits of the mode.
     shutil.copystat(old, new)
-    if new.stat().st_gid != before.st_gid:
-        new.chmod(stat.S_IMODE(before.st_mode) & ~(stat.S_IRWXG | stat.S_ISGID))
+    if new.stat().st_gid != status.st_gid:
+        new.chmod(stat.S_IMODE(status.st_mode) & ~(stat.S_IRWXG | stat.S_ISGID))
     os.utime(new)
 
 
-def _all_of(path: Path) -> Iterator[Path]:
-    """The path, and all entries below it if it is a folder."""
+def _entries(path: Path) -> Iterator[Path]:
+    """Yields the path, and all entries below it if it is a folder."""
     yield path
     for top, below, files in os.walk(path):
         yield from (Path(top, name) for name in (*below, *files))
 
 
-def _give(path: Path, owner: os.stat_result) -> None:
+def _change_owner(path: Path, owner: os.stat_result) -> None:
     if not hasattr(os, "chown"):
         return
     try:

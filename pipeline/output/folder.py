@@ -1,4 +1,4 @@
-"""The output folder: written beside its path, swapped in by renames, repaired after a kill.
+"""Writes the output folder beside its path, swaps it in by renames, and repairs it after a kill.
 
 For `outputs/arm` the names beside it are `.arm.tmp` (a folder that is being written or removed),
 `.arm.old` (the last build, complete, while the new folder is swapped in), `arm.replaced` (files that were
@@ -28,11 +28,11 @@ FAILED = ".failed"
 
 
 class Output:
-    """A build's output folder, and beside it `<output>.failed` and `<output>.<until>`.
+    """A build's output folder, and its siblings `<output>.failed` and `<output>.<until>`.
 
     Files in the way stop a build, or with `overwrite` move to `<folder>.replaced`. `report` is called
     with a line about files that are kept or moved, and while the build waits for another build of the
-    same folder. ConfigError where no folder can be at `target`.
+    same folder. Raises ConfigError if no folder can be at `target`.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class Output:
         return self.target.with_name(self.target.name + suffix)
 
     def judge(self, suffix: str = "", coming: Iterable[str] = ()) -> None:
-        """ConfigError where a build that writes the `coming` paths would replace files that are not
+        """Raises ConfigError if a build that writes the `coming` paths would replace files that are not
         linkwright's. Changes nothing."""
         folder = self.folder(suffix)
         with contextlib.ExitStack() as stack, named(folder):
@@ -65,21 +65,21 @@ class Output:
     def prepare(self, suffix: str = "", coming: Iterable[str] = ()) -> None:
         """Repairs the folder after an interrupted run, checks it, and reports the files that will be kept.
 
-        ConfigError as `judge`; OutputError where the folder cannot be written.
+        Raises ConfigError as `judge` does, and OutputError if the folder cannot be written.
         """
         folder = self.folder(suffix)
         with self._locked(), named(folder):
             with contextlib.suppress(OSError):
                 self._repair(self.folder(FAILED))
             self._repair(folder)
-            kept = self._judge(folder, coming)
+            kept_paths = self._judge(folder, coming)
             _staging(folder).mkdir()
             _staging(folder).rmdir()
-        if kept:
-            self._report(f"kept, since not linkwright's: {conflicts.listed(kept)}")
+        if kept_paths:
+            self._report(f"kept, since not linkwright's: {conflicts.listed(kept_paths)}")
 
     def size(self, suffix: str = "") -> int:
-        """The size [bytes] of the last build in the folder, 0 without a build."""
+        """Returns the size [bytes] of the last build in the folder, 0 without a build."""
         folder = self.folder(suffix)
         with contextlib.suppress(OSError):
             files = [folder / path for path in manifest.ours(folder) or {}]
@@ -88,8 +88,8 @@ class Output:
 
     @contextlib.contextmanager
     def room(self, size: int) -> Iterator[None]:
-        """Inside, `size` bytes are reserved on the disk of the prepared output; OutputError where the
-        space is missing."""
+        """Reserves `size` bytes on the disk of the prepared output; raises OutputError if the space is
+        missing."""
         with contextlib.ExitStack() as stack:
             with named(self.target):
                 stack.enter_context(disk_space.reserved(lock.beside(self.target).parent, size))
@@ -100,14 +100,14 @@ class Output:
     ) -> Path:
         """Replaces linkwright's files in the folder by `files`; returns the folder.
 
-        `digests`: known SHA-256 digests. InTheWay where that would replace files that are not linkwright's.
+        `digests`: known SHA-256 digests. Raises InTheWay if other files than linkwright's are in the way.
         """
         folder = self.folder(suffix)
         with self._locked(), named(folder):
             self._repair(folder)
             self._require_free(folder, files)
             try:
-                # A new folder beside the output holds what the output holds: nobody else may read it.
+                # A new folder beside the output holds the same content: nobody else may read it.
                 like = folder if folder.exists() else self.target
                 _stage(_staging(folder), files, digests or {}, like)
                 self._swap(folder)
@@ -133,36 +133,41 @@ class Output:
             self._report(f"{folder} was not removed: {error}")
 
     def _remove_ours(self, folder: Path) -> None:
-        own = manifest.ours(folder) or {}
-        manifest.keep(folder, own)
-        kept = {entry.path for entry in manifest.others(folder, own, (), self._reader)}
-        if "report.json" not in kept:
+        own_files = manifest.ours(folder) or {}
+        manifest.keep(folder, own_files)
+        entries = manifest.foreign_or_changed(folder, own_files, (), self._reader)
+        kept_paths = {entry.path for entry in entries}
+        if "report.json" not in kept_paths:
             # First: without it, an incomplete folder after a kill does not count as a build.
             (folder / "report.json").unlink(missing_ok=True)
-        within = manifest.parents(own)
-        manifest.clear_but_mark(folder, own.keys() - kept, lambda path: path in within)
+        parents = manifest.parents(own_files)
+        manifest.clear_but_mark(folder, own_files.keys() - kept_paths, lambda path: path in parents)
 
     def _judge(self, folder: Path, coming: Iterable[str]) -> list[str]:
-        """The paths of files that will be kept; ConfigError where a file is in the way."""
+        """Returns the paths of files that will be kept; raises ConfigError if a file is in the way."""
         conflicts.require_folder(folder)
         if not folder.exists():
             return []
         if not os.access(folder, os.W_OK | os.X_OK):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
-        found = conflicts.look(folder, coming, self._reader)
-        if stopped := found.against(self._overwrite):
-            raise ConfigError(conflicts.message(folder, stopped), "output", conflicts.ways_out(folder, found))
-        return conflicts.visible(found.carried)
+        conflicting = conflicts.look(folder, coming, self._reader)
+        if stopped := conflicting.against(self._overwrite):
+            raise ConfigError(
+                conflicts.message(folder, stopped), "output", conflicts.ways_out(folder, conflicting)
+            )
+        return conflicts.visible(conflicting.carried)
 
     def _require_free(self, folder: Path, files: Iterable[str]) -> None:
-        """InTheWay where the final list of `files` would replace files that are not linkwright's."""
+        """Raises InTheWay if the final list of `files` would replace files that are not linkwright's."""
         try:
             conflicts.require_folder(folder)
         except ConfigError as error:
             raise InTheWay(error.message, error.where, error.hint) from error
-        found = conflicts.look(folder, files, self._reader)
-        if stopped := found.against(self._overwrite):
-            raise InTheWay(conflicts.message(folder, stopped), str(folder), conflicts.ways_out(folder, found))
+        conflicting = conflicts.look(folder, files, self._reader)
+        if stopped := conflicting.against(self._overwrite):
+            raise InTheWay(
+                conflicts.message(folder, stopped), str(folder), conflicts.ways_out(folder, conflicting)
+            )
 
     def _swap(self, folder: Path) -> None:
         """Renames the staged folder to the output folder. Folders are removed only under the staging name.
@@ -180,9 +185,9 @@ class Output:
         old = _old(folder)
         if not old.exists():
             return
-        found = conflicts.look(old, manifest.ours(folder) or {}, self._reader)
-        moved = [move_aside(old / path, folder, path) for path in found.stopped]
-        for path in found.carried:
+        conflicting = conflicts.look(old, manifest.ours(folder) or {}, self._reader)
+        moved = [move_aside(old / path, folder, path) for path in conflicting.stopped]
+        for path in conflicting.carried:
             if _can_take(folder, path):
                 (old / path).rename(folder / path)
             else:
@@ -193,15 +198,15 @@ class Output:
             self._report(f"was in the way, and was moved to {conflicts.listed(map(os.path.relpath, moved))}")
 
     def _repair(self, folder: Path) -> None:
-        """Finishes or undoes an interrupted swap."""
+        """Completes or reverts an interrupted swap."""
         self._discard(folder)
         old = _old(folder)
         if not os.path.lexists(old):
             return
-        whole = is_folder(old) and manifest.ours(old) is not None
-        if whole and not os.path.lexists(folder):
+        is_complete = is_folder(old) and manifest.ours(old) is not None
+        if is_complete and not os.path.lexists(folder):
             old.rename(folder)
-        elif whole and manifest.ours(folder) is not None:
+        elif is_complete and manifest.ours(folder) is not None:
             self._retire(folder)
         else:
             self._put_away(old, folder)
@@ -210,9 +215,9 @@ class Output:
         """Removes the staging folder; files in it that are not linkwright's are moved aside."""
         staged = _staging(folder)
         if is_folder(staged):
-            own = manifest.ours(staged)
+            own_files = manifest.ours(staged)
             # Without a manifest the process was killed before it wrote any file.
-            manifest.clear(staged, (own or {}).keys(), lambda _: own is not None)
+            manifest.clear(staged, (own_files or {}).keys(), lambda _: own_files is not None)
         if os.path.lexists(staged):
             self._put_away(staged, folder)
 
@@ -222,7 +227,7 @@ class Output:
 
     @contextlib.contextmanager
     def _locked(self) -> Iterator[None]:
-        """One lock for the folder and its siblings."""
+        """Holds the lock of the folder and its siblings while the context lasts."""
         with contextlib.ExitStack() as stack:
             with named(self.target):
                 stack.enter_context(lock.acquired(lock.beside(self.target), self._wait))
@@ -233,7 +238,7 @@ class Output:
 
 
 def _stage(staging: Path, files: Mapping[str, bytes], digests: Mapping[str, str], like: Path) -> None:
-    """Writes the files to a new folder, with the mode and the owner of `like` if that exists."""
+    """Writes the files to a new folder, with the mode and the owner of `like` if `like` exists."""
     access.make(staging, like)
     manifest.write(staging, {path: digests.get(path) or sha256(data) for path, data in files.items()})
     write_tree(staging, files)
@@ -249,7 +254,7 @@ def _old(folder: Path) -> Path:
 
 
 def _can_take(folder: Path, path: str) -> bool:
-    """Whether `path` is free in the folder; creates its parent folders."""
+    """Tells whether `path` is free in the folder; creates its parent folders."""
     place = folder
     for name in PurePosixPath(path).parts[:-1]:
         place /= name
@@ -261,31 +266,36 @@ def _can_take(folder: Path, path: str) -> bool:
 
 
 def move_aside(place: Path, folder: Path, path: str) -> Path:
-    """Moves `place` to `path` below `<folder>.replaced`, with a number if that exists; returns the new
+    """Moves `place` to `path` below `<folder>.replaced`, with a number if that path exists; returns the new
     path."""
     *above, last = PurePosixPath(path).parts
-    to = _for_replaced(folder)
+    target = _for_replaced(folder)
     for name in above:
-        to = next(one for one in _numbered(to / name) if is_folder(one) or not os.path.lexists(one))
-        to.mkdir(exist_ok=True)
-    to = next(one for one in _numbered(to / last) if not os.path.lexists(one))
-    place.rename(to)
-    return to
+        target = next(
+            candidate
+            for candidate in _numbered(target / name)
+            if is_folder(candidate) or not os.path.lexists(candidate)
+        )
+        target.mkdir(exist_ok=True)
+    target = next(candidate for candidate in _numbered(target / last) if not os.path.lexists(candidate))
+    place.rename(target)
+    return target
 
 
 def _for_replaced(folder: Path) -> Path:
-    """The folder `<folder>.replaced`, marked as linkwright's; with a number where that is of others."""
-    usual = folder.with_name(f"{folder.name}{conflicts.REPLACED}")
-    to = next(
-        one
-        for one in _numbered(usual)
-        if not os.path.lexists(one) or (is_folder(one) and not manifest.is_of_others(one))
+    """Returns the folder `<folder>.replaced`, created and marked as linkwright's; with a number if a foreign
+    folder has that name."""
+    default = folder.with_name(f"{folder.name}{conflicts.REPLACED}")
+    target = next(
+        candidate
+        for candidate in _numbered(default)
+        if not os.path.lexists(candidate) or (is_folder(candidate) and not manifest.is_foreign(candidate))
     )
-    if not os.path.lexists(to):
-        access.make(to, folder)
-        access.copy(folder, to)
-    manifest.keep(to, {})
-    return to
+    if not os.path.lexists(target):
+        access.make(target, folder)
+        access.copy(folder, target)
+    manifest.keep(target, {})
+    return target
 
 
 def _numbered(path: Path) -> Iterator[Path]:
@@ -296,7 +306,7 @@ def _numbered(path: Path) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def named(folder: Path) -> Iterator[None]:
-    """An OSError becomes an OutputError that names the folder."""
+    """Turns an OSError into an OutputError that names the folder."""
     try:
         yield
     except OSError as error:

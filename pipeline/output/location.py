@@ -1,4 +1,4 @@
-"""Checks that a folder may be an output folder: not the home, the working or the cache folder, say."""
+"""Checks that a folder may be an output folder, unlike the home, the working or the cache folder."""
 
 import errno
 import os
@@ -9,13 +9,13 @@ from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.terminal import pasted
 
 NAME_MAX = 255
-"""Most bytes of a name, on all usual file systems."""
+"""Largest number of bytes of a name on all usual file systems."""
 
-LONGEST = 200
-"""Most bytes of an output folder's name: the names beside it are longer."""
+MAX_NAME = 200
+"""Largest number of bytes of an output folder's name; the names of its siblings are longer."""
 
-CACHED = ("ac", "cas", "ledger", "locks", "tmp")
-"""The folders in the cache folder."""
+CACHE_FOLDERS = ("ac", "cas", "ledger", "locks", "tmp")
+"""The names of the folders in the cache folder."""
 
 ELSEWHERE = "choose another place with output=FOLDER"
 
@@ -23,9 +23,10 @@ _NO_PLACE = (errno.ENOTDIR, errno.ENAMETOOLONG, errno.ELOOP, errno.EINVAL)
 
 
 def absolute(folder: str | Path) -> Path:
-    """The absolute path of an output folder: `~` is the home folder; a link stands for its target.
+    """Returns the absolute path of an output folder: `~` is the home folder; a link is replaced by its
+    target.
 
-    ConfigError where no folder can be at that path.
+    Raises ConfigError if no folder can be at that path.
     """
     try:
         place = Path(os.path.abspath(os.path.expanduser(folder)))  # noqa: PTH100, PTH111  (links stay)
@@ -41,17 +42,17 @@ def absolute(folder: str | Path) -> Path:
     return place
 
 
-def _check(place: Path, given: str) -> None:
+def _check(place: Path, text: str) -> None:
     if not place.name:
-        msg = f"{given} cannot be an output folder"
+        msg = f"{text} cannot be an output folder"
         raise ConfigError(msg, "output", "name a folder, such as output=outputs/arm")
-    if os.path.expanduser(given).startswith("~"):  # noqa: PTH111
-        msg = f"{given} names the home folder of an unknown user"
+    if os.path.expanduser(text).startswith("~"):  # noqa: PTH111
+        msg = f"{text} names the home folder of an unknown user"
         raise ConfigError(msg, "output", ELSEWHERE)
-    for name, most in (*((one, NAME_MAX) for one in place.parent.parts), (place.name, LONGEST)):
-        if len(os.fsencode(name)) > most:
+    for name, limit in (*((part, NAME_MAX) for part in place.parent.parts), (place.name, MAX_NAME)):
+        if len(os.fsencode(name)) > limit:
             msg = f"the name {name[:20]}... is too long: {len(os.fsencode(name))} bytes"
-            raise ConfigError(msg, "output", f"name a folder with output=FOLDER, in at most {most} bytes")
+            raise ConfigError(msg, "output", f"name a folder with output=FOLDER, in at most {limit} bytes")
     for folder in (*reversed(place.parents), place):
         # lstat raises for an invalid path; a folder that does not exist yet is allowed.
         try:
@@ -68,18 +69,18 @@ def _check(place: Path, given: str) -> None:
 
 
 def require_free(place: Path, taken: Mapping[str, Path], cache: Path) -> None:
-    """ConfigError where `place` is or contains one of the `taken` paths (description → path), the home, the
-    working folder or the cache, or is inside the folders of the cache."""
+    """Raises ConfigError if `place` is or contains one of the `taken` paths (description → path), the home,
+    the working folder or the cache, or is inside a folder of the cache."""
     real = Path(os.path.realpath(place))
     taken = {**taken, "the cache folder": cache}
-    if any(Path(os.path.realpath(cache / name)) in (real, *real.parents) for name in CACHED):
+    if any(Path(os.path.realpath(cache / name)) in (real, *real.parents) for name in CACHE_FOLDERS):
         msg = f"{place} is in the cache folder, which is cleaned up"
         raise ConfigError(msg, "output", f"{ELSEWHERE}, such as output=outputs/arm")
-    for what, other in (*_usual(), *taken.items()):
-        there = Path(os.path.realpath(other))
-        if real == there or real in there.parents:
-            how = "is" if real == there else "holds"
-            msg = f"{place} {how} {what}, and a build replaces its output folder"
+    for description, other in (*_usual(), *taken.items()):
+        other_real = Path(os.path.realpath(other))
+        if real == other_real or real in other_real.parents:
+            verb = "is" if real == other_real else "holds"
+            msg = f"{place} {verb} {description}, and a build replaces its output folder"
             raise ConfigError(msg, "output", f"{ELSEWHERE}, such as output=outputs/arm")
 
 

@@ -1,4 +1,4 @@
-"""The manifest of a folder: which files in it are linkwright's.
+"""Reads and writes the manifest of a folder, which tells linkwright's files from others.
 
 `.linkwright.json` lists each file that was written to the folder and the SHA-256 of its bytes. It is
 written first, so that after a kill linkwright's files can be distinguished from other files. Folders of
@@ -8,15 +8,19 @@ version 0.1 have no manifest: there `report.json` lists the robot's files.
 import hashlib
 import json
 import os
+import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO, Literal
 
+from linkwright.pipeline.caching.shared import LOST, patient
 from linkwright.pipeline.lock import FOLDER as LOCKS
+from linkwright.pipeline.output.replacing import replace
 
 NAME = ".linkwright.json"
-STAGED = f"{NAME}.tmp"
+STAGED = re.compile(rf"{re.escape(NAME)}(\.[0-9a-f]{{8}})?\.tmp")
+"""Matches the temporary names of manifests, under which a kill may leave them."""
 
 MARK = "linkwright-files"
 """The key that identifies a manifest."""
@@ -38,13 +42,11 @@ _CHUNK = 1 << 20
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """An entry of a folder that linkwright did not write: a file, a link, or a whole folder.
-
-    `kind`: foreign, or changed (the path of a file of linkwright, with other content).
-    """
+    """An entry of a folder that linkwright did not write as it is: a file, a link, or a whole folder."""
 
     path: str
     kind: Literal["foreign", "changed"]
+    """foreign: not written by linkwright; changed: written by linkwright, with different content."""
 
     @property
     def foreign(self) -> bool:
@@ -52,13 +54,13 @@ class Entry:
 
 
 class DigestReader:
-    """Digests of files; an unchanged file is read once."""
+    """Computes digests of files; an unchanged file is read only once."""
 
     def __init__(self) -> None:
         self._known: dict[tuple[int, ...], str] = {}
 
     def is_same(self, file: os.DirEntry[str], digest: str | None) -> bool:
-        """Whether the entry is a file with this digest, also after a change of its line ends."""
+        """Tells whether the entry is a file with this digest, or would be with plain line ends."""
         if not file.is_file(follow_symlinks=False):
             return False
         if digest is None:
@@ -73,36 +75,48 @@ class DigestReader:
                 return True
             with open(file.path, "rb") as opened:
                 return _with_plain_line_ends(opened) == digest
-        except OSError:
+        except OSError as error:
+            if error.errno in LOST:
+                raise
             return False
 
 
 def _with_plain_line_ends(file: BinaryIO) -> str:
-    """The digest of a file with its line ends converted to line feeds."""
-    digest, kept = hashlib.sha256(), b""
+    """Returns the digest of a file with its line ends converted to line feeds."""
+    digest, carry = hashlib.sha256(), b""
     while chunk := file.read(_CHUNK):
-        chunk = kept + chunk
-        kept = chunk[-1:] if chunk.endswith(b"\r") else b""
-        digest.update(chunk[: len(chunk) - len(kept)].replace(b"\r\n", b"\n"))
-    digest.update(kept)
+        chunk = carry + chunk
+        carry = chunk[-1:] if chunk.endswith(b"\r") else b""
+        digest.update(chunk[: len(chunk) - len(carry)].replace(b"\r\n", b"\n"))
+    digest.update(carry)
     return digest.hexdigest()
 
 
 def write(folder: Path, digests: Digests) -> None:
-    """Writes the manifest of a folder atomically."""
-    staged = folder / STAGED
-    staged.write_text(json.dumps({MARK: 1, "files": dict(sorted(digests.items()))}, indent=1) + "\n")
+    """Writes the manifest of a folder atomically, over the remains of a write that was killed. Only a single
+    process may write into the folder at a time."""
+    staged = folder / f"{NAME}.tmp"
+    staged.write_bytes(_text(digests))
     staged.replace(folder / NAME)
 
 
+def write_shared(folder: Path, digests: Digests) -> None:
+    """Writes the manifest of a folder into which several hosts write at once."""
+    replace(folder / NAME, _text(digests))
+
+
+def _text(digests: Digests) -> bytes:
+    return (json.dumps({MARK: 1, "files": dict(sorted(digests.items()))}, indent=1) + "\n").encode()
+
+
 def keep(folder: Path, digests: Digests) -> None:
-    """Writes the manifest of a folder without a manifest."""
+    """Writes the manifest of a folder that has none yet."""
     if not (folder / NAME).is_file():
         write(folder, digests)
 
 
 def ours(folder: Path) -> Digests | None:
-    """The files that linkwright wrote into the folder; None without a manifest or a report."""
+    """Returns the files that linkwright wrote into the folder; None without a manifest or a report."""
     manifest = _json(folder / NAME)
     if MARK in manifest and isinstance(manifest.get("files"), dict):
         return _paths(manifest["files"])
@@ -114,80 +128,83 @@ def ours(folder: Path) -> Digests | None:
 
 
 def is_build(folder: Path) -> bool:
-    """Whether the folder is the output of a build, by its `report.json`."""
+    """Tells whether the folder is the output of a build, by its `report.json`."""
     return REPORT in _json(folder / "report.json")
 
 
 def is_sweep(folder: Path) -> bool:
-    """Whether the folder is the output of a sweep, by its `summary.json`."""
+    """Tells whether the folder is the output of a sweep, by its `summary.json`."""
     return SWEEP in _json(folder / "summary.json")
 
 
-def is_of_others(folder: Path) -> bool:
-    """Whether the folder holds anything, and is neither the output of a build nor that of a sweep.
+def is_foreign(folder: Path) -> bool:
+    """Tells whether the folder is not empty, and is the output neither of a build nor of a sweep.
 
-    OSError where it cannot be read. What builds may leave in a folder does not count: locks, and a manifest
-    that a kill kept from its name.
+    Locks do not count, and neither do manifests that a killed build left under a temporary name. Raises
+    OSError if the folder cannot be read.
     """
     if not folder.is_dir() or ours(folder) is not None or is_sweep(folder):
         return False
-    with os.scandir(folder) as found:
-        return any(entry.name not in (LOCKS, STAGED) for entry in found)
+    with os.scandir(folder) as scanned:
+        return any(entry.name != LOCKS and not STAGED.fullmatch(entry.name) for entry in scanned)
 
 
 def is_folder(path: Path) -> bool:
-    """Whether the path is a folder, and not a link to a folder."""
+    """Tells whether the path is a folder, and not a link to a folder."""
     return path.is_dir() and not path.is_symlink()
 
 
-def others(
+def foreign_or_changed(
     folder: Path, own: Digests, coming: Iterable[str] = (), reader: DigestReader | None = None
 ) -> Iterator[Entry]:
-    """The foreign and changed files in the folder, by path. A folder without `own` or `coming` files is a
-    single entry. Follows no link and opens no foreign file."""
+    """Yields the foreign and changed files in the folder, by path. A folder without `own` or `coming` files
+    is a single entry. Follows no link and opens no foreign file."""
     reader = reader or DigestReader()
     for path, entry in _leaves(folder, parents([*own, *coming])):
         if path in own:
             if not reader.is_same(entry, own[path]):
                 yield Entry(path, "changed")
-        elif path not in (NAME, STAGED) or not entry.is_file(follow_symlinks=False):
+        elif not _is_manifest(path) or not entry.is_file(follow_symlinks=False):
             yield Entry(path, "foreign")
 
 
 def parents(paths: Iterable[str]) -> set[str]:
-    """All parent folders of the paths, without the top folder."""
-    found: set[str] = set()
+    """Returns all parent folders of the paths, without the top folder."""
+    folders: set[str] = set()
     for path in paths:
         parent = path.rpartition("/")[0]
-        while parent and parent not in found:
-            found.add(parent)
+        while parent and parent not in folders:
+            folders.add(parent)
             parent = parent.rpartition("/")[0]
-    return found
+    return folders
 
 
 def clear(folder: Path, own: Collection[str], within: Callable[[str], bool] = lambda _: True) -> None:
-    """Removes the `own` files and the manifest, then empty folders (those `within`, and the top folder).
-    Other files stay."""
+    """Removes the `own` files and the manifest, then empty folders: those for whose path `within` is true,
+    and the top folder. Other files stay."""
     _clear(folder, own, within, "")
-    for name in (STAGED, NAME):
+    with os.scandir(folder) as scanned:
+        manifests = sorted((entry.name for entry in scanned if _is_manifest(entry.name)), reverse=True)
+    for name in manifests:
         (folder / name).unlink(missing_ok=True)
     _remove_if_empty(folder)
 
 
 def clear_but_mark(folder: Path, own: Collection[str], within: Callable[[str], bool]) -> None:
-    """As `clear`, but where other files stay, so does a manifest: the folder is still linkwright's."""
+    """Clears as `clear` does, but if other files stay, so does a manifest: the folder is still
+    linkwright's."""
     _clear(folder, own, within, "")
-    with os.scandir(folder) as found:
-        others = any(entry.name not in (STAGED, NAME) for entry in found)
-    if not others:
+    with os.scandir(folder) as scanned:
+        others_stay = any(not _is_manifest(entry.name) for entry in scanned)
+    if not others_stay:
         clear(folder, ())
     elif ours(folder) != {}:
         write(folder, {})
 
 
 def _clear(folder: Path, own: Collection[str], within: Callable[[str], bool], base: str) -> None:
-    with os.scandir(folder) as found:
-        entries = sorted(found, key=lambda entry: entry.name)
+    with os.scandir(folder) as scanned:
+        entries = sorted(scanned, key=lambda entry: entry.name)
     for entry in entries:
         path = f"{base}{entry.name}"
         if entry.is_dir(follow_symlinks=False):
@@ -199,16 +216,16 @@ def _clear(folder: Path, own: Collection[str], within: Callable[[str], bool], ba
 
 
 def _remove_if_empty(folder: Path) -> None:
-    with os.scandir(folder) as found:
-        empty = next(found, None) is None
+    with os.scandir(folder) as scanned:
+        empty = next(scanned, None) is None
     if empty:
         folder.rmdir()
 
 
 def _leaves(folder: Path, inside: set[str], base: str = "") -> Iterator[tuple[str, os.DirEntry[str]]]:
-    """The entries of the folder, with the content of the subfolders that are in `inside`."""
-    with os.scandir(folder) as found:
-        entries = sorted(found, key=lambda entry: entry.name)
+    """Yields the entries of the folder, with the content of the subfolders that are in `inside`."""
+    with os.scandir(folder) as scanned:
+        entries = sorted(scanned, key=lambda entry: entry.name)
     for entry in entries:
         path = f"{base}{entry.name}"
         if path in inside and entry.is_dir(follow_symlinks=False):
@@ -218,29 +235,40 @@ def _leaves(folder: Path, inside: set[str], base: str = "") -> Iterator[tuple[st
 
 
 def builds_in(folder: Path) -> Iterator[Path]:
-    """Builds and sweeps at the folder or below it, also those that are being written."""
+    """Yields the folders of builds and sweeps at or below a folder, including unfinished ones."""
     for top, below, files in os.walk(folder):
-        place = Path(top)
-        if NAME in files or is_build(place) or is_sweep(place):
+        path = Path(top)
+        if NAME in files or is_build(path) or is_sweep(path):
             below.clear()
-            yield place
+            yield path
         below[:] = sorted(name for name in below if name != LOCKS)
 
 
+def _is_manifest(name: str) -> bool:
+    return name == NAME or STAGED.fullmatch(name) is not None
+
+
 def _json(file: Path) -> dict[str, Any]:
-    """The mapping in a JSON file; {} without such a file."""
+    """Returns the mapping in a JSON file; {} if there is none. Raises OSError if the file system is out of
+    reach."""
     try:
         # A pipe or a device of that name would block.
-        found = json.loads(file.read_bytes()) if file.is_file() and not file.is_symlink() else None
-    except (OSError, ValueError, RecursionError):
+        data = patient(lambda: file.read_bytes() if file.is_file() and not file.is_symlink() else b"")
+        content = json.loads(data)
+    except OSError as error:
+        if error.errno in LOST:
+            raise
         return {}
-    return found if isinstance(found, dict) else {}
+    except (ValueError, RecursionError):
+        return {}
+    return content if isinstance(content, dict) else {}
 
 
 def _paths(files: Mapping[str, Any]) -> dict[str, str | None]:
-    """The entries of a manifest whose paths are below the folder; a user may have changed the manifest."""
-    found = {}
+    """Returns the entries of a manifest whose paths are below the folder; a user may have changed the
+    manifest."""
+    paths = {}
     for path, digest in files.items():
         if not {"", ".", ".."}.intersection(path.split("/")):
-            found[path] = digest if isinstance(digest, str) else None
-    return found
+            paths[path] = digest if isinstance(digest, str) else None
+    return paths

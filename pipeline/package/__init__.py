@@ -13,7 +13,7 @@ if sys.argv[:1] == ["-m"]:
         own_path.leave_out_working_folder()
 
 TYPE_CHECKING = False
-"""What type checkers take for true; `typing` is not imported, so that the command begins at once."""
+"""Type checkers take this for true; `typing` is not imported, so that the command begins at once."""
 
 if TYPE_CHECKING:
     from linkwright.pipeline.api.building import Build, build

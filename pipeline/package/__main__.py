@@ -1,4 +1,4 @@
-"""The command: `linkwright` and `python -m linkwright`."""
+"""Runs the command: `linkwright` and `python -m linkwright`."""
 
 import sys
 

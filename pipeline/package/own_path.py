@@ -8,7 +8,7 @@ import sys
 
 
 def is_command() -> bool:
-    """Whether Python is loading this package for `python -m linkwright`."""
+    """Tells whether Python is loading this package for `python -m linkwright`."""
     words = sys.orig_argv
     named = any(
         word[:1] == "-" and word[-1:] == "m" and module.partition(".")[0] == "linkwright"
@@ -21,18 +21,20 @@ def leave_out_working_folder() -> None:
     """Takes the working folder off `sys.path` and, for the processes that this process starts, out of
     PYTHONPATH."""
     try:
-        here = _real(os.getcwd())  # noqa: PTH109
+        working_folder = _normalized(os.getcwd())  # noqa: PTH109
     except OSError:  # the folder was deleted
-        here = ""
-    sys.path[:] = _without(sys.path, here)
+        working_folder = ""
+    sys.path[:] = _without(sys.path, working_folder)
     os.environ["PYTHONSAFEPATH"] = "1"
     if "PYTHONPATH" in os.environ:
-        os.environ["PYTHONPATH"] = os.pathsep.join(_without(os.environ["PYTHONPATH"].split(os.pathsep), here))
+        os.environ["PYTHONPATH"] = os.pathsep.join(
+            _without(os.environ["PYTHONPATH"].split(os.pathsep), working_folder)
+        )
 
 
-def _without(places: "list[str]", here: str) -> "list[str]":
-    return [place for place in places if place and _real(place) != here]
+def _without(places: "list[str]", folder: str) -> "list[str]":
+    return [place for place in places if place and _normalized(place) != folder]
 
 
-def _real(place: str) -> str:
+def _normalized(place: str) -> str:
     return os.path.normcase(os.path.realpath(place))

@@ -1,4 +1,4 @@
-"""The checks of a build: those that failed, those that warn, and those that passed, folded."""
+"""Renders the checks of a build: those that failed, those that warn, and those that passed, folded."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -8,72 +8,78 @@ from linkwright.pipeline.page.html.tables import PageTable, plain_table, table
 from linkwright.pipeline.page.html.template import marked, rendered, stacked
 
 OUTCOMES = ("failed", "warning", "passed")
-"""Of a check, the gravest first."""
+"""The outcomes of a check, the gravest first."""
 
 _MARKS = {"failed": "✕ failed", "warning": "! warning", "passed": "✓ passed"}
 
 
-_ON_PAPER = 16
-"""Rows of a check's own table from which it is left out on paper."""
+MAX_PRINTED_ROWS = 16
+"""Largest number of rows of a check's own table that are printed on paper."""
 
 
-def checks(found: Sequence[Mapping[str, Any]]) -> str:
-    """The section; nothing without checks."""
-    groups = {word: [check for check in found if outcome(check) == word] for word in OUTCOMES}
-    unmet = [check for word in OUTCOMES if word != "passed" for check in groups[word]]
-    own = [_own_table(check) for check in found if check.get("table")]
+def checks(results: Sequence[Mapping[str, Any]]) -> str:
+    """Renders the section; "" without checks."""
+    groups = {word: [check for check in results if outcome(check) == word] for word in OUTCOMES}
+    unmet_checks = [check for word in OUTCOMES if word != "passed" for check in groups[word]]
+    own_tables = [_own_table(check) for check in results if check.get("table")]
     passed, number = _table(groups["passed"]), len(groups["passed"])
-    values = {"tally": tally(found), "unmet": _table(unmet), "passed": passed, "number": number, "own": own}
-    return rendered("checks", **values) if found else ""
+    values = {
+        "tally": tally(results),
+        "unmet": _table(unmet_checks),
+        "passed": passed,
+        "number": number,
+        "own": own_tables,
+    }
+    return rendered("checks", **values) if results else ""
 
 
-def tally(found: Sequence[Mapping[str, Any]], what: str = "") -> str:
-    """How many of the checks passed, and what the others did; `what`: what the number counts."""
-    words = [outcome(check) for check in found]
-    said = f"{words.count('passed')} of {len(found)}{what} passed"
+def tally(results: Sequence[Mapping[str, Any]], noun: str = "") -> str:
+    """Returns a text with the numbers of checks that passed, failed and warn; `noun`: the thing counted."""
+    words = [outcome(check) for check in results]
+    passed = f"{words.count('passed')} of {len(results)}{noun} passed"
     warn = words.count("warning")
-    others = [f"{words.count('failed')} failed"] if "failed" in words else []
-    others += [f"{warn} {'warns' if warn == 1 else 'warn'}"] if warn else []
-    return ", ".join([said, *others])
+    other_counts = [f"{words.count('failed')} failed"] if "failed" in words else []
+    other_counts += [f"{warn} {'warns' if warn == 1 else 'warn'}"] if warn else []
+    return ", ".join([passed, *other_counts])
 
 
 def outcome(check: Mapping[str, Any]) -> str:
-    """Which of the outcomes a check has."""
+    """Returns the outcome of a check: one of `OUTCOMES`."""
     if check["passed"]:
         return "passed"
     return "failed" if check["level"] == "error" else "warning"
 
 
 def split_name(check: Mapping[str, Any]) -> tuple[str, str]:
-    """The file that a check is about ("" for none), and its title."""
+    """Returns the file that a check is about ("" for none), and its title."""
     file, _, title = check["name"].rpartition(": ")
     return file, title
 
 
 def _own_table(check: Mapping[str, Any]) -> dict[str, Any]:
-    """What a check found beside what it does not accept."""
+    """Returns the table that a check has besides its findings."""
     rows = check["table"]["rows"]
     summary = f"{split_name(check)[1]}: {check['detail']}".removeprefix(": ")
-    shown = plain_table(check["table"]["header"], rows)
-    return {"summary": summary, "table": shown, "brief": len(rows) > _ON_PAPER}
+    page_table = plain_table(check["table"]["header"], rows)
+    return {"summary": summary, "table": page_table, "brief": len(rows) > MAX_PRINTED_ROWS}
 
 
 def said(finding: Mapping[str, Any]) -> str:
-    """What a check does not accept, of which element and attribute."""
+    """Returns a finding as text: element, attribute, and what the check does not accept."""
     return f"{finding['element']} {finding['attribute']}".strip() + f": {finding['message']}"
 
 
 def _table(group: Sequence[Mapping[str, Any]]) -> PageTable | None:
-    """A row for each check; files in which one comes to exactly the same share its row."""
+    """Returns a table with a row for each check; files with exactly the same result share a row."""
     files: dict[tuple[Any, ...], list[str]] = {}
     for check in group:
         file, title = split_name(check)
-        found = stacked([check["detail"], *map(said, check["findings"])])
-        same = (outcome(check), check["code"], title, found, check["value"], check["limit"])
-        files.setdefault(same, []).append(file)
+        results = stacked([check["detail"], *map(said, check["findings"])])
+        row_key = (outcome(check), check["code"], title, results, check["value"], check["limit"])
+        files.setdefault(row_key, []).append(file)
     rows = []
-    for (word, code, title, found, *figures), where in files.items():
+    for (word, code, title, results, *figures), row_files in files.items():
         name = title if word == "passed" else to_code(code, title)
-        rows.append([marked(word, _MARKS[word]), name, ", ".join(filter(None, where)), found, *figures])
+        rows.append([marked(word, _MARKS[word]), name, ", ".join(filter(None, row_files)), results, *figures])
     header = ["", "check", "of", "found", "value", "limit"]
     return table(header, rows, {"": "word", "value": "number", "limit": "number"}, heads="check")

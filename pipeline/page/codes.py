@@ -1,4 +1,4 @@
-"""What the codes on a page mean, to which each of them leads."""
+"""Renders the meanings of the codes on a page, and links each code to its meaning."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -6,25 +6,26 @@ from typing import Any
 from linkwright.pipeline.page.html.template import link, rendered, text
 from linkwright.pipeline.reference.codes import explanations
 
-LEVELS = {"E": "error", "W": "warning"}
+LEVEL_BY_LETTER = {"E": "error", "W": "warning"}
+"""First letter of a code → its level; other codes are for information."""
 
 
 def level_of(code: str) -> str:
-    """The level of a diagnostic's code: error, warning or info."""
-    return LEVELS.get(code[:1], "info")
+    """Returns the level of a diagnostic's code: error, warning or info."""
+    return LEVEL_BY_LETTER.get(code[:1], "info")
 
 
 def to_code(code: str, words: str = "") -> str:
-    """A code, or other words, with a link to what the code means."""
+    """Returns a code, or other words for it, as a link to the meaning of the code."""
     return link(f"#{code}", words or code) if code in explanations() else text(words or code)
 
 
 def codes(used: Iterable[str]) -> str:
-    """The section about the codes that a page uses; nothing without any."""
-    known = sorted({*used} & explanations().keys())
-    return rendered("codes", codes=[(code, explanations()[code]) for code in known]) if known else ""
+    """Renders the section about the codes that a page uses; "" without any."""
+    explained = sorted({*used} & explanations().keys())
+    return rendered("codes", codes=[(code, explanations()[code]) for code in explained]) if explained else ""
 
 
 def problems_of(tree: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """The diagnostics of a report, and the problems that ended its build."""
+    """Returns the diagnostics of a report, and the problems that ended its build."""
     return [*tree["diagnostics"], *(tree["error"] or {}).get("problems", [])]

@@ -1,4 +1,4 @@
-"""The part of report.html about colliders: how near each is to its part, totals, and pictures."""
+"""Renders the colliders: how near each is to its part, totals, and pictures."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -28,37 +28,37 @@ _HEADER = (
 )
 _CLASSES = dict.fromkeys(_HEADER[4:9], "number") | {"": "word", "part": "name", "seconds": "number"}
 
-_RUNGS = {"hull": "convex hull", "raw": "the mesh itself", "none": "no collider"}
-_SEVERAL = {"pieces": "convex piece", "spheres": "sphere"}
+_RUNG_WORDS = {"hull": "convex hull", "raw": "the mesh itself", "none": "no collider"}
+_COUNTED_RUNGS = {"pieces": "convex piece", "spheres": "sphere"}
 
-_MOST_PARTS = 3
-"""So many parts that share a collider are named."""
+MAX_PARTS = 3
+"""Largest number of parts named in the row of a collider that they share."""
 
 
 def colliders(details: Mapping[str, Any], pictures: str, secrets: Secrets) -> str:
-    """The section; nothing where no collider was made. `details`: of the report, blanked; `pictures`: the
-    view of the mesh stage, "" without one."""
+    """Renders the section; "" if no collider was made. `details`: the report's details, with secrets blanked;
+    `pictures`: the view of the mesh stage as JSON, or ""."""
     rows: Sequence[Row] = details.get("colliders", [])
     if not rows:
         return ""
-    missing = sorted((row for row in rows if not _within(row)), key=lambda row: -(row["miss"] or 0.0))
-    others = [row for row in rows if _within(row)]
-    judged, near = (sum(row["tolerance"] is not None for row in some) for some in (rows, others))
+    missing = sorted((row for row in rows if not _is_within(row)), key=lambda row: -(row["miss"] or 0.0))
+    meeting = [row for row in rows if _is_within(row)]
+    judged, within = (sum(row["tolerance"] is not None for row in group) for group in (rows, meeting))
     return rendered(
         "colliders",
-        title=f"Colliders: {near} of {judged} within the tolerance" if judged else "Colliders",
+        title=f"Colliders: {within} of {judged} within the tolerance" if judged else "Colliders",
         missing=_table(missing),
-        others=_table(others),
-        near=near,
+        meeting=_table(meeting),
+        near=within,
         judged=judged,
-        unjudged=len(others) - near,
+        unjudged=len(meeting) - within,
         totals=_totals(details.get("links", []), rows),
         gallery=_gallery(pictures, secrets),
     )
 
 
-def _within(row: Row) -> bool:
-    """Whether it is within its tolerance, or meant to be judged by none."""
+def _is_within(row: Row) -> bool:
+    """Tells whether a collider is within its tolerance, or has none on purpose."""
     return bool(row["meets"]) and (row["miss"] is None or row["miss"] <= 1)
 
 
@@ -67,15 +67,18 @@ def _table(rows: Sequence[Row]) -> PageTable | None:
 
 
 def _cells(row: Row) -> list[str]:
-    parts = Markup(", ").join(map(name, row["parts"][:_MOST_PARTS]))
-    if len(row["parts"]) > _MOST_PARTS:
-        parts += f" and {len(row['parts']) - _MOST_PARTS} more"
-    why = "; ".join(one for one in (row.get("reason"), row["note"]) if one)
+    parts = Markup(", ").join(map(name, row["parts"][:MAX_PARTS]))
+    if len(row["parts"]) > MAX_PARTS:
+        parts += f" and {len(row['parts']) - MAX_PARTS} more"
+    reasons = "; ".join(words for words in (row.get("reason"), row["note"]) if words)
     figures = [""] * 5
     if row["tolerance"] is not None:
         figures = [
             f"{row['tolerance']:.2f}",
-            *(f"{row[f'{what}_p95']:.2f} / {row[f'{what}_max']:.2f}" for what in ("protrusion", "bareness")),
+            *(
+                f"{row[f'{measure}_p95']:.2f} / {row[f'{measure}_max']:.2f}"
+                for measure in ("protrusion", "bareness")
+            ),
             f"{_share(row['extra'])} / {_share(row['missing'])}",
             text(row["by"]),
         ]
@@ -83,7 +86,7 @@ def _cells(row: Row) -> list[str]:
         _verdict(row),
         name(row["link"]),
         parts,
-        escape(text(_made(row))) + marked("hint", why),
+        escape(text(_kind_words(row))) + marked("hint", reasons),
         f"{row['vertices']:,}",
         *figures,
         f"{row['seconds']:.2f}{', kept' if row['cached'] else ''}",
@@ -91,16 +94,18 @@ def _cells(row: Row) -> list[str]:
 
 
 def _verdict(row: Row) -> str:
-    """A mark for what is not known to be within its tolerance."""
+    """Returns the mark of a collider that is not known to be within its tolerance."""
     if row["tolerance"] is None:
         return "not judged"
-    return "" if _within(row) else marked("warning", "misses")
+    return "" if _is_within(row) else marked("warning", "misses")
 
 
-def _made(row: Row) -> str:
-    """What the collider is, in words."""
+def _kind_words(row: Row) -> str:
+    """Returns the kind of the collider, in words."""
     rung = str(row["rung"])
-    return count(row["pieces"], _SEVERAL[rung]) if rung in _SEVERAL else _RUNGS.get(rung, rung)
+    return (
+        count(row["pieces"], _COUNTED_RUNGS[rung]) if rung in _COUNTED_RUNGS else _RUNG_WORDS.get(rung, rung)
+    )
 
 
 def _share(value: float | None) -> str:
@@ -108,26 +113,32 @@ def _share(value: float | None) -> str:
 
 
 def _totals(links: Sequence[Row], rows: Sequence[Row]) -> tuple[str, PageTable | None]:
-    """The totals of each link and of the robot, which are what is seen while they are folded."""
+    """Returns the robot's totals in words, shown while the table is folded, and a table with each link's."""
     names = ("colliders", "pieces", "vertices", "geoms", "seconds")
-    whole = {one: sum(link[one] for link in links) for one in names}
+    total = {name: sum(link[name] for link in links) for name in names}
     words = (
-        f"{count(len(links), 'link')}: {count(whole['pieces'], 'piece')}, {whole['vertices']:,} vertices, "
-        f"{count(whole['geoms'], 'geom')}; {sum(not row['cached'] for row in rows)} of "
+        f"{count(len(links), 'link')}: {count(total['pieces'], 'piece')}, {total['vertices']:,} vertices, "
+        f"{count(total['geoms'], 'geom')}; {sum(not row['cached'] for row in rows)} of "
         f"{count(len(rows), 'collider')} made in this build"
     )
-    lines = [*links, {"link": "all", **whole}]
+    lines = [*links, {"link": "all", **total}]
     cells = [
-        [line["link"], *(f"{line[one]:,}" for one in names[:-1]), f"{line['seconds']:.2f}"] for line in lines
+        [line["link"], *(f"{line[name]:,}" for name in names[:-1]), f"{line['seconds']:.2f}"]
+        for line in lines
     ]
     return words, plain_table(["link", *names], cells)
 
 
 def _gallery(pictures: str, secrets: Secrets) -> dict[str, Any] | None:
-    """The pictures, and which links have none."""
+    """Returns the pictures, and the names of the links without one."""
     if not pictures:
         return None
-    shown = json.loads(pictures)
-    drawn = [{**one, "link": secrets.blanked(one["link"])} for one in shown["pictures"]]
-    lacking = ", ".join(map(secrets.blanked, shown["left_out"]))
-    return {"side": shown["side"], "pictures": drawn, "links": count(len(drawn), "link"), "lacking": lacking}
+    view = json.loads(pictures)
+    pictures_shown = [{**picture, "link": secrets.blanked(picture["link"])} for picture in view["pictures"]]
+    lacking = ", ".join(map(secrets.blanked, view["left_out"]))
+    return {
+        "side": view["side"],
+        "pictures": pictures_shown,
+        "links": count(len(pictures_shown), "link"),
+        "lacking": lacking,
+    }

@@ -1,4 +1,4 @@
-"""The pairs of links that do not collide, for people."""
+"""Renders the pairs of links that do not collide."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -10,21 +10,22 @@ from linkwright.stages.robot.text.plural import count
 
 
 def contacts(excludes: Sequence[Mapping[str, Any]]) -> str:
-    """The section: the pairs with their reason, and which of their colliders where others do; those with a
-    joint between them are folded."""
-    near = [one for one in excludes if str(one["reason"]) == "Adjacent"]
-    others = [one for one in excludes if str(one["reason"]) != "Adjacent"]
-    words = f"{count(len(near), 'pair')} with a joint between them"
-    values = {"others": _table(others), "words": words, "near": _table(near)}
+    """Renders the section: each pair with its reason, and with its colliders if only some of them do not
+    collide. Pairs with a joint between them are folded."""
+    adjacent = [row for row in excludes if str(row["reason"]) == "Adjacent"]
+    other_pairs = [row for row in excludes if str(row["reason"]) != "Adjacent"]
+    words = f"{count(len(adjacent), 'pair')} with a joint between them"
+    values = {"distant": _table(other_pairs), "words": words, "near": _table(adjacent)}
     return rendered("contacts", **values) if excludes else ""
 
 
 def _table(excludes: Sequence[Mapping[str, Any]]) -> PageTable | None:
     rows = [
-        [*one["links"], one["reason"], f"{one['depth']:.2f}", _only(one["colliders"])] for one in excludes
+        [*row["links"], row["reason"], f"{row['depth']:.2f}", _colliders(row["colliders"])]
+        for row in excludes
     ]
     return plain_table(["link", "other link", "reason", "depth at home, mm", "of their colliders"], rows)
 
 
-def _only(colliders: Sequence[Sequence[str]] | None) -> str:
+def _colliders(colliders: Sequence[Sequence[str]] | None) -> str:
     return "all" if colliders is None else " against ".join(map(listed, colliders))

@@ -1,13 +1,13 @@
-"""What the figures of a build are called for people."""
+"""Names the figures of a build for people."""
 
 from typing import NamedTuple
 
 
 class FigureName(NamedTuple):
-    """One and several of a figure, in words; `unit`: "" for a number of things."""
+    """A figure's name for one thing and for several, and its unit ("" for a number of things)."""
 
-    one: str
-    several: str
+    singular: str
+    plural: str
     unit: str = ""
 
 
@@ -27,33 +27,33 @@ NAMES = {
     "checks_failed": FigureName("check failed", "checks failed"),
     "checks_warned": FigureName("check with a warning", "checks with a warning"),
 }
-"""Figures by their key in a report; of others the key is the name."""
+"""Figures by their key in a report; the name of any other figure is its key."""
 
 
 def name_of(key: str) -> str:
-    """The name of a figure on an axis or above a column: "mass, kg"."""
-    found = NAMES.get(key)
-    if found is None:
+    """Returns the name of a figure on an axis or above a column: "mass, kg"."""
+    figure = NAMES.get(key)
+    if figure is None:
         return key.replace("_", " ")
-    return f"{found.several}, {found.unit}" if found.unit else found.several
+    return f"{figure.plural}, {figure.unit}" if figure.unit else figure.plural
 
 
 def said(key: str) -> str:
-    """The name of a figure in a sentence."""
-    found = NAMES.get(key)
-    return key.replace("_", " ") if found is None else found.several
+    """Returns the name of a figure in a sentence."""
+    figure = NAMES.get(key)
+    return key.replace("_", " ") if figure is None else figure.plural
 
 
 def counted(key: str, value: float) -> str:
-    """A figure with its value: "11 links", "mass 3.2 kg"."""
-    found = NAMES.get(key)
-    if found is None:
+    """Returns a figure with its value: "11 links", "mass 3.2 kg"."""
+    figure = NAMES.get(key)
+    if figure is None:
         return f"{key.replace('_', ' ')} {shown(value)}"
-    if found.unit:
-        return f"{found.several} {shown(value)} {found.unit}"
-    return f"{shown(value)} {found.one if value == 1 else found.several}"
+    if figure.unit:
+        return f"{figure.plural} {shown(value)} {figure.unit}"
+    return f"{shown(value)} {figure.singular if value == 1 else figure.plural}"
 
 
 def shown(value: float) -> str:
-    """A figure as people read it."""
+    """Returns a figure's value as text."""
     return f"{value:,}" if isinstance(value, int) else f"{value:.6g}"

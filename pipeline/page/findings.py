@@ -1,4 +1,4 @@
-"""The diagnostics of a build, and what ended it."""
+"""Renders the diagnostics of a build, and the error that ended it, as HTML."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -10,28 +10,33 @@ from linkwright.pipeline.page.html.tables import PageTable, table
 from linkwright.pipeline.page.html.template import hint, marked, name, rendered, text
 from linkwright.stages.robot.text.plural import count
 
-LEVELS = {"error": "Errors", "warning": "Warnings", "info": "For information"}
+LEVEL_TITLES = {"error": "Errors", "warning": "Warnings", "info": "For information"}
 
-OPEN = 8
-"""So many rows for information are in sight."""
+MAX_UNFOLDED = 8
+"""Largest number of informational rows that are shown unfolded."""
 
 
-def error(found: Mapping[str, Any] | None) -> str:
-    """What ended a failed build, with all that is to be settled; nothing without an error."""
-    if found is None:
+def error(problem: Mapping[str, Any] | None) -> str:
+    """Renders the error that ended a build, with all its problems; "" if there was no error."""
+    if problem is None:
         return ""
-    problems = _table(found.get("problems", []))
-    return rendered("error", **{"where": "", "hint": "", **found, "problems": problems})
+    problems = _table(problem.get("problems", []))
+    return rendered("error", **{"where": "", "hint": "", **problem, "problems": problems})
 
 
-def diagnostics(found: Sequence[Mapping[str, Any]]) -> str:
-    """The diagnostics, the gravest first."""
-    groups = {level: [one for one in found if level_of(one["code"]) == level] for level in LEVELS}
+def diagnostics(problems: Sequence[Mapping[str, Any]]) -> str:
+    """Renders the diagnostics, grouped by level: errors, warnings, information."""
+    groups = {
+        level: [problem for problem in problems if level_of(problem["code"]) == level]
+        for level in LEVEL_TITLES
+    }
     parts = [
         {
-            "title": LEVELS[level],
+            "title": LEVEL_TITLES[level],
             "table": _table(group),
-            "folded": count(len(group), "diagnostic") if level == "info" and len(group) > OPEN else "",
+            "folded": count(len(group), "diagnostic")
+            if level == "info" and len(group) > MAX_UNFOLDED
+            else "",
         }
         for level, group in groups.items()
         if group
@@ -42,10 +47,10 @@ def diagnostics(found: Sequence[Mapping[str, Any]]) -> str:
 def _table(problems: Sequence[Mapping[str, Any]]) -> PageTable | None:
     rows = [
         [
-            marked(level_of(one["code"]), to_code(one["code"])),
-            name(one["where"]),
-            escape(text(one["message"])) + hint(one["hint"]),
+            marked(level_of(problem["code"]), to_code(problem["code"])),
+            name(problem["where"]),
+            escape(text(problem["message"])) + hint(problem["hint"]),
         ]
-        for one in problems
+        for problem in problems
     ]
     return table(["code", "where", "what"], rows, {"code": "code", "where": "place"}, heads="code")

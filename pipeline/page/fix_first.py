@@ -1,4 +1,4 @@
-"""What to fix first: the gravest of all that a build found, in a few lines."""
+"""Renders the gravest problems of a build, to be fixed first, in a few lines."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -10,14 +10,14 @@ from linkwright.pipeline.page.html.template import rendered, shortened
 from linkwright.pipeline.reference.codes import remedy
 from linkwright.stages.robot.text.plural import count
 
-MOST = 5
-"""So many things are named."""
+MAX_FIXES = 5
+"""Largest number of things to fix that are named."""
 
-_LETTERS = 220
-"""So long is what is said of one."""
+MAX_LETTERS = 220
+"""Largest number of letters in the text about a thing."""
 
 _RANKS = ("error", "failed", "warning", "readiness")
-"""The gravest first."""
+"""Ranks of things to fix, the gravest first."""
 
 _MARKS = {"error": "✕ error", "failed": "✕ failed", "warning": "! warning", "readiness": "+ readiness"}
 
@@ -27,57 +27,61 @@ _READINESS, _MISSING = "C-READINESS", "missing"
 
 @dataclass(frozen=True, slots=True)
 class Fix:
-    """One thing to fix. `rank`: how grave; `code`: what explains it; `title`, `found`, `to_do`: plain text,
-    `to_do` may be Markdown of one line; `count`: how often it was found."""
+    """A thing to fix; its texts are plain."""
 
     rank: str
+    """How grave it is: one of the ranks."""
     code: str
+    """The code whose meaning explains it."""
     title: str
-    found: str
+    finding: str
     to_do: str
+    """The remedy; may be a line of Markdown."""
     count: int = 1
+    """How often it was found."""
 
 
 def fixes(tree: Mapping[str, Any]) -> list[Fix]:
-    """All that there is to fix, the gravest first, each kind of it once; `tree`: the report as plain data."""
-    found = [*_problems(tree), *_checks(tree), *_points(tree)]
-    return sorted(found, key=lambda fix: _RANKS.index(fix.rank))
+    """Returns all things to fix, the gravest first, each kind once; `tree`: the report as plain data."""
+    all_fixes = [*_problems(tree), *_checks(tree), *_points(tree)]
+    return sorted(all_fixes, key=lambda fix: _RANKS.index(fix.rank))
 
 
-def fix_first(tree: Mapping[str, Any], found: list[Fix]) -> str:
-    """The section, of what `fixes` found; nothing where an error with a few problems is all that is known."""
+def fix_first(tree: Mapping[str, Any], all_fixes: list[Fix]) -> str:
+    """Renders the section with `all_fixes`; "" if an error with few problems ended the build, since the page
+    lists these anyway."""
     error = tree["error"]
-    if error is not None and len(error.get("problems", ())) <= MOST:
+    if error is not None and len(error.get("problems", ())) <= MAX_FIXES:
         return ""
     items = [
         {
             "fix": fix,
             "mark": _MARKS[fix.rank],
             "title": to_code(fix.code, fix.title),
-            "found": shortened(fix.found, _LETTERS),
+            "finding": shortened(fix.finding, MAX_LETTERS),
         }
-        for fix in found[:MOST]
+        for fix in all_fixes[:MAX_FIXES]
     ]
-    rest = len(found) - MOST
+    rest = len(all_fixes) - MAX_FIXES
     more = count(rest, "more thing", "more things") if rest > 0 else ""
     return rendered("fix_first", items=items, more=more, checked=bool(tree["checks"]))
 
 
 def _problems(tree: Mapping[str, Any]) -> Iterator[Fix]:
-    """The errors and warnings, those of one code together."""
+    """Yields a fix for each code of an error or a warning."""
     groups: dict[str, list[Mapping[str, Any]]] = {}
-    for one in problems_of(tree):
-        if level_of(one["code"]) in _RANKS:
-            groups.setdefault(one["code"], []).append(one)
+    for problem in problems_of(tree):
+        if level_of(problem["code"]) in _RANKS:
+            groups.setdefault(problem["code"], []).append(problem)
     for code, group in groups.items():
         first = group[0]
         place = f"{first['where']}: " if first["where"] else ""
-        to_do = shortened(first["hint"] or remedy(code), _LETTERS)
+        to_do = shortened(first["hint"] or remedy(code), MAX_LETTERS)
         yield Fix(level_of(code), code, code, f"{place}{first['message']}", to_do, len(group))
 
 
 def _checks(tree: Mapping[str, Any]) -> Iterator[Fix]:
-    """The checks that did not pass, one of several files once."""
+    """Yields a fix for each check that did not pass; a check of several files appears once."""
     groups: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
     for check in tree["checks"]:
         if not check["passed"]:
@@ -86,15 +90,15 @@ def _checks(tree: Mapping[str, Any]) -> Iterator[Fix]:
         files = ", ".join(filter(None, (split_name(check)[0] for check in group)))
         name = f"{title} in {files}" if files else title
         findings = group[0]["findings"]
-        found = said(findings[0]) if findings else group[0]["detail"]
-        yield Fix(outcome(group[0]), code, name, found, remedy(code))
+        finding = said(findings[0]) if findings else group[0]["detail"]
+        yield Fix(outcome(group[0]), code, name, finding, remedy(code))
 
 
 def _points(tree: Mapping[str, Any]) -> Iterator[Fix]:
-    """What would raise the score of the finished robot."""
+    """Yields a fix for each point that would raise the score of the finished robot."""
     for check in tree["checks"]:
         if check["code"] == _READINESS and check["table"]:
-            for number, what, verdict, *words in check["table"]["rows"]:
+            for number, point, verdict, *words in check["table"]["rows"]:
                 if verdict == _MISSING:
                     title = f"point {number} of sim-readiness"
-                    yield Fix("readiness", _READINESS, title, what, shortened(", ".join(words), _LETTERS))
+                    yield Fix("readiness", _READINESS, title, point, shortened(", ".join(words), MAX_LETTERS))

@@ -1,4 +1,4 @@
-"""The kinematic graph: its picture, its outline as text, and the tables that the graph stage made of it."""
+"""Renders the kinematic graph: its picture, its outline as text, and its tables."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -16,29 +16,34 @@ Table = Mapping[str, Any]
 """A table of the graph stage: title, header, rows."""
 
 SECTIONS = {"Joints": ("Joints", "Dynamics"), "Masses": ("Masses",)}
-"""Sections of their own, and the tables in each, the first under the section's heading; others are parts of
-the graph's."""
+"""Title of a section → titles of its tables, the first directly under the section's heading. All other tables
+belong to the graph's section."""
 
 
 def graph(
     svg: str, outline: Sequence[str], tables: Sequence[Table], secrets: Secrets, *, is_file: bool
 ) -> str:
-    """The section; nothing without a graph. `is_file`: whether the picture is a file beside the page."""
-    own = {title for titles in SECTIONS.values() for title in titles}
-    others = [(one["title"], _plain(one)) for one in tables if one["title"] not in own]
-    if not (svg or outline or any(it for _, it in others)):
+    """Renders the section; "" without a graph. `is_file`: whether the picture is also a file beside the
+    page."""
+    other_titles = {title for titles in SECTIONS.values() for title in titles}
+    parts = [(table["title"], _plain(table)) for table in tables if table["title"] not in other_titles]
+    if not (svg or outline or any(part for _, part in parts)):
         return ""
     drawn, width = _picture(svg, secrets)
     full = file_link(PICTURE) if is_file else ""
-    return rendered("graph", picture=drawn, width=width, full=full, outline="\n".join(outline), others=others)
+    return rendered("graph", picture=drawn, width=width, full=full, outline="\n".join(outline), parts=parts)
 
 
 def tables_of(title: str, tables: Sequence[Table]) -> str:
-    """A section of its own; nothing without its first table."""
-    found = {one["title"]: _plain(one) for one in tables}
-    first, *others = SECTIONS[title]
-    parts = [(one, found.get(one)) for one in others]
-    return rendered("tables", title=title, first=found[first], parts=parts) if found.get(first) else ""
+    """Renders one of `SECTIONS`; "" without its first table."""
+    page_tables = {table["title"]: _plain(table) for table in tables}
+    first, *other_titles = SECTIONS[title]
+    parts = [(name, page_tables.get(name)) for name in other_titles]
+    return (
+        rendered("tables", title=title, first=page_tables[first], parts=parts)
+        if page_tables.get(first)
+        else ""
+    )
 
 
 def _plain(table: Table) -> PageTable | None:
@@ -46,9 +51,9 @@ def _plain(table: Table) -> PageTable | None:
 
 
 def _picture(svg: str, secrets: Secrets) -> tuple[Markup, str]:
-    """The picture without its XML declaration, and its width; what it says is blanked, what it is made of is
-    not."""
+    """Returns the picture without its XML declaration, and its width; secrets are blanked in its texts
+    only."""
     bare = re.sub(r"^<\?xml.*?\?>\s*", "", svg)
     drawn = re.sub(r">([^<]+)<", lambda match: f">{escape(secrets.blanked(unescape(match[1])))}<", bare)
-    wide = re.match(r'<svg [^>]*?width="(\d+)"', drawn)
-    return Markup(drawn), wide[1] if wide else ""
+    size = re.match(r'<svg [^>]*?width="(\d+)"', drawn)
+    return Markup(drawn), size[1] if size else ""

@@ -1,26 +1,26 @@
-"""The head of a build's page: what was built, how it went, its size, and the files."""
+"""Renders the head of a build's page: what was built, how it went, its size, and the files."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from linkwright.pipeline.changes.since import Since
+from linkwright.pipeline.changes.build_changes import BuildChanges
 from linkwright.pipeline.page.checks import tally
 from linkwright.pipeline.page.figures import NAMES
 from linkwright.pipeline.page.files import top_level
 from linkwright.pipeline.page.html.template import rendered
 from linkwright.stages.robot.text.plural import count
 
-BESIDE = ("report.json", "config.yaml", "build.log")
+DOCUMENTS = ("report.json", "config.yaml", "build.log")
 """The other documents of a build, in the same folder."""
 
 _MARKS = {"built": "✓", "stale": "!", "invalid": "!", "failed": "✕"}
 
 _FIGURES = ("links", "joints", "dof", "loops", "mass", "parts", "triangles")
-"""Figures that the head has."""
+"""The figures that the head shows, in this order."""
 
 
-def head(tree: Mapping[str, Any], heading: str, changes: Since | None) -> str:
-    """The head; `tree`: the report as plain data, `heading`: the robot's name as people know it."""
+def head(tree: Mapping[str, Any], heading: str, changes: BuildChanges | None) -> str:
+    """Renders the head. `tree`: the report as plain data, `heading`: the robot's name as people know it."""
     status = str(tree["status"])
     seconds = sum(stage["seconds"] for stage in tree["stages"])
     summary = [f"exit status {tree['exit_status']}", f"{seconds:.2f} s", str(tree["folder"])]
@@ -35,41 +35,42 @@ def head(tree: Mapping[str, Any], heading: str, changes: Since | None) -> str:
 
 
 def facts(tree: Mapping[str, Any], pictures: Iterable[str]) -> str:
-    """The robot's size, and links to the files, of which the `pictures` of the robot are no outputs."""
-    paths = [*top_level(tree["outputs"]), *pictures, *BESIDE]
-    found = {name: tree["figures"][name] for name in _FIGURES if tree["figures"].get(name)}
-    figures = [(_word(name, value), _figure(value)) for name, value in found.items()]
+    """Renders the robot's figures, and links to the files. `pictures`: files of the robot's picture, which
+    are not among the outputs."""
+    paths = [*top_level(tree["outputs"]), *pictures, *DOCUMENTS]
+    values = {name: tree["figures"][name] for name in _FIGURES if tree["figures"].get(name)}
+    figures = [(_word(name, value), _figure(value)) for name, value in values.items()]
     return rendered("facts", figures=figures, paths=paths)
 
 
-def _outcome(tree: Mapping[str, Any], changes: Since | None) -> list[tuple[str, str]]:
-    """How the checks went, what the diagnostics are, and what is different: where each leads, and words."""
+def _outcome(tree: Mapping[str, Any], changes: BuildChanges | None) -> list[tuple[str, str]]:
+    """Returns pairs on checks, diagnostics and differences: the section, and a summary in words."""
     checks = tree["checks"]
-    said = []
+    summaries = []
     if checks:
-        said.append(("checks", tally(checks, " checks")))
-    codes = [one["code"][:1] for one in tree["diagnostics"]]
+        summaries.append(("checks", tally(checks, " checks")))
+    codes = [problem["code"][:1] for problem in tree["diagnostics"]]
     for letter, word in (("E", "error"), ("W", "warning")):
         if letter in codes:
-            said.append(("diagnostics", count(codes.count(letter), word)))
+            summaries.append(("diagnostics", count(codes.count(letter), word)))
     if changes is not None and not changes.first:
-        said.append(("changes", difference(changes)))
-    return said
+        summaries.append(("changes", difference(changes)))
+    return summaries
 
 
-def difference(changes: Since) -> str:
-    """How much is different from the last build, in words."""
-    if changes.nothing:
+def difference(changes: BuildChanges) -> str:
+    """Returns in words how much differs from the previous build."""
+    if changes.unchanged:
         return "unchanged since the previous build"
-    if changes.unknown:
+    if changes.failure:
         return "the previous build cannot be compared"
     number = len(changes.robot) + changes.more
     return f"{count(number, 'difference')} from the previous build" if number else "some files are different"
 
 
 def _word(name: str, value: float) -> str:
-    found = NAMES[name]
-    return found.unit or (found.one if value == 1 else found.several)
+    figure = NAMES[name]
+    return figure.unit or (figure.singular if value == 1 else figure.plural)
 
 
 def _figure(value: float) -> str:

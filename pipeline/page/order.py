@@ -1,4 +1,4 @@
-"""The order of joints, actuators and sensors in the files, for people: the vectors of a policy."""
+"""Renders the order of joints, actuators and sensors in the files, that of a policy's vectors."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -8,12 +8,12 @@ from linkwright.pipeline.page.html.template import rendered
 
 Row = Mapping[str, Any]
 
-_TYPES = {"turn": "hinge"}
+_MUJOCO_TYPES = {"turn": "hinge"}
 """Kind of dof → MuJoCo's type of joint, where they have other names."""
 
 
 def order(tables: Mapping[str, Any]) -> str:
-    """The section; nothing without tables. `tables`: `order` of the report's details."""
+    """Renders the section; "" without tables. `tables`: `order` of the report's details."""
     mjcf, urdf = tables.get("mjcf", {}), tables.get("urdf", {})
     values = {
         "joints": _joints(mjcf.get("joints", [])),
@@ -29,7 +29,7 @@ def _joints(rows: Sequence[Row]) -> PageTable | None:
     cells = [
         [
             row["name"],
-            _TYPES.get(row["kind"], row["kind"]),
+            _MUJOCO_TYPES.get(row["kind"], row["kind"]),
             _span(*row["qpos"]),
             _span(*row["dof"]),
             row["unit"],
@@ -78,7 +78,7 @@ def _urdf(rows: Sequence[Row]) -> PageTable | None:
 
 
 def _span(first: int, count: int) -> str:
-    """A number, or the first and the last."""
+    """Returns an index, or the first and the last index of several."""
     return str(first) if count == 1 else f"{first} to {first + count - 1}"
 
 

@@ -1,1 +1,1 @@
-"""Code of the user's own, and where it may come from."""
+"""Loads the user's own code, and restricts where it may come from."""

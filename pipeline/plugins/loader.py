@@ -1,13 +1,15 @@
-"""Code of the user's own, named by `_target_`: only of modules that `plugins` names, which the command line
-gives or a trusted file."""
+"""Loads the user's own code, which `_target_` names.
+
+It must be in a module that `plugins` names, and only the command line or a trusted file may set `plugins`.
+"""
 
 import importlib
 import importlib.util
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from linkwright.pipeline.config.files.trust import TARGET, covered
+from linkwright.pipeline.config.files.trust import TARGET, is_in_modules
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.errors import ConfigError
@@ -16,7 +18,7 @@ from linkwright.pipeline.terminal import pasted
 from linkwright.stages.robot.text.globs import listed
 
 if TYPE_CHECKING:
-    from linkwright.stages.validate.user_checks import OwnCheck
+    from linkwright.stages.validate.user_checks import UserCheck
 
 
 NOW_IN = "a check imports these from linkwright: from linkwright import Check, Finding, CompiledModel"
@@ -25,83 +27,98 @@ LOOKED_FOR = "it is looked for where Python looks, and in the working folder"
 
 
 def target(entry: Mapping[str, Any], plugins: Sequence[str], where: str) -> Any:
-    """The function or class that the `_target_` of an entry names. ConfigError where its module is none of
-    `plugins`, cannot be imported, or lacks it."""
+    """Returns the function or class that the `_target_` of an entry names. Raises ConfigError if its module
+    is not in `plugins`, cannot be imported, or lacks it."""
     path = str(entry[TARGET])
     module, _, name = path.rpartition(".")
-    if not covered(path, plugins):
-        msg = f"{path} is of no module that plugins names"
+    if not is_in_modules(path, plugins):
+        msg = f"{path} belongs to no module that plugins names"
         raise ConfigError(msg, where, f"if you trust it: {pasted.word(f'plugins=[{module or path}]')}")
     trust(plugins)
     try:
-        found = importlib.import_module(module)
+        imported = importlib.import_module(module)
     except NotTrusted as error:
         msg = f"{module} imports {error.name} of the working folder, which plugins does not name"
         raise ConfigError(msg, where, f"if you trust it: {error.line}") from error
     except Exception as error:
         msg = f"the module {module} cannot be imported: {type(error).__name__}: {error}"
-        raise ConfigError(msg, where, NOW_IN if _gone(error) else LOOKED_FOR) from error
-    code = getattr(found, name, None)
+        raise ConfigError(msg, where, NOW_IN if _uses_earlier_names(error) else LOOKED_FOR) from error
+    code = getattr(imported, name, None)
     if not callable(code):
-        public = sorted(one for one, value in vars(found).items() if callable(value) and one[0] != "_")
+        public = sorted(
+            attribute
+            for attribute, value in vars(imported).items()
+            if callable(value) and attribute[0] != "_"
+        )
         msg = f"{module} has no function or class {name}"
         raise ConfigError(msg, where, f"it has {listed(public)}" if public else "")
     return code
 
 
-def _gone(error: Exception) -> bool:
-    """Whether a module of ours is imported by a name that it had before there was one package."""
+def _uses_earlier_names(error: Exception) -> bool:
+    """Tells whether code imports linkwright's modules by their earlier names `pipeline` and `stages`."""
     name = error.name if isinstance(error, ModuleNotFoundError) else None
     return (name or "").partition(".")[0] in ("pipeline", "stages")
 
 
 def named(plan: Plan) -> None:
-    """ConfigError where code that `validate.checks` names cannot be found. What is of no trusted module is
-    reported where the configuration is composed; so is a module of `plugins` that does not exist."""
+    """Raises ConfigError if code that `validate.checks` names cannot be found, or a module of `plugins` does
+    not exist. Code of a module that is not trusted is reported where the configuration is composed."""
     if not plan.plugins:
         return
     trust(plan.plugins)
     for plugin in plan.plugins:
-        if not _is_there(plugin):
+        if not _exists(plugin):
             msg = f"there is no module {plugin}"
             raise ConfigError(msg, "plugins", LOOKED_FOR)
     for number, entry in enumerate(plan.validate.checks):
-        if covered(entry[TARGET], plan.plugins):
-            target(entry, plan.plugins, _place(number))
+        if is_in_modules(entry[TARGET], plan.plugins):
+            target(entry, plan.plugins, _check_key(number))
 
 
-def own(plan: Plan) -> "tuple[OwnCheck, ...]":
-    """The user's own checks of a build, each with its keys. ConfigError where one cannot be found."""
+def cost(plan: Plan) -> Callable[..., Any] | None:
+    """Returns the user's own objective; None if the configuration has none. Raises ConfigError if it cannot
+    be found."""
+    if plan.objective is None or plan.objective.target is None:
+        return None
+    function: Callable[..., Any] = target({TARGET: plan.objective.target}, plan.plugins, "objective")
+    return function
+
+
+def own(plan: Plan) -> "tuple[UserCheck, ...]":
+    """Returns the user's own checks of a build, each with its keys. Raises ConfigError if a check cannot be
+    found."""
     if not plan.validate.checks:
         return ()
     # Late: most robots have no plug-in.
-    from linkwright.stages.validate.user_checks import OwnCheck
+    from linkwright.stages.validate.user_checks import UserCheck
 
     return tuple(
-        OwnCheck(
+        UserCheck(
             entry[TARGET],
-            target(entry, plan.plugins, _place(number)),
+            target(entry, plan.plugins, _check_key(number)),
             {key: value for key, value in entry.items() if key != TARGET},
         )
         for number, entry in enumerate(plan.validate.checks)
     )
 
 
-def _place(number: int) -> str:
-    return f"validate.checks[{number}]"
+def _check_key(index: int) -> str:
+    return f"validate.checks[{index}]"
 
 
-def with_sources(known: dict[str, Any], plan: Plan) -> dict[str, Any] | None:
-    """The validate stage's part of a cache key, with what its results depend on too: the text of the user's
-    own code. None, so that nothing is kept, where that has no text."""
+def with_sources(keys: dict[str, Any], plan: Plan) -> dict[str, Any] | None:
+    """Returns the validate stage's part of a cache key, with the text of the user's own code, on which the
+    results depend too. None, so that nothing is kept, if the text of that code is unknown."""
     if not plan.validate.checks:
-        return known
+        return keys
     text = sources(plan.plugins)
-    return None if text is None else {**known, "plugins": text}
+    return None if text is None else {**keys, "plugins": text}
 
 
 def sources(plugins: Sequence[str]) -> str | None:
-    """The digest of the text of these modules, with all of a package's; None where one has no text."""
+    """Returns the digest of the text of these modules, and of all modules of a package; None if the text of a
+    module is unknown."""
     trust(plugins)
     digests = []
     for plugin in plugins:
@@ -112,7 +129,7 @@ def sources(plugins: Sequence[str]) -> str | None:
     return sha256("\n".join(digests).encode())
 
 
-def _is_there(plugin: str) -> bool:
+def _exists(plugin: str) -> bool:
     try:
         return importlib.util.find_spec(plugin) is not None
     except (ImportError, ValueError):

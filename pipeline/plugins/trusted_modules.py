@@ -1,4 +1,4 @@
-"""Modules of the working folder that the user trusts: Python finds these there, and no others."""
+"""Lets Python find modules in the working folder only if the user trusts them."""
 
 import importlib
 import sys
@@ -12,10 +12,10 @@ from linkwright.pipeline.terminal import pasted
 
 
 class NotTrusted(ModuleNotFoundError):
-    """A module is in the working folder, and no trusted module.
+    """A module is in the working folder, and is not a trusted module.
 
-    It is an error that an import of an optional module expects, since any file may have the name of such a
-    module.
+    It is a ModuleNotFoundError, which imports of optional modules handle: a file in the working folder may
+    happen to have the name of such a module.
     """
 
     def __init__(self, name: str, trusted: Sequence[str]) -> None:
@@ -25,7 +25,7 @@ class NotTrusted(ModuleNotFoundError):
 
 
 class TrustedModules(MetaPathFinder):
-    """Finds trusted modules, the submodules of trusted packages and the packages around both in `folder`."""
+    """Finds in `folder` trusted modules, submodules of trusted packages, and the parent packages of both."""
 
     def __init__(self, folder: Path, names: Iterable[str]) -> None:
         self.folder = folder
@@ -34,11 +34,12 @@ class TrustedModules(MetaPathFinder):
     def find_spec(
         self, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """The module's spec; None for what is not in the folder. NotTrusted for what is there untrusted."""
-        around = name.rpartition(".")[0]
-        if around and not self._leads_to_trusted(around):
+        """Returns the module's spec; None if the module is not in the folder. Raises NotTrusted if it is in
+        the folder, but not trusted."""
+        parent = name.rpartition(".")[0]
+        if parent and not self._leads_to_trusted(parent):
             return None
-        spec = PathFinder.find_spec(name, [str(self.folder.joinpath(*around.split(".")))])
+        spec = PathFinder.find_spec(name, [str(self.folder.joinpath(*parent.split(".")))])
         if spec is None or self._is_trusted(name):
             return spec
         if not self._leads_to_trusted(name):
@@ -56,11 +57,11 @@ class TrustedModules(MetaPathFinder):
 
 def trust(names: Sequence[str]) -> None:
     """Lets Python find these modules in the working folder, after all other places."""
-    here = Path.cwd()
-    known = [finder for finder in sys.meta_path if isinstance(finder, TrustedModules)]
-    if known and (known[0].folder, known[0].names) == (here, tuple(names)):
+    folder = Path.cwd()
+    finders = [finder for finder in sys.meta_path if isinstance(finder, TrustedModules)]
+    if finders and (finders[0].folder, finders[0].names) == (folder, tuple(names)):
         return
-    for finder in known:
+    for finder in finders:
         sys.meta_path.remove(finder)
-    sys.meta_path.append(TrustedModules(here, names))
+    sys.meta_path.append(TrustedModules(folder, names))
     importlib.invalidate_caches()

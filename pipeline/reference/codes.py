@@ -1,4 +1,4 @@
-"""The meaning of the codes of diagnostics and checks: the rows of two tables of the stages."""
+"""Explains the codes of diagnostics and checks, from the rows of two tables of the stages."""
 
 import functools
 import re
@@ -15,7 +15,8 @@ _LEVELS = {"E": "error", "W": "warning", "I": "info", "C": "check"}
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """The meaning of a code and its remedy, in Markdown of one line; `stages`: which of them report it."""
+    """The meaning of a code and its remedy, each a line of Markdown; `stages`: the stages that report the
+    code."""
 
     meaning: str
     remedy: str
@@ -24,18 +25,18 @@ class Explanation:
 
 @functools.cache
 def explanations() -> dict[str, Explanation]:
-    """Every code; empty where the tables are not installed."""
+    """Returns the explanation of each code; {} if the tables are not installed."""
     files = [Path(folder) / name for folder in linkwright.stages.__path__ for name in _FILES]
     rows = [row for file in files if file.is_file() for row in _ROW.findall(file.read_text(encoding="utf-8"))]
-    return {code: Explanation(meaning, remedy, where) for code, where, meaning, remedy in rows}
+    return {code: Explanation(meaning, remedy, stages) for code, stages, meaning, remedy in rows}
 
 
 def remedy(code: str) -> str:
-    """What to do about a code; "" where there is nothing to do, or no such code."""
-    found = explanations().get(code)
-    return "" if found is None or found.remedy == "–" else found.remedy
+    """Returns the remedy of a code; "" if there is none, or no such code."""
+    explanation = explanations().get(code)
+    return "" if explanation is None or explanation.remedy == "–" else explanation.remedy
 
 
 def level(code: str) -> str:
-    """The level of a code: error, warning, info, or check."""
+    """Returns the level of a code: error, warning, info, or check."""
     return _LEVELS.get(code[:1], "info")

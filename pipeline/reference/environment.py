@@ -1,11 +1,11 @@
-"""The variables of the environment that Linkwright reads."""
+"""Lists the environment variables that Linkwright reads."""
 
 from textwrap import fill
 from typing import NamedTuple
 
 
 class Variable(NamedTuple):
-    """A variable, a value to show it with, and its meaning."""
+    """An environment variable, an example of its value, and its meaning."""
 
     name: str
     value: str
@@ -28,13 +28,16 @@ VARIABLES = (
     Variable("SSL_CERT_FILE", "FILE", "certificates to trust; SSL_CERT_DIR names a folder of them"),
     Variable("ROS_PACKAGE_PATH", "DIRS", "folders with ROS packages; so does AMENT_PREFIX_PATH"),
 )
-"""Those of Linkwright itself first, in the order in which `--help-all` lists them."""
+"""The variables in the order of `--help-all`: first those of Linkwright itself."""
 
 
 def text() -> str:
-    """The variables as `--help-all` shows them."""
-    shown = [(f"{one.name}={one.value}" if one.value else one.name, one.meaning) for one in VARIABLES]
-    width = max(len(name) for name, _ in shown)
+    """Returns the variables as `--help-all` shows them."""
+    rows = [
+        (f"{variable.name}={variable.value}" if variable.value else variable.name, variable.meaning)
+        for variable in VARIABLES
+    ]
+    width = max(len(name) for name, _ in rows)
     return "\n".join(
         fill(
             meaning.replace("`", ""),
@@ -42,5 +45,5 @@ def text() -> str:
             initial_indent=f"  {name:{width}}  ",
             subsequent_indent=" " * (width + 4),
         )
-        for name, meaning in shown
+        for name, meaning in rows
     )

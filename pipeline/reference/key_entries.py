@@ -1,4 +1,4 @@
-"""The keys of the configuration, as the schema documents them: read from `keys.json`."""
+"""Reads the keys of the configuration and their documentation from `keys.json`."""
 
 import difflib
 import functools
@@ -11,23 +11,25 @@ from linkwright.pipeline.reference import DATA
 
 @dataclass(frozen=True, slots=True)
 class KeyEntry:
-    """A key or a section of the configuration.
-
-    `key` has `<name>` or `<glob>` where any name may stand. `source`: the kind of source that the key
-    belongs to, "" for all. `words`: the values of a key that is a choice. `later`: decided, but not
-    supported yet.
-    """
+    """A key or a section of the configuration."""
 
     key: str
+    """The full key, with `<name>` or `<glob>` for a part that may be any name."""
+
     source: str
+    """The kind of source that the key belongs to; "" for all."""
+
     type: str
     unit: str
     default: str
     allowed: str
     words: tuple[str, ...]
+    """The values of a key that is a choice."""
+
     meaning: str
     example: str
     later: bool
+    """Whether the key is decided, but not supported yet."""
 
     @property
     def names(self) -> list[str]:
@@ -41,27 +43,27 @@ class KeyEntry:
 
 @functools.cache
 def entries() -> tuple[KeyEntry, ...]:
-    """Every key and section, in the order of the configuration."""
+    """Returns all keys and sections in the order of the configuration."""
     rows = json.loads(DATA.read_text(encoding="utf-8"))
     return tuple(KeyEntry(**{**row, "words": tuple(row["words"])}) for row in rows)
 
 
 def is_any(name: str) -> bool:
-    """Whether a part of a key stands for any name."""
+    """Tells whether a part of a key is a placeholder for any name."""
     return name.startswith("<")
 
 
 def matching(key: str, among: Iterable[KeyEntry]) -> list[KeyEntry]:
-    """The entries for a key as a user types it, such as `joints.elbow.damping`."""
-    typed = key.split(".")
+    """Returns the entries for a key as a user types it, such as `joints.elbow.damping`."""
+    parts = key.split(".")
     return [
         entry
         for entry in among
-        if len(entry.names) == len(typed)
-        and all(is_any(name) or name == part for name, part in zip(entry.names, typed))
+        if len(entry.names) == len(parts)
+        and all(is_any(name) or name == part for name, part in zip(entry.names, parts))
     ]
 
 
 def nearest(text: str, candidates: Iterable[str], limit: int = 3) -> list[str]:
-    """The candidates that are spelled much like `text`, the nearest first."""
+    """Returns the candidates whose spelling is similar to `text`, the most similar first."""
     return difflib.get_close_matches(text, sorted(set(candidates)), n=limit, cutoff=0.6)

@@ -1,4 +1,4 @@
-"""One build: five stages in order; a stage whose inputs did not change comes from the cache."""
+"""Runs a single build: five stages in order, with the cached result of each unchanged stage."""
 
 import functools
 import os
@@ -34,16 +34,21 @@ from linkwright.stages.fetch.onshape.api.ledger import FOLDER as LEDGER
 
 @dataclass(frozen=True, slots=True)
 class Built:
-    """A build in memory: its report, the robot's files by relative path, and the robot as the graph stage
-    encoded it (None where the build stopped before); `documents` about it, none of a build that writes no
-    folder; its `run`, and the `actions` of its stages, without those whose result is not kept."""
+    """A finished build in memory."""
 
     report: Report
     files: Mapping[str, bytes]
+    """The robot's files by relative path."""
+
     robot: bytes | None
+    """The robot as the graph stage encoded it; None if the build stopped before."""
+
     documents: Mapping[str, bytes]
+    """The documents about the build; empty for a build that writes no folder."""
+
     run: Run
     actions: Mapping[str, Action]
+    """The actions of the stages, without stages whose result is not kept."""
 
 
 def build(
@@ -51,20 +56,16 @@ def build(
     progress: Progress | None = None,
     environ: Mapping[str, str] | None = None,
     stages: tuple[Stage, ...] = STAGES,
-    began: float | None = None,
     sweep: Path | None = None,
 ) -> Report:
     """Builds the robot that `plan` describes and writes its output folder.
 
-    Returns the report, whose `exit_status` is 3 where a check failed or an older state was used.
-    Raises ConfigError for errors found before the first stage, and another LinkwrightError for later
-    errors; then the last good output is unchanged, and `<output>.failed` holds the report and the log.
-
-    `began` [s since the epoch]: the start of the sweep that this job belongs to; its jobs share the
-    replies of a workspace since then, so that all build the same state of it. `sweep`: the sweep's folder,
-    with the engine that their pages share.
+    Returns the report, whose `exit_status` is 3 if a check failed or an older state was used.
+    Raises ConfigError for errors found before the first stage, and another LinkwrightError for later errors;
+    then the last good output is unchanged, and `<output>.failed` holds the report and the log. `sweep`: the
+    folder of the sweep that this job belongs to, with the engine that the pages of its jobs share.
     """
-    return build_files(plan, progress, environ, stages, began, sweep=sweep).report
+    return build_files(plan, progress, environ, stages, sweep=sweep).report
 
 
 def build_files(
@@ -72,25 +73,25 @@ def build_files(
     progress: Progress | None = None,
     environ: Mapping[str, str] | None = None,
     stages: tuple[Stage, ...] = STAGES,
-    began: float | None = None,
     in_memory: bool = False,
     sweep: Path | None = None,
 ) -> Built:
-    """As `build`, and returns the files; `in_memory`: writes no output folder, even after a failure."""
+    """Builds as `build` does, and returns the files. `in_memory`: whether to write no output folder, even
+    after a failure."""
     environ = os.environ if environ is None else environ
     stages = stages_until(plan.until, stages)
     suffix = suffix_of(plan)
     log = Log(environ)
     run = Run(plan, "" if in_memory else f"{plan.folder}{suffix}", log, Tee(log, progress or Quiet()))
-    output = prepared(run, environ, stages, in_memory)
+    output = prepared_output(run, environ, stages, in_memory)
     run.note(remarks(plan))
     files: dict[str, bytes] = {}
-    about: dict[str, bytes] = {}
+    documents: dict[str, bytes] = {}
     try:
         with actions.opened(plan.cache.mode, plan.cache.dir, environ) as store:
             # Beside the permanent cache, even if this build does not use that cache.
             ledger = actions.folder(plan.cache.dir, environ) / LEDGER
-            context = BuildContext(plan, store, environ, ledger=ledger, began=began)
+            context = BuildContext(plan, store, environ, ledger=ledger)
             ahead = Ahead({stage.name: stage.modules for stage in stages})
             context.import_ahead = ahead.start
             context.require_room = functools.partial(require_room, store.store, output, suffix)
@@ -105,13 +106,13 @@ def build_files(
             if output:
                 run.look(context, sweep)
                 run.draw()
-            done = run.finished(context, files)
+            finished_report = run.finished(context, files)
             robot = context.files["graph"][ROBOT] if "graph" in context.files else None
             if output:
-                about = run.documents(done, files, output.folder(suffix))
+                documents = run.documents(finished_report, files, output.folder(suffix))
                 interrupt.check()
-                whole = {**files, **run.seen.files, **run.pictures.files, **about}
-                output.publish(whole, suffix, done.outputs)
+                all_files = {**files, **run.seen.files, **run.pictures.files, **documents}
+                output.publish(all_files, suffix, finished_report.outputs)
     except Exception as error:
         if interrupt.behind(error):
             raise KeyboardInterrupt from error
@@ -123,46 +124,46 @@ def build_files(
         run.progress.close()
     if output:
         output.remove(FAILED)
-    return Built(done, files, robot, about, run, context.actions)
+    return Built(finished_report, files, robot, documents, run, context.actions)
 
 
-def prepared(
+def prepared_output(
     run: Run, environ: Mapping[str, str], stages: tuple[Stage, ...], in_memory: bool
 ) -> Output | None:
-    """Prepares the output folder; None for a build in memory. ConfigError with all problems that are known
-    before the first stage."""
-    wrong = plan_problems(run.plan, environ, stages)
+    """Prepares and returns the output folder; None for a build in memory. Raises ConfigError with all
+    problems that are known before the first stage."""
+    problems = plan_problems(run.plan, environ, stages)
     output = None
     try:
         if not in_memory:
             output = destination(run.plan, environ, lambda line: run.progress.detail("output", line))
     except ConfigError as error:
-        if not wrong:
+        if not problems:
             raise
-        wrong += as_problems(error)
-    if wrong:
-        raise refusal(wrong)
+        problems += as_problems(error)
+    if problems:
+        raise refusal(problems)
     if output:
         output.prepare(suffix_of(run.plan), expected_files(run.plan))
     return output
 
 
 def leave_failure(output: Output | None, run: Run, error: Exception, files: Mapping[str, bytes]) -> None:
-    """Writes the report and the log of a failed build, and its `files`, beside the last good output; for a
-    build in memory only the error's notes list its API calls."""
+    """Writes the report and the log of a failed build, and its `files`, beside the last good output. A build
+    in memory writes nothing; the error's notes list its API calls."""
     for line in str(error).splitlines():
         run.log.line(line)
     if not isinstance(error, LinkwrightError):
         for line in "".join(traceback.format_exception(error)).splitlines():
             run.log.line(line)
     failed = run.failed(error)
-    place = None
+    failure_folder = None
     try:
         if output:
-            place = output.publish({**files, **run.documents(failed, files)}, FAILED)
+            failure_folder = output.publish({**files, **run.documents(failed, files)}, FAILED)
     except LinkwrightError as second:
-        # The first error is the one to raise.
+        # The first error is raised.
         run.progress.detail("output", f"no report of this failure could be written: {second}")
     else:
-        for line in report.failure_lines(failed, place):
+        for line in report.failure_lines(failed, failure_folder):
             error.add_note(line)

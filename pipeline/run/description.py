@@ -1,4 +1,4 @@
-"""`robot.json` of a build that stops before the export."""
+"""Writes `robot.json` of a build that stops before the export."""
 
 from linkwright.pipeline.config.plan import Plan
 from linkwright.stages.export.mjcf.form import form_of as mjcf_form_of
@@ -12,7 +12,8 @@ from linkwright.stages.robot.model.sensing import Sensing
 
 
 def description(robot: Robot, plan: Plan) -> bytes:
-    """The robot without meshes, which nothing drives and only its source measures."""
+    """Returns the content of `robot.json`: the robot without meshes and drives, and with only the sensors of
+    its source."""
     written = Written(
         robot,
         urdf_form=form_of(robot, plan, NONE),

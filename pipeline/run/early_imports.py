@@ -7,7 +7,7 @@ from threading import Event, Lock, Thread
 
 
 class Ahead:
-    """Imports the modules of each stage in a thread, which the first `start` starts, stage after stage."""
+    """Imports the modules of the stages in a thread, stage after stage, from the first `start` on."""
 
     def __init__(self, modules: Mapping[str, Iterable[str]]) -> None:
         self._modules = {stage: tuple(names) for stage, names in modules.items()}
@@ -24,8 +24,8 @@ class Ahead:
                 self._thread.start()
 
     def wait(self, stage: str) -> None:
-        """Waits until the modules of a stage are imported, so that two threads never import the same. Those
-        of later stages are imported while it runs."""
+        """Waits until the modules of a stage are imported, so that two threads never import the same module.
+        The modules of later stages are imported while the stage runs."""
         if self._thread is not None:
             self._imported[stage].wait()
 
@@ -33,9 +33,9 @@ class Ahead:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Begins no further import, and waits for the one that runs.
+        """Begins no further import, and waits for the running import.
 
-        For a build that fails: a process that ends while a library is being loaded may crash.
+        This matters for builds that fail: a process that ends while it loads a library may crash.
         """
         self.ending.set()
         if self._thread is not None:

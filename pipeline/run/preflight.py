@@ -1,12 +1,14 @@
-"""Checks of a plan before its first stage runs."""
+"""Checks a plan before its first stage runs."""
 
 import os
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 
 from linkwright.pipeline.caching import actions
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.errors import ConfigError, Diagnostic, as_problems
+from linkwright.pipeline.objective import value as objective
 from linkwright.pipeline.output.folder import Output
 from linkwright.pipeline.output.location import require_free
 from linkwright.pipeline.output.manifest import DOCUMENTS
@@ -14,7 +16,7 @@ from linkwright.pipeline.show.live import ENGINE_FILE
 from linkwright.pipeline.show.preview import require
 from linkwright.pipeline.stages.stage import STAGES, Stage, stages_until
 from linkwright.stages.export.section import expected_paths
-from linkwright.stages.fetch import writes
+from linkwright.stages.fetch import remote, writes
 from linkwright.stages.show.graph_view.views import PICTURE
 from linkwright.stages.show.preview import names
 
@@ -22,27 +24,28 @@ from linkwright.stages.show.preview import names
 def plan_problems(
     plan: Plan, environ: Mapping[str, str] = os.environ, stages: tuple[Stage, ...] = STAGES
 ) -> list[Diagnostic]:
-    """The problems that the stages find before any work, such as a missing file or API key."""
-    found: list[Diagnostic] = []
+    """Returns the problems that the stages find before any work, such as a missing file or API key."""
+    problems: list[Diagnostic] = []
     for stage in stages_until(plan.until, stages):
         try:
             stage.preflight(plan, environ)
         except ConfigError as error:
-            found += as_problems(error)
-    try:
-        require(plan.page.preview)
-    except ConfigError as error:
-        found += as_problems(error)
-    return found
+            problems += as_problems(error)
+    for judge in (partial(require, plan.page.preview), partial(objective.require, plan)):
+        try:
+            judge()
+        except ConfigError as error:
+            problems += as_problems(error)
+    return problems
 
 
 def destination(
     plan: Plan, environ: Mapping[str, str] = os.environ, report: Callable[[str], None] = lambda _: None
 ) -> Output:
-    """The output folder of a build.
+    """Returns the output folder of a build.
 
-    ConfigError where no output folder can be there, or where it would replace files that are not
-    linkwright's; OutputError where that cannot be checked.
+    Raises ConfigError if no output folder can be there, or if it would replace files that are not
+    linkwright's; raises OutputError if that cannot be checked.
     """
     output = Output(plan.folder, report, overwrite=plan.overwrite)
     source = getattr(plan.source, "path", None)
@@ -53,29 +56,45 @@ def destination(
 
 
 def suffix_of(plan: Plan) -> str:
-    """The suffix of the output folder: `.<stage>` for a build that stops before the export, else ""."""
+    """Returns the suffix of the output folder: `.<stage>` for a build that stops before the export, or ""."""
     return "" if plan.until in ("export", "validate") else f".{plan.until}"
 
 
 def expected_files(plan: Plan) -> list[str]:
-    """The paths of the output files that are known before the build starts."""
+    """Returns the paths of the output files that are known before the build starts."""
     files = [*DOCUMENTS]
     if plan.until != "fetch":
         files += ["robot.json", PICTURE]
     if not suffix_of(plan):
-        files += [*expected_paths(plan, plan.name), *_of_page(plan), *names(plan.page.preview)]
+        files += [*expected_paths(plan, plan.name), *_engine_files(plan), *names(plan.page.preview)]
     return files
 
 
-def _of_page(plan: Plan) -> list[str]:
+def _engine_files(plan: Plan) -> list[str]:
     return [ENGINE_FILE] if plan.page.live == "shared" else []
 
 
 def sweep_problems(plan: Plan) -> list[Diagnostic]:
-    """The problems of one job of a sweep: those of a build, and conflicts between jobs."""
-    found = plan_problems(plan)
+    """Returns the problems of a job of a sweep: those of a build, and conflicts between jobs."""
+    return [*plan_problems(plan), *_sweep_only_problems(plan)]
+
+
+def offline_problems(plan: Plan) -> list[Diagnostic]:
+    """Returns the problems of `sweep_problems` for a job that asks no server, and so needs no API key."""
+    if not remote(plan):
+        return sweep_problems(plan)
+    offline_source = plan.source.model_copy(update={"offline": True, "refresh": False})
+    return [*plan_problems(plan.model_copy(update={"source": offline_source})), *_sweep_only_problems(plan)]
+
+
+def _sweep_only_problems(plan: Plan) -> list[Diagnostic]:
+    problems = []
     if writes(plan):
         text = "a sweep must not change the document: its jobs would disturb each other"
         hint = "sweep source.configuration, or build one robot at a time"
-        found.append(Diagnostic("E-VALUE", text, "source.variables", hint))
-    return found
+        problems.append(Diagnostic("E-VALUE", text, "source.variables", hint))
+    if remote(plan) and plan.cache.mode == "bypass":
+        text = "a sweep fetches its source once, into the cache, from which its jobs build"
+        hint = "leave it out; cache.dir=FOLDER names another cache"
+        problems.append(Diagnostic("E-VALUE", text, "cache.mode", hint))
+    return problems

@@ -1,4 +1,4 @@
-"""The robot's files in the output folder."""
+"""Collects the robot's files for the output folder."""
 
 from collections.abc import Mapping
 
@@ -10,8 +10,8 @@ from linkwright.stages.show.graph_view.views import PICTURE
 
 
 def products(context: BuildContext) -> dict[str, bytes]:
-    """The exported files and the robot's picture; only `robot.json` and the picture for a build that stops
-    before the export."""
+    """Returns the robot's files: the exported files and the graph's picture. For a build that stops before
+    the export, they are `robot.json` and the picture."""
     files: dict[str, bytes] = {}
     if "export" in context.files:
         files = dict(context.files["export"].below(FILES))
@@ -23,18 +23,18 @@ def products(context: BuildContext) -> dict[str, bytes]:
 
 
 def digests(context: BuildContext, files: Mapping[str, bytes]) -> dict[str, str]:
-    """The SHA-256 of each product; the cache knows most of them."""
-    known: dict[str, str] = {}
+    """Returns the SHA-256 of each product; the cache knows most of them."""
+    cached: dict[str, str] = {}
     if "export" in context.files:
-        known = context.files["export"].below(FILES).digests
+        cached = context.files["export"].below(FILES).digests
     if PICTURE in files:
-        known[PICTURE] = context.files["graph"].digests[PICTURE]
-    return {path: known.get(path) or sha256(data) for path, data in sorted(files.items())}
+        cached[PICTURE] = context.files["graph"].digests[PICTURE]
+    return {path: cached.get(path) or sha256(data) for path, data in sorted(files.items())}
 
 
 def described(context: BuildContext) -> bytes:
-    """`robot.json` as the export stage writes it of a robot that nothing drives and only its source measures,
-    since the trial run needs its meshes; cached, since writing it needs slow imports."""
+    """Returns `robot.json` as `description` writes it, without drives, since their trial run needs the
+    meshes. The result is cached, since writing it needs slow imports."""
 
     def make() -> bytes:
         from linkwright.pipeline.run.description import description  # slow, and a cached build has it already

@@ -1,6 +1,6 @@
-"""The identity of the program that runs: of its own code, and of all that Python may import beside it.
+"""Identifies the running program: its own code, and everything else that Python may import.
 
-Found without importing or reading anything: an unchanged build is recognised by it
+The identity is found without importing or reading any file; an unchanged build is recognised by it
 (`pipeline.run.unchanged`).
 """
 
@@ -12,17 +12,17 @@ from collections.abc import Iterator
 from pathlib import Path
 
 ROOMS = ("conf", "pipeline", "stages")
-"""The folders of our own code."""
+"""The folders of the program's own code."""
 
 _PLUGINS = "hydra_plugins"
 """The namespace whose modules Hydra imports by itself."""
 
 
 def identity() -> str:
-    """A digest of the interpreter, of the name, size and time of each of our own files, and of the names in
-    each folder of Python's path: those of installed distributions hold their versions."""
+    """Returns a digest of the interpreter, of the name, size and time of each file of the program, and of the
+    names in each folder of Python's path: those of installed distributions hold their versions."""
     home = os.fspath(Path(__file__).resolve().parents[2])
-    found = [
+    facts = [
         sys.version,
         sys.platform,
         sys.executable,
@@ -30,11 +30,11 @@ def identity() -> str:
         [list(_files(f"{home}/{room}", f"{room}/")) for room in ROOMS],
         [[place, _names(place), _names(f"{place}/{_PLUGINS}")] for place in sys.path],
     ]
-    return hashlib.sha256(json.dumps(found).encode(errors="surrogatepass")).hexdigest()
+    return hashlib.sha256(json.dumps(facts).encode(errors="surrogatepass")).hexdigest()
 
 
 def _files(folder: str, below: str) -> Iterator[tuple[str, int, int]]:
-    """Path, size and time of change of each file; what Python compiles, it makes of the others."""
+    """Yields path, size and time of change of each file, without those that Python compiles from them."""
     with os.scandir(folder) as entries:
         for entry in sorted(entries, key=lambda entry: entry.name):
             if entry.is_dir():
@@ -46,7 +46,7 @@ def _files(folder: str, below: str) -> Iterator[tuple[str, int, int]]:
 
 
 def _names(folder: str) -> list[str]:
-    """The names in a folder; none of what is no folder, but the size and the time of a file."""
+    """Returns the names in a folder; for a file its size and time; [] if the path does not exist."""
     try:
         if os.path.isfile(folder):  # noqa: PTH113
             status = os.stat(folder)  # noqa: PTH116

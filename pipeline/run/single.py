@@ -1,4 +1,4 @@
-"""One build by the command line: again where nothing changed, else anew."""
+"""Runs a build from the command line, or reuses its result if nothing changed."""
 
 import os
 import sys
@@ -10,31 +10,32 @@ from linkwright.pipeline.options import Command
 from linkwright.pipeline.report import Report
 from linkwright.pipeline.run import unchanged
 from linkwright.pipeline.terminal.closing import show
-from linkwright.pipeline.terminal.progress import Quiet, progress_for
+from linkwright.pipeline.terminal.display import progress_for
+from linkwright.pipeline.terminal.progress import Quiet
 
 if TYPE_CHECKING:
     from linkwright.pipeline.config.plan import Plan
 
 
 def single(command: Command, build: "Callable[[Plan], Report] | None" = None) -> int:
-    """Builds what a command line says, prints what came of it, and returns the exit status. `build` replaces
-    the real build in tests."""
+    """Runs the build of a command line, prints its result, and returns the exit status. `build` replaces the
+    real build in tests."""
     if build is not None:
         return build(_plan(command)).exit_status
     progress = Quiet() if command.detail == "errors" else progress_for(sys.stderr)
     action = unchanged.action_of(command)
     report = unchanged.again(action, command, progress)
     if report is None:
-        # Late: an unchanged build needs none of it.
+        # Late: an unchanged build does not need it.
         from linkwright.pipeline.run.build import build_files
 
-        with observed.recording(action.key) as seen:
+        with observed.recording(action.key) as observations:
             plan = _plan(command)
             if not (plan.plugins or plan.validate.external):
-                # Nothing here draws with MuJoCo, which else starts a process to look for a window library.
+                # No code here draws with MuJoCo, which else starts a process to look for a window library.
                 os.environ.setdefault("MUJOCO_GL", "disable")
             built = build_files(plan, progress)
-        unchanged.remember(action, command, seen, built)
+        unchanged.remember(action, command, observations, built)
         report = built.report
     show(report, sys.stdout, command.detail)
     return report.exit_status

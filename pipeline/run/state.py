@@ -1,4 +1,4 @@
-"""The state of a running build, from which its report and its documents are made."""
+"""Keeps the state of a running build, and makes its report and its documents."""
 
 import functools
 import json
@@ -10,15 +10,16 @@ from typing import Any
 
 from linkwright.pipeline import interrupt, report
 from linkwright.pipeline.caching import bundles
-from linkwright.pipeline.changes.since import Since, since
-from linkwright.pipeline.config.choices import name_of
+from linkwright.pipeline.changes.build_changes import BuildChanges, compare_builds
+from linkwright.pipeline.config.choices import default_robot_name
 from linkwright.pipeline.config.files.file_text import as_yaml
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.documents import documents
 from linkwright.pipeline.errors import LinkwrightError, SecretFound, exit_status
 from linkwright.pipeline.mesh_details import kept
+from linkwright.pipeline.objective.value import objective
 from linkwright.pipeline.page.document import frame
-from linkwright.pipeline.page.hero import with_view
+from linkwright.pipeline.page.live_view import with_view
 from linkwright.pipeline.report import Report, StageReport, Status
 from linkwright.pipeline.run.products import digests
 from linkwright.pipeline.run.strictness import strict_checks
@@ -63,11 +64,11 @@ class Run:
 
     @property
     def named(self) -> bool:
-        """Whether the user named the robot; else its name comes from its source."""
-        return self.plan.name != name_of({"url": self.source.get("url")})
+        """Tells whether the user named the robot; else its name comes from its source."""
+        return self.plan.name != default_robot_name({"url": self.source.get("url")})
 
     def stage(self, stage: Stage, context: BuildContext) -> None:
-        """Runs one stage, and records its time and its findings."""
+        """Runs a stage, and records its time and its findings."""
         context.detail = context.cache.on_wait = lambda line: self.progress.detail(stage.name, line)
         context.transient = lambda line: self.transient(stage.name, line)
         self.calls = context.calls
@@ -77,56 +78,56 @@ class Run:
         seconds = time.perf_counter() - start
         context.files[stage.name] = files
         self.shown |= {name: files[name].decode() for name in (*VIEWS, PICTURES) if name in files}
-        found = json.loads(files[NOTES])
-        self.figures |= found["figures"]
-        details = found.get("details", {})
+        notes = json.loads(files[NOTES])
+        self.figures |= notes["figures"]
+        details = notes.get("details", {})
         self.details |= kept(details) if cached else details
-        self.source |= found.get("source", {})
-        self.advice = found.get("advice", self.advice)
-        self.stale = self.stale or found.get("stale", False)
+        self.source |= notes.get("source", {})
+        self.advice = notes.get("advice", self.advice)
+        self.stale = self.stale or notes.get("stale", False)
         if stage.name == "fetch":
             self.bundle = {"manifest": bundles.remember(context.cache, files)}
-            self.saved = found.get("calls", 0)
+            self.saved = notes.get("calls", 0)
             context.calls["saved"] += self.saved if cached else 0
-        self.note(codec.decode_diagnostics(found["diagnostics"]))
-        done = StageReport(stage.name, cached, round(seconds, 4), found["summary"])
-        self.stages.append(done)
-        self.progress.done(done)
+        self.note(codec.decode_diagnostics(notes["diagnostics"]))
+        stage_report = StageReport(stage.name, cached, round(seconds, 4), notes["summary"])
+        self.stages.append(stage_report)
+        self.progress.done(stage_report)
 
     def transient(self, stage: str, line: str) -> None:
-        """Shows a line about a long step, which Ctrl-C ends."""
+        """Shows a line about a long step; raises KeyboardInterrupt after Ctrl-C."""
         interrupt.check()
         self.progress.transient(stage, line)
 
-    def note(self, found: Iterable[Diagnostic]) -> None:
+    def note(self, diagnostics: Iterable[Diagnostic]) -> None:
         """Records diagnostics, each once."""
-        for diagnostic in found:
+        for diagnostic in diagnostics:
             if diagnostic not in self.diagnostics:
                 self.diagnostics.append(diagnostic)
                 self.log.line(f"{diagnostic.code} {diagnostic.where}: {diagnostic.message}")
 
     def look(self, context: BuildContext, sweep: Path | None) -> None:
-        """Makes what `report.html` shows of the robot."""
+        """Makes the live view of the robot in `report.html`."""
         self.progress.start("page")
         say = functools.partial(self.progress.detail, "page")
         self.seen = live(context, self.details.get("colliders", ()), Path(self.folder), sweep, say)
-        self.note(self.seen.found)
+        self.note(self.seen.diagnostics)
 
     def begin_drawing(self, context: BuildContext) -> None:
-        """Begins the robot's picture, beside the stages that come."""
+        """Begins to draw the robot's picture while the following stages run."""
         if not is_plain(context.environ):
             exported = context.files["export"].below(FILES)
             kind, say = self.plan.page.preview, functools.partial(self.progress.detail, "page")
             self.drawing = begun(context.cache, exported, exported.digests, kind, say)
 
     def draw(self) -> None:
-        """Finishes the robot's picture."""
+        """Waits for the robot's picture, and records it."""
         self.pictures = self.drawing.result()
-        self.note(self.pictures.found)
+        self.note(self.pictures.diagnostics)
         self.progress.close()
 
     def finished(self, context: BuildContext, files: Mapping[str, bytes]) -> Report:
-        """The report of a build whose stages all ran and made `files`."""
+        """Returns the report of a build whose stages all ran and made `files`."""
         checks: tuple[Check, ...] = ()
         if "validate" in context.files:
             checks = codec.decode_checks(context.files["validate"]["checks.json"])
@@ -138,21 +139,24 @@ class Run:
         if any(check.fails for check in checks):
             status = "invalid"
         ended = 0 if status == "built" else 3
-        made, picture = digests(context, files), self.pictures.path
-        return self.report(status=status, exit_status=ended, checks=checks, outputs=made, preview=picture)
+        outputs, picture = digests(context, files), self.pictures.path
+        value = objective(context, files, checks)
+        return self.report(
+            status=status, exit_status=ended, checks=checks, outputs=outputs, preview=picture, objective=value
+        )
 
     def failed(self, error: BaseException) -> Report:
-        """The report of a build that `error` ended."""
+        """Returns the report of a build that `error` ended."""
         if isinstance(error, SecretFound):
             # The findings of the stages may contain a part of the secret.
             self.shown, self.diagnostics = {}, []
-        what: dict[str, Any] = {"type": type(error).__name__, "message": str(error)}
+        details: dict[str, Any] = {"type": type(error).__name__, "message": str(error)}
         if isinstance(error, LinkwrightError):
-            what |= {"message": error.message, "where": error.where, "hint": error.hint}
-            what["problems"] = codec.plain(error.problems)
-        return self.report(status="failed", exit_status=exit_status(error), error=what)
+            details |= {"message": error.message, "where": error.where, "hint": error.hint}
+            details["problems"] = codec.plain(error.problems)
+        return self.report(status="failed", exit_status=exit_status(error), error=details)
 
-    def report(self, **more: Any) -> Report:
+    def report(self, **fields: Any) -> Report:
         installed = {name: v for stage in STAGES for name, v in libraries(stage).items()}
         return Report(
             name=self.plan.name,
@@ -170,22 +174,25 @@ class Run:
             outline=tuple(self.shown.get(OUTLINE, "").splitlines()),
             narrow_outline=tuple(self.shown.get(NARROW_OUTLINE, "").splitlines()),
             versions=report.versions(installed),
-            **more,
+            **fields,
         )
 
     def documents(
-        self, done: Report, files: Mapping[str, bytes], last: Path | None = None
+        self, result: Report, files: Mapping[str, bytes], last: Path | None = None
     ) -> dict[str, bytes]:
-        """The documents about the build, beside the `files` of the robot, to replace those of `last`."""
-        self.log.line(f"{done.status}: exit status {done.exit_status}")
+        """Returns the documents about the build. `files`: the robot's files; `last`: the folder of the last
+        build, whose differences the page lists."""
+        self.log.line(f"{result.status}: exit status {result.exit_status}")
         config = as_yaml(self.log.secrets.within(self.plan.tree()))
-        beside = (*self.seen.files, *self.pictures.files)
-        changes = None if last is None else since(last, done.outputs, files, beside, done.checks)
-        page = with_view(self.page(done, files, changes), self.seen)
-        return documents(done, page, config, self.log)
+        page_files = (*self.seen.files, *self.pictures.files)
+        changes = (
+            None if last is None else compare_builds(last, result.outputs, files, page_files, result.checks)
+        )
+        page = with_view(self.page(result, files, changes), self.seen)
+        return documents(result, page, config, self.log)
 
-    def page(self, done: Report, files: Mapping[str, bytes], changes: Since | None) -> str:
-        """The page about the build, without the live view."""
+    def page(self, result: Report, files: Mapping[str, bytes], changes: BuildChanges | None) -> str:
+        """Returns the page about the build, without the live view."""
         sizes = {path: len(data) for path, data in files.items()}
         moves, secrets = self.seen.pack is not None, self.log.secrets
-        return frame(done, self.shown, sizes, secrets, moves=moves, pictures=self.pictures, changes=changes)
+        return frame(result, self.shown, sizes, secrets, moves=moves, pictures=self.pictures, changes=changes)

@@ -1,4 +1,4 @@
-"""`validate.level: strict`: a warning is a failure."""
+"""Makes warnings failures for `validate.level: strict`."""
 
 from collections.abc import Iterable
 
@@ -6,11 +6,13 @@ from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.errors import Diagnostic
 
 
-def strict_checks(level: str, found: Iterable[Diagnostic], checks: Iterable[Check]) -> tuple[Check, ...]:
-    """With the level `strict` a check that there was no warning, of a stage or of a check; else none."""
+def strict_checks(
+    level: str, diagnostics: Iterable[Diagnostic], checks: Iterable[Check]
+) -> tuple[Check, ...]:
+    """Returns the check that no stage and no check had a warning, if the level is `strict`; else nothing."""
     if level != "strict":
         return ()
-    warnings = [one.code for one in found if one.level == "warning"]
+    warnings = [diagnostic.code for diagnostic in diagnostics if diagnostic.level == "warning"]
     warnings += [check.code for check in checks if check.warns]
     codes = ", ".join(sorted({*warnings}))
     detail = f"{len(warnings)} warnings ({codes})" if warnings else "no warning"

@@ -1,14 +1,12 @@
-"""Recognises an unchanged build as a whole: nothing is composed, and no stage is asked.
+"""Recognises an unchanged build as a whole, without composing it or asking its stages.
 
 A build that ends leaves a record in its cache, under its command line, its working folder and the identity of
-the program: what was asked of the file system and the environment (`pipeline.observed`), how the source on
-this computer is read again, and what the build made. The next build of the same command asks the same again.
-Where every answer is the same, the source too, and the output folder still holds this very build, only the
-documents about the run are written again. In every other case, also for a damaged record, the build runs as
-usual.
-
-A record is data. Its answers can only be compared; it names the folder of the output, but that is used only
-while it holds files with the digests in the record.
+the program: the answers of the file system and the environment (`pipeline.observed`), the keys to read a
+source on this computer again, and the results of the build. The next build of the same command asks the same
+questions. If every answer is the same, the source too, and the output folder still holds this very build,
+only the documents about the run are written again. In every other case, also for a damaged record, the build
+runs as usual. A record is data. Its answers can only be compared; it names the folder of the output, but that
+is used only while it holds files with the digests in the record.
 """
 
 import json
@@ -22,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 from linkwright.pipeline import interrupt, observed
 from linkwright.pipeline.caching import actions
 from linkwright.pipeline.caching.actions import Action, Cache, Files, canonical
-from linkwright.pipeline.changes.since import Since, since
+from linkwright.pipeline.changes.build_changes import BuildChanges, compare_builds
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.documents import documents
 from linkwright.pipeline.errors import LinkwrightError
@@ -32,7 +30,7 @@ from linkwright.pipeline.options import Command
 from linkwright.pipeline.output.folder import FAILED, Output
 from linkwright.pipeline.output.location import require_free
 from linkwright.pipeline.output.manifest import DOCUMENTS
-from linkwright.pipeline.page.hero import with_view
+from linkwright.pipeline.page.live_view import with_view
 from linkwright.pipeline.report import Report
 from linkwright.pipeline.run import program
 from linkwright.pipeline.show.live import Engine, view_of
@@ -44,7 +42,7 @@ if TYPE_CHECKING:
     from linkwright.pipeline.run.build import Built
 
 VERSION = 2
-"""Raised when a record changes its meaning."""
+"""Must be increased when a record changes its meaning."""
 
 CONFIG = "config.yaml"
 _RECORD, _PAGE, _PACK = "record.json", "page.html", "pack"
@@ -56,43 +54,53 @@ _CACHE = re.compile(r"(?:\+\+)?cache\.dir=([\w./~+-]+)")
 
 
 @dataclass(frozen=True, slots=True)
-class Kept:
-    """What an unchanged build needs, besides files.
-
-    `answers` to the questions of the build; `source`: its keys, where it is on this computer; `content`: the
-    digest of what identified it when it was fetched; `stages`: the keys of their records in the cache.
-    `folder`, `suffix` and `overwrite` are those of the output; `report`: as a cached build has it; `notes`:
-    as the log has them; `engine`: of the page.
-    """
+class BuildRecord:
+    """The record of a build, except its files, by which an unchanged build is recognised."""
 
     answers: tuple[Answer, ...]
+    """The answers of the file system and the environment to the questions of the build."""
+
     source: Mapping[str, Any]
+    """The keys to read the source again, if it is on this computer."""
+
     content: str
+    """The digest of the source's identity when it was fetched."""
+
     stages: tuple[str, ...]
+    """The keys of the stages' records in the cache."""
+
     folder: str
+    """The output folder, without `suffix`."""
+
     suffix: str
     overwrite: bool
     report: Report
+    """The report in the form of a cached build."""
+
     notes: tuple[tuple[str, ...], ...]
+    """`Log.notes` of the build."""
+
     engine: Engine
+    """Where the page finds the viewer's engine."""
 
 
 def action_of(command: Command) -> Action:
-    """The action under which the build of a command is kept. OSError where the working folder is gone."""
-    typed = {"overrides": command.overrides, "folders": command.config_dirs, "cwd": os.getcwd()}  # noqa: PTH109
-    return Action("build", VERSION, typed, {"program": program.identity()})
+    """Returns the action under which the build of a command is kept. Raises OSError if the working folder is
+    gone."""
+    command_values = {"overrides": command.overrides, "folders": command.config_dirs, "cwd": os.getcwd()}  # noqa: PTH109
+    return Action("build", VERSION, command_values, {"program": program.identity()})
 
 
-def remember(action: Action, command: Command, seen: Observed, built: "Built") -> None:
-    """Keeps a record of a build that ended, where the same answers lead to the same build."""
+def remember(action: Action, command: Command, observations: Observed, built: "Built") -> None:
+    """Keeps a record of a build that ended, if the same answers lead to the same build."""
     run = built.run
-    if not seen.lasts or not _is_known_by_its_answers(built, _cache_folder(command)):
+    if not observations.lasts or not _is_known_by_its_answers(built, _cache_folder(command)):
         return
-    kept = _kept(built, seen.answers)
-    made = {
-        _RECORD: json.dumps(codec.plain(kept)).encode(),
+    record = _record_of(built, observations.answers)
+    outputs = {
+        _RECORD: json.dumps(codec.plain(record)).encode(),
         CONFIG: built.documents[CONFIG],
-        _PAGE: run.page(kept.report, built.files, Since()).encode(),
+        _PAGE: run.page(record.report, built.files, BuildChanges()).encode(),
         **({} if run.seen.pack is None else {_PACK: run.seen.pack}),
         **{_PICTURES + name: data for name, data in run.pictures.files.items()},
         **{_FILES + path: data for path, data in built.files.items()},
@@ -100,29 +108,29 @@ def remember(action: Action, command: Command, seen: Observed, built: "Built") -
     try:
         with actions.opened("use", run.plan.cache.dir) as cache:
             if all(cache.store.record(stage.key) for stage in built.actions.values()):
-                cache.name(action, cache.keep(made))
+                cache.name(action, cache.keep(outputs))
     except LinkwrightError:
         return  # The build is whole; the next one runs as usual.
 
 
 def _is_known_by_its_answers(built: "Built", cache: str | None) -> bool:
-    """Whether the build is whole, and depends on nothing but what is asked before its first stage. `cache`:
+    """Tells whether the build is whole, and depends only on questions asked before its first stage. `cache`:
     the folder in which the next build looks for the record."""
     plan, run, report = built.run.plan, built.run, built.report
     if plan.cache.mode != "use" or plan.cache.dir != cache or force(plan):
         return False
     if plan.plugins or plan.validate.checks or plan.validate.external or getattr(plan.source, "trust", False):
         return False
-    whole = report.status in ("built", "invalid") and len(built.actions) == len(report.stages)
-    return whole and run.seen.lasts and run.pictures.lasts
+    is_complete = report.status in ("built", "invalid") and len(built.actions) == len(report.stages)
+    return is_complete and run.seen.lasts and run.pictures.lasts
 
 
-def _kept(built: "Built", answers: tuple[Answer, ...]) -> Kept:
+def _record_of(built: "Built", answers: tuple[Answer, ...]) -> BuildRecord:
     # Late: an unchanged build remembers nothing.
     from linkwright.pipeline.run.preflight import suffix_of
 
     run, report = built.run, built.report
-    return Kept(
+    return BuildRecord(
         answers=answers,
         source=keys_to_read_again(run.plan),
         content=_content(built.actions["fetch"].config["pinned"]),
@@ -142,55 +150,61 @@ def _kept(built: "Built", answers: tuple[Answer, ...]) -> Kept:
 
 
 def again(action: Action, command: Command, progress: Progress) -> Report | None:
-    """The report of an unchanged build, whose documents are written anew; None where the build must run."""
+    """Returns the report of an unchanged build, whose documents are written again; None if the build must
+    run."""
     try:
         cache_folder = _cache_folder(command)
         if not (actions.folder(cache_folder, os.environ) / "ac").is_dir():
             return None
         with actions.opened("use", cache_folder) as cache:
             files = cache.find(action.key)
-            kept = None if files is None else codec.typed(Kept, json.loads(files[_RECORD]))
-            if files is None or kept is None or not _is_unchanged(kept, action, cache):
+            record = None if files is None else codec.typed(BuildRecord, json.loads(files[_RECORD]))
+            if files is None or record is None or not _is_unchanged(record, action, cache):
                 return None
-            require_free(Output(kept.folder).target, _taken(kept), actions.folder(cache_folder, os.environ))
-            return _renewed(kept, files, progress)
-    except Exception:  # A record that is damaged, or a folder that refuses: the build says what is wrong.
+            require_free(
+                Output(record.folder).target, _taken(record), actions.folder(cache_folder, os.environ)
+            )
+            return _renewed(record, files, progress)
+    except Exception:  # A record is damaged, or a folder refuses access: the build reports the error.
         if interrupt.came():
             raise
         return None
 
 
-def _is_unchanged(kept: Kept, action: Action, cache: Cache) -> bool:
-    if not observed.still_true(kept.answers, action.key):
+def _is_unchanged(record: BuildRecord, action: Action, cache: Cache) -> bool:
+    if not observed.still_true(record.answers, action.key):
         return False
-    if kept.source and _content(read_again(kept.source, os.environ)) != kept.content:
+    if record.source and _content(read_again(record.source, os.environ)) != record.content:
         return False
     # Reading a record marks it as used, so that `linkwright cache gc` drops it late.
-    records = [cache.store.record(key) for key in kept.stages]
+    records = [cache.store.record(key) for key in record.stages]
     return None not in records
 
 
-def _renewed(kept: Kept, files: Files, progress: Progress) -> Report | None:
-    """Writes the output folder again, with new documents; None where it does not hold this very build."""
-    report, log = kept.report, Log(os.environ)
+def _renewed(record: BuildRecord, files: Files, progress: Progress) -> Report | None:
+    """Writes the output folder again, with new documents; None if it does not hold this very build."""
+    report, log = record.report, Log(os.environ)
     say = Tee(log, progress)
-    output = Output(kept.folder, lambda line: say.detail("output", line), overwrite=kept.overwrite)
+    output = Output(record.folder, lambda line: say.detail("output", line), overwrite=record.overwrite)
     robot = files.below(_FILES)
-    live = view_of(files.get(_PACK), kept.engine)
-    beside = {**live.files, **files.below(_PICTURES)}
-    folder = output.folder(kept.suffix)
-    if robot.digests != report.outputs or not since(folder, report.outputs, {}, beside).nothing:
+    live = view_of(files.get(_PACK), record.engine)
+    page_files = {**live.files, **files.below(_PICTURES)}
+    folder = output.folder(record.suffix)
+    if (
+        robot.digests != report.outputs
+        or not compare_builds(folder, report.outputs, {}, page_files).unchanged
+    ):
         return None
-    output.prepare(kept.suffix, [*robot, *beside, *DOCUMENTS])
-    for stage, lines in zip(report.stages, kept.notes, strict=False):
+    output.prepare(record.suffix, [*robot, *page_files, *DOCUMENTS])
+    for stage, lines in zip(report.stages, record.notes, strict=False):
         for line in lines:
             log.line(line)
         log.done(stage)
-    for line in kept.notes[-1]:
+    for line in record.notes[-1]:
         log.line(line)
     about = documents(report, with_view(files[_PAGE].decode(), live), files[CONFIG], log)
     interrupt.check()
-    output.publish({**robot, **beside, **about}, kept.suffix, report.outputs)
+    output.publish({**robot, **page_files, **about}, record.suffix, report.outputs)
     output.remove(FAILED)
     for stage in report.stages:
         progress.done(stage)
@@ -201,12 +215,12 @@ def _content(identity: Mapping[str, Any] | None) -> str:
     return sha256(canonical(identity))
 
 
-def _taken(kept: Kept) -> dict[str, Path]:
-    path = kept.source.get("path")
+def _taken(record: BuildRecord) -> dict[str, Path]:
+    path = record.source.get("path")
     return {"the source": Path(path)} if path else {}
 
 
 def _cache_folder(command: Command) -> str | None:
-    """The folder of the cache that the command line names, as far as that is plain to see."""
-    found = [match[1] for match in map(_CACHE.fullmatch, command.overrides) if match]
-    return found[-1] if found else None
+    """Returns the cache folder that the command line names, if its override is plain."""
+    folders = [match[1] for match in map(_CACHE.fullmatch, command.overrides) if match]
+    return folders[-1] if folders else None

@@ -1,1 +1,1 @@
-"""What `stages.show` makes of a build, kept in the cache: the live view of its page, and its picture."""
+"""Keeps the live view of a build's page and the robot's picture, which `stages.show` makes, in the cache."""

@@ -1,4 +1,4 @@
-"""The view of a robot for its page: made once, and kept in the cache by its content.
+"""Makes the live view of a robot for its page once, and keeps it in the cache by its content.
 
 Imports nothing heavy: a cached build only reads the pack.
 """
@@ -16,19 +16,20 @@ from linkwright.pipeline.stages.context import FILES, ROBOT
 from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.system.install import installed
 from linkwright.stages.show.live import NEVER_READ, VERSION, source_of
+from linkwright.stages.show.live.pack import unpacked
 from linkwright.stages.show.live.viewer import engine_script
 
 if TYPE_CHECKING:
     from linkwright.pipeline.stages.context import BuildContext
 
 ENGINE_FILE = "linkwright-engine.js"
-"""The engine of several pages, beside the page or in the folder of a sweep."""
+"""The file of an engine that several pages share: beside the page, or in the folder of a sweep."""
 
 CODE = "I-LIVE"
 _LIBRARIES = ("linkwright", "mujoco", "numpy", "scipy", "manifold3d", "lxml")
 
 _PACK, _POSED, _REFUSED = "pack", "posed.pack", "refused.txt"
-"""What is kept: a pack, one without a model for the engine, or why there is none."""
+"""Files of a cached view: a pack, a pack without a model for the engine, or the reason for no pack."""
 
 _WITHOUT = "no live view"
 
@@ -37,24 +38,30 @@ Engine = Literal["whole", "shared", "none"]
 
 @dataclass(frozen=True, slots=True)
 class Live:
-    """The view of a page: the robot's pack, None for a page without the view; the engine, in the page, in the
-    file at `engine_path`, or none; the `files` beside the page; and why something is not there.
-
-    `lasts`: whether another build of the same has the same; not after an accident."""
+    """The live view of a page."""
 
     pack: bytes | None = None
+    """The robot's pack; None for a page without the view."""
+
     engine: Engine = "none"
+    """The place of the engine: whole in the page, shared in the file at `engine_path`, or none."""
+
     engine_path: str = ""
     files: Mapping[str, bytes] = field(default_factory=dict)
-    found: tuple[Diagnostic, ...] = ()
+    """The files to write beside the page."""
+
+    diagnostics: tuple[Diagnostic, ...] = ()
+    """Diagnostics about a missing view."""
+
     lasts: bool = True
+    """Whether another build of the same robot gives the same view; false after an unexpected error."""
 
 
 NOTHING = Live()
 
 
 def is_plain(environ: Mapping[str, str]) -> bool:
-    """Whether the environment asks for pages without the live view, and for no picture."""
+    """Tells whether the environment asks for pages without the live view, and for no picture."""
     return environ.get("LINKWRIGHT_PAGE", os.environ.get("LINKWRIGHT_PAGE", "")) == "plain"
 
 
@@ -65,10 +72,11 @@ def live(
     sweep: Path | None,
     say: Callable[[str], None],
 ) -> Live:
-    """The view of the robot that a build exports to `folder`, from the cache where it was made before.
+    """Returns the view of the robot that a build exports to `folder`, from the cache if possible.
 
-    `colliders`: rows of the report's table. `sweep`: the folder of the sweep that the build is a job of. What
-    cannot be made is a diagnostic, never an error. `say` is told how long making it took.
+    `colliders`: rows of the report's table. `sweep`: the folder of the sweep that the build belongs to.
+    `say`: called with a line about the time that making the view took. If the view cannot be made, the result
+    has a diagnostic; no error is raised.
     """
     if "export" not in context.files or is_plain(context.environ):
         return NOTHING
@@ -76,52 +84,51 @@ def live(
     source = source_of(exported, context.plan.name)
     if source is None:
         why = f"{_WITHOUT}: there is no MJCF or URDF"
-        return Live(found=(Diagnostic(CODE, why, "report.html", "export one: export=[mjcf,...]"),))
+        return Live(diagnostics=(Diagnostic(CODE, why, "report.html", "export one: export=[mjcf,...]"),))
     try:
-        made = _made(context, source, [_shown(row) for row in colliders], say)
+        files = _view_files(context, source, [_shown_fields(row) for row in colliders], say)
     except Exception as error:  # Whatever it is, the robot is built.
         why = f"{_WITHOUT}: {type(error).__name__}: {error}"
-        return Live(found=(Diagnostic(CODE, why, "report.html", ""),), lasts=False)
-    if _REFUSED in made:
-        why = f"{_WITHOUT}: {made[_REFUSED].decode()}"
-        return Live(found=(Diagnostic(CODE, why, "report.html", ""),))
-    if _POSED in made:
-        return Live(made[_POSED])
-    return _with_engine(made[_PACK], context.plan.page.live, folder, sweep)
+        return Live(diagnostics=(Diagnostic(CODE, why, "report.html", ""),), lasts=False)
+    if _REFUSED in files:
+        why = f"{_WITHOUT}: {files[_REFUSED].decode()}"
+        return Live(diagnostics=(Diagnostic(CODE, why, "report.html", ""),))
+    if _POSED in files:
+        return Live(files[_POSED])
+    return _with_engine(files[_PACK], context.plan.page.live, folder, sweep)
 
 
-def _with_engine(pack: bytes, asked: str, folder: Path, sweep: Path | None) -> Live:
-    if asked == "kinematics":
+def _with_engine(pack: bytes, choice: str, folder: Path, sweep: Path | None) -> Live:
+    if choice == "kinematics":
         return Live(pack)
     if sweep is not None:
         path = PurePosixPath(Path(os.path.relpath(sweep / ENGINE_FILE, folder)).as_posix())
         return Live(pack, "shared", str(path))
-    return view_of(pack, "shared" if asked == "shared" else "whole")
+    return view_of(pack, "shared" if choice == "shared" else "whole")
 
 
 def view_of(pack: bytes | None, engine: Engine) -> Live:
-    """The view of a page that is no page of a sweep."""
+    """Returns the view of a page outside of a sweep."""
     if engine == "shared":
         return Live(pack, engine, ENGINE_FILE, {ENGINE_FILE: engine_file()})
     return Live(pack, engine)
 
 
 def engine_file() -> bytes:
-    """The content of the engine's file."""
+    """Returns the content of the engine's file."""
     return engine_script()
 
 
-def _made(
+def _view_files(
     context: "BuildContext", source: str, colliders: list[dict[str, Any]], say: Callable[[str], None]
 ) -> Mapping[str, bytes]:
-    """What is kept of the view."""
+    """Returns the files of the view, as the cache keeps them."""
     exported = context.files["export"].below(FILES)
     needed = [path for path in sorted(exported) if not path.endswith(NEVER_READ)]
     faces = context.plan.page.faces
 
     def make() -> dict[str, bytes]:
-        # Late: what was made before is not made again.
-        from linkwright.stages.show.live.pack import unpacked
+        # Late: a cached view needs none of it.
         from linkwright.stages.show.live.scene import pack_of
 
         start = time.perf_counter()
@@ -138,11 +145,12 @@ def _made(
     inputs |= {"robot": context.files["graph"].digests[ROBOT], "colliders": sha256(canonical(colliders))}
     config = {"source": source, "faces": faces}
     versions = {name: installed(name) for name in _LIBRARIES}
-    found, _ = context.cache.run(Action("page/live", VERSION, config, inputs, versions), make)
-    return found
+    result, _ = context.cache.run(Action("page/live", VERSION, config, inputs, versions), make)
+    return result
 
 
-def _shown(row: Mapping[str, Any]) -> dict[str, Any]:
-    """What the page shows of a row of the table of colliders: no fact of the run."""
+def _shown_fields(row: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns the fields of a row of the colliders' table that the page shows, without facts about the
+    run."""
     names = ("link", "parts", "rung", "maker", "tolerance", "meets", "protrusion_max", "bareness_max")
     return {name: row.get(name) for name in names}

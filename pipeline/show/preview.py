@@ -1,4 +1,4 @@
-"""The robot's picture for a build: drawn beside the stages that come, and kept in the cache by its content.
+"""Draws the robot's picture for a build while later stages run, and keeps it in the cache by its content.
 
 Imports nothing heavy: a cached build only reads the pictures.
 """
@@ -23,6 +23,7 @@ from linkwright.stages.show.preview import (
     names,
     needed_by,
 )
+from linkwright.stages.show.preview.ask import Painting
 
 Make = Callable[[], Mapping[str, bytes]]
 
@@ -34,13 +35,19 @@ _OTHERWISE = "export it as MJCF or URDF too: export=[mjcf,...]"
 
 @dataclass(frozen=True, slots=True)
 class Preview:
-    """`files`: the pictures by file name; `small`: a PNG of at most 66 kB, b"" without a picture; `found`:
-    why there is none. `lasts`: whether another build of the same has the same; not after an accident."""
+    """The pictures of a robot."""
 
     files: Mapping[str, bytes]
+    """The pictures by file name."""
+
     small: bytes = b""
-    found: tuple[Diagnostic, ...] = ()
+    """A PNG of at most 66 kB; b"" without a picture."""
+
+    diagnostics: tuple[Diagnostic, ...] = ()
+    """Diagnostics about a missing picture."""
+
     lasts: bool = True
+    """Whether another build of the same robot gives the same pictures; false after an unexpected end."""
 
     @property
     def path(self) -> str:
@@ -52,7 +59,7 @@ NONE = Preview({})
 
 
 def require(kind: Kind) -> None:
-    """ConfigError where a kind of preview needs a library that is not installed."""
+    """Raises ConfigError if a kind of preview needs a library that is not installed."""
     if kind == "turn" and importlib.util.find_spec("PIL") is None:
         msg = "turn needs pillow, which is not installed"
         raise ConfigError(msg, "page.preview", install("pillow"))
@@ -60,7 +67,8 @@ def require(kind: Kind) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """Pictures that are being drawn beside the build: `result` waits for them, and `end` gives them up."""
+    """A drawing of pictures that runs beside the build: `result` waits for the pictures, and `end` cancels
+    it."""
 
     result: Callable[[], Preview] = lambda: NONE
     end: Callable[[], None] = lambda: None
@@ -73,8 +81,8 @@ def begun(
     kind: Kind,
     say: Callable[[str], None] = lambda _: None,
 ) -> Drawing:
-    """Begins to draw the robot whose `files` were exported, where no picture of its look was made before.
-    `digests`: SHA-256 of each file, as far as they are known. `say` is told how long making them took."""
+    """Begins to draw the robot whose `files` were exported, unless the cache has a picture of its look.
+    `digests`: the known SHA-256 digests of the files. `say`: called with a line about the drawing time."""
     if kind == "none" or "robot.json" not in files:
         return Drawing()
     model = model_of(files)
@@ -85,18 +93,17 @@ def begun(
     inputs = {path: digests.get(path) or sha256(files[path]) for path in needed}
     action = Action("preview", VERSION, {"model": model, "kind": kind}, inputs, _versions("mujoco", "numpy"))
     make, end = _nothing, _no_end
-    if cache.known(action) is None:
-        make, end = _made(cache, model, {path: files[path] for path in needed}, kind, say)
-    return Drawing(lambda: _kept(cache.run(action, make, lasts=_lasts)[0], kind), end)
+    if cache.reusable(action) is None:
+        make, end = _begin_painting(cache, model, {path: files[path] for path in needed}, kind, say)
+    return Drawing(lambda: _preview(cache.run(action, make, lasts=_lasts)[0], kind), end)
 
 
-def _made(
+def _begin_painting(
     cache: Cache, model: str, files: Mapping[str, bytes], kind: Kind, say: Callable[[str], None]
 ) -> tuple[Make, Callable[[], None]]:
-    """What waits for the pictures of a look, which are drawn beside the build unless they were made before,
-    and what gives them up."""
-    # Late: what was drawn before is not drawn again.
-    from linkwright.stages.show.preview.ask import Painting
+    """Returns two functions: the first waits for the pictures of the model's look, which are drawn beside the
+    build unless the cache has them; the second cancels the drawing."""
+    # Late: cached pictures need none of it.
     from linkwright.stages.show.preview.compiled import look_of_files
 
     try:
@@ -106,27 +113,27 @@ def _made(
         return lambda: refused, _no_end
     versions = _versions("numpy", *(["pillow"] if kind == "turn" else []))
     action = Action("preview/look", VERSION, {"kind": kind, **look.key()}, {}, versions)
-    if (known := cache.known(action)) is not None:
-        return lambda: known, _no_end
+    if (pictures := cache.reusable(action)) is not None:
+        return lambda: pictures, _no_end
     painting = Painting(look, kind)
 
     def make() -> Mapping[str, bytes]:
-        made, _ = cache.run(action, painting.result, lasts=_lasts)
+        pictures, _ = cache.run(action, painting.result, lasts=_lasts)
         say(f"the picture of the robot took {painting.seconds:.1f} s, beside the checks")
-        return made
+        return pictures
 
     return make, painting.end
 
 
-def _kept(made: Mapping[str, bytes], kind: Kind) -> Preview:
+def _preview(pictures: Mapping[str, bytes], kind: Kind) -> Preview:
     for why in (REFUSED, ENDED):
-        if why in made:
-            return _without(json.loads(made[why])["why"], _HINT, lasts=why == REFUSED)
-    return Preview({name: made[name] for name in names(kind)}, made[SMALL])
+        if why in pictures:
+            return _without(json.loads(pictures[why])["why"], _HINT, lasts=why == REFUSED)
+    return Preview({name: pictures[name] for name in names(kind)}, pictures[SMALL])
 
 
-def _lasts(made: Mapping[str, bytes]) -> bool:
-    return ENDED not in made
+def _lasts(pictures: Mapping[str, bytes]) -> bool:
+    return ENDED not in pictures
 
 
 def _nothing() -> Mapping[str, bytes]:
@@ -134,7 +141,7 @@ def _nothing() -> Mapping[str, bytes]:
 
 
 def _no_end() -> None:
-    """Nothing is being drawn."""
+    """Does nothing: nothing is being drawn."""
 
 
 def _versions(*libraries: str) -> dict[str, str]:
@@ -142,5 +149,5 @@ def _versions(*libraries: str) -> dict[str, str]:
 
 
 def _without(why: str, hint: str, lasts: bool = True) -> Preview:
-    found = Diagnostic(CODE, f"no preview of the robot: {why}", PICTURE, hint)
-    return Preview({}, found=(found,), lasts=lasts)
+    diagnostic = Diagnostic(CODE, f"no preview of the robot: {why}", PICTURE, hint)
+    return Preview({}, diagnostics=(diagnostic,), lasts=lasts)

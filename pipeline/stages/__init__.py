@@ -1,1 +1,1 @@
-"""The five stages: inputs, context and results of each."""
+"""Defines the five stages: inputs, context and results of each."""

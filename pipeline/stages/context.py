@@ -1,4 +1,4 @@
-"""The context of a stage: files, and values that are decoded only where they are needed."""
+"""Gives a stage its context: files, and values that are decoded only when a stage needs them."""
 
 import functools
 import json
@@ -13,7 +13,7 @@ from linkwright.stages.robot.errors import Diagnostic
 
 if TYPE_CHECKING:
     from linkwright.pipeline.config.plan import Plan
-    from linkwright.stages.fetch.source import Calls
+    from linkwright.stages.fetch.source import Calls, SweepState
     from linkwright.stages.formats.written import Written
     from linkwright.stages.robot.bundle import Bundle
     from linkwright.stages.robot.model.geometry import Geometry
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 NOTES = "notes.json"
 ROBOT = "robot.json"
 WRITTEN = "written.json"
-"""What the export stage adds to the robot and its geometry."""
+"""The file of the facts that the export stage adds to the robot and its geometry."""
 
 FILES = "files/"
 """The folder of the files that the export stage writes for the user."""
@@ -33,8 +33,7 @@ class BuildContext:
 
     `calls` counts the API calls of this build (as `Report.calls`). `detail` shows and logs a line about
     the work of the stage; `transient` shows a line that the next line replaces. `ledger`: the folder with
-    the recorded calls of all builds, or None; `began`: the start [s since the epoch] of the sweep that
-    this build is a job of.
+    the recorded calls of all builds, or None; `sweep`: the state that the fetches of a sweep share.
     """
 
     def __init__(
@@ -44,7 +43,7 @@ class BuildContext:
         environ: Mapping[str, str],
         detail: Callable[[str], None] = lambda _: None,
         ledger: Path | None = None,
-        began: float | None = None,
+        sweep: "SweepState | None" = None,
     ) -> None:
         self.plan = plan
         self.cache = cache
@@ -55,17 +54,17 @@ class BuildContext:
         self.actions: dict[str, Action] = {}
         """The action of each stage whose result can be kept."""
         self.ledger = ledger
-        self.began = began
+        self.sweep = sweep
         self.import_ahead: Callable[[], None] = lambda: None
         """Called by a stage that waits for the network when it knows that the later stages will run."""
         self.require_room: Callable[[], None] = lambda: None
-        """Called by a stage before it spends API calls: raises where a disk has no room for the replies."""
+        """Called by a stage before it spends API calls; raises if a disk has no room for the replies."""
         self.calls: dict[str, Any] = {"made": 0, "saved": 0}
 
     def digests(self, stage: str) -> dict[str, str]:
-        """The digests of an earlier stage's result, without its notes."""
-        found = self.files[stage].digests
-        return {f"{stage}/{path}": digest for path, digest in found.items() if path != NOTES}
+        """Returns the digests of an earlier stage's result, without its notes."""
+        digests = self.files[stage].digests
+        return {f"{stage}/{path}": digest for path, digest in digests.items() if path != NOTES}
 
     @functools.cached_property
     def bundle(self) -> "Bundle":
@@ -100,14 +99,19 @@ def notes(
     summary: str,
     diagnostics: tuple[Diagnostic, ...] = (),
     figures: Mapping[str, float] | None = None,
-    **more: Any,
+    **entries: Any,
 ) -> bytes:
-    found = {"summary": summary, "diagnostics": codec.plain(diagnostics), "figures": figures or {}, **more}
-    return json.dumps(found, indent=1).encode()
+    content = {
+        "summary": summary,
+        "diagnostics": codec.plain(diagnostics),
+        "figures": figures or {},
+        **entries,
+    }
+    return json.dumps(content, indent=1).encode()
 
 
 def spent(calls: "Calls") -> dict[str, Any]:
-    """The calls of a fetch, as the report has them."""
+    """Returns the API calls of a fetch in the form of `Report.calls`."""
     spent: dict[str, Any] = {"made": calls.made, "saved": calls.saved}
     if calls.made:
         spent |= {

@@ -1,12 +1,13 @@
-"""The five stages: the inputs of each, and how it makes files from files.
+"""Defines the five stages: the inputs of each, and the files that it makes from them.
 
 A stage's result is a set of files in the cache; its value is decoded only where a later stage runs.
-Besides its value each stage writes `notes.json`: the diagnostics, figures and one-line summary for the
-report, which a cached stage has too.
+Besides its value each stage writes `notes.json`, with the diagnostics, figures and one-line summary for the
+report, so that a cached stage reports the same.
 """
 
+import contextlib
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import linkwright.stages.export
@@ -28,9 +29,10 @@ from linkwright.pipeline.stages.stage_base import StageBase
 from linkwright.stages.export import export
 from linkwright.stages.export.requirements import packages, require
 from linkwright.stages.export.section import ExportSections
+from linkwright.stages.export.usd.date import with_date
 from linkwright.stages.export.writers import WRITERS
-from linkwright.stages.fetch import fetch, force, pinned, preflight, spends, summary, writes
-from linkwright.stages.fetch.source import Calls, FetchContext
+from linkwright.stages.fetch import ahead, fetch, force, pinned, preflight, spends, summary, writes
+from linkwright.stages.fetch.source import Calls, CallsAhead, FetchContext
 from linkwright.stages.graph import build_robot
 from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.mesh import make_geometry
@@ -66,27 +68,16 @@ class FetchStage(StageBase):
     def inputs(self, context: BuildContext) -> Mapping[str, str]:
         return {}
 
+    def ahead(self, context: BuildContext) -> CallsAhead:
+        """Returns the API calls that `run` will make to a remote source."""
+        with _asking(context) as asking:
+            return ahead(context.plan, asking)
+
     def run(self, context: BuildContext) -> dict[str, bytes]:
         if spends(context.plan):
             context.require_room()
-        calls = Calls()
-        try:
-            fetched = fetch(
-                context.plan,
-                FetchContext(
-                    context.cache.replies(),
-                    context.environ,
-                    progress=context.detail,
-                    transient=context.transient,
-                    ledger=context.ledger,
-                    calls=calls,
-                    began=context.began,
-                    while_waiting=context.import_ahead,
-                ),
-            )
-        finally:
-            # Also the calls of a fetch that failed.
-            context.calls |= spent(calls)
+        with _asking(context) as asking:
+            fetched = fetch(context.plan, asking)
         bundle = fetched.bundle
         context.cache.check(bundles.named(bundle))
         size = sum(len(body) for body in bundle.blobs.values())
@@ -102,6 +93,25 @@ class FetchStage(StageBase):
                 **passing,
             ),
         }
+
+
+@contextlib.contextmanager
+def _asking(context: BuildContext) -> Iterator[FetchContext]:
+    """Yields the context of a fetch, and counts its API calls even if it fails."""
+    calls = Calls()
+    try:
+        yield FetchContext(
+            context.cache.replies(),
+            context.environ,
+            progress=context.detail,
+            transient=context.transient,
+            ledger=context.ledger,
+            calls=calls,
+            sweep=context.sweep,
+            while_waiting=context.import_ahead,
+        )
+    finally:
+        context.calls |= spent(calls)
 
 
 class GraphStage(StageBase):
@@ -158,15 +168,15 @@ class MeshStage(StageBase):
         from linkwright.pipeline.stages.robot_names import require_names
 
         require_names(context.robot, context.plan)
-        # MuJoCo makes no mesh: what it decides has its version in the key.
-        versions = {name: found for name, found in libraries(self).items() if name != "mujoco"}
-        made: list[Remembered] = []
-        memo = context.cache.memo(self.name, self.version, versions, made.append)
+        # MuJoCo makes no mesh: results that it decides have its version in their own keys.
+        versions = {name: version for name, version in libraries(self).items() if name != "mujoco"}
+        memo_results: list[Remembered] = []
+        memo = context.cache.memo(self.name, self.version, versions, memo_results.append)
         geometry = make_geometry(context.robot, context.bundle, context.plan, memo, shown(context))
         return {
             **codec.encode_geometry(geometry),
             **mesh_views(geometry, memo),
-            NOTES: noted(geometry, made),
+            NOTES: noted(geometry, memo_results),
         }
 
 
@@ -182,20 +192,22 @@ class ExportStage(StageBase):
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
         require(plan)
         require_entries(plan)
+        with_date(plan, environ)
 
     def config(self, context: BuildContext) -> Any:
-        return section(context.plan, ExportSections)
+        return section(with_date(context.plan, context.environ), ExportSections)
 
     def inputs(self, context: BuildContext) -> Mapping[str, str]:
         texts = {f"elements/{name}": sha256(text.encode()) for name, text in context.element_texts.items()}
-        of = {f"libraries/{name}": sha256(installed(name).encode()) for name in packages(context.plan)}
-        return {**context.digests("graph"), **context.digests("mesh"), **texts, **of}
+        versions = {f"libraries/{name}": sha256(installed(name).encode()) for name in packages(context.plan)}
+        return {**context.digests("graph"), **context.digests("mesh"), **texts, **versions}
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
         # Late: a stage whose inputs did not change needs none of it.
         from linkwright.stages.formats.written import encode
 
-        exported = export(context.robot, context.geometry, context.plan, context.element_texts)
+        keys = with_date(context.plan, context.environ)
+        exported = export(context.robot, context.geometry, keys, context.element_texts)
         size = sum(len(data) for data in exported.files.values())
         summary = f"{count(len(exported.files), 'file')}, {size / 1e6:.2f} MB"
         return {
@@ -216,7 +228,7 @@ class ValidateStage(StageBase):
 
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
         named(plan)
-        external.require(plan.validate.external, environ)
+        external.require(plan.validate.external, plan.export.chosen, environ)
 
     def config(self, context: BuildContext) -> Any:
         return with_sources(section(context.plan, ValidateSections), context.plan)
@@ -224,8 +236,13 @@ class ValidateStage(StageBase):
     def inputs(self, context: BuildContext) -> Mapping[str, str]:
         shapes = context.digests("mesh")["mesh/geometry.json"]
         tools = external.versions(context.plan.validate.external, context.environ)
-        said = {f"external/{name}": sha256(version.encode()) for name, version in tools.items()}
-        return {**context.digests("graph"), **context.digests("export"), "mesh/geometry.json": shapes, **said}
+        versions = {f"external/{name}": sha256(version.encode()) for name, version in tools.items()}
+        return {
+            **context.digests("graph"),
+            **context.digests("export"),
+            "mesh/geometry.json": shapes,
+            **versions,
+        }
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
         tools = context.plan.validate.external
@@ -233,27 +250,27 @@ class ValidateStage(StageBase):
             checks = validate(folder, context.written, context.plan, own(context.plan))
             checks += external.check_externally(folder, context.robot.name, tools, context.environ)
             figures = measured(folder, context.robot.name, context.plan.validate.level)
-        told = f"{sum(check.passed for check in checks)} of {count(len(checks), 'check')} passed"
+        summary = f"{sum(check.passed for check in checks)} of {count(len(checks), 'check')} passed"
         passing: dict[str, Any] = {"lasts": False} if any(map(external.gave_no_verdict, checks)) else {}
-        return {"checks.json": codec.encode_checks(checks), NOTES: notes(told, figures=figures, **passing)}
+        return {"checks.json": codec.encode_checks(checks), NOTES: notes(summary, figures=figures, **passing)}
 
 
 STAGES: tuple[Stage, ...] = (FetchStage(), GraphStage(), MeshStage(), ExportStage(), ValidateStage())
 
 
 def stages_until(name: str, stages: tuple[Stage, ...] = STAGES) -> tuple[Stage, ...]:
-    """The stages up to and including the stage `name`."""
+    """Returns the stages up to and including the stage `name`."""
     last = [stage.name for stage in stages].index(name)
     return stages[: last + 1]
 
 
 def libraries(stage: Stage) -> dict[str, str]:
-    """The installed versions of the libraries that affect the stage's result, and of linkwright."""
+    """Returns the installed versions of linkwright and of the libraries that affect the stage's result."""
     return {library: installed(library) for library in ("linkwright", *stage.libraries)}
 
 
 def perform(stage: Stage, context: BuildContext) -> tuple[Files, bool]:
-    """The stage's files, and whether they came from the cache."""
+    """Runs a stage, or takes its result from the cache; returns its files, and whether they are cached."""
     interrupt.check()
     config = stage.config(context)
     if config is None:

@@ -1,4 +1,4 @@
-"""What a stage of a build is, and what most of them share."""
+"""Defines the protocol of a stage, and a base class with the parts that most stages share."""
 
 from collections.abc import Mapping
 from types import ModuleType
@@ -11,7 +11,7 @@ from linkwright.pipeline.stages.context import BuildContext
 class Stage(Protocol):
     """A stage of a build.
 
-    `version`, which the stage's package declares, is raised when the same inputs give another result;
+    `version`, which the stage's package declares, is increased when the same inputs give another result;
     `libraries` are the distributions whose version may change the result; `modules` are its slow imports.
     """
 
@@ -28,23 +28,24 @@ class Stage(Protocol):
     def modules(self) -> tuple[str, ...]: ...
 
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
-        """ConfigError for problems that can be found before the first stage runs."""
+        """Raises ConfigError for problems that can be found before the first stage runs."""
 
     def config(self, context: BuildContext) -> Any:
-        """The stage's part of the plan, as plain data; None for a result that must not be cached."""
+        """Returns the stage's part of the plan, as plain data; None for a result that must not be cached."""
 
     def force(self, context: BuildContext) -> bool:
-        """Whether the stage runs even if its result is in the cache, and replaces that result."""
+        """Tells whether the stage runs even if its result is in the cache, and replaces that result."""
 
     def inputs(self, context: BuildContext) -> Mapping[str, str]:
-        """The digests of the files that the stage reads."""
+        """Returns the digests of the files that the stage reads."""
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
-        """The stage's files, by relative path."""
+        """Returns the stage's files, by relative path."""
 
 
 class StageBase:
-    """Defaults that most stages share. `face`: the stage's package, which declares the version."""
+    """A stage with the defaults that most stages share. `face`: the stage's package, which declares the
+    version."""
 
     name: str
     face: ModuleType

@@ -1,13 +1,14 @@
-"""The folder of a sweep: its own files beside the folders of its jobs."""
+"""Writes the folder of a sweep: its own files beside the folders of its jobs."""
 
-import json
+import contextlib
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from linkwright.pipeline import lock
 from linkwright.pipeline.caching import actions
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.digest import sha256
@@ -15,97 +16,137 @@ from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.output import conflicts, manifest
 from linkwright.pipeline.output.folder import move_aside, named
 from linkwright.pipeline.output.location import ELSEWHERE, absolute, require_free
+from linkwright.pipeline.output.replacing import replace
 from linkwright.pipeline.page.sweep.document import page
 from linkwright.pipeline.secrets import Secrets
 from linkwright.pipeline.show.live import ENGINE_FILE, engine_file, is_plain
-from linkwright.stages.robot.text.printable import printable_lines
+from linkwright.pipeline.sweep import summary_csv, summary_json
+from linkwright.pipeline.sweep.outcome import Outcome, planned, state_of
+from linkwright.pipeline.sweep.outcome_files import withdraw
+from linkwright.pipeline.sweep.summary_csv import TABLE
+from linkwright.pipeline.sweep.summary_json import SUMMARY
 
 if TYPE_CHECKING:
-    from linkwright.pipeline.sweep.outcome import Outcome
+    from linkwright.pipeline.sweep.run import Job
 
-SUMMARY, PAGE, ACCOUNT = "summary.json", "summary.html", "multirun.yaml"
-OWN = (SUMMARY, PAGE, ACCOUNT, ENGINE_FILE)
-"""The files of a sweep itself: the outcomes of its jobs as data and for people, Hydra's record of the sweep,
-and the engine that the pages of its jobs share."""
+Environ = Mapping[str, str]
+
+PAGE, ACCOUNT = "summary.html", "multirun.yaml"
+OWN = (SUMMARY, PAGE, TABLE, ACCOUNT, ENGINE_FILE)
+"""The files of a sweep itself: the outcomes of its jobs (as data, for people, and for spreadsheets), Hydra's
+record of the sweep, and the viewer's engine, which the pages of its jobs share."""
 
 
-def prepare(root: Path, plan: Plan, typed: Sequence[str], environ: Mapping[str, str] = os.environ) -> None:
-    """Creates and marks the folder of a sweep, and records a new run with its `typed` overrides after earlier
-    runs; `plan`: the plan of any job.
+def prepare(
+    root: Path, jobs: Sequence["Job"], overrides: Sequence[str], environ: Environ = os.environ
+) -> None:
+    """Creates and marks the folder of a sweep, and records a new run of its `jobs`, all missing, with the
+    `overrides` of the command line, after earlier runs. Raises the errors of `mark`."""
+    mark(root, jobs[0].plan, environ)
+    with named(root):
+        for job in jobs:
+            withdraw(job.plan.folder)
+    missing = [planned(job.number, job.label, job.overrides, str(job.plan.folder)) for job in jobs]
+    record(root, missing, overrides, environ)
 
-    ConfigError where no sweep can be there, the folder is of others, or a file that is not linkwright's is in
-    its way; OutputError where it cannot be written.
+
+def mark(root: Path, plan: Plan, environ: Environ = os.environ) -> None:
+    """Creates and marks the folder of a sweep, with the engine that its pages share; `plan`: the plan of any
+    job. Raises ConfigError if no sweep can be there, if linkwright did not make the folder, or if a file that
+    is not linkwright's is in its way; raises OutputError if it cannot be written.
     """
     with named(root):
-        place = absolute(root)
-        require_free(place, {}, actions.folder(plan.cache.dir, environ))
-        if manifest.is_build(place):
+        absolute_root = absolute(root)
+        require_free(absolute_root, {}, actions.folder(plan.cache.dir, environ))
+        if manifest.is_build(absolute_root):
             raise ConfigError(f"{root} is the folder of a build", "output", ELSEWHERE)
-        if manifest.is_of_others(place):
+        if manifest.is_foreign(absolute_root):
             raise conflicts.foreign(root)
-        stopped = _in_the_way(place)
+        stopped = _in_the_way(absolute_root)
         if stopped and not plan.overwrite:
             raise ConfigError(conflicts.message(root, stopped), "output", conflicts.ways_out(root))
-        place.mkdir(parents=True, exist_ok=True)
+        absolute_root.mkdir(parents=True, exist_ok=True)
         for path in stopped:
-            move_aside(place / path, place, path)
-        # Any content counts as ours until the sweep ends, since it may be killed.
-        manifest.write(place, dict.fromkeys(OWN))
-        run = {"started": f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ}", "overrides": list(typed), "jobs": []}
-        _write(place, [*_runs(place), run])
+            move_aside(absolute_root / path, absolute_root, path)
+        # Any content counts as the sweep's own until it ends, since it may be killed.
+        manifest.write_shared(absolute_root, dict.fromkeys(OWN))
         if plan.page.live != "kinematics" and not is_plain(environ):
-            (place / ENGINE_FILE).write_bytes(engine_file())
+            replace(absolute_root / ENGINE_FILE, engine_file())
 
 
-def keep(outcomes: Sequence["Outcome"], root: Path) -> None:
-    """Writes the outcomes of the jobs to `summary.json` and `summary.html`; OutputError where these cannot be
-    written."""
-    jobs = [asdict(outcome) for outcome in outcomes]
+def is_marked(root: Path) -> bool:
+    """Tells whether the folder is that of a sweep."""
+    return manifest.ours(root) is not None or manifest.is_sweep(root)
+
+
+def record(
+    root: Path, missing: Sequence[Outcome], overrides: Sequence[str], environ: Environ = os.environ
+) -> None:
+    """Records a new run in the folder of a sweep; all its jobs count as `missing` at first. Raises
+    OutputError if that fails."""
     with named(root):
-        *before, run = _runs(root)
-        _write(root, [*before, {**run, "jobs": jobs}])
-        _replace(root / PAGE, _page(root, jobs))
-        there = [name for name in OWN if (root / name).is_file()]
-        manifest.write(root, {name: sha256((root / name).read_bytes()) for name in there})
+        rows = _rows(missing, root)
+        run = {
+            "started": f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ}",
+            "overrides": Secrets(environ).within(list(overrides)),
+            "folders": [row["folder"] for row in rows],
+            "jobs": rows,
+        }
+        replace(root / SUMMARY, summary_json.text([*summary_json.runs(root), run]))
+
+
+def is_recorded(root: Path, folders: Sequence[Path]) -> bool:
+    """Tells whether the last run in the folder of a sweep has jobs with these folders."""
+    last: Mapping[str, Any] = next(reversed(summary_json.runs(root)), {})
+    return bool(last.get("folders") == [summary_json.inside(str(folder), root) for folder in folders])
+
+
+def keep(outcomes: Iterable[Outcome], root: Path) -> None:
+    """Writes the outcomes of the jobs to `summary.json`, `summary.html` and `summary.csv`; raises OutputError
+    if that fails. It may be called while jobs run, and from several processes."""
+    jobs = _rows(outcomes, root)
+    with named(root), _exclusively(root):
+        *earlier_runs, run = summary_json.runs(root) or [{"started": None, "overrides": []}]
+        # Any content counts as the sweep's own while it is written, since a kill may end that.
+        manifest.write_shared(root, dict.fromkeys(OWN))
+        replace(root / SUMMARY, summary_json.text([*earlier_runs, {**run, "jobs": jobs}]))
+        with_states = [{**job, "state": state_of(job["status"], job["message"])} for job in jobs]
+        replace(root / TABLE, summary_csv.text(with_states))
+        replace(root / PAGE, _page(root, with_states))
+        file_names = [name for name in OWN if (root / name).is_file()]
+        manifest.write_shared(root, {name: sha256((root / name).read_bytes()) for name in file_names})
+
+
+@contextlib.contextmanager
+def _exclusively(root: Path) -> Iterator[None]:
+    """Keeps other processes of this host from writing the summary. On a file system without locks the last
+    writer wins."""
+    with contextlib.ExitStack() as stack:
+        with contextlib.suppress(OSError):
+            stack.enter_context(lock.acquired(lock.beside(root / SUMMARY), lambda: None))
+        yield
+
+
+def _rows(outcomes: Iterable[Outcome], root: Path) -> list[dict[str, Any]]:
+    """Returns the outcomes as plain data, by number, without secrets, with the jobs' folders relative to the
+    sweep's."""
+    secrets = Secrets(os.environ)
+    rows = []
+    for outcome in sorted(outcomes, key=lambda outcome: outcome.number):
+        row = asdict(outcome) | {"folder": summary_json.inside(outcome.folder, root)}
+        rows.append(secrets.within(row) if secrets else row)
+    return rows
 
 
 def _in_the_way(root: Path) -> dict[str, str]:
-    """Foreign or changed files at the paths that a sweep writes: path → reason."""
-    own = manifest.ours(root) or dict.fromkeys(OWN if manifest.is_sweep(root) else ())
-    others = manifest.others(root, own) if root.is_dir() else ()
-    return {entry.path: conflicts.why(entry) for entry in others if entry.path in OWN}
-
-
-def _runs(root: Path) -> list[dict[str, Any]]:
-    """The recorded runs of the folder, the oldest first; of version 0.1 only the last run."""
-    try:
-        kept = json.loads((root / SUMMARY).read_bytes())
-    except (OSError, ValueError):
-        return []
-    runs = kept.get("runs") if isinstance(kept, dict) else None
-    if isinstance(runs, list):
-        return [run for run in runs if isinstance(run, dict)]
-    jobs = kept.get("jobs") if isinstance(kept, dict) else None
-    return [{"started": None, "overrides": [], "jobs": jobs}] if jobs else []
-
-
-def _write(root: Path, runs: Sequence[Mapping[str, Any]]) -> None:
-    tree = {manifest.SWEEP: 2, "runs": list(runs)}
-    text = json.dumps(Secrets(os.environ).within(tree), indent=2, ensure_ascii=False)
-    _replace(root / SUMMARY, printable_lines(text).encode() + b"\n")
+    """Returns the foreign or changed files at the paths that a sweep writes: path → reason."""
+    own_files = manifest.ours(root) or dict.fromkeys(OWN if manifest.is_sweep(root) else ())
+    entries = manifest.foreign_or_changed(root, own_files) if root.is_dir() else ()
+    return {entry.path: conflicts.why(entry) for entry in entries if entry.path in OWN}
 
 
 def _page(root: Path, jobs: Sequence[Mapping[str, Any]]) -> bytes:
-    """The page about the last run."""
-    inside = [{**job, "folder": Path(os.path.relpath(job["folder"], root)).as_posix()} for job in jobs]
-    beside = [name for name in (SUMMARY, ACCOUNT) if (root / name).is_file()]
-    secrets = Secrets(os.environ)
-    return page(
-        secrets.blanked(root.name), secrets.within(inside), lambda path: (root / path).exists(), beside
-    )
-
-
-def _replace(file: Path, data: bytes) -> None:
-    staged = file.with_name(f".{file.name}.tmp")
-    staged.write_bytes(data)
-    staged.replace(file)
+    """Returns the page about the last run."""
+    linked_files = [name for name in (SUMMARY, TABLE, ACCOUNT) if (root / name).is_file()]
+    title = Secrets(os.environ).blanked(root.name)
+    return page(title, jobs, lambda path: (root / path).exists(), linked_files)

@@ -1,4 +1,4 @@
-"""A check as lines of text, in the terminal."""
+"""Writes a check as lines of text."""
 
 from collections.abc import Sequence
 
@@ -9,20 +9,21 @@ from linkwright.stages.robot.text.printable import sentence
 
 
 def check_lines(word: str, check: Check, most: int, rest: str, measured: str = "") -> list[str]:
-    """A check that did not pass, with what was `measured`, at most so many of its findings, where the `rest`
-    are, and what to do."""
+    """Returns the lines of a check that did not pass, with a remedy. `word`: FAILED or WARNING; `most`: the
+    largest number of findings; `rest`: a text that tells where the other findings are; `measured`: the
+    measured value."""
     code = f"{check.code} " if check.code else ""
     figures = f" ({measured})" if measured else ""
     lines = [sentence(f"{word} {code}{check.name}: {check.detail}{figures}")]
-    for found in check.findings[:most]:
-        attribute = f" {found.attribute}" if found.attribute else ""
-        lines.append(sentence(f"    {found.element}{attribute}: {found.message}"))
-    more = len(check.findings) - most
-    lines += [f"    and {more} more{rest}"] if more > 0 else []
+    for finding in check.findings[:most]:
+        attribute = f" {finding.attribute}" if finding.attribute else ""
+        lines.append(sentence(f"    {finding.element}{attribute}: {finding.message}"))
+    left_out = len(check.findings) - most
+    lines += [f"    and {left_out} more{rest}"] if left_out > 0 else []
     hint = remedy(check.code)
     return lines + ([f"    → {hint}"] if hint else [])
 
 
 def tally(checks: Sequence[Check]) -> str:
-    """How many of the checks passed, in words."""
+    """Returns a phrase with the number of checks that passed."""
     return f"{sum(check.passed for check in checks)} of {count(len(checks), 'check')} passed"

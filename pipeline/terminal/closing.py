@@ -1,4 +1,4 @@
-"""The closing text of a build: findings, checks that did not pass, API calls and the output folder."""
+"""Prints the closing text of a build: diagnostics, failed checks, API calls and the output folder."""
 
 import re
 import sys
@@ -13,29 +13,30 @@ from linkwright.pipeline.terminal.output import clean, width_of
 from linkwright.pipeline.terminal.wrapping import wrapped
 from linkwright.stages.robot.text.printable import printable
 
-MOST_FINDINGS = 3
-"""Of a check, in the terminal."""
+MAX_FINDINGS = 3
+"""Largest number of findings of a check that the terminal shows."""
 
-PLAIN = str.maketrans("─│├└…→×≤≥−", "-||`~>*<>-")
+ASCII_REPLACEMENTS = str.maketrans("─│├└…→×≤≥−", "-||`~>*<>-")
 """ASCII replacements of the characters that a stream's encoding may lack."""
 
 _STYLES = {"FAILED": "bold red", "WARNING": "yellow", "E": "bold red", "W": "yellow", "I": "cyan"}
-"""The style of the word that a line begins with, by the word or the level of a code."""
+"""Style of a line's first word: by the word, or by the level (E, W, I) of a code."""
+
+FULL_STYLE = Style("", whole=True)
 
 _HEAD = re.compile(r"(FAILED|WARNING|(?P<level>[EWI])-[A-Z0-9-]+)(?= )")
 
 
 def closing_lines(report: Report, detail: Detail = "usual") -> list[str]:
-    """One text a line; a text to paste has several lines."""
-    lines = [] if detail == "errors" else finding_lines(report.diagnostics, _style(report, detail))
-    lines += _checks(report, detail)
+    """Returns the lines of the closing text. An entry with a text to paste contains line breaks."""
     if detail == "errors":
-        found = report.diagnostics if report.status == "stale" else ()
-        return finding_lines([one for one in found if one.level != "info"], WHOLE) + lines
+        return _error_lines(report)
     pages = f" (report.html, {report.preview})" if report.preview else ""
     return [
-        *lines,
+        *finding_lines(report.diagnostics, _style(report, detail)),
+        *_checks(report, detail),
         *_tables(report),
+        *_objective(report),
         *([tally(report.checks)] if report.checks else []),
         *spent(report),
         printable(f"{report.heading}: {report.folder or 'in memory'}{pages}"),
@@ -43,32 +44,42 @@ def closing_lines(report: Report, detail: Detail = "usual") -> list[str]:
     ]
 
 
-WHOLE = Style("", whole=True)
+def _error_lines(report: Report) -> list[str]:
+    """Returns the lines about errors only: failed checks, and for a stale result its serious diagnostics."""
+    diagnostics = report.diagnostics if report.status == "stale" else ()
+    serious = [diagnostic for diagnostic in diagnostics if diagnostic.level != "info"]
+    return [*finding_lines(serious, FULL_STYLE), *_checks(report, "errors")]
 
 
 def _style(report: Report, detail: Detail) -> Style:
-    return WHOLE if detail == "all" else Style("report.html" if report.folder else "-v shows all")
+    return FULL_STYLE if detail == "all" else Style("report.html" if report.folder else "-v shows all")
 
 
 def _checks(report: Report, detail: Detail) -> Iterator[str]:
-    """The checks that did not pass, those that failed last."""
-    most = sys.maxsize if detail == "all" else MOST_FINDINGS
+    """Yields the checks that did not pass, failed checks last."""
+    max_findings = sys.maxsize if detail == "all" else MAX_FINDINGS
     if detail != "errors":
         for check in report.warned_checks:
-            yield from check_lines("WARNING", check, most, " in report.json")
+            yield from check_lines("WARNING", check, max_findings, " in report.json")
     for check in report.failed_checks:
-        yield from check_lines("FAILED", check, most, " in report.json")
+        yield from check_lines("FAILED", check, max_findings, " in report.json")
+
+
+def _objective(report: Report) -> Iterator[str]:
+    if report.objective:
+        values = (f"{name} {value:.6g}" for name, value in report.objective.items())
+        yield printable(f"objective: {', '.join(values)}")
 
 
 def _tables(report: Report) -> Iterator[str]:
-    where = " (report.html has the table)" if report.folder else ""
+    location = " (report.html has the table)" if report.folder else ""
     for check in report.checks:
         if check.table and check.passed:
-            yield printable(f"{check.name}: {check.detail}{where}")
+            yield printable(f"{check.name}: {check.detail}{location}")
 
 
 def render(report: Report, detail: Detail = "usual") -> str:
-    """The kinematic tree, of a build that ends at the graph stage, and the closing lines; "" for nothing."""
+    """Returns the closing text, after the kinematic tree if the build ended at the graph stage."""
     tree = [*report.outline, ""] if _shows_tree(report, detail) else []
     return "".join(f"{line}\n" for line in [*tree, *closing_lines(report, detail)])
 
@@ -79,32 +90,32 @@ def _shows_tree(report: Report, detail: Detail) -> bool:
 
 def show(report: Report, stream: TextIO, detail: Detail = "usual") -> None:
     """Prints the closing text: in colour and wrapped on a terminal, else as plain text."""
-    out, width = clean(stream), width_of(stream)
+    output, width = clean(stream), width_of(stream)
     if width is None:
-        out.write(fitting(render(report, detail), stream.encoding))
+        output.write(encodable(render(report, detail), stream.encoding))
         return
-    # Late: Rich takes a while to import, and plain output needs none of it.
+    # Late: Rich takes a while to import, and plain output does not need it.
     from rich.console import Console
     from rich.text import Text
 
-    console = Console(file=out.raw, width=width)
+    console = Console(file=output.raw, width=width)
     if _shows_tree(report, detail):
         fits = all(len(line) <= width for line in report.outline)
         for line in (*(report.outline if fits else report.narrow_outline), ""):
-            console.print(Text(fitting(out.clean(line), stream.encoding)), soft_wrap=True)
+            console.print(Text(encodable(output.clean(line), stream.encoding)), soft_wrap=True)
     for line in closing_lines(report, detail):
         # As Text, since brackets in CAD names are not markup.
-        text = Text(fitting(wrapped(out.clean(line), width), stream.encoding))
+        text = Text(encodable(wrapped(output.clean(line), width), stream.encoding))
         if head := _HEAD.match(line):
             text.stylize(_STYLES[head["level"] or head[1]], 0, head.end())
         console.print(text, soft_wrap=True)
 
 
-def fitting(text: str, encoding: str | None) -> str:
-    """`text` with characters that a stream of this encoding can write."""
+def encodable(text: str, encoding: str | None) -> str:
+    """Replaces the characters that a stream of this encoding cannot write."""
     code = encoding or "utf-8"
     try:
         text.encode(code)
     except UnicodeEncodeError:
-        return text.translate(PLAIN).encode(code, "replace").decode(code)
+        return text.translate(ASCII_REPLACEMENTS).encode(code, "replace").decode(code)
     return text

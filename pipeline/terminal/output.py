@@ -1,4 +1,4 @@
-"""Output to a terminal or a pipe, without control characters and API keys, and no wider than the terminal.
+"""Writes to a terminal or a pipe, without control characters and API keys, and no wider than the terminal.
 
 Text comes from servers, files and people. An escape sequence in a part's name could move the cursor,
 change the terminal's colours or title, or hide the line above. All printed text passes through here.
@@ -14,8 +14,8 @@ from linkwright.pipeline.secrets import Secrets
 from linkwright.pipeline.terminal.wrapping import wrapped
 from linkwright.stages.robot.text.printable import printable_lines
 
-NARROW = 80
-"""The columns of a terminal that does not say how many it has."""
+DEFAULT_COLUMNS = 80
+"""The width of a terminal that does not tell its width."""
 
 
 class Clean:
@@ -30,13 +30,13 @@ class Clean:
         self._secrets: Secrets | None = None
 
     def clean(self, text: str) -> str:
-        """`text` as it may be shown."""
+        """Returns `text` with control characters as escapes, and without API keys."""
         if self._secrets is None:
             self._secrets = Secrets(os.environ)
         return printable_lines(self._secrets.blanked(text))
 
     def write(self, text: str) -> int:
-        """Writes `text` as it may be shown."""
+        """Writes `text` with control characters as escapes, and without API keys."""
         self.raw.write(self.clean(text))
         return len(text)
 
@@ -45,12 +45,12 @@ class Clean:
 
 
 def clean(stream: Any) -> Clean:
-    """The stream wrapped in `Clean`, once."""
+    """Returns the stream wrapped in `Clean`, at most once."""
     return stream if isinstance(stream, Clean) else Clean(stream)
 
 
 def width_of(stream: Any) -> int | None:
-    """The columns of a terminal; None for a pipe or a file."""
+    """Returns the width of a terminal in columns; None for a pipe or a file."""
     if not stream.isatty():
         return None
     with contextlib.suppress(ValueError):
@@ -60,9 +60,9 @@ def width_of(stream: Any) -> int | None:
 
 def _columns(stream: Any) -> int:
     try:
-        return max(20, os.get_terminal_size(stream.fileno()).columns or NARROW)
+        return max(20, os.get_terminal_size(stream.fileno()).columns or DEFAULT_COLUMNS)
     except (OSError, ValueError, AttributeError):
-        return NARROW
+        return DEFAULT_COLUMNS
 
 
 def say(text: str, stream: Any = None) -> None:
@@ -74,7 +74,7 @@ def say(text: str, stream: Any = None) -> None:
 
 @contextlib.contextmanager
 def clean_streams() -> Iterator[None]:
-    """Inside, everything printed to the standard streams is cleaned."""
+    """Cleans everything that is printed to the standard streams."""
     out, err = cast(TextIO, clean(sys.stdout)), cast(TextIO, clean(sys.stderr))
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         yield

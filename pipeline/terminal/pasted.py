@@ -1,4 +1,4 @@
-"""Text for the user to paste into a shell: quoted, so that no character of a name runs anything there."""
+"""Quotes text for the user to paste into a shell, so that no character of a name runs a command."""
 
 import os
 import re
@@ -10,9 +10,9 @@ _SAFE = re.compile(r"[\w@%+=:,./\\-]+", re.ASCII)
 
 
 def word(text: str, windows: bool = _WINDOWS) -> str:
-    """`text` as one word of a POSIX shell; on Windows, of PowerShell.
+    """Returns `text` as a single word of a POSIX shell; on Windows, of PowerShell.
 
-    In PowerShell's single quotes every character is literal, but for the quote itself, which is doubled
+    In PowerShell's single quotes every character is literal, except the quote itself, which is doubled
     (about_Quoting_Rules).
     """
     if not windows:
@@ -24,15 +24,15 @@ def word(text: str, windows: bool = _WINDOWS) -> str:
 
 
 def line(words: Iterable[str]) -> str:
-    """A command line of these words."""
+    """Returns a command line of these words."""
     return " ".join(map(word, words))
 
 
 def override(key: str, value: str) -> str:
-    """`key=value` with Hydra's quotes around the value, and the shell's around the whole."""
+    """Returns `key=value` with Hydra's quotes around the value, and the shell's quotes around both."""
     inner = value.strip().strip("'\"")
     # Hydra takes backslashes for escapes only before a quote.
-    inner = re.sub(r"(\\*)('|$)", lambda found: 2 * found[1] + found[2].replace("'", r"\'"), inner)
+    inner = re.sub(r"(\\*)('|$)", lambda match: 2 * match[1] + match[2].replace("'", r"\'"), inner)
     text = f"{key}='{inner}'"
     # Double quotes are the form that users know from other examples.
     return word(text) if _WINDOWS or re.search(r'[$`"!\\]', text) else f'"{text}"'

@@ -1,4 +1,4 @@
-"""Standard streams whose reader may close them early: `linkwright --help | head -1`.
+"""Makes standard streams survive a reader that closes them early: `linkwright --help | head -1`.
 
 Output to a closed pipe is dropped silently. The command continues, so that a build keeps its API calls
 and its files, and the exit status is that of the build.
@@ -14,7 +14,7 @@ from typing import Any
 class _StreamFile(io.FileIO):
     """A stream's file that discards output after a write error.
 
-    `lost`: the reason of the error; "" where the reader closed the pipe.
+    `lost`: the reason of the error; "" if the reader closed the pipe.
     """
 
     lost = ""
@@ -42,13 +42,13 @@ def survive_closed_pipes() -> None:
             continue
         with contextlib.suppress(OSError):
             file = _StreamFile(stream.fileno(), "w", closefd=False)
-            made = io.TextIOWrapper(
+            wrapper = io.TextIOWrapper(
                 io.BufferedWriter(file),
                 encoding=stream.encoding,
                 errors=stream.errors,
                 line_buffering=stream.line_buffering or stream.write_through,
             )
-            setattr(sys, name, made)
+            setattr(sys, name, wrapper)
 
 
 def flush() -> str:

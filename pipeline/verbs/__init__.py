@@ -1,7 +1,20 @@
-"""The verbs of the command besides building: one module for each verb.
+"""Holds the verbs of the command besides building, in a module for each verb.
 
-Each has `HELP` (text) and `run(arguments) -> exit status`, and raises the errors of `pipeline.errors`:
+Each module has `HELP` (text) and `run(arguments) -> exit status`. It raises the errors of `pipeline.errors`:
 ConfigError for wrong usage (exit status 2), other errors for failures (1).
+
+- bundle: Packs the inputs of a build into one file.
+- cache: Shows, cleans and checks the cache.
+- check: Checks whether the files of a robot are right.
+- diff: Shows the differences between two robots.
+- doctor: Checks whether builds can work on this computer.
+- explain: Explains a key or the code of a message.
+- job: Runs a job of a list, or a share of them.
+- jobs: Shows the outcome of the jobs of a list; fetches their sources.
+- launcher_lines: Describes the launchers of sweeps and their keys in lines of text.
+- motor_lines: Describes a motor and its values in lines of text.
+- snapshot: Keeps texts about a repository's robots, to compare them later.
+- view: Opens the robot of a build in MuJoCo's own viewer.
 """
 
 VERBS = {
@@ -9,7 +22,11 @@ VERBS = {
     "cache": "linkwright.pipeline.verbs.cache",
     "check": "linkwright.pipeline.verbs.check",
     "diff": "linkwright.pipeline.verbs.diff",
+    "doctor": "linkwright.pipeline.verbs.doctor",
     "explain": "linkwright.pipeline.verbs.explain",
+    "job": "linkwright.pipeline.verbs.job",
+    "jobs": "linkwright.pipeline.verbs.jobs",
+    "snapshot": "linkwright.pipeline.verbs.snapshot",
     "view": "linkwright.pipeline.verbs.view",
 }
 """Verb → the module with its `HELP` and its `run(arguments) -> exit status`."""

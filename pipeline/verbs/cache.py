@@ -22,7 +22,8 @@ usage: linkwright cache info|gc|verify [--max-size SIZE] [cache.dir=FOLDER]
   linkwright cache info             where it is, its size, and the API calls
                                     counted
   linkwright cache gc --max-size 5G
-                                    free space: drop what was used longest ago
+                                    free space: drop the files that were not
+                                    used for longest
   linkwright cache verify           check every file; remove corrupt files
 
 The calls are those that count against the yearly quota, by key and calendar
@@ -43,21 +44,25 @@ _USAGE = "linkwright cache info|gc|verify; linkwright cache --help shows more"
 _DIR = "cache.dir="
 _SIZE = re.compile(r"(\d+(?:\.\d+)?)([KMGT]?)B?", re.IGNORECASE)
 _POWERS = {"": 1, "K": 10**3, "M": 10**6, "G": 10**9, "T": 10**12}
-_MOST = 20 * 10**9
-_SHOWN = 8
+_DEFAULT_SIZE = 20 * 10**9
+"""Size [bytes] to which `gc` shrinks the cache without `--max-size`."""
+
+_SHOWN_CHARACTERS = 8
+"""Characters of a key's hash that are shown."""
 
 
 def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> int:
-    """Runs the verb and returns the exit status. ConfigError for wrong usage, CacheError for the folder."""
+    """Runs the verb and returns the exit status. Raises ConfigError for wrong usage, and CacheError if the
+    cache folder cannot be used."""
     dirs = [text for text in arguments if text.startswith(_DIR)]
     rest = [text for text in arguments if text not in dirs]
-    most = _max_size(rest)
+    max_size = _max_size(rest)
     verbs: dict[str, Callable[[Path], int]] = {
         "info": _info,
-        "gc": lambda root: _gc(root, _MOST if most is None else most),
+        "gc": lambda root: _gc(root, _DEFAULT_SIZE if max_size is None else max_size),
         "verify": _verify,
     }
-    if len(rest) != 1 or rest[0] not in verbs or (most is not None and rest[0] != "gc"):
+    if len(rest) != 1 or rest[0] not in verbs or (max_size is not None and rest[0] != "gc"):
         msg = f"expected info, gc or verify, got {' '.join(arguments) or 'nothing'}"
         raise ConfigError(msg, "cache", _USAGE)
     configured = dirs[-1].removeprefix(_DIR) if dirs else None
@@ -82,47 +87,48 @@ def _max_size(rest: list[str]) -> int | None:
 
 
 def _info(root: Path) -> int:
-    found = maintenance.summary(root)
+    summary = maintenance.summary(root)
     say(str(root))
     say(
-        f"  {_size(found.size)}: {count(found.blobs, 'file')} and {count(found.records, 'record')}, "
-        f"{found.replies} of them replies that were paid for"
+        f"  {_size(summary.size)}: {count(summary.blobs, 'file')} and {count(summary.records, 'record')}, "
+        f"{summary.replies} of them replies that were paid for"
     )
     years = ledger.years(root / ledger.FOLDER)
     say("API calls counted, by key (start of its hash) and year:" if years else "no API call counted")
     for year in years:
-        who = year.who[:_SHOWN]
+        key_start = year.who[:_SHOWN_CHARACTERS]
         kinds = ", ".join(f"{number} {kind}" for kind, number in year.calls.items())
         end = "; the quota is used up (402)" if year.exhausted else ""
-        say(f"  {who:{_SHOWN}}  {year.year}  {year.counted:5d}  {kinds}{end}")
+        say(f"  {key_start:{_SHOWN_CHARACTERS}}  {year.year}  {year.counted:5d}  {kinds}{end}")
     return 0
 
 
-def _gc(root: Path, most: int) -> int:
-    done = maintenance.collect(root, most)
+def _gc(root: Path, max_size: int) -> int:
+    result = maintenance.collect(root, max_size)
     for outputs in (Path("outputs"), *Path("outputs").glob("*.sweep")):
         maintenance.drop_locks(outputs / LOCKS)
-    paid = f" ({done.paid} of them replies that were paid for)" if done.paid else ""
-    say(f"{root}: {_size(done.freed)} freed, {_size(done.size)} left")
-    say(f"  dropped {count(done.records, 'record')}{paid} and {count(done.blobs, 'file')}")
-    if done.size > most:
-        say(f"  more than {_size(most)} is left: the rest was used within the last hour; try again later")
+    paid = f" ({result.paid} of them replies that were paid for)" if result.paid else ""
+    say(f"{root}: {_size(result.freed)} freed, {_size(result.size)} left")
+    say(f"  dropped {count(result.records, 'record')}{paid} and {count(result.blobs, 'file')}")
+    if result.size > max_size:
+        say(f"  more than {_size(max_size)} is left: the rest was used within the last hour; try again later")
     return 0
 
 
 def _verify(root: Path) -> int:
-    found = maintenance.verify(root)
-    if not found.broken and not found.records:
-        say(f"{root}: {count(found.blobs, 'file')}, all intact")
+    result = maintenance.verify(root)
+    if not result.broken and not result.records:
+        say(f"{root}: {count(result.blobs, 'file')}, all intact")
         return 0
-    say(f"{root}: {count(found.blobs, 'file')}, {len(found.broken)} corrupt and removed")
-    for digest in found.broken:
+    say(f"{root}: {count(result.blobs, 'file')}, {len(result.broken)} corrupt and removed")
+    for digest in result.broken:
         say(f"  {digest}")
     say(
-        f"  {count(found.records, 'record')} of missing files removed: the next build makes these files again"
+        f"  {count(result.records, 'record')} of missing files removed: "
+        "the next build makes these files again"
     )
-    if found.paid:
-        say(f"  {found.paid} of them were replies: fetching them again costs as many API calls")
+    if result.paid:
+        say(f"  {result.paid} of them were replies: fetching them again costs as many API calls")
     return 1
 
 

@@ -1,4 +1,4 @@
-"""`linkwright check DIR|FILE`: whether the files of a robot are right."""
+"""`linkwright check DIR|FILE`: checks whether the files of a robot are right."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -13,86 +13,104 @@ from linkwright.pipeline.errors import ConfigError, OutputError, reason
 from linkwright.pipeline.terminal.output import say
 
 HELP = """\
-linkwright check: whether the files of a robot are right, as they are now.
+linkwright check: checks whether the files of a robot are right as they are now.
 
 usage: linkwright check [option ...] DIR|FILE
 
-  linkwright check outputs/arm      all files of a build, after whatever was
-                                    done to them
+  linkwright check outputs/arm      all files of a build, with all edits since
   linkwright check outputs/arm/arm.urdf
                                     one file of a build
   linkwright check some_robot.urdf  any URDF or MJCF, whoever made it
+  linkwright check --target mjx some_robot.xml
+                                    whether MJX takes the file
   linkwright check --json robots/arm > known.json
   linkwright check --baseline known.json robots/arm
-                                    fails only for what was not found then
+                                    fails only for new findings
   linkwright check --sarif check.sarif --junit check.xml robots/arm
                                     for a code host, and for a CI server
 
-The files are compared with robot.json, which lies beside them and says what the
-robot is: masses, centers of mass and inertia of CAD's parts, poses, joints,
-limits, loops, relations, keyframes, actuators, sensors, shapes. It alone
-counts, so that it can be kept with the files in git. Without it a file is
+The files are compared with the robot.json beside them, which describes the
+robot: masses, centers of mass and inertia of CAD's parts, poses, joints,
+limits, loops, relations, keyframes, actuators, sensors, shapes. Nothing else is
+needed, so it can be kept with the files in git. Without a robot.json a file is
 checked by itself. Each check that does not pass names the file, the element and
-the attribute, what was measured against what threshold, and what to do;
-linkwright explain CODE says more. Files that need more time or memory than
-their sizes explain, and what is no regular file, are refused.
+the attribute, the measured value and its threshold, and what to do; linkwright
+explain CODE says more. Files that need more time or memory than their sizes
+explain are refused, and so are pipes and devices.
 
 options:
   --level quick|standard|strict
-                    quick: the files compile; standard (the default): they are
-                    the robot, and a simulation is stable; strict: a warning
-                    fails, too
-  --json            for programs, on the standard output
+                    quick: the files compile; standard (the default): they
+                    describe the same robot, and a simulation is stable;
+                    strict: a warning fails, too
+  --target NAME     checks only whether that engine takes the file, as a build
+                    with target=NAME does, and names each thing that it does
+                    not take: mjx, mjwarp, mujoco (or mujoco:3.11), newton,
+                    isaac, gazebo, pybullet, drake; several with commas between
+  --json            prints JSON for programs
   --sarif FILE      also writes SARIF 2.1.0, with the line of each element
   --junit FILE      also writes JUnit XML
-  --baseline FILE   what --json wrote earlier: what it has does not fail
+  --baseline FILE   an earlier output of --json: its findings do not fail again
 
-exit status: 0 passed; 3 a check failed; 1 it cannot be read; 2 wrong usage
+exit status: 0 passed; 3 a check failed; 1 a file cannot be read; 2 wrong usage
 """
 
 _USAGE = "linkwright check DIR; linkwright check --help shows more"
-_VALUED = ("--level", "--sarif", "--junit", "--baseline")
+_OPTIONS_WITH_VALUE = ("--level", "--target", "--sarif", "--junit", "--baseline")
+TARGETS = (
+    *("mjx", "mjwarp", "mujoco", *(f"mujoco:{version}" for version in ("3.11", "3.16", "3.17", "4.0"))),
+    *("newton", "isaac", "gazebo", "pybullet", "drake"),
+)
+"""The engines of `stages.targets.engines`, whose import takes longer than this verb's help."""
 LEVELS = ("quick", "standard", "strict")
 
 
 @dataclass(frozen=True, slots=True)
-class _Asked:
+class _CheckRequest:
+    """The parsed arguments; `values`: option → value."""
+
     place: str
     json: bool
     values: dict[str, str]
 
+    @property
+    def targets(self) -> list[str]:
+        """The requested engines."""
+        return [name.strip() for name in self.values.get("--target", "").split(",") if name.strip()]
+
 
 def run(arguments: Sequence[str]) -> int:
-    """Prints the verdict; the exit status. ConfigError for wrong usage, OutputError where something cannot be
-    read or written."""
-    asked = _parsed(arguments)
-    known = baseline(asked.values["--baseline"]) if "--baseline" in asked.values else None
-    verdict = replace(checked(asked.place, asked.values.get("--level", "standard")), known=known)
-    if "--sarif" in asked.values:
-        _write(asked.values["--sarif"], as_sarif(verdict).encode())
-    if "--junit" in asked.values:
-        _write(asked.values["--junit"], as_junit(verdict))
-    if asked.json:
+    """Prints the verdict and returns the exit status. Raises ConfigError for wrong usage, and OutputError if
+    a file cannot be read or written."""
+    request = _parsed(arguments)
+    issues = baseline(request.values["--baseline"]) if "--baseline" in request.values else None
+    checks = checked(request.place, request.values.get("--level", "standard"), request.targets)
+    verdict = replace(checks, baseline=issues)
+    if "--sarif" in request.values:
+        _write(request.values["--sarif"], as_sarif(verdict).encode())
+    if "--junit" in request.values:
+        _write(request.values["--junit"], as_junit(verdict))
+    if request.json:
         print(as_json(verdict))
     else:
         say(as_text(verdict))
     return 0 if verdict.passed else 3
 
 
-def _parsed(arguments: Sequence[str]) -> _Asked:
-    waiting = list(arguments)
+def _parsed(arguments: Sequence[str]) -> _CheckRequest:
+    remaining = list(arguments)
     places: list[str] = []
     values: dict[str, str] = {}
     as_json = False
-    while waiting:
-        word = waiting.pop(0)
+    while remaining:
+        word = remaining.pop(0)
         option, sign, value = word.partition("=")
-        if option in _VALUED:
-            if not sign and (not waiting or waiting[0].startswith("-")):
+        if option in _OPTIONS_WITH_VALUE:
+            if not sign and (not remaining or remaining[0].startswith("-")):
                 raise ConfigError(f"{option} needs a value", "check", _USAGE)
             if option in values:
                 raise ConfigError(f"{option} is there twice", "check", _USAGE)
-            values[option] = value if sign else waiting.pop(0)
+            values[option] = value if sign else remaining.pop(0)
         elif word == "--json":
             as_json = True
         elif word.startswith("-"):
@@ -102,10 +120,14 @@ def _parsed(arguments: Sequence[str]) -> _Asked:
     if values.get("--level", LEVELS[0]) not in LEVELS:
         msg = f"there is no level {values['--level']}"
         raise ConfigError(msg, "check --level", f"one of {', '.join(LEVELS)}")
+    request = _CheckRequest(places[0] if places else "", as_json, values)
+    for name in request.targets:
+        if name not in TARGETS:
+            raise ConfigError(f"there is no target {name}", "check --target", f"one of {', '.join(TARGETS)}")
     if len(places) != 1:
         msg = f"expected one folder or file, got {len(places)}"
         raise ConfigError(msg, "check", _USAGE)
-    return _Asked(places[0], as_json, values)
+    return request
 
 
 def _write(file: str, data: bytes) -> None:

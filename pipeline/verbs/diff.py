@@ -1,4 +1,4 @@
-"""`linkwright diff A B`: what is different between two robots."""
+"""`linkwright diff A B`: shows the differences between two robots."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.terminal.output import say
 
 HELP = """\
-linkwright diff: what is different between two robots.
+linkwright diff: shows the differences between two robots.
 
 usage: linkwright diff [--json|--markdown] A B
 
@@ -18,24 +18,24 @@ usage: linkwright diff [--json|--markdown] A B
   linkwright diff old.json outputs/arm
                                     a robot.json that was kept, and a build
   linkwright diff HEAD:robots/arm robots/arm
-                                    what a commit of git has there, and the
-                                    folder as it is
+                                    the folder in a commit of git, and the
+                                    folder as it is now
   linkwright diff --markdown main:robots/arm robots/arm
                                     tables for the text of a pull request
 
-A and B are output folders, robot.json files, or REV:path of git, where path is
-from the folder of the repository or from here. Compared are links (mass, center
-of mass, inertia), CAD parts, joints (where they are, axis, limits, dynamics),
-loops, relations, frames, actuators, sensors, and the order of the arrays in
-each file: all that robot.json says but where it comes from. What CAD has under
-another name is told as renamed. Numbers are alike up to 1e-9 of the largest of
-their vector.
+A and B are output folders, robot.json files, or REV:path of git, where path
+starts at the folder of the repository or here. Compared are links (mass, center
+of mass, inertia), CAD parts, joints (pose, axis, limits, dynamics), loops,
+relations, frames, actuators, sensors, and the order of the arrays in each file:
+all of robot.json except the origin of its values. A thing that CAD has under
+another name is shown as renamed. Numbers count as equal within 1e-9 of the
+largest number of their vector.
 
 options:
   --json            for programs, with the values before and after
   --markdown        for a pull request
 
-exit status: 0 alike; 3 different; 1 one of them cannot be read; 2 wrong usage
+exit status: 0 equal; 3 different; 1 a robot cannot be read; 2 wrong usage
 """
 
 _USAGE = "linkwright diff A B; linkwright diff --help shows more"
@@ -43,8 +43,8 @@ _FORMS = {"--json": "as_json", "--markdown": "as_markdown"}
 
 
 def run(arguments: Sequence[str]) -> int:
-    """Prints the differences; the exit status. ConfigError for wrong usage, OutputError where a robot cannot
-    be read."""
+    """Prints the differences and returns the exit status. Raises ConfigError for wrong usage, and OutputError
+    if a robot cannot be read."""
     options = [argument for argument in arguments if argument.startswith("-")]
     places = [argument for argument in arguments if not argument.startswith("-")]
     unknown = [option for option in options if option not in _FORMS]

@@ -1,6 +1,6 @@
-"""`linkwright explain CODE|KEY|MOTOR`: the entry of a diagnostic, a key, a motor or a variable of the
-environment."""
+"""`linkwright explain CODE|KEY|MOTOR`: explains a diagnostic, a key, a motor or an environment variable."""
 
+import functools
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,6 +12,7 @@ from linkwright.pipeline.reference.codes import explanations, level, remedy
 from linkwright.pipeline.reference.environment import VARIABLES
 from linkwright.pipeline.reference.key_entries import KeyEntry, entries, matching, nearest
 from linkwright.pipeline.terminal.output import say
+from linkwright.pipeline.verbs.launcher_lines import LauncherLines, launcher_lines
 
 HELP = """\
 linkwright explain: the meaning of a code, a key, a motor or an environment
@@ -39,65 +40,71 @@ _FACTS = ("type", "unit", "default", "allowed", "example")
 
 
 def run(arguments: Sequence[str]) -> int:
-    """Prints the entry; the exit status. ConfigError where nothing has that name."""
+    """Prints the entry and returns the exit status. Raises ConfigError if nothing has that name."""
     if len(arguments) != 1:
         msg = f"expected one code, key or variable, got {' '.join(arguments) or 'nothing'}"
         raise ConfigError(msg, "explain", "linkwright explain W-LIMIT; linkwright explain --help")
-    (asked,) = arguments
-    if asked == "--schema":
+    (name,) = arguments
+    if name == "--schema":
         print(SCHEMA)
     else:
-        say(explained(asked))
+        say(explained(name))
     return 0
 
 
 def names() -> list[str]:
-    """Everything that can be explained."""
+    """Returns the names of everything that can be explained."""
     keys = (entry.key for entry in entries())
-    return [*explanations(), *keys, *(one.name for one in VARIABLES), *library([Path.cwd()])]
+    variables = (variable.name for variable in VARIABLES)
+    return [*explanations(), *keys, *variables, *library([Path.cwd()]), "hydra/launcher"]
 
 
-def explained(asked: str) -> str:
-    """The entry for a code, a key or a variable."""
-    code = asked.upper()
+def explained(name: str) -> str:
+    """Returns the entry for a code, a key, a motor or a variable; raises ConfigError if there is none."""
+    code = name.upper()
     if code in explanations():
         return _code(code)
-    variable = next((one for one in VARIABLES if one.name == code), None)
+    variable = next((entry for entry in VARIABLES if entry.name == code), None)
     if variable is not None:
         return _entry(variable.name, variable.meaning)
     motors = library([Path.cwd()])
-    if asked in motors:
-        return _motor(asked, motors[asked])
-    found = matching(asked.partition("=")[0].strip("."), entries())
-    if not found:
-        near = nearest(asked, names()) or nearest(code, names())
-        hint = f"did you mean {' or '.join(near)}?" if near else "linkwright --help lists the keys"
-        raise ConfigError("there is no such code, key, motor or variable", asked, hint)
-    return "\n\n".join(_key(entry) for entry in found)
+    if name in motors:
+        return _motor(name)
+    launchers = launcher_lines(name)
+    if launchers:
+        return "\n\n".join(_launcher(launcher) for launcher in launchers)
+    matches = matching(name.partition("=")[0].strip("."), entries())
+    if not matches:
+        candidates = nearest(name, names()) or nearest(code, names())
+        hint = (
+            f"did you mean {' or '.join(candidates)}?" if candidates else "linkwright --help lists the keys"
+        )
+        raise ConfigError("there is no such code, key, motor or variable", name, hint)
+    return "\n\n".join(_key(entry) for entry in matches)
 
 
 def _code(code: str) -> str:
-    found = explanations()[code]
-    title = f"{code} ({level(code)}, reported by {found.stages})"
+    explanation = explanations()[code]
+    title = f"{code} ({level(code)}, reported by {explanation.stages})"
     if level(code) == "check":
-        title = f"{code} (a check: {found.stages} where it does not pass)"
-    return _entry(title, found.meaning, *([f"→ {remedy(code)}"] if remedy(code) else []))
+        title = f"{code} (a check: {explanation.stages} where it does not pass)"
+    return _entry(title, explanation.meaning, *([f"→ {remedy(code)}"] if remedy(code) else []))
 
 
-def _motor(name: str, file: Path) -> str:
-    """The entry of a motor; ConfigError where its file is wrong."""
+def _motor(name: str) -> str:
+    """Returns the entry of a motor; raises ConfigError if its file is wrong."""
     # Late: only values of motors need the plan, which imports pydantic.
-    from linkwright.pipeline.config.plan import Plan
-    from linkwright.stages.export.configuration.motor_section import QUANTITIES
+    from linkwright.pipeline.verbs.motor_lines import motor_lines
 
-    tree = {"source": {"kind": "sample"}, "actuators": {"*": {"motor": name}}}
-    motor = Plan.parse(tree, folders=[Path.cwd()]).motors[name]
-    lines = [_entry(f"{name} (a motor: actuators.<glob>.motor={name})", motor.title, motor.notes or "")]
-    for quantity, one in motor.values.items():
-        unit = "" if QUANTITIES[quantity] == "-" else f" {QUANTITIES[quantity]}"
-        lines.append(f"  {quantity:<15} {one.value:g}{unit} ({one.kind})")
-        lines.append(textwrap.fill(one.source, _WIDTH, initial_indent=" " * 6, subsequent_indent=" " * 6))
-    return "\n".join(lines)
+    title, notes, lines = motor_lines(name)
+    heading = _entry(f"{name} (a motor: actuators.<glob>.motor={name})", title, notes)
+    wrap = functools.partial(textwrap.fill, width=_WIDTH, initial_indent=" " * 6, subsequent_indent=" " * 6)
+    return "\n".join([heading, *(line for value, source in lines for line in (value, wrap(source)))])
+
+
+def _launcher(launcher: LauncherLines) -> str:
+    heading = _entry(f"{launcher.title} (of sweeps: linkwright -m)", launcher.meaning)
+    return "\n".join([heading, *(f"  {line}" for line in launcher.keys)])
 
 
 def _key(entry: KeyEntry) -> str:
@@ -113,15 +120,18 @@ def _key(entry: KeyEntry) -> str:
 
 
 def _inside(entry: KeyEntry) -> list[str]:
-    """The supported keys in a section."""
-    found = [
-        one.key
-        for one in entries()
-        if one.key.startswith(f"{entry.key}.") and not one.is_section and not one.later
+    """Returns the supported keys in a section."""
+    keys = [
+        inner.key
+        for inner in entries()
+        if inner.key.startswith(f"{entry.key}.") and not inner.is_section and not inner.later
     ]
-    return list(dict.fromkeys(found)) if entry.is_section else []
+    return list(dict.fromkeys(keys)) if entry.is_section else []
 
 
 def _entry(title: str, *paragraphs: str) -> str:
-    wrapped = [textwrap.fill(one, _WIDTH, initial_indent="  ", subsequent_indent="  ") for one in paragraphs]
+    wrapped = [
+        textwrap.fill(paragraph, _WIDTH, initial_indent="  ", subsequent_indent="  ")
+        for paragraph in paragraphs
+    ]
     return "\n".join([title, *wrapped])

@@ -1,4 +1,4 @@
-"""`linkwright view NAME`: the robot of a build in MuJoCo's own viewer."""
+"""`linkwright view NAME`: opens the robot of a build in MuJoCo's own viewer."""
 
 import os
 import subprocess
@@ -6,6 +6,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from linkwright.pipeline.doctor.places import has_display
 from linkwright.pipeline.errors import ConfigError, OutputError
 from linkwright.pipeline.output.builds import find
 from linkwright.stages.robot.system.programs import program
@@ -20,8 +21,8 @@ usage: linkwright view NAME
   linkwright view builds/arm        the build in that folder
 
 NAME is the robot's name, or the output folder of its build. A double click
-chooses a link, Ctrl and the mouse pull at it, the space key pauses. A Mac runs
-it by MuJoCo's `mjpython`.
+chooses a link, Ctrl and the mouse pull at it, the space key pauses. On a Mac
+the viewer runs in MuJoCo's `mjpython`.
 
 exit status: 0 the viewer was closed; 1 there is no display, or no scene; 2
 wrong usage
@@ -33,9 +34,10 @@ _ON_MAC = "import sys; from linkwright.stages.mujoco.viewer import show; show(sy
 
 
 def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ, system: str = sys.platform) -> int:
-    """Opens the viewer, and returns the exit status when it is closed.
+    """Opens the viewer; returns the exit status once the user closes it.
 
-    ConfigError for wrong usage or an unknown build; OutputError where there is no scene or no display.
+    Raises ConfigError for wrong usage or an unknown build; raises OutputError if there is no scene or no
+    display.
     """
     if len(arguments) != 1 or arguments[0].startswith("-"):
         msg = f"expected one build, got {' '.join(arguments) or 'nothing'}"
@@ -47,7 +49,7 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ, syste
             f"the build has no {SCENE}", str(folder), "build it with export=mjcf or [urdf,mjcf]"
         )
     page = f"open {folder / 'report.html'} in a browser: it has the robot's figures"
-    if system.startswith("linux") and not (environ.get("DISPLAY") or environ.get("WAYLAND_DISPLAY")):
+    if not has_display(environ, system):
         raise OutputError("there is no display (DISPLAY and WAYLAND_DISPLAY are not set)", "view", page)
     if system == "darwin":
         return _by_mjpython(scene, page)
@@ -65,10 +67,10 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ, syste
 
 
 def _by_mjpython(scene: Path, otherwise: str) -> int:
-    """A Mac draws windows from the main thread alone, which MuJoCo's own interpreter sees to."""
+    """Shows the scene on a Mac, whose windows need the main thread: `mjpython` draws them there."""
     mjpython = Path(sys.executable).with_name("mjpython")
-    found = str(mjpython) if mjpython.exists() else program("mjpython")
-    if found is None:
+    interpreter = str(mjpython) if mjpython.exists() else program("mjpython")
+    if interpreter is None:
         msg = "there is no mjpython, by which MuJoCo's viewer runs on a Mac"
         raise OutputError(msg, "view", f"pip install mujoco; or {otherwise}")
-    return subprocess.run([found, "-c", _ON_MAC, str(scene)], check=False).returncode and 1
+    return subprocess.run([interpreter, "-c", _ON_MAC, str(scene)], check=False).returncode and 1

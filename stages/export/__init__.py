@@ -1,24 +1,22 @@
 """The export stage: a robot and its geometry become files, and the same input gives the same bytes.
 
-- build: The main flow of the export stage: what drives, measures and shows the robot, then writer after
-  writer.
-- driven: What drives the robot that is written, and the armatures with which its simulation holds.
-- order_tables: The order of things in the files of a robot, as robot.json and the report have it.
-- package_names: The names of packages that hold a robot.
-- paints: The materials of a robot: a colour, or an image times a colour.
-- provenance: Where the limits and dynamics of a dof come from.
-- readers: What other readers drop from our files: one table, for the documentation and for the report of a
-  build.
-- requirements: What the installed packages must have for an export.
-- rewrite_packages: The packages of a finished build, written again from its robot.json and from the files
-  beside them.
-- robot_json: robot.json: writes what `stages.formats.robot_json` says that it has.
-- scene: The scene of the configuration.
-- section: Configuration of the export stage: formats, ground, scene.
-- settled: The configuration with what an MJCF source says where the configuration says nothing.
-- unknown_names: What `actuators`, `sensors` and `scene.cameras` ask of a robot that it does not have.
-- writer: The interface of the writers of all formats.
-- writers: The table of formats.
+- build: Runs the export stage: actuators, sensors and scene, then writer after writer.
+- driven: Builds the actuation of the written robot, with armatures that keep its simulation stable.
+- order_tables: Lists the joints, actuators and sensors of a robot's files in file order, for robot.json and
+  the report.
+- package_names: Derives the names of packages from the name of a robot.
+- paints: Names the materials of a robot: a colour, or an image times a colour.
+- provenance: Tells where the limits and dynamics of a dof come from.
+- requirements: Checks that the installed packages, and the chosen formats, suffice for an export.
+- rewrite_packages: Writes the packages of a finished build again, from its robot.json and its other files.
+- robot_json: Writes robot.json, from the records that `stages.formats.robot_json` defines.
+- scene: Builds the scene around the robot from the configuration.
+- section: Defines the configuration of the export stage.
+- settled: Completes the configuration with the settings of the MJCF source and the targets.
+- unknown_names: Reports entries of `actuators`, `sensors`, `scene.cameras` and `variants` that match nothing
+  of the robot.
+- writer: Defines the interface of the writers of all formats, their input and their output.
+- writers: Lists the writers of all formats.
 """
 
 from collections.abc import Mapping
@@ -31,15 +29,15 @@ if TYPE_CHECKING:
     from linkwright.stages.robot.model.geometry import Geometry
     from linkwright.stages.robot.model.robot import Robot
 
-VERSION = 60
-"""Grows with every change of what this stage makes of the same input."""
+VERSION = 64
+"""Number that grows whenever the stage gives other files for the same input."""
 
 
 def export(
     robot: "Robot", geometry: "Geometry", keys: "ExportSections", texts: Mapping[str, str] | None = None
 ) -> Exported:
-    """The robot's files in every chosen format, sorted by path. A diagnostic names each thing that a
-    format cannot express. `texts`: of the files that `elements` name, by entry."""
+    """Returns the robot's files in every chosen format, sorted by path. A diagnostic names each thing that a
+    format cannot express. `texts`: entry of `elements` → the text of the file that it names."""
     from linkwright.stages.export.build import build  # the version alone is read without the writers
 
     return build(robot, geometry, keys, texts)

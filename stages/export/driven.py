@@ -1,4 +1,4 @@
-"""What drives the robot that is written, and the armatures with which its simulation holds."""
+"""Builds the actuation of the written robot, with armatures that keep its simulation stable."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 from linkwright.stages.export.actuators.actuate import actuate
 from linkwright.stages.export.actuators.gravity import gravity_of
 from linkwright.stages.export.ground.footing import supports
+from linkwright.stages.export.stability.armatures import with_armatures
 from linkwright.stages.export.stability.compiled_trial import compiled_trial
-from linkwright.stages.export.stability.steadied import steadied
 from linkwright.stages.export.writer import WriterInput
 from linkwright.stages.export.writers import WRITERS
 from linkwright.stages.formats.written import Written
@@ -18,50 +18,50 @@ from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.robot.model.robot import Configuration, Robot
 
 if TYPE_CHECKING:
-    from linkwright.stages.export.ground.standing import Stance
+    from linkwright.stages.export.ground.standing import Placement
     from linkwright.stages.export.section import ExportSections
     from linkwright.stages.mujoco.trial import Trial
 
-LARGE = 200
-"""Dofs beyond which a robot without loops and relations is not simulated."""
+MAX_TREE_DOFS = 200
+"""Largest number of dofs with which a robot without loops and relations is simulated."""
 
 FORMAT = "mjcf"
 """The format whose files are simulated."""
 
 
 def driven(
-    written: Written, keys: "ExportSections", standing: "Stance"
+    written: Written, keys: "ExportSections", standing: "Placement"
 ) -> tuple[Actuation, tuple[Diagnostic, ...]]:
-    """The actuation of the robot, by the configuration and, where an MJCF is written, by its trial run; an
-    MJCF source whose actuators nobody changes stays as it is."""
+    """Returns the actuation of the robot, from the configuration and, if an MJCF is written, from its trial
+    run. An MJCF source whose actuators the configuration does not change stays as it is."""
     robot, geometry = written.robot, written.shapes
-    place, gravity = standing.world_from_root, gravity_of(keys.scene.option)
-    up = -place[:3, :3].T @ gravity
+    world_from_root, gravity = standing.world_from_root, gravity_of(keys.scene.option)
+    up = -world_from_root[:3, :3].T @ gravity
 
-    def carried(q: Configuration) -> tuple[GroundSupport, ...]:
+    def supports_at(q: Configuration) -> tuple[GroundSupport, ...]:
         return supports(robot, geometry, standing.placed(q), keys.ground, q, up)
 
     timestep = keys.scene.option.timestep
-    actuation, found = actuate(
-        robot, keys.actuators, timestep, place, gravity, keys.motors, carried, keys.optional
+    actuation, diagnostics = actuate(
+        robot, keys.actuators, timestep, world_from_root, gravity, keys.motors, supports_at, keys.optional
     )
-    found = (*found, *_idle_motors(keys))
-    as_it_is = robot.mjcf is not None and not keys.actuators
-    if FORMAT not in keys.export.chosen or as_it_is or not _worth_a_trial(robot):
-        return actuation, found
-    solid = _solid(geometry)
+    diagnostics = (*diagnostics, *_idle_motors(keys))
+    unchanged = robot.mjcf is not None and not keys.actuators
+    if FORMAT not in keys.export.chosen or unchanged or not _worth_a_trial(robot):
+        return actuation, diagnostics
+    colliders = _colliders(geometry)
 
-    def run(built: Robot, with_what: Actuation, margin: float) -> "Trial | None":
-        tried = replace(written, robot=built, geometry=solid, actuation=with_what)
-        files = WRITERS[FORMAT].write(WriterInput(tried, keys, standing)).files
-        return compiled_trial(files[f"{robot.name}.xml"], solid.files, margin)
+    def run(trial_robot: Robot, trial_actuation: Actuation, margin: float) -> "Trial | None":
+        trial = replace(written, robot=trial_robot, geometry=colliders, actuation=trial_actuation)
+        files = WRITERS[FORMAT].write(WriterInput(trial, keys, standing)).files
+        return compiled_trial(files[f"{robot.name}.xml"], colliders.files, margin)
 
-    steady, more = steadied(robot, actuation, run)
-    return steady, (*found, *more)
+    stable_actuation, trial_diagnostics = with_armatures(robot, actuation, run)
+    return stable_actuation, (*diagnostics, *trial_diagnostics)
 
 
 def _idle_motors(keys: "ExportSections") -> list[Diagnostic]:
-    """I-IDLE-KEY for each motor that no entry of `actuators` names."""
+    """Reports each motor that no entry of `actuators` names (I-IDLE-KEY)."""
     named = {entry.motor for entry in keys.actuators.values()}
     hint = "name it: actuators: {elbow: {motor: ...}}"
     return [
@@ -72,12 +72,13 @@ def _idle_motors(keys: "ExportSections") -> list[Diagnostic]:
 
 
 def _worth_a_trial(robot: Robot) -> bool:
-    """Whether the robot moves, and is not a large one without loops, which would take long and hold."""
-    return bool(robot.dofs) and (len(robot.dofs) <= LARGE or bool(robot.loops or robot.relations))
+    """Returns whether the robot moves, and has loops or few dofs: a large tree would take long, and is
+    stable."""
+    return bool(robot.dofs) and (len(robot.dofs) <= MAX_TREE_DOFS or bool(robot.loops or robot.relations))
 
 
-def _solid(geometry: Geometry) -> Geometry:
-    """What collides: the rest does not move a robot, and takes most of the time to compile."""
+def _colliders(geometry: Geometry) -> Geometry:
+    """Returns only the colliders: other shapes do not move a robot, and take most of the time to compile."""
     shapes = tuple(shape for shape in geometry.shapes if shape.role == "collision")
     used = {shape.file for shape in shapes}
     return replace(

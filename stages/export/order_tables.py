@@ -1,4 +1,4 @@
-"""The order of things in the files of a robot, as robot.json and the report have it."""
+"""Lists the joints, actuators and sensors of a robot's files in file order, for robot.json and the report."""
 
 from collections.abc import Mapping
 
@@ -11,8 +11,8 @@ from linkwright.stages.formats.xml import Element, Malformed, parse
 
 
 def order_of(written: Written, files: Mapping[str, bytes]) -> OrderRecord | None:
-    """For each format that is among `files`: its joints, and of the MJCF its actuators and sensors, each in
-    the order of the file as it is read. An MJCF that is nested more deeply than any engine reads has none."""
+    """Returns, for each of MJCF and URDF that is among `files`, its joints in file order, and for the MJCF
+    its actuators and sensors too. An MJCF that is nested too deeply to be parsed has no table."""
     robot = written.robot
     mates = {dof.name: joint.mate.name for joint in robot.joints if joint.mate for dof in joint.dofs}
     mates |= {dof.name: loop.mate.name for loop in robot.loops for dof in loop.dofs}
@@ -21,8 +21,8 @@ def order_of(written: Written, files: Mapping[str, bytes]) -> OrderRecord | None
     mjcf, urdf = files.get(f"{robot.name}.xml"), files.get(f"{robot.name}.urdf")
     root = None if mjcf is None else _parsed(mjcf)
     if root is not None:
-        there = joints if urdf is not None else {}
-        of_mjcf = MjcfOrder(root, robot, written.actuation, mates, there).record()
+        urdf_joints = joints if urdf is not None else {}
+        of_mjcf = MjcfOrder(root, robot, written.actuation, mates, urdf_joints).record()
     if urdf is not None:
         dofs = {name: dof for dof, names in joints.items() for name in names}
         of_urdf = UrdfOrderRecord(tuple(urdf_rows(parse(urdf, large=True), dofs, mates)))
@@ -37,8 +37,8 @@ def _parsed(mjcf: bytes) -> Element | None:
 
 
 def _urdf_joints(written: Written) -> dict[str, list[str]]:
-    """By dof: the joints of the URDF that stand for it, from parent to child."""
+    """Returns, by dof, the joints of the URDF that represent it, from parent to child."""
     robot, turns = written.as_urdf.robot, written.urdf_names.turns
     moving = {joint.name for item in lower(robot) for joint in item.joints}
-    every = {dof.name: list(turns.get(dof.name, (dof.name,))) for dof in robot.dofs}
-    return {dof: names for dof, names in every.items() if moving.issuperset(names)}
+    joints_of_dof = {dof.name: list(turns.get(dof.name, (dof.name,))) for dof in robot.dofs}
+    return {dof: names for dof, names in joints_of_dof.items() if moving.issuperset(names)}

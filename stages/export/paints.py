@@ -1,13 +1,13 @@
-"""The materials of a robot: a colour, or an image times a colour."""
+"""Names the materials of a robot: a colour, or an image times a colour."""
 
 from collections.abc import Mapping
 
 from linkwright.stages.robot.model.geometry import Colour, Geometry, Shape
 
 Paint = tuple[Colour, str]
-"""A colour and the name of an image, "" for none."""
+"""A colour, and the name of an image or ""."""
 
-WORDS: Mapping[str, tuple[float, float, float]] = {
+NAMED_COLOURS: Mapping[str, tuple[float, float, float]] = {
     "black": (0.0, 0.0, 0.0),
     "dark_grey": (0.25, 0.25, 0.25),
     "grey": (0.5, 0.5, 0.5),
@@ -32,45 +32,45 @@ WORDS: Mapping[str, tuple[float, float, float]] = {
     "magenta": (0.9, 0.15, 0.7),
     "pink": (1.0, 0.7, 0.75),
 }
-"""Names of colours, and what they mean here."""
+"""Name of a colour → its red, green and blue."""
 
-CLEAR = 0.99
-"""The least opacity that counts as opaque."""
+MIN_OPAQUE_ALPHA = 0.99
+"""Smallest opacity that counts as opaque."""
 
 
 def paint(shape: Shape) -> Paint | None:
-    """What a shape looks like; None for no material."""
+    """Returns the material of a shape, or None."""
     return None if shape.colour is None else (shape.colour, shape.texture or "")
 
 
 def materials(geometry: Geometry) -> dict[Paint, str]:
-    """The name of each material, those without an image first: the word for its colour, or the name of its
-    image, with a number from the second that has it on."""
-    found = {one for shape in geometry.shapes if (one := paint(shape)) is not None}
-    plain = sorted(one for one in found if not one[1])
-    textured = sorted((one for one in found if one[1]), key=lambda one: (one[1], one[0]))
+    """Returns the name of each material, materials without an image first. It is the word for the colour, or
+    the name of the image; further materials with the same name get a number."""
+    paints = {look for shape in geometry.shapes if (look := paint(shape)) is not None}
+    untextured = sorted(look for look in paints if not look[1])
+    textured = sorted((look for look in paints if look[1]), key=lambda look: (look[1], look[0]))
     names: dict[Paint, str] = {}
     taken: set[str] = set()
-    for one in (*plain, *textured):
-        wanted = one[1].rpartition(".")[0] + "_material" if one[1] else word(one[0])
-        name, number = wanted, 1
+    for look in (*untextured, *textured):
+        base_name = look[1].rpartition(".")[0] + "_material" if look[1] else word(look[0])
+        name, count = base_name, 1
         while name in taken:
-            number += 1
-            name = f"{wanted}_{number}"
-        names[one] = name
+            count += 1
+            name = f"{base_name}_{count}"
+        names[look] = name
         taken.add(name)
     return names
 
 
 def word(colour: Colour) -> str:
-    """The name of the nearest colour that has one, by the eye's weights of red, green and blue."""
+    """Returns the name of the nearest named colour, by a distance that approximates human vision."""
     *rgb, alpha = colour
 
-    def off(name: str) -> float:
-        red, green, blue = (a - b for a, b in zip(rgb, WORDS[name], strict=True))
-        # A cheap distance as the eye sees it: T. Riemersma, "Colour metric" (compuphase.com), mean redness.
-        mean = (rgb[0] + WORDS[name][0]) / 2
+    def distance(name: str) -> float:
+        red, green, blue = (a - b for a, b in zip(rgb, NAMED_COLOURS[name], strict=True))
+        # Approximates perceived distance: T. Riemersma, "Colour metric" (compuphase.com), by mean redness.
+        mean = (rgb[0] + NAMED_COLOURS[name][0]) / 2
         return (2 + mean) * red**2 + 4 * green**2 + (3 - mean) * blue**2
 
-    nearest = min(WORDS, key=off)
-    return nearest if alpha >= CLEAR else f"clear_{nearest}"
+    nearest = min(NAMED_COLOURS, key=distance)
+    return nearest if alpha >= MIN_OPAQUE_ALPHA else f"clear_{nearest}"

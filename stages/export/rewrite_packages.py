@@ -1,4 +1,4 @@
-"""The packages of a finished build, written again from its robot.json and from the files beside them."""
+"""Writes the packages of a finished build again, from its robot.json and its other files."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from linkwright.stages.export.ground.standing import Stance
+from linkwright.stages.export.ground.standing import Placement
 from linkwright.stages.export.section import ExportSections
 from linkwright.stages.export.urdf.model import write_urdf
 from linkwright.stages.export.urdf.srdf.model import plan_of, write_srdf
@@ -18,23 +18,25 @@ from linkwright.stages.robot.model.poses import UNMOVED
 
 ASSETS = "assets/"
 
-NOWHERE = Stance(UNMOVED, np.full(3, -np.inf), np.full(3, np.inf), lambda values, keyframe="": UNMOVED)
-"""Where the robot stands, of which a package only has how far RViz looks from."""
+NO_PLACEMENT = Placement(
+    UNMOVED, np.full(3, -np.inf), np.full(3, np.inf), lambda values, keyframe="": UNMOVED
+)
+"""Placement for packages: RViz derives only the distance of its camera from it."""
 
 
 def package_again(truth: Truth, name: str, files: Mapping[str, bytes]) -> Mapping[str, bytes]:
-    """The files by path of the package of this format, of which the robot.json tells. `files`: those of the
-    build that are in no package, by path. What the user sets in a package, as who maintains it, has its
-    default."""
+    """Returns path → content of the package of the format `name`, as robot.json records it. `files`: path →
+    content of the build's files outside of packages. Settings that robot.json does not record, such as the
+    maintainer, get their defaults."""
     meshes = {path.removeprefix(ASSETS): data for path, data in files.items() if path.startswith(ASSETS)}
     written = replace(truth.written, geometry=replace(truth.written.shapes, files=meshes))
     if name == "ros2":
-        files = {**_described(written, files), **files}
-    return WRITERS[name].write(WriterInput(written, _keys(truth), NOWHERE, files)).files
+        files = {**_missing_descriptions(written, files), **files}
+    return WRITERS[name].write(WriterInput(written, _keys(truth), NO_PLACEMENT, files)).files
 
 
 def _keys(truth: Truth) -> ExportSections:
-    """Those of the packages, and of the URDF where its meshes are in a package."""
+    """Returns the keys of the packages, and of the URDF if its meshes are in a package."""
     sections: dict[str, dict[str, Any]] = {
         name: {"package": record.package} for name, record in truth.packages.items()
     }
@@ -46,13 +48,13 @@ def _keys(truth: Truth) -> ExportSections:
     return ExportSections.model_validate({"export": sections})
 
 
-def _described(written: Written, files: Mapping[str, bytes]) -> dict[str, bytes]:
-    """The URDF and the SRDF that the package of ROS is made of, where a build leaves none beside it."""
+def _missing_descriptions(written: Written, files: Mapping[str, bytes]) -> dict[str, bytes]:
+    """Returns the URDF and the SRDF for the ROS package, unless they are among `files`."""
     robot = written.robot
     urdf, srdf = f"{robot.name}.urdf", f"{robot.name}.srdf"
-    found = {}
+    descriptions = {}
     if urdf not in files:
-        found[urdf] = write_urdf(written)
+        descriptions[urdf] = write_urdf(written)
     if srdf not in files:
-        found[srdf] = write_srdf(robot, plan_of(written))
-    return found
+        descriptions[srdf] = write_srdf(robot, plan_of(written))
+    return descriptions

@@ -1,4 +1,4 @@
-"""robot.json: writes what `stages.formats.robot_json` says that it has."""
+"""Writes robot.json, from the records that `stages.formats.robot_json` defines."""
 
 import json
 from collections import Counter
@@ -8,7 +8,7 @@ from typing import Any
 
 from linkwright.stages.export.mjcf.joints import free_joint_name
 from linkwright.stages.export.provenance import provenance
-from linkwright.stages.export.urdf.lowering import lower, unset
+from linkwright.stages.export.urdf.lowering import lower, unset_limits
 from linkwright.stages.formats.robot_json import FORMAT, VERSION
 from linkwright.stages.formats.robot_json.codec import write
 from linkwright.stages.formats.robot_json.files import HeldRecord, LoweredRecord, OrderRecord, UrdfRecord
@@ -37,7 +37,8 @@ def describe(
     formats: Mapping[str, Any] = MappingProxyType({}),
     files: Collection[str] = (),
 ) -> bytes:
-    """The file. `formats`: the records of the other files, by key; `files`: their paths."""
+    """Returns the content of robot.json. `formats`: key → record of a format; `files`: the paths of all
+    files."""
     robot, geometry = written.robot, written.geometry
     estimated = {armature.dof for armature in written.actuation.armatures}
     frames = written.urdf_names.frames
@@ -48,7 +49,7 @@ def describe(
         version=VERSION,
         root=robot.root.name,
         base=BaseRecord.from_model(robot.base, joint=None if robot.base.fixed else free_joint_name(robot)),
-        mass=sum(link.inertial.mass for link in robot.links),
+        total_mass=sum(link.inertial.mass for link in robot.links),
         joints=[_joint(written, joint, estimated) for joint in robot.joints],
         loops=[_loop(written, loop, estimated) for loop in robot.loops],
         frames=[FrameRecord.from_model(frame, urdf=frames[frame.name]) for frame in robot.frames],
@@ -59,8 +60,8 @@ def describe(
         ],
         couplings=written.urdf_form.couplings,
         urdf=UrdfRecord(package) if package else None,
-        merged=_held(written.as_urdf),
-        fused=_held(written.as_mjcf),
+        merged=_merged_links(written.as_urdf),
+        fused=_merged_links(written.as_mjcf),
         mjcf=written.mjcf_form.extras,
         actuation=written.actuation,
         keyframes=list(_keyframes(robot)),
@@ -77,13 +78,13 @@ def describe(
 
 
 def _joint(written: Written, joint: Joint, estimated: Collection[str]) -> JointRecord:
-    """`estimated`: the dofs whose armature is."""
+    """Returns the record of a joint. `estimated`: the dofs whose armature is estimated."""
     start = written.start
     dofs = [
         DofRecord.from_model(
             dof,
             mate_quat=_mate_quat(dof, joint.backwards),
-            unset=unset(dof),
+            unset=unset_limits(dof),
             provenance=provenance(dof, dof.name in estimated, written.actuation.supplied),
             estimated=("armature",) if dof.name in estimated else (),
             qpos0=start[dof.name],
@@ -95,7 +96,7 @@ def _joint(written: Written, joint: Joint, estimated: Collection[str]) -> JointR
 
 
 def _mate_quat(dof: Dof, backwards: bool = False) -> tuple[float, ...] | None:
-    """A ball's saved value as its mate has it."""
+    """Returns a ball's saved value in the direction of its mate; None for other dofs."""
     if dof.kind != "ball" or not isinstance(dof.saved, tuple):
         return None
     w, x, y, z = dof.saved
@@ -113,38 +114,41 @@ def _loop(written: Written, loop: Loop, estimated: Collection[str]) -> LoopRecor
     return LoopRecord.from_model(loop, urdf=ends, mimic=loop.name in closed, dofs=dofs)
 
 
-def _held(view: FormatView) -> tuple[HeldRecord, ...]:
-    """The links that are part of others in a format."""
-    held = ((link, *holder) for link, holder in view.held.items())
+def _merged_links(view: FormatView) -> tuple[HeldRecord, ...]:
+    """Returns the links that a format merges into others."""
+    holders = ((link, *holder) for link, holder in view.held.items())
     return tuple(
-        HeldRecord(link, into, PoseRecord.from_model(pose)) for link, into, pose in held if into != link
+        HeldRecord(link, into, PoseRecord.from_model(pose)) for link, into, pose in holders if into != link
     )
 
 
 def _keyframes(robot: Robot) -> Iterator[KeyframeRecord]:
-    given = {keyframe.name: keyframe.given for keyframe in robot.keyframes}
+    values_by_name = {keyframe.name: keyframe.given for keyframe in robot.keyframes}
     for name, values in keyframes(robot).items():
         if name != SAVED:
-            yield KeyframeRecord(name, given.get(name, ()), values)
+            yield KeyframeRecord(name, values_by_name.get(name, ()), values)
 
 
 def _shapes(geometry: Geometry) -> dict[str, Any]:
-    """The tables of shapes and colliders, whose rows are counted."""
-    numbers: Counter[tuple[str, ...]] = Counter()
+    """Returns the tables of shapes and colliders, with numbered rows."""
+    counts: Counter[tuple[str, ...]] = Counter()
 
     def number(*key: str) -> int:
-        numbers[key] += 1
-        return numbers[key] - 1
+        counts[key] += 1
+        return counts[key] - 1
 
     return {
         "shapes": [
             ShapeRecord.from_model(shape, number=number(shape.link, shape.role)) for shape in geometry.shapes
         ],
         "colliders": [
-            ColliderRecord(one.link, number(one.link), one.parts, one.rung, one.reason)
-            for one in geometry.colliders
+            ColliderRecord(
+                collider.link, number(collider.link), collider.parts, collider.rung, collider.reason
+            )
+            for collider in geometry.colliders
         ],
         "self_contact": geometry.self_contact,
         "excludes": geometry.excludes,
         "touching": geometry.touching,
+        "whole_visuals": geometry.whole_visuals,
     }

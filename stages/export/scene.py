@@ -1,4 +1,4 @@
-"""The scene of the configuration."""
+"""Builds the scene around the robot from the configuration."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -11,24 +11,24 @@ from linkwright.stages.robot.motion.start_pose import keyframes
 
 if TYPE_CHECKING:
     from linkwright.stages.export.configuration.scene_section import GroundSection
-    from linkwright.stages.export.ground.standing import Stance
+    from linkwright.stages.export.ground.standing import Placement
     from linkwright.stages.export.section import ExportSections
 
 
-def scene_of(robot: Robot, keys: "ExportSections", standing: "Stance", start: Configuration) -> Scene:
-    """The scene around the robot, whose qpos0 is `start`."""
+def scene_of(robot: Robot, keys: "ExportSections", standing: "Placement", start: Configuration) -> Scene:
+    """Returns the scene around the robot. `start`: the values of the dofs at qpos0."""
     option = keys.scene.option
     return Scene(
         frozen(standing.placed(start)),
         tuple((name, frozen(standing.placed(values, name))) for name, values in keyframes(robot).items()),
         None if keys.ground.kind == "none" else Ground(ground_pose(keys.ground), keys.ground.friction),
-        {name: _plain(value) for name, value in option.given().items()},
-        dict(option.flag.given()),
+        {name: _plain(value) for name, value in option.explicit().items()},
+        dict(option.flag.explicit()),
     )
 
 
 def ground_pose(ground: "GroundSection") -> Array:
-    """world_from_ground (4, 4)."""
+    """Returns world_from_ground (4, 4)."""
     return frozen(from_parts(rotation_from_rpy(ground.rpy), np.array(ground.xyz)))
 
 

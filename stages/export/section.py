@@ -1,4 +1,4 @@
-"""Configuration of the export stage: formats, ground, scene."""
+"""Defines the configuration of the export stage."""
 
 from typing import Annotated, Any, Self
 
@@ -10,6 +10,7 @@ from linkwright.stages.export.configuration.format_section import FormatSection
 from linkwright.stages.export.configuration.motor_section import MotorSection
 from linkwright.stages.export.configuration.scene_section import GroundSection, SceneSection
 from linkwright.stages.export.configuration.sensor_section import SensorChoice
+from linkwright.stages.export.configuration.variant_section import VariantSection
 from linkwright.stages.export.mjcf.section import MjcfFormatSection
 from linkwright.stages.export.python.section import PythonFormatSection
 from linkwright.stages.export.ros2.section import Ros2FormatSection
@@ -23,6 +24,8 @@ from linkwright.stages.robot.section import (
     example,
     invalid,
 )
+from linkwright.stages.robot.text.file_names import VARIANTS
+from linkwright.stages.targets.section import TargetSections
 
 FORMATS: dict[str, type[FormatSection]] = {
     "urdf": UrdfFormatSection,
@@ -32,7 +35,7 @@ FORMATS: dict[str, type[FormatSection]] = {
     "usd": UsdFormatSection,
     "python": PythonFormatSection,
 }
-"""All formats, in the order in which they are written, and what configures them."""
+"""Format → its section, in the order in which formats are written."""
 
 
 class _Formats(Section):
@@ -44,7 +47,7 @@ class _Formats(Section):
         return tuple(name for name in FORMATS if getattr(self, name) is not None)
 
     @model_validator(mode="after")
-    def _some_format(self) -> Self:
+    def _check_chosen(self) -> Self:
         if not self.chosen:
             names = ", ".join(FORMATS)
             raise invalid(f"no format is chosen; allowed: {names}, [{names}]")
@@ -57,21 +60,21 @@ class _Formats(Section):
 
 
 def _section_of(name: str) -> Any:
-    """The field of one format: its section, or null."""
+    """Returns the field of one format: its section, or null."""
     files = " and ".join(f"`{path}`" for path in FORMATS[name].files)
     return (FORMATS[name] | None, Field(default=None, description=f"{files}."))
 
 
-_EveryFormat: Any = create_model(
-    "_EveryFormat", __base__=_Formats, **{name: _section_of(name) for name in FORMATS}
+_AllFormats: Any = create_model(
+    "_AllFormats", __base__=_Formats, **{name: _section_of(name) for name in FORMATS}
 )
 
 
-class ExportSection(_EveryFormat):  # type: ignore[misc]
+class ExportSection(_AllFormats):  # type: ignore[misc]
     """Formats to write; null leaves a format out."""
 
 
-class ExportSections(OptionalSection):
+class ExportSections(OptionalSection, TargetSections):
     """The export stage's part of the configuration."""
 
     ground: GroundSection = GroundSection()
@@ -83,9 +86,9 @@ class ExportSections(OptionalSection):
     actuators: Annotated[
         dict[Text, ActuatorChoice], example({"*": "position", "elbow": {"kp": 80}, "wrist": "none"})
     ] = Field(default_factory=dict)
-    """Glob on names of dofs → what drives them; later entries win, property by property. A glob leaves out
-    the followers of relations, and of closed loops drives as many dofs as these leave free, the nearest to
-    the root; a name without wildcards drives that dof."""
+    """Glob on names of dofs → what drives them; later entries win, property by property. A glob drives no
+    followers of relations, and in closed loops only as many dofs as are free, those nearest to the root; a
+    name without wildcards always drives its dof."""
 
     motors: Annotated[
         dict[Text, MotorSection],
@@ -98,8 +101,8 @@ class ExportSections(OptionalSection):
             }
         ),
     ] = Field(default_factory=dict)
-    """Motors, by name. Those of the library that `actuators` names are put here when the configuration is
-    made; a robot may also describe its own here."""
+    """Motors, by name. Motors of the library that `actuators` names are added here automatically; a robot may
+    also describe its own motors here."""
 
     sensors: Annotated[
         dict[Text, SensorChoice], example({"imu": {"frame": "imu_mount", "type": "imu"}, "foot": "touch"})
@@ -110,22 +113,30 @@ class ExportSections(OptionalSection):
         dict[Text, ElementSection],
         example({"front": {"into": {"name": "torso"}, "xml": "<camera name='front' pos='0.1 0 0'/>"}}),
     ] = Field(default_factory=dict)
-    """XML elements of your own in the MJCF and the URDF, by a name of your choice; added in this order when
-    all else is written. The SDF gets none of them."""
+    """Your own XML elements in the MJCF and the URDF, by a name of your choice; added in this order after
+    everything else is written. The SDF gets none of them."""
 
     attributes: Annotated[dict[Text, AttributeChoice], example({"floor": {"friction": [1, 0.5, 0.5]}})] = (
         Field(default_factory=dict)
     )
-    """Name of an element, of any kind → attributes to set on it, last of all; null takes an attribute away.
-    In the MJCF, or in those of `formats`: [urdf, mjcf]; never in the SDF. Where several have the name, `tag`
-    says which: a tag, or a section such as actuator."""
+    """Name of an element, of any kind → attributes to set on it, after everything else is written; null
+    removes an attribute. Applies to the MJCF, or to the formats in `formats`: [urdf, mjcf]; never to the SDF.
+    If several elements have the name, `tag` chooses one: a tag, or a section such as actuator."""
 
     export: ExportSection = ExportSection.model_validate({"urdf": {}, "mjcf": {}})
     """Formats to write; null leaves a format out."""
 
+    variants: VariantSection = VariantSection()
+    """Variants of the robot for learning."""
+
+    @property
+    def has_variants(self) -> bool:
+        """Whether a file of variants is written."""
+        return self.variants.n > 0 and "mjcf" in self.export.chosen
+
 
 def expected_paths(keys: ExportSections, robot: str) -> list[str]:
-    """The paths of the files of a robot of this name, before they are made. The names of the meshes are
-    not known by then: a glob stands for them."""
+    """Returns the paths of the files that a build of a robot with this name will write. Meshes have no names
+    yet: a glob replaces them."""
     paths = [path for name in keys.export.chosen for path in FORMATS[name].paths(robot)]
-    return ["robot.json", "assets/*", *paths]
+    return ["robot.json", "assets/*", *paths, *([VARIANTS] if keys.has_variants else ())]

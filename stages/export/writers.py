@@ -1,4 +1,4 @@
-"""The table of formats."""
+"""Lists the writers of all formats."""
 
 from linkwright.stages.export.mjcf.writer import MjcfWriter
 from linkwright.stages.export.python.writer import PythonWriter
@@ -16,4 +16,4 @@ WRITERS: dict[str, Writer] = {
     "usd": UsdWriter(),
     "python": PythonWriter(),
 }
-"""The writer of each format, in the order of `stages.export.section`."""
+"""Format → its writer, in the order of `stages.export.section`."""

@@ -1,4 +1,4 @@
-"""A recording: the content of a bundle's zip, from which the source of its kind makes a bundle."""
+"""Holds a recording: the content of a bundle's zip, from which the source of its kind makes a bundle."""
 
 from __future__ import annotations
 
@@ -6,22 +6,31 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 LARGEST = 1 << 30
-"""Larger bundles are not read: neither as a file nor unpacked [bytes]."""
+"""Largest size of a bundle that is read, as a file and unpacked [bytes]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """The checked content of a zip: every digest of `requests` and `definition` is in `blobs`.
-
-    `api` and `definition_api`: the versions of Onshape's API, "" for none; `options`: the reader's options of
-    a robot's own file.
-    """
+    """The checked content of a zip: every digest of `requests` and `definition` is in `blobs`."""
 
     kind: str
+    """The kind of source that the recording was made from."""
+
     api: str
+    """The version of Onshape's API, or ""."""
+
     root: Mapping[str, str]
     definition: str
+    """The digest of the definition."""
+
     requests: Mapping[str, str]
+    """Request → digest of its reply."""
+
     blobs: Mapping[str, bytes]
+    """Digest → content."""
+
     options: Mapping[str, str]
+    """The reader's options for a robot's own file."""
+
     definition_api: str = ""
+    """The version of the API for definitions, or ""."""

@@ -1,10 +1,13 @@
-"""Common base of the sources that are a robot's own file with its meshes (URDF, MJCF)."""
+"""Provides the common base of the sources that are a robot's own file with its meshes (URDF, MJCF)."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
 from linkwright.stages.fetch.source import FileSource
+from linkwright.stages.formats import png, triangles
+from linkwright.stages.robot.bundle import FileBundle
+from linkwright.stages.robot.errors import ProtocolError, SourceError
 from linkwright.stages.robot.text.plural import count
 
 if TYPE_CHECKING:
@@ -21,51 +24,48 @@ LARGEST_TEXT = 64 << 20
 """Largest size of a robot's text or model in a bundle [bytes]."""
 
 LARGEST_TRIANGLES = 1 << 30
-"""Largest size of the triangles of one mesh in a bundle [bytes]."""
+"""Largest size of the triangles of a mesh in a bundle [bytes]."""
 
 
 class RobotFileSource(FileSource):
-    """A URDF or an MJCF."""
+    """A source that is a URDF or an MJCF file."""
 
     recorded: ClassVar[bool] = True
 
     @staticmethod
     def replay(recording: Recording, where: str) -> Bundle:
-        """The bundle of a recorded robot file; SourceError where a mesh or an image is not readable."""
-        # Late: an unchanged source is not read again.
-        from linkwright.stages.formats import png, triangles
-        from linkwright.stages.robot.bundle import FileBundle
-        from linkwright.stages.robot.errors import ProtocolError, SourceError
-
+        """Returns the bundle of a recorded robot file. Raises SourceError if a mesh or an image is not
+        readable."""
         meshes = {name for request, name in recording.requests.items() if request.startswith(MESH)}
-        pictures = {name for request, name in recording.requests.items() if request.startswith(IMAGE)}
+        recorded_images = {name for request, name in recording.requests.items() if request.startswith(IMAGE)}
         try:
-            named = frozenset[str]().union(*(triangles.textures(recording.blobs[name]) for name in meshes))
-            why = next((f"it lacks the image {one}" for one in sorted(named - pictures)), "")
-            whys = (png.problem(recording.blobs[name]) for name in sorted(pictures))
-            why = why or next((f"an image: {one}" for one in whys if one), "")
+            used_images = frozenset[str]().union(
+                *(triangles.textures(recording.blobs[name]) for name in meshes)
+            )
+            fault = next(
+                (f"it lacks the image {digest}" for digest in sorted(used_images - recorded_images)), ""
+            )
+            image_faults = (png.problem(recording.blobs[name]) for name in sorted(recorded_images))
+            fault = fault or next((f"an image: {problem}" for problem in image_faults if problem), "")
         except ProtocolError as error:
-            why = error.message
-        if why:
-            msg = f"not readable as a bundle: {why}"
+            fault = error.message
+        if fault:
+            msg = f"not readable as a bundle: {fault}"
             hint = "make the bundle again, or copy it again from its source"
             raise SourceError(msg, where, hint)
-        wanted = {recording.definition, *recording.requests.values()}
+        digests = {recording.definition, *recording.requests.values()}
         return FileBundle(
             kind=recording.kind,
             root=recording.root,
             definition=recording.definition,
             requests=recording.requests,
-            blobs={name: recording.blobs[name] for name in sorted(wanted)},
+            blobs={name: recording.blobs[name] for name in sorted(digests)},
             options=recording.options,
         )
 
     @staticmethod
     def largest_reply(request: str) -> int:
         if request.startswith(IMAGE):
-            # Late: an unchanged source is not read again.
-            from linkwright.stages.formats import png
-
             return png.LARGEST
         return LARGEST_TRIANGLES if request.startswith(MESH) else LARGEST_TEXT
 

@@ -1,7 +1,7 @@
-"""The interface of every kind of source, and the values that it exchanges with the stage.
+"""Defines the interface of every kind of source, and the values that it exchanges with the stage.
 
-A new source is one folder with a `section.py` and a `source.py`, and a row in `stages.fetch.section` and
-`stages.fetch.sources` each.
+A new source is a folder with a `section.py` and a `source.py`, and a row each in `stages.fetch.section` and
+`stages.fetch.sources`.
 """
 
 from __future__ import annotations
@@ -23,25 +23,62 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class Calls:
-    """The API calls of one build: filled in while it fetches, so that a failed fetch is counted too.
-
-    `made`: calls that count against the quota; `saved`: replies that were cached; `year`: all
-    calls of this key in this year, None where nothing counts them; `remaining`: calls left in the
-    server's rate-limit windows, by kind of request; `served`: the server's own report: its
-    `api` version, that of definitions (`definition_api`) and its `release`; `waited`: seconds waited
-    because the server asked for that.
-    """
+    """The API calls of a build: filled in during the fetch, so that a failed fetch is counted too."""
 
     made: int = 0
+    """Calls that count against the quota."""
+
     saved: int = 0
+    """Replies that were cached."""
+
     year: int | None = None
+    """All calls of this key in this year; None if nothing counts them."""
+
     remaining: Mapping[str, int] = field(default_factory=dict)
+    """Kind of request → calls left in the server's rate-limit window."""
+
     served: Mapping[str, str] = field(default_factory=dict)
+    """The server's report: its `api` version, its version for definitions (`definition_api`) and its
+    `release`."""
+
     waited: float = 0.0
+    """Seconds waited at the server's request."""
+
+
+@dataclass(slots=True)
+class SweepState:
+    """The state that the fetches of a sweep share: they see the same state of a document and share a
+    budget."""
+
+    began: float
+    """When the first fetch began [s since the epoch]."""
+
+    made: int = 0
+    """Calls that all fetches of the sweep made so far; `source.max_calls` limits their sum."""
+
+    pins: dict[str, str] = field(default_factory=dict)
+    """Path of a workspace in requests → its microversion."""
+
+    asked: set[str] = field(default_factory=set)
+    """The requests whose replies are not older than the sweep."""
+
+
+@dataclass(frozen=True, slots=True)
+class CallsAhead:
+    """The calls that a fetch will make, as far as the definition of the assembly determines them."""
+
+    pin: str
+    """The version ("v/<id>") or microversion ("m/<id>") that is fetched."""
+
+    requests: Mapping[str, tuple[str, ...]]
+    """Request → the parts that it is about."""
+
+    exact: bool
+    """Whether no other request will be made, unless a request is refused."""
 
 
 def _ignore(line: str) -> None:
-    """Shows nothing."""
+    """Discards a line."""
 
 
 def _nothing() -> None:
@@ -50,70 +87,94 @@ def _nothing() -> None:
 
 @dataclass(frozen=True, slots=True)
 class FetchContext:
-    """The environment of a fetch: caches, progress, retries.
-
-    `replies`: where replies are kept; `environ`: the environment variables. `progress` gets lines about
-    progress, and `transient` those that the next line replaces. Calls are recorded in the folder `ledger`,
-    and in `calls` also where the fetch fails. `patience`: how often and how long failed calls are retried,
-    apart from `source.max_wait`. `began`: the start of the sweep that this build belongs to [s since the
-    epoch]. `while_waiting` is called while a reply or a guest process is awaited, to prepare later stages; it
-    must return at once.
-    """
+    """The environment of a fetch: caches, progress, retries."""
 
     replies: ReplyStore
+    """The store of replies."""
+
     environ: Mapping[str, str]
+    """The environment variables."""
+
     progress: Callable[[str], None] = _ignore
+    """Shows a line about progress."""
+
     transient: Callable[[str], None] = _ignore
+    """Shows a line that the next line replaces."""
+
     ledger: Path | None = None
+    """The folder where calls are recorded."""
+
     calls: Calls = field(default_factory=Calls)
+    """The calls made; filled in even if the fetch fails."""
+
     patience: Patience | None = None
-    began: float | None = None
+    """The numbers and times of retries of failed calls, apart from `source.max_wait`."""
+
+    sweep: SweepState | None = None
+    """The state that the fetches of a sweep share; None outside a sweep."""
+
     while_waiting: Callable[[], None] = _nothing
+    """Prepares later stages while a reply or a guest process is awaited; it must return at once."""
 
 
 @dataclass(frozen=True, slots=True)
 class Fetched:
-    """A bundle, the `calls` made for it that count against the quota, and the calls `saved`.
-
-    `title`: the name of the assembly's tab, where a reply has it. `stale`: the bundle is from the last
-    complete fetch, since the quota is used up, and `source.stale` does not accept that as success. `lasts`:
-    whether a later fetch of pinned content gives the same; otherwise it is not taken from the cache.
-    """
+    """The result of a fetch: a bundle, and the calls made for it."""
 
     bundle: Bundle
     calls: int = 0
+    """Calls that count against the quota."""
+
     saved: int = 0
+    """Calls saved, because replies were cached."""
+
     diagnostics: tuple[Diagnostic, ...] = ()
     title: str = ""
+    """The name of the assembly's tab, if a reply has it."""
+
     stale: bool = False
+    """Whether the bundle is from the last complete fetch, since the quota is used up, and `source.stale` does
+    not accept that as success."""
+
     lasts: bool = True
+    """Whether a later fetch of pinned content gives the same; otherwise it is not taken from the cache."""
 
 
 class Source(Protocol):
-    """One source as it is configured. What most sources have in common is defined here."""
+    """The interface of a configured source, with the behaviour that most sources share."""
 
     recorded: ClassVar[bool] = False
-    """Whether bundles of this kind exist: then `replay`, `largest_reply` and `summary` are defined."""
+    """Whether bundles of this kind exist; if so, `replay`, `largest_reply` and `summary` are defined."""
+
+    remote: ClassVar[bool] = False
+    """Whether the source is fetched from a server; in a sweep, once before all jobs. If so, `ahead` is
+    defined."""
 
     on_this_computer: ClassVar[bool] = False
-    """Whether `pinned` reads the source, whose content may have changed; else its address stands for it."""
+    """Whether `pinned` reads the source, whose content may have changed; otherwise its address identifies
+    it."""
 
     def __init__(self, keys: Any) -> None: ...
 
     def label(self) -> str:
-        """The source as messages name it."""
+        """Returns the name of the source in messages."""
         ...
 
     def preflight(self, environ: Mapping[str, str]) -> None:
-        """ConfigError for errors that are known before any work."""
+        """Raises ConfigError for errors that are known before any work."""
 
     def pinned(self, environ: Mapping[str, str]) -> dict[str, Any] | None:
-        """What identifies the content for ever, as plain data; None where it may change."""
+        """Returns the permanent identity of the content as plain data; None if the content may change."""
         ...
 
     def fetch(self, context: FetchContext) -> Fetched:
-        """The source's content as a bundle."""
+        """Fetches the source's content as a bundle."""
         ...
+
+    def ahead(self, context: FetchContext) -> CallsAhead:
+        """Returns the calls that `fetch` will make. It already makes the calls for the definition and for the
+        state to fetch."""
+        raise NotImplementedError
 
     @property
     def spends(self) -> bool:
@@ -131,34 +192,34 @@ class Source(Protocol):
         return False
 
     def remarks(self) -> tuple[Diagnostic, ...]:
-        """Diagnostics about the place that credentials are read from."""
+        """Returns diagnostics about the place where credentials are read from."""
         return ()
 
     def describe(self) -> dict[str, str]:
-        """The report's data about the source, besides its kind."""
+        """Returns the report's data about the source, besides its kind."""
         return {}
 
     @staticmethod
     def replay(recording: Recording, where: str) -> Bundle:
-        """The bundle of a recording of this kind; `where` names its file in messages."""
+        """Returns the bundle of a recording of this kind; `where` names its file in messages."""
         raise NotImplementedError
 
     @staticmethod
     def largest_reply(request: str) -> int:
-        """The size limit of the reply to a request in a recording [bytes]."""
+        """Returns the size limit of the reply to a request in a recording [bytes]."""
         raise NotImplementedError
 
     @staticmethod
     def summary(bundle: Bundle) -> str:
-        """What a bundle of this kind holds, in words."""
+        """Describes the content of a bundle of this kind in words."""
         raise NotImplementedError
 
 
 class FileSource(Source):
     """A source that is the file at `source.path`."""
 
-    wanted: ClassVar[str]
-    """What the file must be: "a URDF is a file"."""
+    description: ClassVar[str]
+    """The expected kind of file: "a URDF is a file"."""
 
     example: ClassVar[str]
     """A path of such a file."""
@@ -172,4 +233,4 @@ class FileSource(Source):
         return str(self._keys.path)
 
     def preflight(self, environ: Mapping[str, str]) -> None:
-        regular_files.require(self._keys.path, "source.path", self.wanted, self.example)
+        regular_files.require(self._keys.path, "source.path", self.description, self.example)

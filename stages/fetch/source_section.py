@@ -1,4 +1,4 @@
-"""The base of every source's configuration, and what several of them use."""
+"""Defines the base of every source's configuration, and types that several of them use."""
 
 import math
 from typing import Annotated, Any
@@ -12,7 +12,7 @@ ADDRESS = "address"
 
 
 class SourceSection(Section):
-    """The configuration of one kind of source."""
+    """The configuration of a kind of source."""
 
     kind: str
     """Kind of the source; `source=KIND` chooses it."""

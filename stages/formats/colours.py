@@ -1,4 +1,4 @@
-"""Colours out of CAD's appearances, which come in several encodings."""
+"""Reads colours from CAD's appearances, which come in several encodings."""
 
 import base64
 import binascii
@@ -8,15 +8,15 @@ from typing import Any
 from linkwright.stages.robot.model.geometry import Colour
 
 NEUTRAL: Colour = (0.7, 0.7, 0.7, 1.0)
-"""The colour where CAD has none."""
+"""The colour of parts without a colour in CAD."""
 
 
 def colour_of(*appearances: Any) -> Colour:
-    """RGBA in 0..1 of the first appearance that has one, else the neutral grey.
+    """Returns RGBA in 0..1 of the first appearance that has a colour, or else the neutral grey.
 
-    An appearance has `color` (or `rgbaColor`): a list of numbers or of their texts, base64 of three
-    or four bytes, a packed ARGB integer or a mapping of red, green and blue; and maybe `opacity`
-    (0..255), which wins over the colour's own alpha. What cannot be read is ignored.
+    An appearance has `color` (or `rgbaColor`): a list of numbers or of their texts, base64 of three or four
+    bytes, a packed ARGB integer or a mapping of red, green and blue; and maybe `opacity` (0..255), which
+    overrides the colour's own alpha. Unreadable colours are ignored.
     """
     for appearance in appearances:
         if isinstance(appearance, Mapping):
@@ -40,25 +40,25 @@ def _unit(channel: int) -> float:
 
 
 def _channels(value: Any) -> list[int] | None:
-    """Three or four channels in 0..255; None where `value` is no colour."""
+    """Returns three or four channels in 0..255; None if `value` is not a colour."""
     try:
         if isinstance(value, Mapping):
-            found = [value["red"], value["green"], value["blue"]]
+            channels = [value["red"], value["green"], value["blue"]]
         elif isinstance(value, int):
-            found = _unpacked(value)
+            channels = _unpacked(value)
         elif isinstance(value, str):
-            found = _unpacked(int(value)) if value.lstrip("-").isdigit() else list(_bytes(value))
+            channels = _unpacked(int(value)) if value.lstrip("-").isdigit() else list(_bytes(value))
         elif isinstance(value, list):
-            found = [_channel(item) for item in value]
+            channels = [_channel(item) for item in value]
         else:
             return None
         # A signed byte, as Java writes it, is the same byte.
-        found = [int(item) & 0xFF if -128 <= item < 0 else int(item) for item in found]
+        channels = [int(item) & 0xFF if -128 <= item < 0 else int(item) for item in channels]
     except (KeyError, TypeError, ValueError):
         return None
-    if len(found) not in (3, 4) or not all(0 <= item <= 255 for item in found):
+    if len(channels) not in (3, 4) or not all(0 <= item <= 255 for item in channels):
         return None
-    return found
+    return channels
 
 
 def _channel(item: Any) -> int:

@@ -1,5 +1,5 @@
-"""A file of a format that is damaged."""
+"""Defines the error of a damaged file."""
 
 
 class Damaged(ValueError):
-    """What is wrong with a file, in words that quote nothing of it; those of libraries may."""
+    """The error that a file is damaged. Our messages quote nothing of the file; messages of libraries may."""

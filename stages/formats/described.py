@@ -1,7 +1,7 @@
-"""The robot that a robot.json describes, and all else that its files are checked against.
+"""Reads the robot that a robot.json describes, and the other values that its files are checked against.
 
-Not in it, since nothing that is checked needs it: the meshes of parts, diagnostics, the source's own words
-for what drives it (`controls`), and its own actuators and sensors apart from those that the files have.
+Left out, since no check needs them, are the meshes of parts, diagnostics, the source's own text about its
+drives (`controls`), and its own actuators and sensors apart from those that the files have.
 """
 
 import json
@@ -27,45 +27,49 @@ from linkwright.stages.robot.model.robot import Joint, Link, Robot
 PACKAGES = ("ros2", "python")
 """The tables of packages that are written from the other files."""
 
-MOST_ROWS = 20_000
-"""Of links, joints and all else that a robot has."""
+MAX_ROWS = 20_000
+"""Largest number of rows of a table: of links, joints and other things of a robot."""
 
-DEEPEST = 200
-"""Elements in each other that are read."""
+MAX_DEPTH = 200
+"""Largest depth of nested elements that are read."""
 
 
 @dataclass(frozen=True, slots=True)
 class Truth:
-    """What the files of a robot must say: the robot as it is `written` (its `srdf_form` is None of an older
-    build); `files`: the paths of those that there are, but for those of a Python package; `packages`: by
-    format, those that are written from the other files."""
+    """The content that the files of a robot must have."""
 
     written: Written
+    """The robot as its files have it; its `srdf_form` is None for an older build."""
+
     files: tuple[str, ...]
+    """The paths of the files, except those of a Python package."""
+
     packages: Mapping[str, PackageRecord]
+    """Format → the package that is written from the other files."""
 
 
 def described(data: bytes) -> Truth:
-    """What a robot.json says. RobotJsonError where that is no robot, or one of another version."""
+    """Returns the content of a robot.json. Raises RobotJsonError if it is not a robot, or a robot of another
+    version."""
     try:
         table = json.loads(data)
         record = _record(table)
     except RecursionError:
-        msg = "its tables are too deep in each other"
+        msg = "its tables are nested too deeply"
         raise RobotJsonError(msg) from None
     except ValueError as error:
-        msg = f"it is no JSON: {error}"
+        msg = f"it is not JSON: {error}"
         raise RobotJsonError(msg) from None
     robot = record.to_model()
     _require_tree(robot.links, robot.joints)
     _require_single_names(robot)
     extras = robot.mjcf
     if extras is not None:
-        mounted = (one.element for one in extras.mounted)
+        mounted = (mounted.element for mounted in extras.mounted)
         _require_shallow((*mounted, *extras.sections, *extras.scene))
-    found = {name: getattr(record, name) for name in PACKAGES}
-    packages = {name: package for name, package in found.items() if package is not None}
-    folders = [path for one in packages.values() for path in (one.package, one.folder) if path]
+    tables = {name: getattr(record, name) for name in PACKAGES}
+    packages = {name: package for name, package in tables.items() if package is not None}
+    folders = [path for package in packages.values() for path in (package.package, package.folder) if path]
     _require_inside(robot.name, *record.files, *folders)
     actuation = record.actuation.to_model()
     written = Written(
@@ -88,7 +92,7 @@ def described(data: bytes) -> Truth:
 
 
 def _srdf(record: SrdfRecord) -> SrdfForm:
-    pairs = ((first, second) for first, others in record.never.items() for second in others)
+    pairs = ((first, second) for first, later in record.never.items() for second in later)
     return SrdfForm(frozenset(pairs), record.end_effectors)
 
 
@@ -96,14 +100,14 @@ def _record(table: Any) -> RobotRecord:
     if not isinstance(table, Mapping):
         return read(RobotRecord, table, {})
     if table.get("format") != FORMAT:
-        msg = "it is no robot.json of Linkwright"
+        msg = "it is not a robot.json of Linkwright"
         raise RobotJsonError(msg)
     if table.get("version") != VERSION:
         msg = f"its version is {table.get('version')}; this program reads version {VERSION}"
         raise RobotJsonError(msg)
     for name in ("links", "joints", "loops", "relations", "frames", "keyframes"):
-        if len(_rows(table, name)) > MOST_ROWS:
-            msg = f"{name}: {len(_rows(table, name))} rows; at most {MOST_ROWS} are read"
+        if len(_rows(table, name)) > MAX_ROWS:
+            msg = f"{name}: {len(_rows(table, name))} rows; at most {MAX_ROWS} are read"
             raise RobotJsonError(msg)
     joints = [*_rows(table, "joints"), *_rows(table, "loops")]
     dofs = [dof for joint in joints for dof in _rows(joint, "dofs")]
@@ -111,53 +115,55 @@ def _record(table: Any) -> RobotRecord:
 
 
 def _rows(table: Any, key: str) -> list[Any]:
-    """The rows of a table that may be anything."""
+    """Returns the rows of a table that may be anything."""
     rows = table.get(key) if isinstance(table, Mapping) else None
     return rows if isinstance(rows, list) else []
 
 
 def _names(rows: list[Any]) -> set[str]:
-    named = [row["name"] for row in rows if isinstance(row, Mapping) and "name" in row]
-    return {name for name in named if isinstance(name, str)}
+    names = [row["name"] for row in rows if isinstance(row, Mapping) and "name" in row]
+    return {name for name in names if isinstance(name, str)}
 
 
 def _require_inside(*paths: str) -> None:
-    """That nothing outside of the folder is looked at, whatever the file names."""
+    """Raises RobotJsonError for a path outside of the folder: no such file is read."""
     for path in paths:
         parts = PurePosixPath(path).parts
         if not parts or path.startswith("/") or ".." in parts or "\\" in path or "\0" in path:
-            msg = f"{path!r} is no path below its folder"
+            msg = f"{path!r} is not a path below its folder"
             raise RobotJsonError(msg)
 
 
 def _require_tree(links: tuple[Link, ...], joints: tuple[Joint, ...]) -> None:
-    """Each link but the first is the child of one joint, which comes after that of its parent."""
-    known = {link.name for link in links[:1]}
+    """Raises RobotJsonError unless each link but the first is the child of a joint, which comes after its
+    parent's."""
+    reached = {link.name for link in links[:1]}
     for joint in joints:
-        if joint.parent not in known or joint.child in known:
-            msg = f"joints: {joint.name!r} is between {joint.parent!r} and {joint.child!r}, which is no tree"
+        if joint.parent not in reached or joint.child in reached:
+            ends = f"{joint.parent!r} and {joint.child!r}"
+            msg = f"joints: {joint.name!r} connects {ends}, so the links do not form a tree"
             raise RobotJsonError(msg)
-        known.add(joint.child)
-    if not links or len(known) != len(links) or known != {link.name for link in links}:
+        reached.add(joint.child)
+    if not links or len(reached) != len(links) or reached != {link.name for link in links}:
         msg = "links: expected the root and the children of all joints"
         raise RobotJsonError(msg)
 
 
 def _require_single_names(robot: Robot) -> None:
     loops = [dof.name for loop in robot.loops for dof in loop.dofs]
-    for what, names in (
+    for kind, names in (
         ("links", [link.name for link in robot.links]),
         ("joints", [*(dof.name for dof in robot.dofs), *loops]),
     ):
         twice = sorted(name for name, number in Counter(names).items() if number > 1)
         if twice:
-            msg = f"{what}: {twice[0]!r} is there twice"
+            msg = f"{kind}: {twice[0]!r} is there twice"
             raise RobotJsonError(msg)
 
 
 def _require_shallow(elements: tuple[MjcfElement, ...]) -> None:
-    for _ in range(DEEPEST + 1):
+    for _ in range(MAX_DEPTH + 1):
         elements = tuple(child for element in elements for child in element.children)
     if elements:
-        msg = f"mjcf: elements are more than {DEEPEST} deep in each other"
+        msg = f"mjcf: elements are nested more than {MAX_DEPTH} levels deep"
         raise RobotJsonError(msg)

@@ -1,9 +1,9 @@
-"""The one formatter of numbers in robot files.
+"""Formats the numbers in robot files: no other module does.
 
-Each number is the shortest text within 1e-12 of its vector's largest entry, so noise such as
-1e-17 beside 0.3 prints as 0, and 0.1 + 0.2 prints as 0.3. There is no "-0". A vector that may be
-all noise, such as a position at an origin, is measured by `least` where its entries are smaller: `LENGTH` for
-what is in metres, `TURN` for what is in radians or of unit length.
+Each number is the shortest text within 1e-12 of its vector's largest entry, so noise such as 1e-17 next to
+0.3 is written as 0, and 0.1 + 0.2 as 0.3. There is no "-0". A vector that may be all noise, such as a
+position at an origin, is measured by `least` if its entries are smaller: `LENGTH` for metres, `TURN` for
+radians and for vectors of unit length.
 """
 
 import math
@@ -15,31 +15,34 @@ import numpy as np
 from linkwright.stages.robot.model.robot import Array
 
 TOLERANCE = 1e-12
+"""Tolerance of a text, relative to the scale of its number."""
 
 LENGTH = 0.1
-"""m: below a tenth of a picometre a position is the noise of its making."""
+"""Scale of positions [m]: below a tenth of a picometre they are noise."""
 
 TURN = 1.0
-"""rad: likewise of angles, and of the entries of what has unit length."""
+"""Scale of angles [rad], and of the entries of vectors of unit length."""
 
 
 FORCE = 1.0
-"""N or N m: likewise of forces that balance."""
+"""Scale of forces that balance [N or N m]."""
 
 WHOLE = 1e15
-"""Below this whole numbers are exact, and written out."""
+"""Size below which whole numbers are exact, and written out."""
 
 
 def number(value: float, scale: float | None = None, least: float = 0.0) -> str:
-    """The shortest text within 1e-12 · `scale` of `value`; `scale` is |value| unless given, or
-    `least` where that is larger."""
+    """Returns the shortest text within 1e-12 · `scale` of `value`.
+
+    `scale` is |value| by default; `least` replaces it if that is larger.
+    """
     value = float(value)
     tolerance = TOLERANCE * max(least, abs(value) if scale is None else scale)
     return _text(value, tolerance, _grid(tolerance))
 
 
 def _text(value: float, tolerance: float, grid: "_Grid") -> str:
-    """The shortest text within `tolerance` of `value`, where `grid` is the tolerance's own."""
+    """Returns the shortest text within `tolerance` of `value`; `grid` is the grid of the tolerance."""
     size = abs(value)
     if size <= tolerance:
         return "0"
@@ -52,7 +55,7 @@ def _text(value: float, tolerance: float, grid: "_Grid") -> str:
             return text.rstrip("0").rstrip(".")
     if tolerance < 1.0 and size < WHOLE and value.is_integer():
         return str(int(value))
-    # Of a finer grid the nearest point is never further away: the search goes one way from a good guess.
+    # On a finer grid the nearest point is never further away: the search goes one way from a good guess.
     digits = 17
     if tolerance > 1e-18 * size:
         digits = min(17, max(1, math.ceil(math.log10(0.5 * size / tolerance))))
@@ -71,12 +74,12 @@ def _text(value: float, tolerance: float, grid: "_Grid") -> str:
 
 
 _Grid: TypeAlias = tuple[str, str] | None
-"""How a number is written with the fewest decimals that are always within a tolerance, and the last digits
-with which one decimal less may do."""
+"""The format with the fewest decimals that are always within a tolerance, and the last digits for which one
+decimal fewer may be enough."""
 
 
 def _grid(tolerance: float) -> _Grid:
-    """The grid of a tolerance; None where whole numbers would do, or no decimals are enough."""
+    """Returns the grid of a tolerance; None if whole numbers are enough, or no decimals are."""
     if not 1e-19 < tolerance < 0.01:
         return None
     decimals = math.ceil(-math.log10(2.0 * tolerance) + 1e-9)
@@ -89,16 +92,17 @@ _SPECS = tuple(f".{decimals}f" for decimals in range(20))
 _TENS = tuple(10.0**decimals for decimals in range(20))
 
 _IN_DOUBT = tuple("".join(str(c) for c in range(10) if min(c, 10 - c) <= reach) for reach in range(6))
-"""By how far the tolerance reaches on the grid."""
+"""The last digits in doubt, by the reach of the tolerance on the grid."""
 
 
 def _digits(text: str) -> int:
-    """How many digits a number's text has, from the first to the last that is not zero."""
+    """Counts the digits of a number's text, from the first to the last that is not zero."""
     return len(text.partition("e")[0].replace("-", "").replace(".", "").strip("0"))
 
 
 def tidy(text: str) -> str:
-    """Exponents as short as can be ("1e-05" → "1e-5"); whole numbers written out ("1e+02" → "100")."""
+    """Returns the text with a short exponent ("1e-05" → "1e-5"), or written out if whole ("1e+02" →
+    "100")."""
     if "e" not in text:
         return text
     mantissa, exponent = text.split("e")
@@ -109,9 +113,10 @@ def tidy(text: str) -> str:
 
 
 def numbers(values: Iterable[float], scale: float | None = None, least: float = 0.0) -> list[str]:
-    """Texts of a vector or tensor, all measured by its largest entry, or by `least` where that is larger."""
-    listed = values.ravel().tolist() if isinstance(values, np.ndarray) else values
-    flat = [float(value) for value in listed]
+    """Returns the texts of a vector or tensor, all measured by its largest entry, or by `least` if that is
+    larger."""
+    entries = values.ravel().tolist() if isinstance(values, np.ndarray) else values
+    flat = [float(value) for value in entries]
     largest = max(map(abs, flat), default=0.0) if scale is None else scale
     tolerance = TOLERANCE * max(least, largest)
     grid = _grid(tolerance)
@@ -119,22 +124,25 @@ def numbers(values: Iterable[float], scale: float | None = None, least: float = 
 
 
 def rounded_tensor(tensor: Array) -> Array:
-    """A symmetric tensor (3, 3) with the values that its texts have."""
+    """Returns a symmetric tensor (3, 3) with the values of its texts."""
     (xx, xy, xz), (_, yy, yz), (_, _, zz) = tensor.tolist()
     xx, xy, xz, yy, yz, zz = map(float, numbers([xx, xy, xz, yy, yz, zz]))
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
 def spaced(values: Iterable[float], scale: float | None = None, least: float = 0.0) -> str:
-    """A vector as XML attributes want it: "0 0 0.3"."""
+    """Returns a vector as XML attributes have it: "0 0 0.3"."""
     return " ".join(numbers(values, scale, least))
 
 
 def exact(values: Iterable[float]) -> str:
-    """A vector without any rounding, in 12 digits where these are all there are."""
-    return " ".join(f"{one:.12g}" if float(f"{one:.12g}") == one else f"{one:.17g}" for one in values)
+    """Returns a vector without any rounding, in 12 digits if these are exact."""
+    return " ".join(
+        f"{value:.12g}" if float(f"{value:.12g}") == value else f"{value:.17g}" for value in values
+    )
 
 
 def least_of(kind: str) -> float:
-    """What the values of a dof of this kind are measured by: of a slide in metres, of others in radians."""
+    """Returns the scale of the values of a dof of this kind: that of metres for a slide, of radians for
+    others."""
     return LENGTH if kind == "slide" else TURN

@@ -1,4 +1,4 @@
-"""Onshape's text for a configuration: `id=value;id2=value2`, or "default" for none.
+"""Encodes Onshape's text for a configuration: `id=value;id2=value2`, or "default" for none.
 
 Each value is encoded like a form field (a space is "+", "+" is "%2B"), so that `;`, `=` and `%` in a
 value do not end it. As part of a query the whole text is percent-encoded once more.
@@ -11,21 +11,21 @@ DEFAULT = "default"
 
 
 def encoded(value: str) -> str:
-    """One value as it stands in the text."""
+    """Returns a value, encoded for the text."""
     return quote_plus(value, safe="")
 
 
 def decoded(value: str) -> str:
-    """The value that `encoded` wrote."""
+    """Returns the value that `encoded` wrote."""
     return unquote_plus(value)
 
 
 def split(text: str) -> dict[str, str]:
-    """Parameter id → its value, still encoded; empty for "default". The order is kept."""
+    """Returns parameter id → its value, still encoded; empty for "default". The order is kept."""
     pairs = (item.partition("=") for item in text.split(";"))
     return {name: value for name, equals, value in pairs if equals and name}
 
 
 def joined(values: Mapping[str, str]) -> str:
-    """The text of encoded values by parameter id."""
+    """Returns the text of encoded values by parameter id."""
     return ";".join(f"{name}={value}" for name, value in values.items()) or DEFAULT

@@ -1,4 +1,4 @@
-"""XML that a user adds: the language that it is of, and what has a name in a MJCF or URDF."""
+"""Recognizes XML that a user adds: its language, and the named elements of an MJCF or URDF."""
 
 from collections.abc import Iterable, Iterator
 
@@ -33,38 +33,39 @@ SECTIONS = frozenset(_SECTIONS.split())
 """The elements below the root of an MJCF."""
 
 MJCF = SECTIONS | frozenset(_INSIDE.split())
-"""Every element of an MJCF (MuJoCo's XML reference; those of all versions that are supported)."""
+"""Every element of an MJCF (MuJoCo's XML reference), of all versions that are supported."""
 
 URDF = frozenset(_URDF.split())
-"""Elements of a URDF, and of what is often in one, that may be on top of an addition to it."""
+"""Elements of a URDF, and of its usual extensions, that may be at the top of an addition to it."""
 
 _MANY = ("actuator", "sensor", "tendon", "equality")
-"""Sections of an MJCF of whose elements no two have the same name, whatever their tags."""
+"""Sections of an MJCF whose elements have unique names, whatever their tags."""
 
 
 def language_of(elements: Iterable[Element]) -> str | None:
-    """ "mjcf" where MuJoCo knows every element, else "urdf"; None for what is in neither."""
-    every = list(elements)
-    if all(str(one.tag) in MJCF for element in every for one in element.iter()):
+    """Returns the language of elements: "mjcf" if MuJoCo knows every element, otherwise "urdf"; None for
+    neither."""
+    tops = list(elements)
+    if all(str(node.tag) in MJCF for element in tops for node in element.iter()):
         return "mjcf"
-    known = all(str(one.tag) in URDF or one.prefix or ":" in str(one.tag) for one in every)
-    return "urdf" if known else None
+    is_urdf = all(str(node.tag) in URDF or node.prefix or ":" in str(node.tag) for node in tops)
+    return "urdf" if is_urdf else None
 
 
 def unknown_tag(elements: Iterable[Element]) -> str:
-    """The first of the elements that are neither of MJCF nor of URDF, or what is in it; "" for none."""
-    every = [str(one.tag) for one in elements]
-    return next((tag for tag in every if tag not in MJCF | URDF), "")
+    """Returns the tag of the first element that is neither of MJCF nor of URDF, or ""."""
+    tags = [str(node.tag) for node in elements]
+    return next((tag for tag in tags if tag not in MJCF | URDF), "")
 
 
 def name_of(element: Element) -> str | None:
-    """The name of an element; of a class of an MJCF, that of the class."""
+    """Returns the name of an element; for a class of an MJCF, the name of the class."""
     name: str | None = element.get("class" if element.tag == "default" else "name")
     return name
 
 
 def kind_of(element: Element) -> str:
-    """What an element is among those of which no two have the same name."""
+    """Returns the kind of an element: names are unique among elements of a kind."""
     section = section_of(element)
     above = element.getparent()
     if section in _MANY and above is not None and above.tag == section:
@@ -73,15 +74,17 @@ def kind_of(element: Element) -> str:
 
 
 def section_of(element: Element) -> str:
-    """The element below the root that an element is in, or is."""
-    way = [str(one.tag) for one in (element, *element.iterancestors())]
-    return way[-2] if len(way) > 1 else ""
+    """Returns the tag of the element below the root that contains an element, or is it."""
+    tags = [str(node.tag) for node in (element, *element.iterancestors())]
+    return tags[-2] if len(tags) > 1 else ""
 
 
 def names(root: Element, urdf: bool) -> Iterator[tuple[str, str, Element]]:
-    """(kind, name, element) of all in a document that has a name which must be unique. In a URDF these are
-    links and joints: a material is named wherever it is used."""
-    for one in root.iterchildren() if urdf else root.iter():
-        name = name_of(one)
-        if name and one is not root and not (urdf and one.tag not in ("link", "joint")):
-            yield kind_of(one), name, one
+    """Yields (kind, name, element) of all elements of a document whose names must be unique.
+
+    In a URDF these are links and joints: a material is named wherever it is used.
+    """
+    for node in root.iterchildren() if urdf else root.iter():
+        name = name_of(node)
+        if name and node is not root and not (urdf and node.tag not in ("link", "joint")):
+            yield kind_of(node), name, node

@@ -1,4 +1,4 @@
-"""PNG images: whether bytes are one that readers take, and a PNG of pixels.
+"""Checks that readers accept a PNG image, and writes pixels as PNG.
 
 Layout and rules are those of the PNG specification (ISO/IEC 15948).
 """
@@ -14,32 +14,33 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 LARGEST = 1 << 26
-"""Larger images are not read [bytes]."""
+"""Largest size of an image that is read [bytes]."""
 
-MOST_PIXELS = 1 << 26
-"""Images with more pixels are not carried: a reader would need gigabytes."""
+MAX_PIXELS = 1 << 26
+"""Largest number of pixels of an image that is used: beyond it a reader would need gigabytes."""
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
 _DEPTHS = {0: (1, 2, 4, 8, 16), 2: (8, 16), 3: (1, 2, 4, 8), 4: (8, 16), 6: (8, 16)}
-"""The bit depths of each type of colour."""
+"""Type of colour → its bit depths."""
 
 _COLOUR_TYPES = {1: 0, 3: 2, 4: 6}
-"""The type of colour by the number of channels: grey, RGB, RGBA."""
+"""Number of channels → type of colour: grey, RGB, RGBA."""
 
 _CHANNELS = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}
-"""The number of channels by the type of colour."""
+"""Type of colour → number of channels."""
 
 _ADAM7 = ((0, 0, 8, 8), (4, 0, 8, 8), (0, 4, 4, 8), (2, 0, 4, 4), (0, 2, 2, 4), (1, 0, 2, 2), (0, 1, 1, 2))
-"""First column and row, and steps, of each of the smaller images."""
+"""First column and row, and steps, of each of the smaller images of an interlaced image."""
 
-_PIECE = 1 << 20
+_MAX_PIECE = 1 << 20
+"""Largest size of an inflated piece [bytes]."""
 
 
 def problem(data: bytes) -> str:
-    """Why `data` is not a PNG that every reader takes; "" where it is one.
+    """Returns the reason why `data` is not a PNG that every reader accepts; "" if it is such a PNG.
 
-    The header, the lengths and check sums of the chunks, and how much they inflate to are looked at, not the
+    The header, the lengths and check sums of the chunks, and their inflated sizes are checked, not the
     pixels: MuJoCo loads no model at all with an image that it cannot read.
     """
     if not data.startswith(SIGNATURE):
@@ -65,7 +66,7 @@ def problem(data: bytes) -> str:
 
 
 def pixels(head: bytes) -> int:
-    """How many pixels the first 24 bytes of a PNG say that it has; 0 where they are of no PNG."""
+    """Returns the number of pixels by the first 24 bytes of a PNG; 0 for other bytes."""
     if len(head) < 24 or not head.startswith(SIGNATURE):
         return 0
     width, height = struct.unpack_from(">II", head, 16)
@@ -73,9 +74,11 @@ def pixels(head: bytes) -> int:
 
 
 def encode(pixels: npt.NDArray[np.uint8]) -> bytes:
-    """The file of an image (height, width, 1, 3 or 4 channels), its first row at the top. Each row is stored
-    as its difference from the one above (filter 2), which halves the size of photos."""
-    # Late: an unchanged build needs no numpy.
+    """Returns the file of an image (height, width, 1, 3 or 4 channels), its first row at the top.
+
+    Each row is stored as its difference from the row above (filter 2), which halves the size of photos.
+    """
+    # Imported late: an unchanged build needs no numpy.
     import numpy as np
 
     height, width, channels = pixels.shape
@@ -92,34 +95,35 @@ def _of_header(header: tuple[int, ...], has_palette: bool) -> str:
     legal = depth in _DEPTHS.get(colour, ()) and (compression, filtering) == (0, 0) and interlace < 2
     if not legal or not width or not height or (colour == 3 and not has_palette):
         return "it is damaged: its header is invalid"
-    if width * height > MOST_PIXELS:
-        return f"it has {width} × {height} pixels; at most {MOST_PIXELS} are carried"
+    if width * height > MAX_PIXELS:
+        return f"it has {width} × {height} pixels; at most {MAX_PIXELS} are carried"
     return ""
 
 
 def _size(header: tuple[int, ...]) -> int:
-    """The bytes of an image's rows, each with its filter; interlaced it is seven smaller images."""
+    """Returns the size of an image's rows [bytes], each with its filter; an interlaced image is seven smaller
+    images."""
     width, height, depth, colour, _, _, interlace = header
     bits = depth * _CHANNELS[colour]
-    found = 0
+    total = 0
     for left, top, right, down in _ADAM7 if interlace else ((0, 0, 1, 1),):
         columns, rows = -((left - width) // right), -((top - height) // down)
-        found += rows * (1 + (columns * bits + 7) // 8) if columns > 0 and rows > 0 else 0
-    return found
+        total += rows * (1 + (columns * bits + 7) // 8) if columns > 0 and rows > 0 else 0
+    return total
 
 
 def _inflates(packed: list[memoryview], size: int) -> bool:
-    """Whether the pieces of a zlib stream come to just so many bytes."""
-    stream, found = zlib.decompressobj(), 0
+    """Tells whether the pieces of a zlib stream inflate to exactly this size [bytes]."""
+    stream, inflated = zlib.decompressobj(), 0
     for piece in packed:
-        rest: bytes | memoryview = piece
-        while rest and found <= size:
+        remainder: bytes | memoryview = piece
+        while remainder and inflated <= size:
             try:
-                found += len(stream.decompress(rest, _PIECE))
+                inflated += len(stream.decompress(remainder, _MAX_PIECE))
             except zlib.error:
                 return False
-            rest = stream.unconsumed_tail
-    return stream.eof and found == size
+            remainder = stream.unconsumed_tail
+    return stream.eof and inflated == size
 
 
 def _chunk(kind: bytes, content: bytes) -> bytes:

@@ -1,7 +1,6 @@
-"""Files from templates: the one place that imports jinja2.
+"""Fills templates, and is the only module that imports jinja2.
 
-Values are escaped where the template is one of HTML or XML. A template holds loops and conditions, and no
-other logic.
+Values are escaped in templates of HTML and XML. A template holds loops and conditions, and no other logic.
 """
 
 from collections.abc import Callable, Mapping
@@ -16,8 +15,8 @@ ESCAPED = (".html.jinja", ".svg.jinja", ".xml.jinja")
 
 
 class Templates:
-    """The templates of a folder. `filters`: functions of values, by name; `shown`: what each value is shown
-    as, before it is escaped."""
+    """The templates of a folder. `filters`: functions of values, by name; `shown`: converts each value before
+    it is escaped."""
 
     def __init__(
         self,
@@ -38,10 +37,10 @@ class Templates:
         self._environment.filters.update(filters)
 
     def filled(self, name: str, /, **values: Any) -> str:
-        """The text of the template `<name>.jinja` with its values."""
+        """Returns the text of the template `<name>.jinja` with its values."""
         return self._environment.get_template(f"{name}.jinja").render(values)
 
 
 def xml_text(text: str) -> Markup:
-    """A text between two tags of XML, as lxml writes it: quotes stay."""
+    """Returns a text for between two tags of XML, as lxml writes it: quotes stay."""
     return Markup(escape(text))

@@ -1,4 +1,4 @@
-"""The robot as its files have it: what writers write, readers read back, and checks compare with."""
+"""Holds the robot as its files have it: writers write it, and checks compare files with it."""
 
 from dataclasses import dataclass, field, fields
 from functools import cached_property
@@ -7,8 +7,8 @@ from typing import Any
 import orjson
 
 from linkwright.stages.formats.mjcf.form import MjcfForm
-from linkwright.stages.formats.mjcf.written import as_written as as_in_mjcf
-from linkwright.stages.formats.urdf.as_written import as_written as as_in_urdf
+from linkwright.stages.formats.mjcf.written import mjcf_robot
+from linkwright.stages.formats.urdf.as_written import urdf_robot
 from linkwright.stages.formats.urdf.form import UrdfForm
 from linkwright.stages.formats.urdf.names import UrdfNames, urdf_names
 from linkwright.stages.formats.urdf.srdf_form import SrdfForm
@@ -32,73 +32,87 @@ _OF_EARLIER_STAGES = ("robot", "geometry")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FormatView:
-    """The robot that the files of one format describe. `held`: by link of the whole robot, the link there
-    that it is part of, and holder_from_link (4, 4)."""
+    """The robot that the files of a format describe."""
 
     robot: Robot
     held: Holders
+    """Link of the whole robot → the link in the format that contains it, and holder_from_link (4, 4)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Written:
-    """`robot`: with what its motors give the dofs; `actuation`: what drives it; `geometry`: its shapes, None
-    where these are unknown; `urdf_form` and `mjcf_form`: how these files differ from the robot; `sensing`:
-    what measures it; `amendments`: what the user's own XML changed in the files; `scene`: where the files put
-    the robot, None where nothing is known of that; `srdf_form`: what only the SRDF says, None for nothing."""
+    """The content of a robot's files."""
 
     robot: Robot
+    """The robot, with the dynamics that its motors give the dofs."""
+
     actuation: Actuation = NONE
     geometry: Geometry | None = None
+    """The shapes; None if they are unknown."""
+
     urdf_form: UrdfForm = field(default_factory=UrdfForm)
+    """How the URDF differs from the robot."""
+
     mjcf_form: MjcfForm = field(default_factory=MjcfForm)
+    """How the MJCF differs from the robot."""
+
     sensing: Sensing = NOTHING
     amendments: Amendments = UNCHANGED
+    """The changes of the files by the user's own XML."""
+
     scene: Scene | None = None
+    """The scene of the files; None if it is unknown."""
+
     srdf_form: SrdfForm | None = None
+    """The content that only the SRDF has; None without an SRDF."""
 
     @cached_property
     def start(self) -> Configuration:
-        """The value of every dof in a fresh simulation (qpos0)."""
+        """Returns the value of every dof in a fresh simulation (qpos0)."""
         return starting_point(self.robot)
 
     @cached_property
     def as_urdf(self) -> FormatView:
+        """The robot that the URDF describes."""
         held = holders(self.robot, on_fixed_joints(self.robot) if self.urdf_form.merged else ())
-        return FormatView(as_in_urdf(self.robot, self.urdf_form, held), held)
+        return FormatView(urdf_robot(self.robot, self.urdf_form, held), held)
 
     @cached_property
     def as_mjcf(self) -> FormatView:
+        """The robot that the MJCF describes."""
         held = holders(self.robot, self.mjcf_form.fused)
-        return FormatView(as_in_mjcf(self.robot, self.mjcf_form, held), held)
+        return FormatView(mjcf_robot(self.robot, self.mjcf_form, held), held)
 
     @cached_property
     def urdf_names(self) -> UrdfNames:
+        """The names of the URDF's extra links and joints."""
         return urdf_names(self.as_urdf.robot)
 
     @property
     def shapes(self) -> Geometry:
-        """The geometry; without any shape where it is unknown."""
+        """The geometry; without any shape if it is unknown."""
         return self.geometry or NO_SHAPES
 
     @cached_property
     def mjcf_shapes(self) -> Geometry:
-        """The shapes by the links that have bodies in the MJCF."""
+        """Returns the shapes by the links that have bodies in the MJCF."""
         return fused_geometry(self.robot, self.shapes, self.as_mjcf.held)
 
     @property
     def extras(self) -> MjcfExtras:
-        """What the MJCF has that no other format has."""
+        """The content of the MJCF that no other format has."""
         return self.mjcf_form.extras or NO_EXTRAS
 
 
 def encode(written: Written) -> bytes:
-    """What the export adds to the robot and its geometry, which earlier stages keep."""
-    names = [own.name for own in fields(Written) if own.name not in _OF_EARLIER_STAGES]
+    """Encodes, as JSON, the values that the export adds to the robot and its geometry, which earlier stages
+    keep."""
+    names = [entry.name for entry in fields(Written) if entry.name not in _OF_EARLIER_STAGES]
     return codec.dump({name: getattr(written, name) for name in names})
 
 
 def decode(data: bytes, robot: Robot, geometry: Geometry) -> Written:
-    """The value of which `encode` wrote the rest. `robot`: as the graph stage made it."""
-    known, table = codec.hints(Written), orjson.loads(data)
-    added: dict[str, Any] = {name: codec.typed(known[name], value) for name, value in table.items()}
+    """Returns the value from the output of `encode`, `robot`, as the graph stage made it, and `geometry`."""
+    field_types, table = codec.hints(Written), orjson.loads(data)
+    added: dict[str, Any] = {name: codec.typed(field_types[name], value) for name, value in table.items()}
     return Written(as_driven(robot, added["actuation"]), geometry=geometry, **added)

@@ -1,4 +1,4 @@
-"""XML in and out: one place that parses and writes, with entities and the network off."""
+"""Parses and writes XML, with entities and the network off: no other module does."""
 
 import re
 from collections.abc import Mapping
@@ -11,85 +11,90 @@ Element: TypeAlias = Any
 """An lxml element; lxml ships no types of its own."""
 
 
-_MOST_LEVELS = 100
+_MAX_LEVELS = 100
+"""Number of levels beyond which the indentation does not grow."""
 
 
 class Malformed(ValueError):
-    """The text is not XML, or uses entities, or exceeds the limits of nesting or length. `line`, `column`:
-    where, from 1, as far as that is known; `what` is wrong there, without a word of the text, which may be
-    that of any file; `quoted`: the same with its words, for a text that stands in a robot's own file."""
+    """The error that a text is not XML, or uses entities, or exceeds the limits of nesting or length.
+
+    `line`, `column`: the place, from 1, if it is known; `problem`: the error, without a word of the text,
+    which may be that of any file; `quoted`: the same with words of the text, for a text in a robot's own
+    file.
+    """
 
     def __init__(
-        self, what: str, line: int | None = None, column: int | None = None, quoted: str | None = None
+        self, problem: str, line: int | None = None, column: int | None = None, quoted: str | None = None
     ) -> None:
-        super().__init__(what if line is None else f"line {line}: {what}")
-        self.what, self.line, self.column = what, line, column
-        self.quoted = what if quoted is None else quoted
+        super().__init__(problem if line is None else f"line {line}: {problem}")
+        self.problem, self.line, self.column = problem, line, column
+        self.quoted = problem if quoted is None else quoted
 
     @property
     def place(self) -> str:
-        """The message with line and column."""
-        return self._at(self.what)
+        """Returns the message with line and column."""
+        return self._at(self.problem)
 
     @property
     def quoted_place(self) -> str:
-        """The message with line and column, and with words of the text."""
+        """Returns the message with line and column, and with words of the text."""
         return self._at(self.quoted)
 
-    def _at(self, what: str) -> str:
+    def _at(self, problem: str) -> str:
         column = "" if self.column is None else f", column {self.column}"
-        return what if self.line is None else f"line {self.line}{column}: {what}"
+        return problem if self.line is None else f"line {self.line}{column}: {problem}"
 
 
 def element(parent: Element | None, tag: str, **attributes: str | None) -> Element:
-    """A new element, under `parent` unless that is None; None attributes are left out.
+    """Makes an element, under `parent` unless that is None; None attributes are left out.
 
-    Attribute names may end in "_" where the plain name is a Python keyword (class_).
+    Attribute names may end in "_" if the plain name is a Python keyword (class_).
     """
-    given = {
+    present = {
         key[:-1] if key[-1] == "_" else key: value for key, value in attributes.items() if value is not None
     }
     if parent is None:
-        return etree.Element(tag, given)
-    return etree.SubElement(parent, tag, given)
+        return etree.Element(tag, present)
+    return etree.SubElement(parent, tag, present)
 
 
 def rooted(tag: str, namespaces: Mapping[str, str], **attributes: str) -> Element:
-    """A root element that declares namespaces: prefix → name. Tags in one of these are "{name}tag"."""
+    """Makes a root element that declares namespaces: prefix → name. Tags in a namespace are "{name}tag"."""
     return etree.Element(tag, attributes, nsmap=dict(namespaces))
 
 
 def comment(parent: Element, text: str) -> None:
-    """A comment at the end of an element."""
+    """Adds a comment at the end of an element."""
     parent.append(etree.Comment(f" {text} "))
 
 
 def to_bytes(root: Element) -> bytes:
-    """The document as UTF-8 with two spaces a level, of the first hundred, and a newline at the end."""
+    """Returns the document as UTF-8, indented by two spaces a level for the first hundred levels, with a
+    newline at the end."""
     _indent(root)
     text: bytes = etree.tostring(root, encoding="utf-8", xml_declaration=True)
     return text + b"\n"
 
 
 def to_text(node: Element) -> str:
-    """An element with all that is in it, as text, and of namespaces only those that are used in it."""
-    own = deepcopy(node)
-    etree.cleanup_namespaces(own)
-    text: str = etree.tostring(own, encoding="unicode", with_tail=False)
+    """Returns an element with its whole content as text, with only those namespaces that it uses."""
+    copied = deepcopy(node)
+    etree.cleanup_namespaces(copied)
+    text: str = etree.tostring(copied, encoding="unicode", with_tail=False)
     return text
 
 
 def _indent(root: Element) -> None:
-    """Puts every element on its own line, except those beside text that is not blank.
+    """Puts every element on its own line, except those next to text that is not blank.
 
-    The white space of a deep tree grows with its square where every level has more.
+    Without a limit of levels, the white space of a deep tree would grow with the square of its depth.
     """
-    # lxml looks through all that is above an element when it lets go of it, unless its parent is in use.
+    # lxml searches everything above an element when it frees the element, unless its parent is in use.
     everything = list(root.iter())
     waiting = [(everything[0], 0)]
     while waiting:
         parent, level = waiting.pop()
-        inner = "\n" + "  " * min(level + 1, _MOST_LEVELS)
+        inner = "\n" + "  " * min(level + 1, _MAX_LEVELS)
         last = None
         for child in parent:
             if last is None:
@@ -100,7 +105,7 @@ def _indent(root: Element) -> None:
             if len(child):
                 waiting.append((child, level + 1))
         if last is not None:
-            last.tail = _spaced(last.tail, "\n" + "  " * min(level, _MOST_LEVELS))
+            last.tail = _spaced(last.tail, "\n" + "  " * min(level, _MAX_LEVELS))
 
 
 def _spaced(text: str | None, space: str) -> str:
@@ -108,20 +113,20 @@ def _spaced(text: str | None, space: str) -> str:
 
 
 def parse(data: bytes, *, large: bool = False) -> Element:
-    """The root element, without comments; Malformed without one. `large`: texts may be longer
-    than 10 MB, as the arrays of a mesh are.
+    """Returns the root element, without comments. Raises Malformed for malformed text.
 
-    No entity is expanded and nothing is fetched: a text that declares entities is refused. A prefix
-    that no namespace is declared for is let through, as most readers know of no namespaces.
+    `large`: texts may be longer than 10 MB, as the arrays of a mesh are. No entity is expanded and nothing is
+    fetched: a text that declares entities is refused. A prefix without a declared namespace is accepted, as
+    most readers know no namespaces.
     """
     parser = _parser(large)
     try:
         root = etree.fromstring(data, parser)
     except etree.XMLSyntaxError as error:
-        # The error's own log holds those of earlier texts too.
-        found = list(parser.error_log)
-        if not found or any(one.domain != etree.ErrorDomains.NAMESPACE for one in found):
-            raise _why(error, found) from None
+        # The error's own log holds the errors of earlier texts too.
+        errors = list(parser.error_log)
+        if not errors or any(entry.domain != etree.ErrorDomains.NAMESPACE for entry in errors):
+            raise _why(error, errors) from None
         root = etree.fromstring(data, _parser(large, recover=True))
     dtd = root.getroottree().docinfo.internalDTD
     if dtd is not None and next(dtd.iterentities(), None) is not None:
@@ -131,41 +136,43 @@ def parse(data: bytes, *, large: bool = False) -> Element:
 
 
 def fragment(text: str) -> list[Element]:
-    """The elements of a text that has one or several of them, and comments, which are left out. Malformed as
-    `parse`, and where there is no element, or text outside of one."""
+    """Returns the elements of a text of one element or several, without comments.
+
+    Raises Malformed as `parse`, and if there is no element, or text outside of an element.
+    """
     begin, end = f"<{_AROUND}>", f"</{_AROUND}>"
-    bare = _DECLARATION.sub(lambda found: re.sub(r"\S", " ", found.group()), text.removeprefix("\ufeff"))
+    bare = _DECLARATION.sub(lambda match: re.sub(r"\S", " ", match.group()), text.removeprefix("\ufeff"))
     try:
         root = parse(f"{begin}{bare}{end}".encode())
     except Malformed as error:
         column = error.column
         if error.line is not None and column is not None:
-            # What is wrong at the end is found in what is around the text.
+            # An error at the end of the text is found in the element around the text.
             shift = len(begin) if error.line == 1 else 0
             column = min(max(1, column - shift), len(bare.splitlines()[error.line - 1]) + 1 if bare else 1)
         unclosed = _MISMATCH.match(error.quoted)
-        what, quoted = error.what, error.quoted
+        problem, quoted = error.problem, error.quoted
         if unclosed is not None:
             tag, line, other = unclosed.groups()
-            what = f"an end tag does not close the element of line {line}"
+            problem = f"an end tag does not close the element of line {line}"
             quoted = f"</{other}> does not close <{tag}> of line {line}"
             if other == _AROUND:
                 end = f"of line {line} is not closed"
-                what, quoted = f"an element {end}", f"<{tag}> {end}"
+                problem, quoted = f"an element {end}", f"<{tag}> {end}"
             elif tag == _AROUND:
-                what, quoted = "an end tag closes nothing", f"</{other}> closes nothing"
-        raise Malformed(what, error.line, column, quoted.replace(_AROUND, "text")) from None
-    for words, line in ((root.text, 1), *((one.tail, one.sourceline) for one in root)):
+                problem, quoted = "an end tag closes nothing", f"</{other}> closes nothing"
+        raise Malformed(problem, error.line, column, quoted.replace(_AROUND, "text")) from None
+    for words, line in ((root.text, 1), *((node.tail, node.sourceline) for node in root)):
         if words is not None and words.strip():
-            what = "text outside of an element"
-            raise Malformed(what, line, quoted=f"{what}: {words.strip()[:40]!r}")
+            problem = "text outside of an element"
+            raise Malformed(problem, line, quoted=f"{problem}: {words.strip()[:40]!r}")
     if not len(root):
         raise Malformed("there is no element")
-    found = list(root)
-    for one in found:
-        root.remove(one)
-        one.tail = None
-    return found
+    nodes = list(root)
+    for node in nodes:
+        root.remove(node)
+        node.tail = None
+    return nodes
 
 
 _AROUND = "linkwright.fragment"
@@ -187,25 +194,25 @@ def _parser(large: bool, *, recover: bool = False) -> Any:
     )
 
 
-def _why(error: Any, found: list[Any]) -> Malformed:
-    """The first thing that is wrong, with its line."""
-    if not found:
+def _why(error: Any, errors: list[Any]) -> Malformed:
+    """Returns the first error, with its line."""
+    if not errors:
         return Malformed("it is not XML", quoted=str(error.msg))
-    first = next((one for one in found if one.domain != etree.ErrorDomains.NAMESPACE), found[0])
+    first = next((entry for entry in errors if entry.domain != etree.ErrorDomains.NAMESPACE), errors[0])
     text = " ".join(first.message.split())[:200]
-    own = next((ours for theirs, ours in _LIMITS.items() if theirs in text), None)
-    if own is not None:
-        return Malformed(own, first.line, first.column)
+    limit = next((message for pattern, message in _LIMITS.items() if pattern in text), None)
+    if limit is not None:
+        return Malformed(limit, first.line, first.column)
     unclosed = _MISMATCH.match(text)
-    what = f"an end tag does not close the element of line {unclosed[2]}" if unclosed else ""
-    return Malformed(what or _unquoted(first, text), first.line, first.column, text)
+    problem = f"an end tag does not close the element of line {unclosed[2]}" if unclosed else ""
+    return Malformed(problem or _unquoted(first, text), first.line, first.column, text)
 
 
 def _unquoted(first: Any, text: str) -> str:
-    """The parser's message as far as it is the same for each text, else the name of its error."""
-    known = next((words for words in _WORDS if text.startswith(words)), None)
+    """Returns the parser's message if it is the same for each text, or else the name of its error."""
+    opening = next((words for words in _WORDS if text.startswith(words)), None)
     name = first.type_name.removeprefix("ERR_").replace("_", " ").lower()
-    return known or _MEANINGS.get(first.type_name) or f"it is not XML ({name})"
+    return opening or _MEANINGS.get(first.type_name) or f"it is not XML ({name})"
 
 
 _WORDS = (
@@ -230,14 +237,14 @@ _WORDS = (
 _MEANINGS = {
     "ERR_TAG_NOT_FINISHED": "an element is not closed",
     "ERR_GT_REQUIRED": "a tag does not end in >",
-    "ERR_ATTRIBUTE_REDEFINED": "an attribute stands twice in an element",
+    "ERR_ATTRIBUTE_REDEFINED": "an element has an attribute twice",
     "ERR_ATTRIBUTE_WITHOUT_VALUE": "an attribute has no value",
     "ERR_UNDECLARED_ENTITY": "an entity is not defined",
     "WAR_UNDECLARED_ENTITY": "an entity is not defined",
     "ERR_UNSUPPORTED_ENCODING": "its encoding is not supported",
     "ERR_INVALID_CHAR": "it has a control character",
 }
-"""The parser's name of an error, whose message quotes the text → our message."""
+"""The parser's name of an error whose message quotes the text → our message."""
 
 
 _LIMITS = {
@@ -249,6 +256,6 @@ _LIMITS = {
 
 
 def tag(element: Element) -> str:
-    """An element's name, with its prefix where it has one."""
+    """Returns an element's name, with its prefix, if any."""
     name = str(element.tag).rpartition("}")[2]
     return f"{element.prefix}:{name}" if element.prefix else name

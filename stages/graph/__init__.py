@@ -1,18 +1,22 @@
 """The graph stage: turns a CAD assembly, or a robot's own file, into a robot.
 
 - added_section: Configuration of the graph stage: links and frames that CAD does not have.
-- build: The main flow of the graph stage: read, rename, root, place, and then one pass after the other.
-- cad_only_keys: Keys that apply only to CAD assemblies, where the source is a robot's own file.
-- dofs: The dofs of each type of joint, their values in a pose, and the inverse of a chain of dofs.
-- globs: Globs and names that users give: a glob must match something, a new name must be free.
+- build: Runs the graph stage: reads, renames, chooses the root, places, and then applies one pass after the
+  other.
+- cad_only_keys: Reports keys that apply only to CAD assemblies, where the source is a robot's own file.
+- dofs: Lists the dofs of each type of joint, computes their values in a pose, and reverses chains of dofs.
+- globs: Matches the globs that users give with names, and checks that new names are free.
 - mass_section: Configuration of the graph stage: masses.
-- mechanism: A mechanism at its saved pose: rigid bodies and the connections between them, without a root.
-- naming: Names from a robot's own file: kept where the target formats allow them, else mapped.
-- relation_steps: Relations between dofs as trees of steps, in each of which one dof drives all others.
+- mechanism: Describes a mechanism at its saved pose: rigid bodies and the connections between them, without a
+  root.
+- naming: Keeps the names of a robot's own file where the target formats allow them, and maps the others.
+- relation_steps: Groups relations between dofs into trees of steps, in each of which one dof drives all
+  others.
 - robot_from_tree: Builds a robot from a mechanism and its tree: frames, joints, loops and links.
 - root: Chooses the root body and its frame, and whether it is fixed to the world.
 - section: Configuration of the graph stage: how an assembly becomes links and joints.
-- tree: The kinematic tree: which connections are in the tree, which close loops, and the order of the bodies.
+- tree: Chooses the kinematic tree: the connections in it, those that close loops, and the order of the
+  bodies.
 """
 
 import gc
@@ -26,16 +30,16 @@ if TYPE_CHECKING:
     from linkwright.stages.robot.bundle import Bundle
     from linkwright.stages.robot.model.robot import Robot
 
-VERSION = 26
+VERSION = 27
 
 
 def build_robot(bundle: "Bundle", keys: "GraphSections") -> "Robot":
-    """The robot in a bundle, with its diagnostics. AssemblyError names all problems at once."""
-    # Late: a build has one source, and the configuration reads this package and builds nothing.
+    """Returns the robot in a bundle, with its diagnostics; raises AssemblyError with all problems at once."""
+    # Imported late: the configuration imports this package and builds nothing.
     from linkwright.stages.graph.build import assemble
 
-    # The stage makes values by the hundred thousand and next to no cycles: to look for those each time
-    # that there are a quarter more would cost a fifth of its time, and a larger share of a larger robot's.
+    # The stage makes values by the hundred thousand and next to no cycles: looking for cycles each time that
+    # the values grow by a quarter would cost a fifth of its time, and more for larger robots.
     collects = gc.isenabled()
     gc.disable()
     try:
@@ -46,9 +50,9 @@ def build_robot(bundle: "Bundle", keys: "GraphSections") -> "Robot":
 
 
 def reader_of(kind: str) -> "MechanismReader":
-    """The reader of a kind of bundle; ProtocolError for a kind that has none."""
+    """Returns the reader of a kind of bundle; raises ProtocolError for an unknown kind."""
     reader: Any
-    # Each reader is imported where a robot has its kind of bundle: they take 35 to 80 ms.
+    # Each reader is imported only for its own kind of bundle: an import takes 35 to 80 ms.
     match kind:
         case "onshape":
             from linkwright.stages.graph.onshape.reader import read_mechanism as reader  # late, as said
@@ -59,5 +63,5 @@ def reader_of(kind: str) -> "MechanismReader":
         case _:
             msg = f"unknown kind of bundle {kind!r}: expected one of onshape, urdf, mjcf"
             raise ProtocolError(msg, hint="make the bundle again")
-    found: MechanismReader = reader
-    return found
+    typed_reader: MechanismReader = reader
+    return typed_reader

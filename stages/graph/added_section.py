@@ -143,7 +143,7 @@ class AddedLinkSection(Section):
     """The link or frame to which its joint connects it."""
 
     child: Annotated[Text | None, example("base_plate")] = None
-    """Instead of a parent: the root link, of which this link becomes the parent."""
+    """Instead of a parent: the root link, which becomes the child of this link."""
 
     xyz: Annotated[Position, example([0, 0, 0.05])] = (0, 0, 0)
     """Position in the parent [m]; with `child`, the position of the child in this link."""
@@ -158,8 +158,8 @@ class AddedLinkSection(Section):
     """Centre of mass in its own frame [m]; null: its origin."""
 
     inertia: Annotated[Inertia | None, example([1e-4, 1e-4, 1e-4])] = None
-    """Inertia about the centre of mass [kg m²]: ixx, iyy, izz, or these and ixy, ixz, iyz; null: that of the
-    geometry as a solid of even density."""
+    """Inertia about the centre of mass [kg m²]: ixx, iyy, izz, or these and ixy, ixz, iyz; null: the inertia
+    of the geometry as a solid of uniform density."""
 
     geometry: GeometrySection | None = None
     """Visual and collision shape."""

@@ -1,4 +1,5 @@
-"""The main flow of the graph stage: read, rename, root, place, and then one pass after the other."""
+"""Runs the graph stage: reads, renames, chooses the root, places, and then applies one pass after the
+other."""
 
 from dataclasses import replace
 
@@ -27,7 +28,7 @@ from linkwright.stages.robot.model.robot import Robot
 
 
 def assemble(bundle: Bundle, keys: GraphSections, read: MechanismReader) -> Robot:
-    """The robot in a bundle; AssemblyError with all problems at once."""
+    """Returns the robot in a bundle; raises AssemblyError with all problems at once."""
     log = Diagnostics(optional=keys.optional)
     mechanism, keys = read(bundle, keys, log)
     mechanism = renamed(mechanism, keys.names, log)
@@ -55,7 +56,8 @@ def assemble(bundle: Bundle, keys: GraphSections, read: MechanismReader) -> Robo
 
 
 def _tree(mechanism: Mechanism, keys: GraphSections, log: Diagnostics) -> Tree:
-    """The spanning tree. Without a tree no pass can run, so its error also lists the problems so far."""
+    """Returns the spanning tree. Without a tree no pass can run, so its error also lists the problems so
+    far."""
     try:
         return spanning_tree(mechanism, keys, log)
     except AssemblyError as error:
@@ -63,6 +65,6 @@ def _tree(mechanism: Mechanism, keys: GraphSections, log: Diagnostics) -> Tree:
             raise
         message, hint = error.message, error.hint
         if not error.problems:
-            # A hint comes after the problems: this one is about the message alone.
+            # A hint is shown after the problems, but this hint is about the message alone.
             message, hint = f"{message} ({hint})", ""
         raise type(error)(message, error.where, hint, (*log.problems, *error.problems)) from error

@@ -1,4 +1,4 @@
-"""Keys that apply only to CAD assemblies, where the source is a robot's own file."""
+"""Reports keys that apply only to CAD assemblies, where the source is a robot's own file."""
 
 from typing import Literal
 
@@ -9,12 +9,12 @@ _CAD_ALONE = ("depth", "hidden", "mirror", "mirrors", "conventions")
 
 
 def report_unused(keys: GraphSections, source: Literal["URDF", "MJCF"], log: Diagnostics) -> None:
-    """E-SOURCE-KEY for each key that does not apply to such a file."""
+    """Reports E-SOURCE-KEY for each key that does not apply to such a file."""
     default = GraphSections()
-    given = [name for name in _CAD_ALONE if getattr(keys, name) != getattr(default, name)]
+    inapplicable = [name for name in _CAD_ALONE if getattr(keys, name) != getattr(default, name)]
     if keys.mass.parts:
-        given.append("mass.parts")
-    for name in given:
+        inapplicable.append("mass.parts")
+    for name in inapplicable:
         text = f"this key applies only to CAD assemblies, not to {'a' if source == 'URDF' else 'an'} {source}"
         hint = "remove the key" if name != "mass.parts" else "its links have masses: mass: {links: {...}}"
         log.report("E-SOURCE-KEY", text, name, hint)

@@ -1,4 +1,4 @@
-"""The dofs of each type of joint, their values in a pose, and the inverse of a chain of dofs."""
+"""Lists the dofs of each type of joint, computes their values in a pose, and reverses chains of dofs."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -12,7 +12,7 @@ from linkwright.stages.robot.model.robot import Array, Dof, DofKind, JointType, 
 
 @dataclass(frozen=True, slots=True)
 class Freedom:
-    """One dof of a type of joint: the suffix of its name, its kind and its axis."""
+    """A dof of a type of joint: the suffix of its name, its kind and its axis."""
 
     suffix: str
     kind: DofKind
@@ -40,8 +40,8 @@ FREEDOMS: Mapping[JointType, tuple[Freedom, ...]] = {
 
 
 def value_in(relative: Array, kind: DofKind, axis: Array) -> Value:
-    """The value [rad, m, or a quaternion] of a dof of this kind and axis that comes closest to a pose (4,
-    4)."""
+    """Returns the value [rad, m, or a quaternion] of a dof of this kind and axis that comes closest to a pose
+    (4, 4)."""
     if kind == "slide":
         return float(relative[:3, 3] @ axis)
     if kind == "turn":
@@ -51,31 +51,33 @@ def value_in(relative: Array, kind: DofKind, axis: Array) -> Value:
 
 
 def residual(relative: Array, explained: Array) -> float:
-    """How far two poses (4, 4) are apart: the larger of the offset [m] and the turn [rad, small]."""
-    off = inverse(explained) @ relative
+    """Returns the distance of two poses (4, 4): the larger of the offset [m] and the turn [rad, small]."""
+    difference = inverse(explained) @ relative
+    # For a turn by a small angle, the norm of R − 1 is √2 times the angle.
     return max(
-        float(np.linalg.norm(off[:3, 3])),
-        float(np.linalg.norm(off[:3, :3] - np.eye(3))) / math.sqrt(2),
+        float(np.linalg.norm(difference[:3, 3])),
+        float(np.linalg.norm(difference[:3, :3] - np.eye(3))) / math.sqrt(2),
     )
 
 
-def backwards(dofs: Sequence[Dof]) -> tuple[Dof, ...]:
-    """The chain from the first entity to the second: dofs in reverse, each undoing its motion.
+def reversed_dofs(dofs: Sequence[Dof]) -> tuple[Dof, ...]:
+    """Returns the chain from the first entity to the second: the dofs in reverse order, each of which undoes
+    its motion.
 
     (O₁M₁ O₂M₂ … OₙMₙ)⁻¹ = Mₙ⁻¹ Oₙ⁻¹ … M₁⁻¹ O₁⁻¹, and O₁ is the identity.
     """
-    made = []
-    before = np.eye(4)
+    chain = []
+    origin = np.eye(4)
     for dof in reversed(dofs):
         saved = dof.saved
         if dof.kind == "ball":
             saved = conjugate(saved)
-        made.append(replace(dof, axis=frozen(-dof.axis + 0.0), origin=frozen(before), saved=saved))
-        before = inverse(dof.origin) + 0.0
-    return tuple(made)
+        chain.append(replace(dof, axis=frozen(-dof.axis + 0.0), origin=frozen(origin), saved=saved))
+        origin = inverse(dof.origin) + 0.0
+    return tuple(chain)
 
 
 def conjugate(quat: Value) -> Value:
-    """The opposite rotation of a quaternion (w, x, y, z)."""
+    """Returns the opposite rotation of a quaternion (w, x, y, z)."""
     w, x, y, z = quat if isinstance(quat, tuple) else at_rest("ball")  # type: ignore[misc]
     return (w, -x + 0.0, -y + 0.0, -z + 0.0)

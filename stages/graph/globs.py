@@ -1,4 +1,4 @@
-"""Globs and names that users give: a glob must match something, a new name must be free."""
+"""Matches the globs that users give with names, and checks that new names are free."""
 
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -15,17 +15,18 @@ Entry = TypeVar("Entry")
 
 def entries_of(
     things: Sequence[Collection[str]],
-    wanted: Mapping[str, Entry],
+    sections: Mapping[str, Entry],
     where: str,
     kind: str,
     log: Diagnostics,
 ) -> Iterator[tuple[int, ...]]:
-    """For each thing, given by its names, which entries of `wanted` match one of them, in their order.
+    """Yields for each thing, given by its names, the entries of `sections` that match any of them, in order.
 
-    E-GLOB for each entry but "*" that matches nothing: it lists the first names, as things of a `kind`.
+    Reports E-GLOB for each entry but "*" that matches nothing: it lists the first names, as things of a
+    `kind`.
     """
-    patterns = [(glob, re.compile(translate(glob)).match) for glob in wanted]
-    found = [
+    patterns = [(glob, re.compile(translate(glob)).match) for glob in sections]
+    matches_by_thing = [
         tuple(
             index
             for index, (glob, matches) in enumerate(patterns)
@@ -33,25 +34,25 @@ def entries_of(
         )
         for names in things
     ]
-    used = {index for indices in found for index in indices}
-    for index, glob in enumerate(wanted):
-        if index not in used:
+    used_indices = {index for indices in matches_by_thing for index in indices}
+    for index, glob in enumerate(sections):
+        if index not in used_indices:
             hint = there_are(glob, {f"{kind}s": [min(names, key=lambda n: (len(n), n)) for names in things]})
             log.unmatched("E-GLOB", f"no {kind} matches {glob!r}", where, hint, glob)
-    return iter(found)
+    return iter(matches_by_thing)
 
 
-def unusable(name: str, taken: Collection[str]) -> str:
-    """Why this name is not allowed; "" if it is."""
+def why_unusable(name: str, taken_names: Collection[str]) -> str:
+    """Returns why this name is not allowed; "" if it is."""
     if not re.fullmatch("[A-Za-z0-9_]+", name):
         return f"invalid name {name!r}: only letters without accents, digits and _ are allowed"
     if name in RESERVED:
         return f"the name {name!r} is reserved"
-    return f"the name {name!r} is taken" if name in taken else ""
+    return f"the name {name!r} is taken" if name in taken_names else ""
 
 
 def names_in(robot: Robot) -> set[str]:
-    """Every name that something in the robot has."""
+    """Returns every name that something in the robot has."""
     joints: list[Joint | Loop] = [*robot.joints, *robot.loops]
     return (
         {link.name for link in robot.links}

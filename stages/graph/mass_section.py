@@ -1,29 +1,17 @@
 """Configuration of the graph stage: masses."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
 from linkwright.stages.robot.quantity_keys import Position
 from linkwright.stages.robot.section import NonNegative, Number, Positive, Section, Text, example, invalid
 
-if TYPE_CHECKING:
-    from linkwright.stages.robot.model.robot import Array
-
-
-def tensor(values: tuple[float, ...]) -> "Array":
-    """The symmetric (3, 3) tensor of [ixx, iyy, izz] or [ixx, iyy, izz, ixy, ixz, iyz]."""
-    # Late: they import numpy, and most configurations give no mass.
-    from linkwright.stages.robot.model.robot import frozen
-
-    xx, yy, zz, xy, xz, yz = (*values, 0.0, 0.0, 0.0)[:6]
-    return frozen([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-
 
 def _of_a_solid(values: tuple[float, ...]) -> tuple[float, ...]:
     # Late: they import numpy, and most configurations give no mass.
-    from linkwright.stages.robot.dynamics.inertia import SPECK, is_physical
+    from linkwright.stages.robot.dynamics.inertia import SPECK, is_physical, tensor
 
     if len(values) not in (3, 6):
         raise invalid("must be [ixx, iyy, izz] or [ixx, iyy, izz, ixy, ixz, iyz]")
@@ -77,16 +65,16 @@ class MassSection(Section):
     """Masses of parts and links."""
 
     missing: Literal["auto", "error", "density", "ignore"] = "auto"
-    """Parts without a mass. auto: small ones (each below 1 % of the robot's volume, together below 10 %) get
-    the mass of their volume times `mass.density`, others are an error; error: all are an error; density: all
-    get the mass of their volume; ignore: they have no mass."""
+    """Parts without a mass. auto: small parts (each below 1 % of the robot's volume, together below 10 %) get
+    the mass of their volume times `mass.density`, other parts are an error; error: all are an error; density:
+    all get the mass of their volume; ignore: they have no mass."""
 
     density: Positive = 1200
     """Density for parts without a mass [kg/m³]."""
 
     total: Annotated[Positive | None, example(3.31)] = None
-    """Mass of the whole robot [kg], as a scale shows it: the estimated masses are scaled so that it is met,
-    with their inertias; those of CAD and of `parts` and `links` stay. null: the estimates stay."""
+    """Mass of the whole robot [kg], as weighed: the estimated masses and their inertias are scaled to reach
+    it; masses from CAD, `parts` and `links` stay. null: the estimates stay."""
 
     parts: Annotated[dict[Text, PartMassSection], example({"Foot*": {"density": 1100}})] = Field(
         default_factory=dict

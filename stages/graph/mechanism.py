@@ -1,4 +1,4 @@
-"""A mechanism at its saved pose: rigid bodies and the connections between them, without a root.
+"""Describes a mechanism at its saved pose: rigid bodies and the connections between them, without a root.
 
 Every reader makes a mechanism. All frames in it are given in the world: the assembly's own frame, at the
 pose that the source was saved in.
@@ -34,100 +34,98 @@ WORLD_LINK = "world"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RigidBody:
-    """Parts that move as one. Their `link_from_part` is given in the world's frame.
-
-    `path`: the occurrence that names it. `titles`: all its names, as typed in CAD.
-    `fixed_reason`: why it is fixed to the world; "" if it is not. `world_from_body` (4, 4): its own frame,
-    which it keeps as the root. `given`: an inertial in the world's frame in place of the parts'
-    sum. `afloat`: the name in the source of the joint by which the body floats in the world ("" for no
-    name), None where the source has no such joint.
-    """
+    """Parts that move together. Their `link_from_part` is given in the world's frame."""
 
     name: str
     path: tuple[str, ...]
+    """The occurrence that names it."""
     parts: tuple[Part, ...]
     titles: frozenset[str]
+    """All its names, as typed in CAD."""
     fixed_reason: str
+    """Why it is fixed to the world; "" if it is not."""
     world_from_body: Array
-    given: Inertial | None = None
+    """Its own frame (4, 4), which it keeps as the root."""
+    own_inertial: Inertial | None = None
+    """An inertial in the world's frame in place of the parts' sum."""
     shapes: tuple[Primitive, ...] = ()
     afloat: str | None = None
+    """Name in the source of the joint by which the body floats in the world: "" for an unnamed joint, None if
+    there is no such joint."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Connection:
-    """A mate, or a joint of a file: lets two bodies move relative to each other.
-
-    `bodies` and `world_from_frames` (4, 4 each, right-handed) are of its first and second entity; the
-    chain `dofs` leads from the second to the first, and `residual` [m or rad] is its error at
-    the saved pose. `title` is its place in CAD. `closes`: it closes a loop in the source itself, so it is cut
-    first. `solref`: MuJoCo's, of an MJCF source.
-    """
+    """A mate, or a joint of a file: lets two bodies move relative to each other."""
 
     name: str
     type: JointType
     bodies: tuple[int, int]
+    """The bodies of its first and second entity."""
     world_from_frames: tuple[Array, Array]
+    """The frames of its first and second entity (4, 4 each, right-handed)."""
     dofs: tuple[Dof, ...]
+    """The chain from the second entity to the first."""
     residual: float
+    """Error of the chain at the saved pose [m or rad]."""
     ref: MateRef
     title: str
+    """Its place in CAD."""
     closes: bool = False
+    """Whether it closes a loop in the source itself, so that it is cut first."""
     solref: tuple[float, float] | None = None
+    """MuJoCo's solref of an MJCF source."""
 
     @property
     def limited(self) -> bool:
+        """Whether any of its dofs has a limit."""
         return any((dof.limits.lower, dof.limits.upper) != (None, None) for dof in self.dofs)
 
 
 @dataclass(frozen=True, slots=True)
 class RelationSpec:
-    """A relation as drawn: its type and the names of its connections ("" for a connection that moves
-    nothing).
+    """A relation as drawn, between two connections, of which the second follows.
 
-    `ratio` counts for GEAR and LINEAR, `length` [m a turn] for RACK_AND_PINION and SCREW. The second
-    connection follows, in the opposite direction unless `reverse`. A MIMIC is complete, and names dofs
-    instead of connections: the second is `ratio` · the first + `offset`, whatever their kinds and sign. In
-    the other types an `offset` of None means that of the saved pose. `name`: the relation's own, where its
-    source or the robot gives it one. `sure`: the user has chosen the direction.
+    A MIMIC is complete, and names dofs instead of connections: the second is `ratio` · the first + `offset`,
+    whatever their kinds and sign.
     """
 
     title: str
     type: str
     connections: tuple[str, ...]
+    """Names of its connections; "" for a connection that moves nothing."""
     ratio: float
+    """Ratio of a GEAR or LINEAR, and factor of a MIMIC."""
     length: float
+    """Length a turn [m] of a RACK_AND_PINION or SCREW."""
     reverse: bool
+    """Whether the second connection follows in the same direction; otherwise in the opposite."""
     offset: float | None = None
+    """[rad or m]; None means the offset of the saved pose."""
     name: str = ""
+    """Its own name, if its source or the robot gives it one."""
     sure: bool = False
+    """Whether the user has chosen the direction."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Marker:
-    """A frame that the designer named. `source`: the name as typed; `joint`: the name of the fixed joint that
-    holds it in the source; "" for none."""
+    """A frame that the designer named."""
 
     name: str
     title: str
     body: int
     world_from_frame: Array
     source: str
+    """Name as typed."""
     joint: str = ""
+    """Name of the fixed joint that holds it in the source; "" for none."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mechanism:
     """Bodies and the connections between them, which refer to bodies by number. Names are unique among
-    bodies, among connections and dofs, and among markers; those of a CAD assembly over all of them.
-
-    `root`: the body that is the root in the source itself, if any. `has_saved_pose`: whether the source has
-    a saved pose; a robot file has none, so all its joints are at zero. `unstated_base`: the diagnostic
-    for a root that nothing fixes, where the source cannot express whether it is fixed. `keyframes`: the named
-    poses of the source, in its own values. `mjcf`: what only an MJCF has; then the bodies are in its order.
-    `demands_limits`: whether the source's format demands numbers for limits, so that some stand for none.
-    `semantics`: what its SRDF says, by the names in the source.
-    """
+    bodies, among connections and dofs, and among markers; those of a CAD assembly over all of them."""
 
     bodies: tuple[RigidBody, ...]
     connections: tuple[Connection, ...]
@@ -135,16 +133,23 @@ class Mechanism:
     markers: tuple[Marker, ...]
     provenance: Provenance
     root: int | None = None
+    """The body that is the root in the source itself, if any."""
     has_saved_pose: bool = True
+    """Whether the source has a saved pose. A robot file has none, so all its joints are at zero."""
     transmissions: tuple[Transmission, ...] = ()
     controls: tuple[str, ...] = ()
     actuators: tuple[Actuator, ...] = ()
     sensors: tuple[Sensor, ...] = ()
     keyframes: tuple[Keyframe, ...] = ()
+    """Named poses of the source, in the values of its joints."""
     mjcf: MjcfExtras | None = None
+    """The extras of an MJCF; then the bodies are in its order."""
     unstated_base: Diagnostic | None = None
+    """The diagnostic for a root that nothing fixes, if the source cannot express whether it is fixed."""
     demands_limits: bool = False
+    """Whether the source's format demands numbers for limits, so that some numbers mean no limit."""
     semantics: RobotSemantics = NOTHING_MORE
+    """Content of its SRDF, by the names in the source."""
 
 
 class MechanismReader(Protocol):

@@ -1,4 +1,4 @@
-"""Relations between dofs as trees of steps, in each of which one dof drives all others."""
+"""Groups relations between dofs into trees of steps, in each of which one dof drives all others."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,24 +14,24 @@ from linkwright.stages.robot.text.globs import as_key
 
 @dataclass(frozen=True, slots=True)
 class DofRelation:
-    """`follower` = factor · `driver` + offset, names of dofs; an offset of None is that of the saved pose.
-
-    `complete`: the source gives all of it, and has no pose of its own. `sure`: the user chose the direction.
-    """
+    """A relation between dofs, by their names: `follower` = factor · `driver` + offset."""
 
     title: str
     driver: str
     follower: str
     factor: float
     offset: float | None = None
+    """[rad or m]; None means the offset of the saved pose."""
     name: str = ""
     complete: bool = False
+    """Whether the source gives all of it, and has no pose of its own."""
     sure: bool = False
+    """Whether the user chose the direction."""
 
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """From a dof to the next in its tree: `child` = factor · `parent` + offset."""
+    """A step from a dof to the next in its tree: `child` = factor · `parent` + offset."""
 
     name: str
     parent: str
@@ -40,46 +40,50 @@ class Step:
     offset: float = 0.0
 
     def inverted(self) -> "Step":
-        """The same, solved for the parent."""
+        """Returns the same step, solved for the parent."""
         return Step(self.name, self.child, self.parent, 1 / self.factor, 0.0 - self.offset / self.factor)
 
 
-def trees_of(found: Sequence[DofRelation], log: Diagnostics) -> list[list[DofRelation]]:
-    """The relations that belong together; E-RELATION for one between dofs that are related already."""
+def trees_of(relations: Sequence[DofRelation], log: Diagnostics) -> list[list[DofRelation]]:
+    """Returns the relations, grouped into trees; reports E-RELATION for a relation between dofs that are
+    related already."""
     forest = nx.utils.UnionFind()
-    kept = []
-    for one in found:
-        if forest[one.driver] == forest[one.follower]:
-            text = f"the joints {one.driver!r} and {one.follower!r} are related already"
-            hint = f"remove the redundant relation, or relations: {{{as_key(one.name)}: {{drop: true}}}}"
-            log.report("E-RELATION", text, one.title, hint)
+    tree_relations = []
+    for relation in relations:
+        if forest[relation.driver] == forest[relation.follower]:
+            text = f"the joints {relation.driver!r} and {relation.follower!r} are related already"
+            hint = f"remove the redundant relation, or relations: {{{as_key(relation.name)}: {{drop: true}}}}"
+            log.report("E-RELATION", text, relation.title, hint)
             continue
-        forest.union(one.driver, one.follower)
-        kept.append(one)
+        forest.union(relation.driver, relation.follower)
+        tree_relations.append(relation)
     trees: dict[str, list[DofRelation]] = {}
-    for one in kept:
-        trees.setdefault(forest[one.driver], []).append(one)
+    for relation in tree_relations:
+        trees.setdefault(forest[relation.driver], []).append(relation)
     return list(trees.values())
 
 
 def driver_of(tree: Sequence[DofRelation]) -> str:
-    """The first dof that follows nothing: there is one, as there is one relation fewer than dofs."""
-    followers = {one.follower for one in tree}
-    return next(one.driver for one in tree if one.driver not in followers)
+    """Returns the first dof that follows nothing. It exists, as a tree has fewer relations than dofs."""
+    followers = {relation.follower for relation in tree}
+    return next(relation.driver for relation in tree if relation.driver not in followers)
 
 
 def steps_of(tree: Sequence[DofRelation]) -> list[Step]:
-    """The relations as steps; an offset that is not known yet is 0."""
-    return [Step(one.name, one.driver, one.follower, one.factor, one.offset or 0.0) for one in tree]
+    """Returns the relations as steps; an offset that is not known yet is 0."""
+    return [
+        Step(relation.name, relation.driver, relation.follower, relation.factor, relation.offset or 0.0)
+        for relation in tree
+    ]
 
 
 def walk(steps: Sequence[Step], start: str) -> Iterator[Step]:
-    """Every step of a tree, turned to lead away from `start`, a parent's before its children's."""
-    at: dict[str, list[int]] = {}
+    """Yields every step of a tree, turned to lead away from `start`, a parent's before its children's."""
+    indices_of: dict[str, list[int]] = {}
     for number, step in enumerate(steps):
-        at.setdefault(step.parent, []).append(number)
-        at.setdefault(step.child, []).append(number)
-    reached, ready = {start}, at[start]
+        indices_of.setdefault(step.parent, []).append(number)
+        indices_of.setdefault(step.child, []).append(number)
+    reached, ready = {start}, indices_of[start]
     while ready:
         step = steps[heappop(ready)]
         away = step if step.parent in reached else step.inverted()
@@ -87,7 +91,7 @@ def walk(steps: Sequence[Step], start: str) -> Iterator[Step]:
             continue  # the step that led here, seen from its other end
         reached.add(away.child)
         yield away
-        for number in at[away.child]:
+        for number in indices_of[away.child]:
             heappush(ready, number)
 
 
@@ -97,16 +101,18 @@ def _pair(spec: RelationSpec) -> tuple[str, str]:
 
 
 def followed_values(specs: Iterable[RelationSpec], saved: Mapping[str, Value]) -> dict[str, float]:
-    """The values of scalar dofs where those that drive others are as `saved`.
+    """Returns the values of scalar dofs where the drivers are as `saved`.
 
-    Of relations that are complete (MIMIC); the same values as those that the pass over relations gives.
+    The relations are complete (MIMIC); the values equal those of the pass over relations.
     """
     ordered = sorted(specs, key=lambda spec: (spec.title, spec.connections))
-    found = [
+    relations = [
         DofRelation(spec.title, *_pair(spec), spec.ratio, spec.offset, complete=True) for spec in ordered
     ]
     values = {name: value for name, value in saved.items() if isinstance(value, float)}
-    for tree in trees_of([one for one in found if one.driver != one.follower], Diagnostics()):
+    for tree in trees_of(
+        [relation for relation in relations if relation.driver != relation.follower], Diagnostics()
+    ):
         for step in walk(steps_of(tree), driver_of(tree)):
             values[step.child] = step.factor * values[step.parent] + step.offset
     return values

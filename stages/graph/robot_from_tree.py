@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from linkwright.stages.graph.dofs import backwards
+from linkwright.stages.graph.dofs import reversed_dofs
 from linkwright.stages.graph.mechanism import Connection, Mechanism, RigidBody
 from linkwright.stages.graph.root import base_of
 from linkwright.stages.graph.section import GraphSections
@@ -31,29 +31,29 @@ from linkwright.stages.robot.model.robot import (
     Robot,
     frozen,
 )
-from linkwright.stages.robot.motion.tree_paths import ways_up
+from linkwright.stages.robot.motion.tree_paths import paths_up
 from linkwright.stages.robot.text.globs import fits, there_are
 from linkwright.stages.robot.text.names import free
 
 SOLREF = (0.005, 1.0)
-"""MuJoCo's solref of a loop that says none: time constant [s] and damping ratio."""
+"""MuJoCo's solref of a loop without its own: time constant [s] and damping ratio."""
 
 POSE_TOLERANCE = 1e-6
-"""How far [m, rad] the saved pose may be from what a mate allows before it is reported."""
+"""Largest error [m, rad] of a mate at the saved pose that is not reported."""
 
 
 def place(mechanism: Mechanism, tree: Tree, keys: GraphSections, log: Diagnostics) -> Robot:
-    """The robot along the tree, at the mechanism's saved pose."""
+    """Returns the robot along the tree, at the mechanism's saved pose."""
     world_from_link: dict[int, Array] = {tree.root: tree.world_from_root}
-    taken = {dof.name for c in mechanism.connections for dof in c.dofs} | {
+    taken_names = {dof.name for c in mechanism.connections for dof in c.dofs} | {
         c.name for c in mechanism.connections
     }
-    taken |= {body.name for body in mechanism.bodies}
+    taken_names |= {body.name for body in mechanism.bodies}
     joints = []
     for edge in tree.edges:
         if edge.connection is None:
             world_from_link[edge.child] = mechanism.bodies[edge.child].world_from_body
-            joints.append(_stand_in(edge, mechanism, world_from_link, taken))
+            joints.append(_stand_in(edge, mechanism, world_from_link, taken_names))
         else:
             joints.append(_joint(edge, edge.connection, mechanism, world_from_link))
             _check_pose(edge.connection, log)
@@ -68,13 +68,13 @@ def place(mechanism: Mechanism, tree: Tree, keys: GraphSections, log: Diagnostic
         joints=tuple(joints),
         loops=tuple(
             _loop(
-                one,
+                connection,
                 mechanism,
-                ways_up(*one.bodies, parents, order),
+                paths_up(*connection.bodies, parents, order),
                 world_from_link,
-                keys.loops.solref or one.solref or SOLREF,
+                keys.loops.solref or connection.solref or SOLREF,
             )
-            for one in tree.cut
+            for connection in tree.cut
         ),
         relations=(),
         frames=_frames(mechanism, world_from_link, keys.frames.include, log),
@@ -98,20 +98,20 @@ def _joint(
         parent=mechanism.bodies[edge.parent].name,
         child=mechanism.bodies[edge.child].name,
         parent_from_joint=frozen(inverse(world_from_link[edge.parent]) @ parent),
-        dofs=backwards(connection.dofs) if turned else connection.dofs,
+        dofs=reversed_dofs(connection.dofs) if turned else connection.dofs,
         backwards=turned,
         mate=connection.ref,
     )
 
 
 def _stand_in(
-    edge: Edge, mechanism: Mechanism, world_from_link: Mapping[int, Array], taken: set[str]
+    edge: Edge, mechanism: Mechanism, world_from_link: Mapping[int, Array], taken_names: set[str]
 ) -> Joint:
-    """The joint of a link that no connection joins to the root: fixed or free."""
+    """Returns the joint of a link that no connection joins to the root: fixed or free."""
     body = mechanism.bodies[edge.child]
     child = body.name
-    name = (edge.stand_in == "free" and body.afloat) or free(f"{child}_{edge.stand_in}", taken)
-    taken.add(name)
+    name = (edge.stand_in == "free" and body.afloat) or free(f"{child}_{edge.stand_in}", taken_names)
+    taken_names.add(name)
     zero = frozen(np.zeros(3))
     floating = Dof(name, "free", zero, frozen(np.eye(4)), Limits(), Dynamics(), at_rest("free"))
     return Joint(
@@ -127,7 +127,8 @@ def _stand_in(
 
 
 def _check_afloat(joint: Joint, root: str, log: Diagnostics) -> None:
-    """E-FLOATING for a link that floats relative to a moving link: its pose is measured in the root."""
+    """Reports E-FLOATING for a link that floats relative to a moving link: its pose is measured in the
+    root."""
     if joint.type == "free" and joint.parent != root:
         text = f"it floats relative to the moving link {joint.parent!r}; only the root {root!r} is allowed"
         hint = f"make the root its parent, or choose the root: root.select={joint.parent}"
@@ -136,10 +137,10 @@ def _check_afloat(joint: Joint, root: str, log: Diagnostics) -> None:
 
 def _check_pose(connection: Connection, log: Diagnostics) -> None:
     if connection.residual > POSE_TOLERANCE:
-        what = (
+        text = (
             f"the saved pose breaks this {connection.ref.type} mate by {connection.residual:.2g} (m or rad)"
         )
-        log.report("W-MATE-POSE", what, connection.title, "solve the assembly in Onshape: a mate is in error")
+        log.report("W-MATE-POSE", text, connection.title, "solve the assembly in Onshape: a mate is in error")
 
 
 def _link(body: RigidBody, world_from_link: Array) -> Link:
@@ -147,23 +148,24 @@ def _link(body: RigidBody, world_from_link: Array) -> Link:
     parts = tuple(
         replace(part, link_from_part=frozen(link_from_world @ part.link_from_part)) for part in body.parts
     )
-    given = None if body.given is None else moved(body.given, link_from_world)
+    own_inertial = None if body.own_inertial is None else moved(body.own_inertial, link_from_world)
     summed = merged([moved(part.inertial, part.link_from_part) for part in parts])
     shapes = tuple(
         replace(shape, link_from_shape=frozen(link_from_world @ shape.link_from_shape))
         for shape in body.shapes
     )
-    return Link(body.name, given or summed, parts, body.path, given, shapes)
+    return Link(body.name, own_inertial or summed, parts, body.path, own_inertial, shapes)
 
 
 def _loop(
     connection: Connection,
     mechanism: Mechanism,
-    ways: tuple[list[int], list[int]],
+    paths: tuple[list[int], list[int]],
     world_from_link: Mapping[int, Array],
     solref: tuple[float, float],
 ) -> Loop:
-    """`ways`: from the first and from the second entity's body up the tree to where they meet."""
+    """Returns a loop; `paths`: the paths from the first and from the second entity's body up the tree to
+    where they meet."""
     a, b = connection.bodies
     first, second = connection.world_from_frames
     return Loop(
@@ -174,23 +176,24 @@ def _loop(
         a_from_frame=frozen(inverse(world_from_link[a]) @ first),
         b_from_frame=frozen(inverse(world_from_link[b]) @ second),
         dofs=connection.dofs,
-        lever=_lever(first[:3, 3], [world_from_link[body][:3, 3] for way in ways for body in way]),
+        lever=_lever(first[:3, 3], [world_from_link[body][:3, 3] for path in paths for body in path]),
         solref=solref,
         residual=connection.residual,
         mate=connection.ref,
     )
 
 
-def _lever(origin: Array, others: list[Array]) -> float:
-    """Half the loop's reach from its closing joint: a length on the mechanism's own scale."""
-    reach = max((float(np.linalg.norm(other - origin)) for other in others), default=0.0)
+def _lever(origin: Array, origins: list[Array]) -> float:
+    """Returns half the loop's reach from its closing joint: a length on the mechanism's own scale."""
+    reach = max((float(np.linalg.norm(other - origin)) for other in origins), default=0.0)
     return reach / 2 if reach > 1e-6 else 0.05
 
 
 def _frames(
     mechanism: Mechanism, world_from_link: Mapping[int, Array], include: tuple[str, ...], log: Diagnostics
 ) -> tuple[Frame, ...]:
-    """The mate connectors that `frames.include` chooses, on their links; E-GLOB for what chooses none."""
+    """Returns the mate connectors that `frames.include` chooses, on their links; reports E-GLOB for a glob
+    that chooses none."""
     for glob in include:
         if not any(fits(marker.name, glob) for marker in mechanism.markers):
             hint = there_are(glob, {"frames": [marker.name for marker in mechanism.markers]})

@@ -1,5 +1,6 @@
 """Chooses the root body and its frame, and whether it is fixed to the world."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import networkx as nx
@@ -12,20 +13,20 @@ from linkwright.stages.robot.model.robot import Array, Base
 from linkwright.stages.robot.text.globs import matching, with_plain
 
 
-def choose_root(mechanism: Mechanism, keys: RootSection) -> tuple[int, Array]:
-    """The root body and the pose (4, 4) of its frame in the world.
+def choose_root(mechanism: Mechanism, section: RootSection) -> tuple[int, Array]:
+    """Returns the number of the root body, and the pose (4, 4) of the root's frame in the world.
 
-    Where something moves relative to the assembly's origin, the origin is the root. Else `select` chooses:
-    auto takes the body that `frame` is on, what the source itself has for a root, what is fixed in CAD, or
-    the heaviest; central the body nearest to all others; anything else is a name or a glob over names of
-    links and instances.
+    If any body is mated to the assembly's origin, the origin is the root. Otherwise `select` decides. With
+    auto it is the first of these that exists: the body that has `frame`, the root of the source, the heaviest
+    body that CAD fixes, the heaviest body. With central it is the body with the shortest paths to all others.
+    Any other value is a name or glob that matches links or instances.
     """
-    marker = _marker(mechanism, keys.frame) if keys.frame else None
-    origin = next((i for i, body in enumerate(mechanism.bodies) if body.name == WORLD_LINK), None)
-    root = _selected(mechanism, keys.select, marker, origin)
+    marker = _marker(mechanism, section.frame) if section.frame else None
+    origin = next((number for number, body in enumerate(mechanism.bodies) if body.name == WORLD_LINK), None)
+    root = _selected(mechanism, section.select, marker, origin)
     name = mechanism.bodies[root].name
     if origin is not None and root != origin:
-        movers = [c.title for c in mechanism.connections if origin in c.bodies]
+        movers = [connection.title for connection in mechanism.connections if origin in connection.bodies]
         move = "moves" if len(movers) == 1 else "move"
         msg = f"{name!r} cannot be the root: {', '.join(movers)} {move} relative to the assembly's origin"
         raise NoRoot(
@@ -40,16 +41,18 @@ def choose_root(mechanism: Mechanism, keys: RootSection) -> tuple[int, Array]:
     return root, mechanism.bodies[root].world_from_body
 
 
-def _marker(mechanism: Mechanism, wanted: str) -> Marker:
-    hits = [m for m in mechanism.markers if wanted in (m.name, m.source, m.title)]
-    if len(hits) != 1:
-        msg = f"{len(hits) or 'no'} mate connectors are called {wanted!r}"
-        there = ", ".join(sorted(m.name for m in hits or mechanism.markers)) or "none"
-        raise NoRoot(msg, "root.frame", f"there are: {there}")
-    return hits[0]
+def _marker(mechanism: Mechanism, name: str) -> Marker:
+    """Returns the mate connector with a name; raises NoRoot if none or several have it."""
+    matches = [marker for marker in mechanism.markers if name in (marker.name, marker.source, marker.title)]
+    if len(matches) != 1:
+        msg = f"{len(matches) or 'no'} mate connectors are called {name!r}"
+        candidates = ", ".join(sorted(marker.name for marker in matches or mechanism.markers)) or "none"
+        raise NoRoot(msg, "root.frame", f"there are: {candidates}")
+    return matches[0]
 
 
 def _selected(mechanism: Mechanism, select: str, marker: Marker | None, origin: int | None) -> int:
+    """Returns the number of the body that `select` chooses; raises NoRoot unless it is one."""
     bodies = mechanism.bodies
     if select == "auto":
         if origin is not None:
@@ -66,34 +69,36 @@ def _selected(mechanism: Mechanism, select: str, marker: Marker | None, origin: 
         graph.add_edges_from(connection.bodies for connection in mechanism.connections)
         closeness = nx.closeness_centrality(graph)
         return min(range(len(bodies)), key=lambda number: (-closeness[number], bodies[number].name))
-    hits = matching(select, [{body.name} for body in bodies])
-    hits = hits or matching(select, [with_plain(body.titles) for body in bodies])
-    if len(hits) == 1:
-        return hits[0]
-    found = ", ".join(sorted(bodies[number].name for number in hits or range(len(bodies))))
-    msg = f"{len(hits) or 'no'} links match {select!r}"
-    raise NoRoot(msg, "root.select", f"name one of: {found}")
+    matches = matching(select, [{body.name} for body in bodies])
+    matches = matches or matching(select, [with_plain(body.titles) for body in bodies])
+    if len(matches) == 1:
+        return matches[0]
+    candidates = ", ".join(sorted(bodies[number].name for number in matches or range(len(bodies))))
+    msg = f"{len(matches) or 'no'} links match {select!r}"
+    raise NoRoot(msg, "root.select", f"name one of: {candidates}")
 
 
-def heaviest(mechanism: Mechanism, among: "list[int] | range") -> int:
-    """The body with the most mass; of equal ones the first by name."""
-    mass = {n: sum(part.inertial.mass for part in mechanism.bodies[n].parts) for n in among}
+def heaviest(mechanism: Mechanism, among: Sequence[int]) -> int:
+    """Returns the number of the heaviest body; of equally heavy bodies, the first by name."""
+    mass = {body: sum(part.inertial.mass for part in mechanism.bodies[body].parts) for body in among}
     return min(among, key=lambda number: (-mass[number], mechanism.bodies[number].name))
 
 
-def base_of(mechanism: Mechanism, root: int, keys: RootSection, log: Diagnostics) -> Base:
-    """Whether the root is fixed to the world, and why."""
+def base_of(mechanism: Mechanism, root: int, section: RootSection, log: Diagnostics) -> Base:
+    """Decides whether the root is fixed to the world, and says why. Reports E-BASE if the assembly's origin
+    would have to float, and W-BASE if the root floats though CAD fixes another link."""
     body = mechanism.bodies[root]
-    if body.name == WORLD_LINK and keys.base == "free":
-        what = "the root is the assembly's origin, which other links are mated to: it cannot float"
+    if body.name == WORLD_LINK and section.base == "free":
+        text = "the root is the assembly's origin, which other links are mated to: it cannot float"
         log.report(
-            "E-BASE", what, "root.base", "leave root.base at auto, or mate to a part instead of the origin"
+            "E-BASE", text, "root.base", "leave root.base at auto, or mate to a part instead of the origin"
         )
-    elif keys.base != "auto":
-        return Base(keys.base == "fixed", f"root.base is {keys.base}", body.afloat or "")
+        # The error ends the build later; until then, go on as with auto.
+    elif section.base != "auto":
+        return Base(section.base == "fixed", f"root.base is {section.base}", body.afloat or "")
     if body.fixed_reason:
         return Base(True, body.fixed_reason)
-    other = next((one for one in mechanism.bodies if one.fixed_reason), None)
+    other = next((fixed_body for fixed_body in mechanism.bodies if fixed_body.fixed_reason), None)
     if other is not None:
         log.report(
             "W-BASE",

@@ -29,9 +29,7 @@ def _file_name(name: str) -> str:
             "must be letters, digits, _ and - only: it names files (the key `output` moves the folder)"
         )
     if name.lower() == "scene":
-        raise invalid(
-            "must be another word: <name>.xml would overwrite scene.xml, the world around the robot"
-        )
+        raise invalid("choose another name: <name>.xml would overwrite scene.xml, the world around the robot")
     return name
 
 
@@ -43,23 +41,24 @@ class RootSection(Section):
     others; else the name of a link or an instance, or a glob."""
 
     base: Literal["auto", "fixed", "free"] = "auto"
-    """How the root stands in the world. fixed: fixed to it; free: with a floating joint; auto: fixed if CAD
-    fixes one of its parts."""
+    """How the root is connected to the world. fixed: fixed to it; free: by a floating joint; auto: fixed if
+    CAD fixes one of its parts."""
 
     frame: Annotated[Text | None, example("base_frame")] = None
-    """The mate connector whose frame is that of the root; with `root.select: auto` its link is the root.
+    """The mate connector whose frame becomes the root's frame; with `root.select: auto` its link is the root.
     null: the assembly's origin."""
 
     disconnected: Literal["error", "weld", "drop", "separate"] = "error"
-    """Parts that no mate connects to the root. error: refused; weld: fixed to the root where they are; drop:
-    left out; separate: each group floats on its own."""
+    """Parts that no mate connects to the root. error: the build fails; weld: fixed to the root where they
+    are; drop: left out; separate: each group floats on its own."""
 
 
 class DepthSection(Section):
     """Sub-assemblies whose parts may move against each other; by default all of them, at any depth."""
 
     max: Annotated[Annotated[int, Strict(), Field(ge=0)] | None, example(1)] = None
-    """Number of levels of sub-assemblies that are flexible; 0: each is rigid; null: no bound."""
+    """Number of levels of sub-assemblies that are flexible; 0: every sub-assembly is rigid; null: no
+    limit."""
 
     rigid: Annotated[tuple[Text, ...], example(["Servo*"])] = ()
     """Globs of sub-assemblies that are rigid, with everything in them; a glob with a slash matches the whole
@@ -105,15 +104,15 @@ class JointSection(Section):
     """In place of `armature`: inertia of the rotor itself [kg m²]; the armature is this times `gear`²."""
 
     gear: Annotated[Positive | None, example(50)] = None
-    """Of `rotor_inertia`: turns of the rotor per turn of the joint [-], or its angle per length of a slide
-    [rad/m]; null: 1."""
+    """Gear for `rotor_inertia`: turns of the rotor per turn of the joint [-], or angle of the rotor per
+    length of a slide [rad/m]; null: 1."""
 
     zero: Annotated[Coordinate | None, example(0.3)] = None
-    """The mate's own value [rad or m] where the joint's value is 0; null: as the key `zero` has it. Limits
-    stay in the mate's own value; keyframes, controls and everything exported are in the joint's."""
+    """The mate's own value [rad or m] at which the joint's value is 0; null: as the key `zero` says. Limits
+    are in the mate's own value; keyframes, controls and everything exported are in the joint's value."""
 
     invert: Annotated[Flag | None, example(True)] = None
-    """Whether the joint's value grows where the mate's own falls."""
+    """Whether the joint's value grows when the mate's own value falls."""
 
     @model_validator(mode="after")
     def _one_armature(self) -> Self:
@@ -129,7 +128,7 @@ class RelationSection(Section):
     """Whether the follower moves in the opposite direction."""
 
     offset: Annotated[Coordinate | None, example(0.1)] = None
-    """Value of the follower where its driver is at 0, in the mates' own values [rad or m]; null: as in the
+    """Value of the follower when its driver is at 0, in the mates' own values [rad or m]; null: as in the
     saved pose."""
 
     drop: Annotated[Flag | None, example(True)] = None
@@ -180,7 +179,7 @@ class GraphSections(OptionalSection):
     """The root link of the kinematic tree."""
 
     depth: DepthSection = DepthSection()
-    """Sub-assemblies whose parts may move against each other."""
+    """Sub-assemblies whose parts may move relative to each other."""
 
     hidden: Literal["keep", "drop"] = "keep"
     """Instances that are hidden in CAD. keep: built; drop: left out, as if they were suppressed."""
@@ -193,8 +192,9 @@ class GraphSections(OptionalSection):
     """Mirrored and patterned instances. joints: with copies of the seed's joints; weld: rigid."""
 
     conventions: Literal["linkwright", "onshape_to_robot"] = "linkwright"
-    """Names in CAD that have a meaning. onshape_to_robot: those of that tool (dof_, closing_, frame_, fix_,
-    link_, _inv), and also its zero pose (saved), its root (the first instance) and rigid sub-assemblies."""
+    """Names in CAD that have a meaning. onshape_to_robot: the names of the tool onshape-to-robot (dof_,
+    closing_, frame_, fix_, link_, _inv), and also its zero pose (saved), its root (the first instance) and
+    rigid sub-assemblies."""
 
     names: NamesSection = NamesSection()
     """Names of your own."""
@@ -202,8 +202,8 @@ class GraphSections(OptionalSection):
     joints: Annotated[dict[Text, JointSection], example({"*finger": {"damping": 0.1}})] = Field(
         default_factory=dict
     )
-    """Glob on names of dofs → properties; later entries win, property by property. The dof of a joint with
-    only one has the name of the joint; others are named as lift_slide and lift_turn."""
+    """Glob on names of dofs → properties; later entries win, property by property. A joint's only dof has the
+    joint's name; several dofs of a joint get suffixes, such as lift_slide and lift_turn."""
 
     relations: Annotated[dict[Text, RelationSection], example({"Gear*": {"invert": True}})] = Field(
         default_factory=dict
@@ -235,8 +235,8 @@ class GraphSections(OptionalSection):
         dict[Text, dict[Text, Coordinate] | None],
         example({"home": {"*knee*": 0.6}, "crouch": {"*knee*": 1.2}, "stand_on_left_leg": None}),
     ] = Field(default_factory=dict)
-    """Name → glob on names of dofs → value [rad or m]; later entries win. The other joints are as near to
-    `home` as limits, relations and loops allow; those of `home` itself as near to the saved pose. `home` and
-    `cad`, the saved pose, are always there; `cad` may lie outside the limits. Those of an MJCF source, and
-    the states of a URDF's SRDF, are there too, within the limits; a value here wins over the source's of the
-    same name, and null in place of values leaves the source's keyframe out."""
+    """Name → glob on names of dofs → value [rad or m]; later entries win. The other joints stay as near to
+    `home` as limits, relations and loops allow; for `home` itself, as near to the saved pose. `home` and
+    `cad`, the saved pose, are always there; `cad` may lie outside the limits. Keyframes of an MJCF source,
+    and states of a URDF's SRDF, are there too, within the limits; values here override the source's keyframe
+    of the same name, and null leaves the source's keyframe out."""

@@ -1,4 +1,4 @@
-"""The kinematic tree: which connections are in the tree, which close loops, and the order of the bodies."""
+"""Chooses the kinematic tree: the connections in it, those that close loops, and the order of the bodies."""
 
 import re
 from collections.abc import Collection, Iterator
@@ -22,12 +22,12 @@ CUT_LAST: dict[JointType, int] = {"prismatic": 0, "revolute": 2, "ball": 3, "fix
 _JOIN = "connect it by a joint in the file, or remove it"
 
 LEFT_OUT = ("W-MATE-BROKEN", "W-FEATURE", "W-PATTERN", "W-PEER-MATE")
-"""Codes of what holds nothing: reported beside unconnected parts, as they may be the reason."""
+"""Codes of features that hold nothing: reported beside unconnected parts, as they may be the reason."""
 
 
 @dataclass(frozen=True, slots=True)
 class Edge:
-    """From a parent body to a child body: a connection, or the fixed or free joint in its place."""
+    """An edge from a parent body to a child body: a connection, or the fixed or free joint in its place."""
 
     parent: int
     child: int
@@ -37,33 +37,36 @@ class Edge:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tree:
-    """`order`: bodies, root first, a parent before its children; `cut`: connections that close loops."""
+    """The kinematic tree of a mechanism."""
 
     root: int
     world_from_root: Array
     order: tuple[int, ...]
+    """Bodies, the root first, a parent before its children."""
     edges: tuple[Edge, ...]
     cut: tuple[Connection, ...]
+    """Connections that close loops."""
 
 
 def spanning_tree(mechanism: Mechanism, keys: GraphSections, log: Diagnostics) -> Tree:
-    """The tree that keeps what a user drives: relations, then limited mates, sliders before turns.
+    """Returns the spanning tree, in which driven connections stay: relations, then limited mates, sliders
+    before turns.
 
     Kruskal over a total order of the connections, so neither the root nor the order of features decides
     the cuts; mates without limits and relations close the loops, unless `loops.cut` names others.
     """
     root, world_from_root = choose_root(mechanism, keys.root)
-    kept, cut = _forest(mechanism, keys.loops.cut, log)
+    graph, cut = _forest(mechanism, keys.loops.cut, log)
     _report_uncut(mechanism, keys.loops.cut, cut, log)
     in_order = mechanism.mjcf is not None
-    order, edges = _walk(kept, root, in_order)
-    islands = _islands(mechanism, kept, set(order))
+    order, edges = _walk(graph, root, in_order)
+    islands = _islands(mechanism, graph, set(order))
     if islands and keys.root.disconnected == "error":
-        raise _disconnected(mechanism, root, islands, log)
+        raise _disconnected_error(mechanism, root, islands, log)
     for island in islands:
         _report_island(mechanism, island, keys.root, log)
-        more, grown = _attached(mechanism, kept, root, island, keys.root)
-        order, edges = [*order, *more], [*edges, *grown]
+        island_order, island_edges = _island_tree(mechanism, graph, root, island, keys.root)
+        order, edges = [*order, *island_order], [*edges, *island_edges]
     cut = [connection for connection in cut if set(order).issuperset(connection.bodies)]
     return Tree(root, world_from_root, tuple(order), tuple(edges), tuple(cut))
 
@@ -71,32 +74,35 @@ def spanning_tree(mechanism: Mechanism, keys: GraphSections, log: Diagnostics) -
 def _forest(
     mechanism: Mechanism, cut: Collection[str], log: Diagnostics
 ) -> tuple[nx.MultiGraph, list[Connection]]:
-    """The connections that join bodies, as a graph without circles, and those that close loops in it."""
+    """Returns the connections that join bodies, as a graph without circles, and those that close loops in
+    it."""
     forest = nx.utils.UnionFind(range(len(mechanism.bodies)))
-    kept: nx.MultiGraph = nx.MultiGraph()
-    kept.add_nodes_from(range(len(mechanism.bodies)))
+    graph: nx.MultiGraph = nx.MultiGraph()
+    graph.add_nodes_from(range(len(mechanism.bodies)))
     closing = []
-    for connection in _ranked(mechanism, cut, log):
+    for connection in _by_rank(mechanism, cut, log):
         first, second = connection.bodies
         if forest[first] == forest[second]:
             closing.append(connection)
         else:
             forest.union(first, second)
-            kept.add_edge(first, second, connection=connection)
-    return kept, closing
+            graph.add_edge(first, second, connection=connection)
+    return graph, closing
 
 
-def _ranked(mechanism: Mechanism, cut: Collection[str], log: Diagnostics) -> list[Connection]:
-    """The connections, those that shall be in the tree first."""
+def _by_rank(mechanism: Mechanism, cut: Collection[str], log: Diagnostics) -> list[Connection]:
+    """Returns the connections, those that shall be in the tree first."""
     related = {name for spec in mechanism.relations for name in spec.connections}
     for glob in cut:
-        if not any(_named(connection, glob) for connection in mechanism.connections):
-            hint = there_are(glob, {"mates that move": [one.name for one in mechanism.connections]})
+        if not any(_has_name(connection, glob) for connection in mechanism.connections):
+            hint = there_are(
+                glob, {"mates that move": [connection.name for connection in mechanism.connections]}
+            )
             log.unmatched("E-GLOB", f"no mate matches {glob!r}", "loops.cut", hint, glob)
 
     def rank(connection: Connection) -> tuple[object, ...]:
         return (
-            any(_named(connection, glob) for glob in cut),
+            any(_has_name(connection, glob) for glob in cut),
             connection.closes,
             CUT_LAST.get(connection.type, 1),
             connection.name not in related,
@@ -108,76 +114,77 @@ def _ranked(mechanism: Mechanism, cut: Collection[str], log: Diagnostics) -> lis
     return sorted(mechanism.connections, key=rank)
 
 
-def _named(connection: Connection, glob: str) -> bool:
+def _has_name(connection: Connection, glob: str) -> bool:
     return any(fits(name, glob) for name in (connection.name, connection.ref.name, connection.title))
 
 
 def _report_uncut(
-    mechanism: Mechanism, wanted: Collection[str], cut: Collection[Connection], log: Diagnostics
+    mechanism: Mechanism, globs: Collection[str], cut: Collection[Connection], log: Diagnostics
 ) -> None:
-    """W-LOOP-CUT for a mate that is not cut as wanted: it closes no loop, or another mate does."""
-    for glob in wanted:
-        names = [connection.title for connection in mechanism.connections if _named(connection, glob)]
-        if glob != "*" and names and not any(_named(connection, glob) for connection in cut):
-            what = f"{', '.join(sorted(names))} closes no loop, so it remains in the tree"
-            log.report("W-LOOP-CUT", what, "loops.cut", "remove it from loops.cut")
+    """Reports W-LOOP-CUT for a mate of `globs` that is not cut: it closes no loop, or another mate closes
+    it."""
+    for glob in globs:
+        names = [connection.title for connection in mechanism.connections if _has_name(connection, glob)]
+        if glob != "*" and names and not any(_has_name(connection, glob) for connection in cut):
+            text = f"{', '.join(sorted(names))} closes no loop, so it remains in the tree"
+            log.report("W-LOOP-CUT", text, "loops.cut", "remove it from loops.cut")
 
 
-def _walk(kept: nx.MultiGraph, root: int, in_order: bool = False) -> tuple[list[int], list[Edge]]:
-    """Depth first, children by the names of their joints, or `in_order` by their numbers: the order of every
-    exported file."""
+def _walk(graph: nx.MultiGraph, root: int, in_order: bool = False) -> tuple[list[int], list[Edge]]:
+    """Returns the bodies and edges depth first, children by the names of their joints, or `in_order` by their
+    numbers: the order of every exported file."""
     order: list[int] = [root]
     edges: list[Edge] = []
-    seen = {root}
-    stack = [_branches(kept, root, in_order)]
+    visited = {root}
+    stack = [_branches(graph, root, in_order)]
     while stack:
         edge = next(stack[-1], None)
         if edge is None:
             stack.pop()
-        elif edge.child not in seen:
-            seen.add(edge.child)
+        elif edge.child not in visited:
+            visited.add(edge.child)
             order.append(edge.child)
             edges.append(edge)
-            stack.append(_branches(kept, edge.child, in_order))
+            stack.append(_branches(graph, edge.child, in_order))
     return order, edges
 
 
-def _branches(kept: nx.MultiGraph, body: int, in_order: bool) -> Iterator[Edge]:
-    edges = [Edge(body, other, data["connection"]) for _, other, data in kept.edges(body, data=True)]
+def _branches(graph: nx.MultiGraph, body: int, in_order: bool) -> Iterator[Edge]:
+    edges = [Edge(body, other, data["connection"]) for _, other, data in graph.edges(body, data=True)]
     if in_order:
         return iter(sorted(edges, key=lambda edge: edge.child))
     return iter(sorted(edges, key=lambda edge: natural(edge.connection.name if edge.connection else "")))
 
 
 def natural(name: str) -> tuple[tuple[int, int, str], ...]:
-    """A sort key in which "joint_10" comes after "joint_2"."""
+    """Returns a sort key in which "joint_10" comes after "joint_2"."""
     return tuple(
         (0, len(text.lstrip("0")), text.lstrip("0")) if text.isdecimal() else (1, 0, text)
         for text in re.split(r"(\d+)", name)
     )
 
 
-def _islands(mechanism: Mechanism, kept: nx.MultiGraph, reached: set[int]) -> list[list[int]]:
-    """Bodies that are not connected to the root, in groups that are connected with each other."""
-    islands = [sorted(found) for found in nx.connected_components(kept) if reached.isdisjoint(found)]
+def _islands(mechanism: Mechanism, graph: nx.MultiGraph, reached: set[int]) -> list[list[int]]:
+    """Returns bodies that are not connected to the root, in groups that are connected with each other."""
+    islands = [sorted(group) for group in nx.connected_components(graph) if reached.isdisjoint(group)]
     return sorted(islands, key=lambda island: min(mechanism.bodies[body].name for body in island))
 
 
-def _disconnected(
+def _disconnected_error(
     mechanism: Mechanism, root: int, islands: list[list[int]], log: Diagnostics
 ) -> Disconnected:
     bodies = mechanism.bodies
-    problems = [one for one in log.found if one.code in LEFT_OUT]
+    problems = [diagnostic for diagnostic in log.found if diagnostic.code in LEFT_OUT]
     for island in islands:
         parts = sorted(part.name for body in island for part in bodies[body].parts)
         names = ", ".join(sorted(bodies[body].name for body in island))
-        what = f"{_are(len(parts), 'part')} not connected to the root: {names}"
+        text = f"{_count_and_verb(len(parts), 'part')} not connected to the root: {names}"
         where = parts[0] if parts else names
         hint = "mate it in Onshape (a FASTENED mate makes two parts one link), or suppress it"
         if not mechanism.has_saved_pose:
-            what = f"{_are(len(island), 'link')} not connected to the root"
+            text = f"{_count_and_verb(len(island), 'link')} not connected to the root"
             where, hint = names, _JOIN
-        problems.append(Diagnostic("E-LOOSE", what, where, hint))
+        problems.append(Diagnostic("E-LOOSE", text, where, hint))
     total = sum(len(island) for island in islands)
     verb = "is" if total == 1 else "are"
     msg = f"{total} of {len(bodies)} bodies {verb} not connected to the root {bodies[root].name!r}"
@@ -188,27 +195,28 @@ def _disconnected(
     return Disconnected(msg, hint=hint, problems=problems)
 
 
-def _are(number: int, thing: str) -> str:
+def _count_and_verb(number: int, thing: str) -> str:
     return f"{count(number, thing)} {'is' if number == 1 else 'are'}"
 
 
 def _report_island(mechanism: Mechanism, island: list[int], keys: RootSection, log: Diagnostics) -> None:
     names = ", ".join(sorted(mechanism.bodies[body].name for body in island))
-    done = {"drop": "left out", "weld": "fixed to the root", "separate": "floating on its own"}
-    what = f"{names}: {done[keys.disconnected]}, as it is not connected to the root"
+    treatments = {"drop": "left out", "weld": "fixed to the root", "separate": "floating on its own"}
+    text = f"{names}: {treatments[keys.disconnected]}, as it is not connected to the root"
     hint = "mate it to the robot in Onshape, or suppress it" if mechanism.has_saved_pose else _JOIN
-    log.report("I-LOOSE", what, f"root.disconnected: {keys.disconnected}", hint)
+    log.report("I-LOOSE", text, f"root.disconnected: {keys.disconnected}", hint)
 
 
-def _attached(
-    mechanism: Mechanism, kept: nx.MultiGraph, root: int, island: list[int], keys: RootSection
+def _island_tree(
+    mechanism: Mechanism, graph: nx.MultiGraph, root: int, island: list[int], keys: RootSection
 ) -> tuple[list[int], list[Edge]]:
-    """The bodies of an island in order, and their edges, the first from the root; none to drop them."""
+    """Returns the bodies of an island in order, and their edges, the first from the root; nothing if it is
+    dropped."""
     if keys.disconnected == "drop":
         return [], []
     fixed = [body for body in island if mechanism.bodies[body].fixed_reason]
     afloat = [body for body in island if mechanism.bodies[body].afloat is not None]
     head = heaviest(mechanism, fixed or afloat or island)
-    order, edges = _walk(kept, head)
+    order, edges = _walk(graph, head)
     stand_in: Literal["fixed", "free"] = "fixed" if keys.disconnected == "weld" else "free"
     return order, [Edge(root, head, None, stand_in), *edges]

@@ -1,24 +1,26 @@
-"""Mesh: a `Robot` and the triangles of its parts in, a `Geometry` out.
+"""Makes the `Geometry` of a `Robot` from the triangles of its parts.
 
 Every link gets one visual mesh a colour, or a part, and the colliders that `mesh.collider` chooses, in its
-own frame. The primitives that the user gave it stay as they are, but for cylinders where MJX is the target.
+own frame. Primitives that the user added to a link stay as they are, unless a target cannot collide their
+kind.
 
-- assets: The mesh files of a robot in the form that `mesh.format` and `mesh.assets` ask for.
-- com_check: Whether a link's centre of mass lies within its material.
-- contact_parts: Which parts take part in contact, of those that have a mesh.
-- diagnostics: Diagnostics of the mesh stage about missing, open and decimated meshes.
-- geometry: The robot's geometry: each link's meshes and colliders, made once, then named.
-- idle_keys: Keys of the mesh stage that nothing of this robot depends on.
-- library: The part meshes of a bundle, each reply read once and only where something must be made of it.
-- link_mesh: What is known of the meshes of a link's parts, and its visual meshes made of them, both as bytes
-  too.
-- link_uses: The parts of each link that have a mesh, and the visual meshes that are made of them.
-- makers: The table of the makers of colliders.
-- motion_digest: What decides where the links of a robot are, as a digest.
-- part_choices: What is asked of each part: whether it is seen and solid, who makes its collider, and the
-  contact of that.
+- assets: Converts the mesh files of a robot to the format that `mesh.format` and `mesh.assets` select.
+- com_check: Checks that a link's centre of mass is within the convex hull of its material.
+- contact_parts: Decides which parts with a mesh take part in contact.
+- diagnostics: Reports meshes that are missing, were decimated, or enclose another volume than their CAD part.
+- geometry: Makes the geometry of a robot: the meshes and colliders of each link, which are then given file
+  names.
+- idle_keys: Reports keys of the mesh stage that are set, but have no effect on this robot.
+- library: Reads the part meshes of a bundle: each reply once, and only if something must be made from it.
+- link_mesh: Collects findings about the meshes of a link's parts, and encodes the link's visual meshes.
+- link_uses: Collects the parts of each link that have a mesh, and makes the link's visual meshes from them.
+- makers: Maps the names of collider makers to their modules.
+- motion_digest: Computes a digest of everything that decides where the links of a robot are.
+- part_choices: Chooses for each part whether it is seen and solid, the maker of its collider, and the
+  collider's contact.
 - section: Configuration of the mesh stage: collision and visual geometry.
-- tessellation: Each part's triangles, welded to a surface, in the part studio's frame.
+- tessellation: Reads the mesh of each part: its triangles, welded to a surface, in the frame of the part
+  studio.
 """
 
 from __future__ import annotations
@@ -34,6 +36,7 @@ from linkwright.stages.mesh.configuration.collider_settings import (
     HullSettings,
     LadderSettings,
     PrimitiveSettings,
+    RawSettings,
     SphereSettings,
 )
 
@@ -43,22 +46,23 @@ if TYPE_CHECKING:
     from linkwright.stages.robot.model.geometry import Geometry
     from linkwright.stages.robot.model.robot import Robot
 
-VERSION = 53
-"""Grows with every change of what this stage makes of the same input."""
+VERSION = 58
+"""Version of the stage's output: it is raised whenever the same input gives another output."""
 
 
 class Maker(NamedTuple):
-    """What a maker of colliders works on, and the settings that it reads.
-
-    `per`: part, one collider for each part, in its own frame; link, one for all parts of a link that the
-    same key chooses, in the link's frame. `improves`: whether it has a second, costly step; `triangles`:
-    of a part with more some are left out first; None where all are needed, or take less time than that.
-    """
+    """How a maker of colliders works."""
 
     per: Literal["part", "link"]
+    """part: a collider for each part, in the part's frame; link: a collider for all parts of a link that the
+    same key chooses, in the link's frame."""
     settings: type[ColliderSettings] = ColliderSettings
+    """Type of the settings that the maker reads."""
     improves: bool = False
+    """Whether the maker has a second, costly step."""
     triangles: int | None = 50_000
+    """Number of triangles above which a part is decimated first; None if the maker needs all triangles, or is
+    faster than decimation."""
 
 
 COLLIDERS: Mapping[str, Maker] = {
@@ -66,47 +70,46 @@ COLLIDERS: Mapping[str, Maker] = {
     "hull": Maker("link", HullSettings, triangles=None),
     "ladder": Maker("part", LadderSettings, improves=True),
     "primitives": Maker("part", PrimitiveSettings),
-    "raw": Maker("part", triangles=None),
+    "raw": Maker("part", RawSettings, triangles=None),
     "spheres": Maker("part", SphereSettings),
     "visual": Maker("link", triangles=None),
 }
-"""The values of `mesh.collider`: modules of `stages/mesh/colliders`, each with a function `make` and, where
-it improves, `improve`."""
+"""The values of `mesh.collider`: modules of `stages/mesh/colliders`, each with a function `make` and, if it
+has a second step, `improve`."""
 
 GIVEN = Maker("link", GivenSettings)
-"""The module `stages.mesh.colliders.given`: a primitive that `mesh.colliders` names."""
+"""The module `stages.mesh.colliders.given`, which fits a primitive that `mesh.colliders` names."""
 
 BY_CONTACT = Maker("link", ContactSettings, triangles=5_000)
-"""The package `stages.mesh.by_contact`: what the ladder is without a tolerance."""
+"""The package `stages.mesh.by_contact`, which makes the colliders of the ladder without a tolerance."""
 
 PRIMITIVES = ("sphere", "capsule", "box", "cylinder")
-"""The primitives that may be named there."""
+"""The kinds of primitives that `mesh.colliders` may name."""
 
 Memo = Callable[[str, Mapping[str, Any], Callable[[], bytes]], bytes]
-"""memo(kind, key, make): the bytes that were made before for this kind and key, else `make()`.
+"""memo(kind, key, make): returns the bytes that were made before for this kind and key, else `make()`.
 
 The caller adds this stage's version and those of its libraries to the key.
 """
 
 
 Shown = Callable[[Sequence[str], int, int], None]
-"""shown(running, done, total): the names of the parts whose colliders are being made, and how many of all
-are done."""
+"""shown(running, done, total): shows progress. `running`: names of the parts whose colliders are being made;
+`done`, `total`: numbers of finished colliders and of all."""
 
 
 def make_geometry(
     robot: Robot, bundle: Bundle, keys: MeshSections, memo: Memo, shown: Shown | None = None
 ) -> Geometry:
-    """The shapes of all links and their files. Diagnostics: W-NO-MESH, W-FLAT,
-    W-MESH-VOLUME, W-COM-OUTSIDE, W-VISUAL-FACES, I-DECIMATED, I-NO-ASSETS,
-    W-NO-COLLIDER, W-COLLIDER, W-FALSE-CONTACT, I-SMALL-PARTS, I-RAW, I-ALWAYS-CONTACT, W-SELF-CONTACT.
-    MeshError where `geoms`, `mesh.colliders`, `ignore` or `contact.exclude` match nothing, or MuJoCo refuses
-    a collider.
+    """Makes the shapes of all links and their files. Reports W-NO-MESH, W-FLAT, W-MESH-VOLUME, W-COM-OUTSIDE,
+    W-VISUAL-FACES, I-DECIMATED, I-NO-ASSETS, W-NO-COLLIDER, W-COLLIDER, W-FALSE-CONTACT, I-SMALL-PARTS,
+    I-RAW, I-ALWAYS-CONTACT and W-SELF-CONTACT. Raises MeshError if a glob of `geoms`, `mesh.colliders`,
+    `ignore` or `contact.exclude` matches nothing, or MuJoCo refuses a collider.
 
-    Each link's visual meshes and each part's collider are made through `memo`, by content: renaming one
-    makes nothing again.
+    Each link's visual meshes and each part's collider are made through `memo`, with a key of their content,
+    so that renamed links and parts need no new work.
     """
-    # Late: the configuration reads this package and makes nothing.
+    # Late: the configuration imports this package, but makes no geometry.
     from linkwright.stages.mesh.geometry import geometry
 
     return geometry(robot, bundle, keys, memo, shown)

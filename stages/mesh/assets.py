@@ -1,4 +1,4 @@
-"""The mesh files of a robot in the form that `mesh.format` and `mesh.assets` ask for."""
+"""Converts the mesh files of a robot to the format that `mesh.format` and `mesh.assets` select."""
 
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import replace
@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from linkwright.stages.formats.meshes.body_arrays import distinct
 from linkwright.stages.formats.meshes.surface import Surface
-from linkwright.stages.formats.triangles import distinct
 from linkwright.stages.mesh.files import obj, stl
 from linkwright.stages.mesh.visuals import textures
 from linkwright.stages.robot.errors import Diagnostic
@@ -18,65 +18,69 @@ if TYPE_CHECKING:
     from linkwright.stages.mesh.section import MeshSection
 
 Assets = tuple[tuple[Shape, ...], Mapping[str, bytes]]
-"""Shapes, and the files that they name."""
+"""Shapes, and the content of the mesh files that they refer to, by file name."""
 
 
-def written(
-    shapes: Sequence[Shape], files: Mapping[str, bytes], section: "MeshSection"
+def converted(
+    shapes: Sequence[Shape], files: Mapping[str, bytes], section: "MeshSection", *, obj_only: bool = False
 ) -> tuple[Assets, list[Diagnostic]]:
-    """Shapes and files as they are written, out of meshes that are all named .stl, those with a texture being
-    OBJ files, and images: meshes of the same content are one file. I-NO-ASSETS and W-NO-COLLIDER where meshes
-    are left out. A mesh with a texture stays an OBJ, since an STL has no texture coordinates."""
+    """Converts mesh files to the configured format, and returns the shapes with their new file names.
+
+    All given meshes are named .stl, but the data of meshes with a texture are already OBJ, since an STL has
+    no texture coordinates; these stay OBJ, and `files` has their images. Meshes with equal content become one
+    file. Reports I-NO-ASSETS and W-NO-COLLIDER if meshes are left out. `obj_only`: whether a target reads no
+    other format.
+    """
     if section.assets == "none":
-        kept = tuple(shape for shape in shapes if shape.file is None)
-        return (kept, {}), _left_out(shapes)
-    found = {name: data for name, data in files.items() if name.endswith(textures.IMAGE)}
-    first = _first_names(shapes, files)
+        primitives = tuple(shape for shape in shapes if shape.file is None)
+        return (primitives, {}), _left_out(shapes)
+    assets = {name: data for name, data in files.items() if name.endswith(textures.IMAGE_SUFFIX)}
+    shared_names = _first_names(shapes, files)
     renamed = []
     for shape in shapes:
         if shape.file is None:
             renamed.append(shape)
             continue
         data = files[shape.file]
-        name = first[_content(shape, data)]
+        name = shared_names[_sharing_key(shape, data)]
         if shape.texture is not None:
-            name = _obj(name)
-            if name not in found:
-                found |= textures.dressed(shape, name, data)
-        elif section.format == "obj":
-            name = _obj(name)
-            if name not in found:
-                found[name] = obj.write(surface(data))
+            name = _obj_name(name)
+            if name not in assets:
+                assets |= textures.with_material_files(shape, name, data)
+        elif obj_only or section.format == "obj":
+            name = _obj_name(name)
+            if name not in assets:
+                assets[name] = obj.write(surface(data))
         else:
-            found[name] = data
+            assets[name] = data
         renamed.append(replace(shape, file=name))
-    return (tuple(renamed), dict(sorted(found.items()))), []
+    return (tuple(renamed), dict(sorted(assets.items()))), []
 
 
 def _first_names(shapes: Sequence[Shape], files: Mapping[str, bytes]) -> dict[Hashable, str]:
-    """By content: the name of the first mesh that has it, in the order of the links, of each the visual ones
-    first."""
+    """Maps each content to the name of its first mesh, in the order of the links, with visual meshes before
+    colliders."""
     order = {link: index for index, link in enumerate(dict.fromkeys(shape.link for shape in shapes))}
-    found: dict[Hashable, str] = {}
-    for shape in sorted(shapes, key=lambda one: (order[one.link], one.role == "collision")):
+    names: dict[Hashable, str] = {}
+    for shape in sorted(shapes, key=lambda shape: (order[shape.link], shape.role == "collision")):
         if shape.file is not None:
-            found.setdefault(_content(shape, files[shape.file]), shape.file)
-    return found
+            names.setdefault(_sharing_key(shape, files[shape.file]), shape.file)
+    return names
 
 
-def _content(shape: Shape, data: bytes) -> Hashable:
-    """What a mesh file, and the material in its library, are made of."""
+def _sharing_key(shape: Shape, data: bytes) -> Hashable:
+    """Returns a key that is equal for shapes that can share a mesh file and its material."""
     return (data, shape.texture, shape.colour) if shape.texture is not None else data
 
 
 def surface(data: bytes) -> Surface:
-    """The surface of a file that `stl.write` made: its points, sorted, and its triangles."""
+    """Reads a surface from an STL file that `stl.write` made; its vertices are sorted and distinct."""
     corners = stl.read(data)
     vertices, index = distinct(corners.reshape(-1, 3))
     return Surface(vertices, index.reshape(-1, 3).astype(np.int64))
 
 
-def _obj(name: str) -> str:
+def _obj_name(name: str) -> str:
     return f"{name.removesuffix('.stl')}.obj"
 
 
@@ -84,9 +88,9 @@ def _left_out(shapes: Sequence[Shape]) -> list[Diagnostic]:
     meshes = [shape for shape in shapes if shape.file is not None]
     visuals = sum(shape.role == "visual" for shape in meshes)
     colliders = len(meshes) - visuals
-    found = []
+    problems = []
     if meshes:
-        found.append(
+        problems.append(
             Diagnostic(
                 "I-NO-ASSETS",
                 f"{count(visuals, 'visual mesh', 'visual meshes')} and {count(colliders, 'collider')} that "
@@ -96,12 +100,12 @@ def _left_out(shapes: Sequence[Shape]) -> list[Diagnostic]:
             )
         )
     if not any(shape.role == "collision" and shape.file is None for shape in shapes):
-        found.append(
+        problems.append(
             Diagnostic(
                 "W-NO-COLLIDER",
-                "nothing of the robot collides: all of its colliders are meshes, which are left out",
+                "the robot collides with nothing: all its colliders are meshes, which are left out",
                 "mesh.assets",
                 "mesh.assets=files writes them; or give links primitives",
             )
         )
-    return found
+    return problems

@@ -1,35 +1,40 @@
-"""Whether a link's centre of mass lies within its material.
+"""Checks that a link's centre of mass is within the convex hull of its material.
 
-A solid's centre of mass lies inside its convex hull, and that of several inside the hull of them all.
+The centre of mass of a solid is inside its convex hull, and that of several solids inside their common hull.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
+import scipy
 
 from linkwright.stages.formats.meshes.surface import Points
 from linkwright.stages.mesh.files import stl
-from linkwright.stages.mesh.surfaces.pieces import around
+from linkwright.stages.mesh.surfaces.pieces import enclosing_points
 from linkwright.stages.mesh.tessellation import PartMesh
 from linkwright.stages.robot.dynamics.inertia import merged, moved
 from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.model.geometry import Shape
 from linkwright.stages.robot.model.robot import Array, Link, MeshRef, Part
 
-_OF_SIZE = 1e-6
-_MANY = 20_000
+_RELATIVE_TOLERANCE = 1e-6
+"""Distance outside of the hull that counts as inside, as a share of the size."""
+
+_MAX_POINTS = 20_000
+"""Number of points above which the hull of a sample is tried first."""
 
 Library = Callable[[Sequence[Part]], Mapping[MeshRef, PartMesh]]
-"""The meshes of these parts, where there are any."""
+"""Function that returns the meshes of parts; parts without a mesh are left out."""
 
 
-def unbalanced(
+def com_outside_hull(
     links: Sequence[Link], library: Library, shapes: Sequence[Shape], files: Mapping[str, bytes]
 ) -> list[Diagnostic]:
-    """W-COM-OUTSIDE for each link whose centre of mass is outside the hull of everything it is made of.
+    """Reports W-COM-OUTSIDE for each link whose centre of mass is outside the hull of all its parts and
+    primitives.
 
-    The `library` reads the triangles of the parts only where no collider of the link, a mesh among its
-    `shapes`, contains the centre of mass. `files`: the meshes in STL, by name.
+    The `library` reads the triangles of a link's parts only if no mesh collider of the link among `shapes`
+    contains the centre of mass. `files`: the meshes in STL, by name.
     """
     problems = []
     colliders: dict[str, list[bytes]] = {}
@@ -59,18 +64,18 @@ def _check(link: Link, meshes: Mapping[MeshRef, PartMesh]) -> Diagnostic | None:
     com = link.inertial.com
     if incomplete:
         # The parts with a mesh must contain their own common centre of mass.
-        known = merged([moved(part.inertial, part.link_from_part) for part, _ in pairs])
-        if known.mass == 0:
+        meshed = merged([moved(part.inertial, part.link_from_part) for part, _ in pairs])
+        if meshed.mass == 0:
             return None
-        com = known.com
+        com = meshed.com
     points = [_moved(mesh.surface.vertices, part.link_from_part) for part, mesh in pairs]
-    points += [around(primitive) for primitive in link.shapes]
+    points += [enclosing_points(primitive) for primitive in link.shapes]
     if not points:
         return None
     cloud = np.concatenate(points)
     size = float(np.linalg.norm(np.ptp(cloud, axis=0)))
     distance = outside(cloud, com)
-    return None if distance <= _OF_SIZE * size else _diagnostic(link, pairs, distance)
+    return None if distance <= _RELATIVE_TOLERANCE * size else _diagnostic(link, pairs, distance)
 
 
 def _diagnostic(link: Link, pairs: Sequence[tuple[Part, PartMesh]], distance: float) -> Diagnostic:
@@ -88,38 +93,37 @@ def _diagnostic(link: Link, pairs: Sequence[tuple[Part, PartMesh]], distance: fl
 
 
 def _outside_itself(part: Part, mesh: PartMesh) -> bool:
-    """Whether the part's own centre of mass is outside its own mesh's hull."""
+    """Tells whether the centre of mass of a part is outside the hull of its mesh."""
     if part.inertial.mass == 0:
         return False
     vertices = mesh.surface.vertices
     size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
-    return outside(vertices, part.inertial.com) > _OF_SIZE * size
+    return outside(vertices, part.inertial.com) > _RELATIVE_TOLERANCE * size
 
 
 def outside(points: Points, point: Array) -> float:
-    """How far [m] `point` (3,) is outside the convex hull of `points` (n ≥ 3, 3), at least; 0 inside.
+    """Returns a lower bound of the distance [m] of `point` (3,) from the convex hull of `points` (n ≥ 3, 3);
+    0 inside.
 
-    Points may lie in a plane, on a line or in one place: then the distance from that counts too.
+    The points may lie in a plane, on a line or in one place; then the distance from that counts too.
     """
-    # Late: a part from the cache needs no library that makes colliders or decimates.
-    from scipy.spatial import ConvexHull
-
-    if len(points) > _MANY and not outside(points[:: len(points) * 2 // _MANY], point):
-        return 0.0  # what is within the hull of some is within that of all
-    middle = points.mean(axis=0)
-    _, _, axes = np.linalg.svd(points - middle, full_matrices=False)
-    local, target = (points - middle) @ axes.T, (point - middle) @ axes.T
+    if len(points) > _MAX_POINTS and not outside(points[:: len(points) * 2 // _MAX_POINTS], point):
+        return 0.0  # a point in the hull of a sample is in the hull of all points
+    centroid = points.mean(axis=0)
+    _, _, axes = np.linalg.svd(points - centroid, full_matrices=False)
+    local, target = (points - centroid) @ axes.T, (point - centroid) @ axes.T
     low, high = local.min(axis=0), local.max(axis=0)
-    beyond = float(np.linalg.norm(np.maximum(0.0, np.maximum(low - target, target - high))))
-    wide = high - low > _OF_SIZE / 10 * float((high - low).max())
+    box_distance = float(np.linalg.norm(np.maximum(0.0, np.maximum(low - target, target - high))))
+    wide = high - low > _RELATIVE_TOLERANCE / 10 * float((high - low).max())
     if wide.sum() < 2:
-        return beyond
-    planes = ConvexHull(local[:, wide]).equations
-    return max(beyond, float((planes[:, :-1] @ target[wide] + planes[:, -1]).max()))
+        return box_distance
+    planes = scipy.spatial.ConvexHull(local[:, wide]).equations
+    return max(box_distance, float((planes[:, :-1] @ target[wide] + planes[:, -1]).max()))
 
 
 def _within(corners: Points, point: Array) -> bool:
-    """Whether `point` (3,) is inside the convex surface of triangles (m, 3, 3), by single precision."""
+    """Tells whether `point` (3,) is inside a convex surface, given as triangles (m, 3, 3) in single
+    precision."""
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     heights = np.einsum("ij,ij->i", normals, point - corners[:, 0])
     return bool((heights <= 0).all())

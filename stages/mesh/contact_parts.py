@@ -1,4 +1,4 @@
-"""Which parts take part in contact, of those that have a mesh."""
+"""Decides which parts with a mesh take part in contact."""
 
 from __future__ import annotations
 
@@ -16,56 +16,59 @@ from linkwright.stages.robot.text.plural import count
 FILES = ("urdf", "mjcf")
 """The kinds of bundle that declare collision shapes of their own."""
 
-_SHOWN = 20
+_MAX_LISTED = 20
+"""Largest number of parts that a diagnostic lists."""
 
 
 def with_basis(link: Link, kind: str, basis: Literal["declared", "visual"], as_is: bool = False) -> Link:
-    """A link whose colliding parts and primitives are those that its colliders are made of.
+    """Returns the link with only those parts and primitives marked as colliding that become its colliders.
 
-    `kind`: of the bundle. A file's own collision shapes, or its visual ones where it has none of the others;
-    `as_is`: only its own, since it says itself what collides.
+    For a URDF or an MJCF these are the declared collision shapes, or the visual shapes if `basis` is visual
+    or the link has no collision shapes. `kind`: kind of the bundle; `as_is`: whether the source itself says
+    what collides, so that visual shapes replace missing collision shapes only if `basis` is visual.
     """
     if kind not in FILES or (as_is and basis == "declared"):
         return link
-    declared = any(part.collides for part in link.parts) or any(one.collision for one in link.shapes)
+    declared = any(part.collides for part in link.parts) or any(shape.collision for shape in link.shapes)
     if basis == "declared" and declared:
         return link
     parts = tuple(replace(part, collides=part.seen) for part in link.parts)
-    shapes = tuple(replace(one, collision=one.visual) for one in link.shapes)
+    shapes = tuple(replace(shape, collision=shape.visual) for shape in link.shapes)
     return replace(link, parts=parts, shapes=shapes)
 
 
 def too_small(
-    parts: Sequence[Part], known: LinkParts, chosen: Sequence[PartChoice], min_size: float | None
+    parts: Sequence[Part], link_parts: LinkParts, choices: Sequence[PartChoice], min_size: float | None
 ) -> frozenset[int]:
-    """The indices of the colliding parts that have no collider: standard content and what is smaller than
-    `min_size` [m]; none where the link has nothing else. `known`, `chosen`: the findings and the choices of
-    the parts, in their order."""
+    """Returns the indices of the colliding parts that get no collider: standard content, and parts smaller
+    than `min_size` [m]; no index if the link has no other parts. `link_parts`, `choices`: the findings and
+    the choices of the parts, in their order."""
     colliding = [
         index
-        for index, (own, found) in enumerate(zip(chosen, known.findings, strict=True))
-        if own.collides and found.found
+        for index, (choice, finding) in enumerate(zip(choices, link_parts.findings, strict=True))
+        if choice.collides and finding.found
     ]
-    least = default_tolerance(known.diagonal) if min_size is None else min_size
+    minimum = default_tolerance(link_parts.diagonal) if min_size is None else min_size
     small = frozenset(
         index
         for index in colliding
-        if chosen[index].maker.entry < 0 and (parts[index].standard or known.findings[index].diagonal < least)
+        if choices[index].maker.entry < 0
+        and (parts[index].standard or link_parts.findings[index].diagonal < minimum)
     )
     return small if len(small) < len(colliding) else frozenset()
 
 
 def reported(small: Mapping[str, Sequence[str]]) -> list[Diagnostic]:
-    """I-SMALL-PARTS with the names of the parts, by link, that have no collider."""
-    named = [f"{name} of {link}" for link, names in small.items() for name in sorted(names)]
-    if not named:
+    """Reports I-SMALL-PARTS with the parts that have no collider. `small`: link → names of these parts."""
+    labels = [f"{name} of {link}" for link, names in small.items() for name in sorted(names)]
+    if not labels:
         return []
-    more = f" and {len(named) - _SHOWN} more" if len(named) > _SHOWN else ""
+    rest = f" and {len(labels) - _MAX_LISTED} more" if len(labels) > _MAX_LISTED else ""
     return [
         Diagnostic(
             "I-SMALL-PARTS",
-            f"{count(len(named), 'part')} of standard content or too small to matter have no collider: "
-            f"{', '.join(named[:_SHOWN])}{more}",
+            f"{count(len(labels), 'part')} of standard content or too small to matter have no collider: "
+            f"{', '.join(labels[:_MAX_LISTED])}{rest}",
             "mesh.min_size",
             "name a part in mesh.colliders to give it one; mesh.min_size=0 leaves out standard content alone",
         )

@@ -1,4 +1,4 @@
-"""Diagnostics of the mesh stage about missing, open and decimated meshes."""
+"""Reports meshes that are missing, were decimated, or enclose another volume than their CAD part."""
 
 from collections.abc import Mapping, Sequence
 
@@ -8,38 +8,43 @@ from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.model.robot import Link, MeshRef, Part
 from linkwright.stages.robot.text.plural import count
 
-_APART = 0.02
-_SHOWN = 20
+_MAX_VOLUME_DIFFERENCE = 0.02
+"""Largest difference between the volumes of a mesh and its CAD part that is not reported, as a share."""
 
-Found = Mapping[str, Sequence[tuple[Part, PartFinding]]]
-"""Link → its parts, in order, and the finding of each."""
+_MAX_LISTED = 20
+"""Largest number of links that a diagnostic lists."""
+
+Findings = Mapping[str, Sequence[tuple[Part, PartFinding]]]
+"""Link → its parts, in order, each with its finding."""
 
 
-def diagnostics(links: Sequence[Link], visuals: Mapping[str, LinkVisuals], found: Found) -> list[Diagnostic]:
-    """All findings, in the order of the links; `visuals` and `found` are by link name."""
-    every = [pair for link in links for pair in found[link.name]]
-    if every and not any(finding.found for _, finding in every):
+def diagnostics(
+    links: Sequence[Link], visuals: Mapping[str, LinkVisuals], findings: Findings
+) -> list[Diagnostic]:
+    """Returns all diagnostics, in the order of the links; `visuals` and `findings` are by link name."""
+    pairs = [pair for link in links for pair in findings[link.name]]
+    if pairs and not any(finding.found for _, finding in pairs):
         return [
             Diagnostic(
                 "W-NO-MESH",
-                f"no triangles for any of {count(len(every), 'part')}: the robot has no shapes",
+                f"no triangles for any of {count(len(pairs), 'part')}: the robot has no shapes",
                 "source",
                 "fetch it from Onshape, or use a bundle with triangles",
             )
         ]
-    problems = [problem for link in links for problem in _missing(link, found[link.name])]
-    return problems + _volumes(every) + _decimated(links, visuals)
+    problems = [problem for link in links for problem in _missing(link, findings[link.name])]
+    return problems + _volumes(pairs) + _decimated(links, visuals)
 
 
-def _missing(link: Link, found: Sequence[tuple[Part, PartFinding]]) -> list[Diagnostic]:
-    names = sorted(part.name for part, finding in found if not finding.found)
+def _missing(link: Link, findings: Sequence[tuple[Part, PartFinding]]) -> list[Diagnostic]:
+    names = sorted(part.name for part, finding in findings if not finding.found)
     if not names:
         return []
     shown = ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
     return [
         Diagnostic(
             "W-NO-MESH",
-            f"no triangles for {len(names)} of {count(len(found), 'part')}: {shown}",
+            f"no triangles for {len(names)} of {count(len(findings), 'part')}: {shown}",
             link.name,
             "check in Onshape that each is a solid without errors",
         )
@@ -47,9 +52,9 @@ def _missing(link: Link, found: Sequence[tuple[Part, PartFinding]]) -> list[Diag
 
 
 def _decimated(links: Sequence[Link], visuals: Mapping[str, LinkVisuals]) -> list[Diagnostic]:
-    """W-VISUAL-FACES for each link with more triangles than it may have, I-DECIMATED for all others that have
-    fewer than their parts."""
-    problems, fewer = [], []
+    """Reports W-VISUAL-FACES for each link with more triangles than it may have, and I-DECIMATED once for all
+    other links with fewer triangles than their parts."""
+    problems, entries = [], []
     for link in links:
         decimation = visuals[link.name].decimation
         if decimation is None:
@@ -68,14 +73,14 @@ def _decimated(links: Sequence[Link], visuals: Mapping[str, LinkVisuals]) -> lis
             )
         else:
             moved = f"{1e3 * decimation.error:.2g} mm"
-            fewer.append(f"{link.name} {decimation.before} → {decimation.after} ({moved})")
-    if fewer:
-        more = f" and {len(fewer) - _SHOWN} more" if len(fewer) > _SHOWN else ""
+            entries.append(f"{link.name} {decimation.before} → {decimation.after} ({moved})")
+    if entries:
+        rest = f" and {len(entries) - _MAX_LISTED} more" if len(entries) > _MAX_LISTED else ""
         problems.append(
             Diagnostic(
                 "I-DECIMATED",
-                f"the visual meshes of {count(len(fewer), 'link')} have fewer triangles than their parts; "
-                f"their surfaces moved by at most the lengths here: {', '.join(fewer[:_SHOWN])}{more}",
+                f"the visual meshes of {count(len(entries), 'link')} have fewer triangles than their parts; "
+                f"their surfaces moved by at most the lengths here: {', '.join(entries[:_MAX_LISTED])}{rest}",
                 "mesh.visual.max_faces",
                 "raise it for more detail",
             )
@@ -83,23 +88,24 @@ def _decimated(links: Sequence[Link], visuals: Mapping[str, LinkVisuals]) -> lis
     return problems
 
 
-def _volumes(found: Sequence[tuple[Part, PartFinding]]) -> list[Diagnostic]:
-    """Meshes whose volume is not CAD's: one finding for each mesh, at the first part that uses it."""
-    seen: set[MeshRef] = set()
+def _volumes(findings: Sequence[tuple[Part, PartFinding]]) -> list[Diagnostic]:
+    """Reports W-MESH-VOLUME once for each mesh of another volume than CAD's, at the first part that uses
+    it."""
+    reported_meshes: set[MeshRef] = set()
     problems = []
-    for part, finding in found:
-        if part.mesh is None or part.mesh in seen:
+    for part, finding in findings:
+        if part.mesh is None or part.mesh in reported_meshes:
             continue
-        seen.add(part.mesh)
+        reported_meshes.add(part.mesh)
         if not finding.volume or not part.volume:
             continue
-        apart = abs(finding.volume - part.volume) / part.volume
-        if apart > _APART:
+        difference = abs(finding.volume - part.volume) / part.volume
+        if difference > _MAX_VOLUME_DIFFERENCE:
             problems.append(
                 Diagnostic(
                     "W-MESH-VOLUME",
                     f"the mesh encloses {finding.volume:.4g} m³, the part in CAD {part.volume:.4g} m³ "
-                    f"({apart:.1%} apart)",
+                    f"({difference:.1%} apart)",
                     part.name,
                     "make source.tessellation.angle and .chord smaller",
                 )

@@ -1,4 +1,4 @@
-"""The robot's geometry: each link's meshes and colliders, made once, then named."""
+"""Makes the geometry of a robot: the meshes and colliders of each link, which are then given file names."""
 
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -7,20 +7,21 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from linkwright.stages.mesh.assets import written
+from linkwright.stages.mesh.assets import converted
 from linkwright.stages.mesh.by_contact.build import by_contact, false_contacts
-from linkwright.stages.mesh.by_contact.meeting import wanted
+from linkwright.stages.mesh.by_contact.meeting import fine_links
 from linkwright.stages.mesh.by_contact.request import ContactRequest, FalsePair
 from linkwright.stages.mesh.collide import primitives
 from linkwright.stages.mesh.collide.choices import default_choice
 from linkwright.stages.mesh.collide.collision import Collider, colliders
 from linkwright.stages.mesh.collide.make import Collided, ColliderJob, collide
 from linkwright.stages.mesh.collide.report import colliders_reported, figures_of
-from linkwright.stages.mesh.com_check import unbalanced
+from linkwright.stages.mesh.collide.reshaped import reshaped
+from linkwright.stages.mesh.com_check import com_outside_hull
 from linkwright.stages.mesh.contact_parts import reported as too_small_reported
 from linkwright.stages.mesh.contact_parts import with_basis
 from linkwright.stages.mesh.contacts.analysis import self_contacts
-from linkwright.stages.mesh.contacts.excluded_pairs import apart, chosen_pairs
+from linkwright.stages.mesh.contacts.excluded_pairs import chosen_pairs, excluded_pairs
 from linkwright.stages.mesh.diagnostics import diagnostics
 from linkwright.stages.mesh.files import mesh_file
 from linkwright.stages.mesh.files.mesh_file import MeshFile
@@ -33,6 +34,7 @@ from linkwright.stages.mesh.part_choices import PartChoice, part_choices, with_p
 from linkwright.stages.mesh.surfaces.pieces import Piece, placed
 from linkwright.stages.mesh.visuals import textures
 from linkwright.stages.mesh.visuals.make import LinkVisuals
+from linkwright.stages.mesh.visuals.whole import with_glb
 from linkwright.stages.robot.bundle import Bundle
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import MeshError
@@ -40,66 +42,74 @@ from linkwright.stages.robot.model.geom_form import PLAIN
 from linkwright.stages.robot.model.geometry import ColliderFigures, Geometry, Role, Shape
 from linkwright.stages.robot.model.robot import Link, Part, Primitive, Robot
 from linkwright.stages.robot.motion.adjacency import Pair
+from linkwright.stages.targets.engines import ShapeLimits, shape_limits
 
 if TYPE_CHECKING:
     from linkwright.stages.mesh import Memo, Shown
-    from linkwright.stages.mesh.section import MeshSection, MeshSections
+    from linkwright.stages.mesh.section import MeshSections
 
 
 _Piece = tuple[int, Collider, list[Part]]
-"""Which of its link's colliders it is of, the piece, and the parts of that collider."""
+"""The index of a collider in its link, a piece of the collider, and the collider's parts."""
 
 
 def geometry(
     robot: Robot, bundle: Bundle, keys: "MeshSections", memo: "Memo", shown: "Shown | None" = None
 ) -> Geometry:
-    """The shapes of all links. ProtocolError where triangles cannot be read, MeshError with each glob that
-    matches nothing."""
+    """Makes the shapes of all links. Raises ProtocolError if triangles cannot be read, and MeshError with
+    each glob that matches nothing."""
     log = Diagnostics(optional=keys.optional)
+    limits = shape_limits(keys.target.chosen)
     as_is = robot.mjcf is not None
     links = [with_basis(link, bundle.kind, keys.mesh.basis, as_is) for link in robot.links]
-    chosen = part_choices(links, keys, as_is, log)
+    choices = part_choices(links, keys, as_is, log)
     links = [with_shown_shapes(link, keys.ignore) for link in links]
     excluded = chosen_pairs([link.name for link in links], keys.contact.exclude, log)
-    fine = wanted(keys.mesh.fine, links, log)
+    fine = fine_links(keys.mesh.fine, links, log)
     if log.problems:
         raise MeshError("the configuration names links or parts that are not there", problems=log.problems)
     library = MeshLibrary(links, bundle)
-    used = used_meshes(links, library, chosen, memo, keys.mesh.min_size, as_is)
-    jobs = [job for link in links for job in used[link.name].jobs(link.name)]
-    pairs_of = partial(apart, robot, keys=keys.contact, chosen=excluded)
-    with ThreadPoolExecutor(1, thread_name_prefix="visuals") as beside:
-        making = beside.submit(link_visuals, used, library, keys.mesh, memo)
-        collided, still_false = _collided(robot, links, jobs, pairs_of, fine, library, memo, shown)
-        visuals = making.result()
-    named, files = _named(links, used, visuals, collided, keys.mesh)
+    uses = used_meshes(links, library, choices, memo, keys.mesh.min_size, as_is)
+    jobs = [job for link in links for job in uses[link.name].jobs(link.name)]
+    pairs_of = partial(excluded_pairs, robot, keys=keys.contact, chosen=excluded)
+    with ThreadPoolExecutor(1, thread_name_prefix="visuals") as pool:
+        visuals_future = pool.submit(link_visuals, uses, library, keys.mesh, memo)
+        outcomes, still_false = _collided(robot, links, jobs, pairs_of, fine, library, memo, shown)
+        visuals = visuals_future.result()
+    shapes_by_link, files = _named_shapes(links, uses, visuals, outcomes, limits)
     files |= textures.images(visuals.values(), bundle)
-    shapes = [shape for link in links for shape in named[link.name]]
-    problems = diagnostics(links, visuals, {link.name: _found(link, used[link.name]) for link in links})
+    shapes = [shape for link in links for shape in shapes_by_link[link.name]]
+    problems = diagnostics(links, visuals, {link.name: _findings(link, uses[link.name]) for link in links})
     problems += log.found
-    makers = [default_choice(keys.mesh), *(one.maker for one in chosen.values())]
+    makers = [default_choice(keys.mesh, limits), *(choice.maker for choice in choices.values())]
+    parts = [[uses[outcome.job.link].parts[index] for index in outcome.job.parts] for outcome in outcomes]
+    outcomes_with_parts = [*zip(outcomes, parts, strict=True)]
+    problems += reshaped(links, outcomes_with_parts, makers, shapes, keys.mesh, keys.target.chosen)
     problems += idle_keys(keys, {maker.how for maker in makers}, bundle.kind)
-    problems += colliders_reported(collided)
+    problems += colliders_reported(outcomes)
     problems += false_contacts(still_false)
-    problems += too_small_reported({name: one for name in used if (one := _small_names(used[name]))})
-    problems += unbalanced(links, library.of_parts, shapes, files)
-    figures, asked = list[ColliderFigures](), dict[tuple[str, int], PartChoice]()
-    for made, number in zip(collided, _numbers(collided), strict=True):
-        its = used[made.job.link]
-        asked[made.job.link, number] = its.chosen[made.job.parts[0]]
-        figures.append(figures_of(made, [its.parts[part].name for part in made.job.parts]))
-    # Of those that are written: an exclude counts them.
+    problems += too_small_reported({name: names for name in uses if (names := _small_names(uses[name]))})
+    problems += com_outside_hull(links, library.of_parts, shapes, files)
+    figures, choice_of = list[ColliderFigures](), dict[tuple[str, int], PartChoice]()
+    for outcome, number in zip(outcomes, _numbers(outcomes), strict=True):
+        link_uses = uses[outcome.job.link]
+        choice_of[outcome.job.link, number] = link_uses.chosen[outcome.job.parts[0]]
+        figures.append(figures_of(outcome, [link_uses.parts[part].name for part in outcome.job.parts]))
+    # Only the shapes that are written: an exclude counts them.
     solid = [shape for shape in shapes if shape.file is None or keys.mesh.assets == "files"]
     contacts = self_contacts(
         robot, solid, files, keys.contact, memo, excluded, figures, keys.mesh.basis == "declared"
     )
     problems += contacts.diagnostics
-    (written_shapes, assets), left_out = written(
-        with_properties(shapes, asked, keys.geoms, contacts.by_source), files, keys.mesh
+    (written_shapes, assets), left_out = converted(
+        with_properties(shapes, choice_of, keys.geoms, contacts.by_source),
+        files,
+        keys.mesh,
+        obj_only=limits.obj,
     )
-    told = (*problems, *left_out)
-    found = contacts.on, contacts.excludes, contacts.touching, tuple(figures), contacts.by_source
-    return Geometry(written_shapes, assets, told, *found)
+    contact = contacts.on, contacts.excludes, contacts.touching, tuple(figures), contacts.by_source
+    result = Geometry(written_shapes, assets, (*problems, *left_out), *contact)
+    return with_glb(result, shapes_by_link, keys.mesh.glb_up) if keys.mesh.format == "glb" else result
 
 
 def _collided(
@@ -112,125 +122,130 @@ def _collided(
     memo: "Memo",
     shown: "Shown | None",
 ) -> tuple[list[Collided], Sequence[FalsePair]]:
-    """The collider of each job, of a link in the order of its jobs, those by contact last; and the pairs of
-    links whose colliders by contact touch where the links do not. `pairs_of`: see `apart`."""
+    """Makes the collider of each job, and returns them by link: in the order of the link's jobs, colliders by
+    contact last. Also returns the pairs of links whose colliders by contact touch where the links do not.
+    `pairs_of`: see `excluded_pairs`."""
     other = collide([job for job in jobs if not job.choice.by_contact], library, memo, shown)
-    asking = [job for job in jobs if job.choice.by_contact]
+    contact_jobs = [job for job in jobs if job.choice.by_contact]
     fixed: dict[str, list[Piece]] = {}
-    for one in other:
-        pieces = [placed(piece, one.job.link_from_subject) for piece in one.collision.pieces]
-        fixed.setdefault(one.job.link, []).extend(pieces)
+    for collider in other:
+        pieces = [placed(piece, collider.job.link_from_subject) for piece in collider.collision.pieces]
+        fixed.setdefault(collider.job.link, []).extend(pieces)
     for link in links:
         fixed.setdefault(link.name, []).extend(shape for shape in link.shapes if shape.collision)
     fixed = {link: pieces for link, pieces in fixed.items() if pieces}
-    solid = {*fixed, *(job.link for job in asking)}
-    found, false = by_contact(ContactRequest(robot, asking, fixed, pairs_of(solid), fine), library, memo)
-    every = [*other, *(Collided(job, made) for job, made in zip(asking, found, strict=True))]
-    place = {link.name: number for number, link in enumerate(links)}
-    return sorted(every, key=lambda one: place[one.job.link]), false
+    solid = {*fixed, *(job.link for job in contact_jobs)}
+    collisions, false_pairs = by_contact(
+        ContactRequest(robot, contact_jobs, fixed, pairs_of(solid), fine), library, memo
+    )
+    outcomes = [
+        *other,
+        *(Collided(job, collision) for job, collision in zip(contact_jobs, collisions, strict=True)),
+    ]
+    position = {link.name: number for number, link in enumerate(links)}
+    return sorted(outcomes, key=lambda collider: position[collider.job.link]), false_pairs
 
 
-def _with_form(shape: Shape, parts: Sequence[Part], section: "MeshSection") -> Shape:
-    """A collider of these parts, as an MJCF source has the one of them. MJX collides no ellipsoid with a
-    mesh."""
+def _with_form(shape: Shape, parts: Sequence[Part], limits: ShapeLimits) -> Shape:
+    """Returns the collider of these parts. The collider of a single part gets the form of its MJCF geom."""
     form = parts[0].form if len(parts) == 1 else PLAIN
-    if not form.ellipsoid or section.target == "mjx":
+    if not form.ellipsoid or "ellipsoid" in limits.without:
         return replace(shape, form=form)
     ellipsoid = Primitive("ellipsoid", form.ellipsoid, parts[0].link_from_part)
     return replace(shape, form=form, ellipsoid=ellipsoid)
 
 
-def _found(link: Link, used: LinkUses) -> list[tuple[Part, PartFinding]]:
-    lacking = [(part, PartFinding(False, None)) for part in link.parts if part.mesh is None]
-    return [*zip(used.parts, used.known.findings, strict=True), *lacking]
+def _findings(link: Link, uses: LinkUses) -> list[tuple[Part, PartFinding]]:
+    without_mesh = [(part, PartFinding(False, None)) for part in link.parts if part.mesh is None]
+    return [*zip(uses.parts, uses.link_parts.findings, strict=True), *without_mesh]
 
 
-def _small_names(used: LinkUses) -> list[str]:
-    return [used.parts[index].name for index in used.small]
+def _small_names(uses: LinkUses) -> list[str]:
+    return [uses.parts[index].name for index in uses.small]
 
 
-def _named(
+def _named_shapes(
     links: Sequence[Link],
-    used: Mapping[str, LinkUses],
+    uses_by_link: Mapping[str, LinkUses],
     visuals: Mapping[str, LinkVisuals],
-    collided: Sequence[Collided],
-    section: "MeshSection",
+    outcomes: Sequence[Collided],
+    limits: ShapeLimits,
 ) -> tuple[dict[str, list[Shape]], dict[str, bytes]]:
-    """The shapes of each link, and the files of its meshes and colliders by name."""
+    """Returns the shapes of each link, and the files of all meshes and colliders by name."""
     solid: dict[str, list[_Piece]] = {link.name: [] for link in links}
-    for one, number in zip(collided, _numbers(collided), strict=True):
-        pieces = colliders(one.collision, one.job.link_from_subject)
-        parts = [used[one.job.link].parts[index] for index in one.job.parts]
-        solid[one.job.link] += ((number, _for_engine(piece, section), parts) for piece in pieces)
-    own = {link.name: list(primitives.shapes(link)) for link in links}
-    meshed = {name: [_meshed(shape, section) for shape in shapes] for name, shapes in own.items()}
+    for outcome, number in zip(outcomes, _numbers(outcomes), strict=True):
+        pieces = colliders(outcome.collision, outcome.job.link_from_subject)
+        parts = [uses_by_link[outcome.job.link].parts[index] for index in outcome.job.parts]
+        solid[outcome.job.link] += ((number, _for_engine(piece, limits), parts) for piece in pieces)
+    primitive_shapes = {link.name: list(primitives.shapes(link)) for link in links}
+    meshed = {name: [_meshed(shape, limits) for shape in shapes] for name, shapes in primitive_shapes.items()}
     names = file_names(
-        {name: _counts(used[name], visuals[name], solid[name], meshed[name]) for name in solid}
+        {name: _counts(uses_by_link[name], visuals[name], solid[name], meshed[name]) for name in solid}
     )
     shapes: dict[str, list[Shape]] = {}
     files: dict[str, bytes] = {}
-    for link, every in solid.items():
+    for link, collider_pieces in solid.items():
         visual_names, collider_names = names[link]
         shapes[link] = []
-        free = iter(collider_names)
-        for number, collider, parts in every:
+        free_names = iter(collider_names)
+        for number, collider, parts in collider_pieces:
             if isinstance(collider, MeshFile):
-                name = next(free)
+                name = next(free_names)
                 shape = _shape(link, "collision", name, collider)
                 files[name] = collider.data
             else:
                 shape = primitives.collider(link, collider)
-            shapes[link].append(_with_form(replace(shape, collider=number), parts, section))
+            shapes[link].append(_with_form(replace(shape, collider=number), parts, limits))
         for name, file in zip(visual_names, visuals[link].files, strict=True):
             shapes[link].append(_shape(link, "visual", name, file))
             files[name] = file.data
-        for shape, mesh in zip(own[link], meshed[link], strict=True):
+        for shape, mesh in zip(primitive_shapes[link], meshed[link], strict=True):
             if mesh is None:
                 shapes[link].append(shape)
             else:
-                name = next(free)
+                name = next(free_names)
                 shapes[link].append(replace(_shape(link, "collision", name, mesh), form=shape.form))
                 files[name] = mesh.data
     return shapes, dict(sorted(files.items()))
 
 
-def _for_engine(collider: Collider, section: "MeshSection") -> Collider:
-    """The collider as `mesh.target` can collide it: for MJX a cylinder is a prism."""
-    if section.target != "mjx" or isinstance(collider, MeshFile) or collider.kind != "cylinder":
+def _for_engine(collider: Collider, limits: ShapeLimits) -> Collider:
+    """Returns the collider, or a prism of equal volume instead of a cylinder that a target cannot collide."""
+    if isinstance(collider, MeshFile) or collider.kind != "cylinder" or "cylinder" not in limits.without:
         return collider
-    prism = primitives.prism(collider, section.max_vertices // 2)
+    prism = primitives.prism(collider)
     return collider if prism is None else mesh_file.collider(prism)
 
 
-def _meshed(shape: Shape, section: "MeshSection") -> MeshFile | None:
-    """The mesh in the place of a primitive that its link has itself; None where the primitive stays."""
+def _meshed(shape: Shape, limits: ShapeLimits) -> MeshFile | None:
+    """Returns the mesh that replaces a primitive of the link itself; None if the primitive stays."""
     if shape.role == "visual" or shape.primitive is None:
         return None
-    made = _for_engine(shape.primitive, section)
-    return made if isinstance(made, MeshFile) else None
+    engine_collider = _for_engine(shape.primitive, limits)
+    return engine_collider if isinstance(engine_collider, MeshFile) else None
 
 
-def _numbers(collided: Sequence[Collided]) -> list[int]:
-    """Of each collider, which of its link's it is."""
-    taken: Counter[str] = Counter()
+def _numbers(outcomes: Sequence[Collided]) -> list[int]:
+    """Returns the index of each collider among the colliders of its link."""
+    counts: Counter[str] = Counter()
     numbers = []
-    for one in collided:
-        numbers.append(taken[one.job.link])
-        taken[one.job.link] += 1
+    for outcome in outcomes:
+        numbers.append(counts[outcome.job.link])
+        counts[outcome.job.link] += 1
     return numbers
 
 
 def _counts(
-    used: LinkUses, visuals: LinkVisuals, solid: Sequence[_Piece], meshed: Sequence[MeshFile | None]
+    uses: LinkUses, visuals: LinkVisuals, solid: Sequence[_Piece], meshed: Sequence[MeshFile | None]
 ) -> tuple[int | list[str], int]:
-    """How many visual files a link has, or a word for each where each is of one part, and how many files
-    of colliders."""
-    words = part_words([used.parts[index].name for index in visuals.owners])
-    files = [one for one in (*(piece for _, piece, _ in solid), *meshed) if isinstance(one, MeshFile)]
+    """Returns the number of a link's visual files, or a word for each if each belongs to one part; and the
+    number of its collider files."""
+    words = part_words([uses.parts[index].name for index in visuals.owners])
+    files = [file for file in (*(piece for _, piece, _ in solid), *meshed) if isinstance(file, MeshFile)]
     return words or len(visuals.files), len(files)
 
 
 def _shape(link: str, role: Role, name: str, file: MeshFile) -> Shape:
-    texture = textures.name(file.texture) if file.texture else None
-    own = file.vertices, file.faces, file.area, file.volume
-    return Shape(link, role, name, file.colour, *own, texture=texture, bounds=tuple(file.bounds))
+    texture = textures.image_name(file.texture) if file.texture else None
+    figures = file.vertices, file.faces, file.area, file.volume
+    return Shape(link, role, name, file.colour, *figures, texture=texture, bounds=tuple(file.bounds))

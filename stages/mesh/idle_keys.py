@@ -1,4 +1,4 @@
-"""Keys of the mesh stage that nothing of this robot depends on."""
+"""Reports keys of the mesh stage that are set, but have no effect on this robot."""
 
 from collections.abc import Collection, Iterator
 from dataclasses import fields
@@ -11,33 +11,33 @@ from linkwright.stages.robot.errors import Diagnostic
 if TYPE_CHECKING:
     from linkwright.stages.mesh.section import MeshSections
 
-KEYS = ("tolerance", "fine", "extra_volume", "effort", "coacd")
-"""Keys that only some makers of colliders read; of the ladder, with a tolerance or a part that is named."""
+MAKER_KEYS = ("tolerance", "fine", "extra_volume", "effort", "coacd")
+"""Keys that only some collider makers read. The ladder reads them only with a tolerance, or for a part that
+mesh.colliders names."""
 
 
-def idle_keys(keys: "MeshSections", makers: Collection[Maker], source: str) -> Iterator[Diagnostic]:
-    """I-IDLE-KEY for each key that is set and that nothing reads. `makers`: those of all colliders, and of
-    those that further parts would have; `source`: the kind of the source."""
-    section, default = keys.mesh, type(keys.mesh)()
-    for key in ("basis", *KEYS):
+def idle_keys(sections: "MeshSections", makers: Collection[Maker], source: str) -> Iterator[Diagnostic]:
+    """Yields I-IDLE-KEY for each key that is set although nothing reads it. `makers`: the makers of all
+    colliders, and of the colliders that other parts would get; `source`: the kind of source."""
+    section, default = sections.mesh, type(sections.mesh)()
+    for key in ("basis", *MAKER_KEYS):
         if getattr(section, key) == getattr(default, key):
             continue
-        if key in KEYS and not any(_reads(maker, key) for maker in makers):
-            readers = [name for name, maker in COLLIDERS.items() if _reads(maker, key)]
-            by = " or ".join(readers) or "ladder without a tolerance"
-            text = f"no collider is made by {by}, so it changes nothing"
-            yield Diagnostic(
-                "I-IDLE-KEY", text, f"mesh.{key}", "leave it out, or choose such a maker of colliders"
-            )
+        if key in MAKER_KEYS and not any(_maker_reads(maker, key) for maker in makers):
+            readers = [name for name, maker in COLLIDERS.items() if _maker_reads(maker, key)]
+            reader_names = " or ".join(readers) or "ladder without a tolerance"
+            text = f"no collider is made by {reader_names}, so this key has no effect"
+            yield Diagnostic("I-IDLE-KEY", text, f"mesh.{key}", "remove it, or choose such a collider")
         if key == "basis" and source not in FILES:
-            text = "the source has no collision shapes of its own, so it changes nothing"
-            yield Diagnostic("I-IDLE-KEY", text, "mesh.basis", "leave it out: it is for a URDF or an MJCF")
-    if keys.contact.exclude and keys.contact.self_ == "none":
-        text = "no links of the robot collide with each other (contact.self is none), so it changes nothing"
-        yield Diagnostic(
-            "I-IDLE-KEY", text, "contact.exclude", "leave it out, or choose another contact.self"
-        )
+            text = "the source has no collision shapes of its own, so this key has no effect"
+            yield Diagnostic("I-IDLE-KEY", text, "mesh.basis", "remove it: only a URDF or an MJCF has them")
+    if section.glb_up != default.glb_up and section.format != "glb":
+        text = "no mesh is a GLB, so this key has no effect"
+        yield Diagnostic("I-IDLE-KEY", text, "mesh.glb_up", "remove it, or choose mesh.format=glb")
+    if sections.contact.exclude and sections.contact.self_ == "none":
+        text = "no links of the robot collide with each other (contact.self=none), so this key has no effect"
+        yield Diagnostic("I-IDLE-KEY", text, "contact.exclude", "remove it, or choose another contact.self")
 
 
-def _reads(maker: Maker, key: str) -> bool:
-    return maker is BY_CONTACT if key == "fine" else key in {one.name for one in fields(maker.settings)}
+def _maker_reads(maker: Maker, key: str) -> bool:
+    return maker is BY_CONTACT if key == "fine" else key in {field.name for field in fields(maker.settings)}

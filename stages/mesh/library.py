@@ -1,4 +1,4 @@
-"""The part meshes of a bundle, each reply read once and only where something must be made of it."""
+"""Reads the part meshes of a bundle: each reply once, and only if something must be made from it."""
 
 from collections.abc import Iterable
 
@@ -9,43 +9,45 @@ from linkwright.stages.mesh.visuals.budget import Decimator
 from linkwright.stages.robot.bundle import Bundle
 from linkwright.stages.robot.model.robot import Link, MeshRef, Part
 
-MOVED = 1e-4
-"""How far the surface of a part with too many triangles may be moved, to make colliders of it [m]."""
+MAX_DECIMATION_MOVE = 1e-4
+"""Largest distance [m] by which decimation may move a surface from which colliders are made."""
 
 
 class MeshLibrary:
-    """ProtocolError, on asking, where triangles cannot be read. `decimator`: of its meshes, so that none is
-    made with fewer triangles twice."""
+    """The meshes of all parts of some links. Its methods raise ProtocolError if triangles cannot be read.
+    `decimator`: the decimator that all users of the library share, so that each mesh is decimated once."""
 
     def __init__(self, links: Iterable[Link], bundle: Bundle) -> None:
         self._bundle = bundle
-        self._wanted: dict[str, set[str]] = {}
-        self._read: dict[str, dict[str, PartMesh]] = {}
+        self._parts_of_reply: dict[str, set[str]] = {}
+        self._meshes_of_reply: dict[str, dict[str, PartMesh]] = {}
         self.decimator = Decimator()
         for link in links:
             for part in link.parts:
                 if part.mesh:
-                    self._wanted.setdefault(part.mesh.reply, set()).add(part.mesh.part)
+                    self._parts_of_reply.setdefault(part.mesh.reply, set()).add(part.mesh.part)
 
     def of_parts(self, parts: Iterable[Part]) -> dict[MeshRef, PartMesh]:
-        """The meshes of these parts, where there are any."""
+        """Returns the meshes of these parts; parts without a mesh are left out."""
         return self.meshes(part.mesh for part in parts if part.mesh)
 
     def meshes(self, refs: Iterable[MeshRef]) -> dict[MeshRef, PartMesh]:
-        """The meshes that these refer to, where there are any."""
+        """Returns the meshes of these references; references without triangles are left out."""
         result = {}
         for ref in set(refs):
-            if ref.reply not in self._read:
+            if ref.reply not in self._meshes_of_reply:
                 body = self._bundle.body(ref.reply)
-                self._read[ref.reply] = tessellation.read(body, self._wanted[ref.reply])
-            if ref.part in self._read[ref.reply]:
-                result[ref] = self._read[ref.reply][ref.part]
+                self._meshes_of_reply[ref.reply] = tessellation.decode_meshes(
+                    body, self._parts_of_reply[ref.reply]
+                )
+            if ref.part in self._meshes_of_reply[ref.reply]:
+                result[ref] = self._meshes_of_reply[ref.reply][ref.part]
         return result
 
-    def surface(self, ref: MeshRef, most: int | None) -> Surface | None:
-        """The surface of a part to make colliders of, if there is one: of more than `most` triangles, which
-        would take long, fewer, moved by at most `MOVED`."""
+    def surface(self, ref: MeshRef, max_triangles: int | None) -> Surface | None:
+        """Returns the surface of a part for making colliders; None if it has no mesh. A surface with more
+        than `max_triangles` is decimated, and moves by at most about `MAX_DECIMATION_MOVE`."""
         mesh = self.meshes([ref]).get(ref)
-        if mesh and most is not None and len(mesh.surface.triangles) > most:
-            mesh = self.decimator.lighter(ref, mesh, MOVED)
+        if mesh and max_triangles is not None and len(mesh.surface.triangles) > max_triangles:
+            mesh = self.decimator.lighter(ref, mesh, MAX_DECIMATION_MOVE)
         return mesh.surface if mesh else None

@@ -1,4 +1,4 @@
-"""What is known of the meshes of a link's parts, and its visual meshes made of them, both as bytes too."""
+"""Collects findings about the meshes of a link's parts, and encodes the link's visual meshes."""
 
 import io
 import struct
@@ -21,17 +21,19 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Use:
-    """A part's mesh in a link: which one, `link_from_part` (4, 4), whether it takes part in contact, and
-    whether it is drawn."""
+class PlacedMesh:
+    """The mesh of a part, at its place in a link."""
 
     mesh: MeshRef
     link_from_part: Array
+    """Pose of the part in the link (4, 4)."""
     collides: bool = True
+    """Whether the part takes part in contact."""
     seen: bool = True
+    """Whether the part is drawn."""
 
     def key(self) -> list[Any]:
-        """The use as plain data, exact to the bit."""
+        """Returns the placed mesh as plain data, exact to the bit, for keys of the cache."""
         return [
             self.mesh.part,
             [(value + 0.0).hex() for value in self.link_from_part.ravel().tolist()],
@@ -43,40 +45,46 @@ class Use:
 
 @dataclass(frozen=True, slots=True)
 class PartFinding:
-    """Whether there is a mesh for one use, its volume [m³], None where the mesh is open, and the diagonal of
-    its bounding box [m]."""
+    """Properties of a part's mesh."""
 
     found: bool
+    """Whether there is a mesh."""
     volume: float | None
+    """Volume [m³]; None if the mesh is open or missing."""
     diagonal: float = 0.0
+    """Diagonal [m] of the bounding box."""
 
 
 @dataclass(frozen=True, slots=True)
 class LinkParts:
-    """A finding for each use of a mesh in a link. `diagonal` [m]: of the box around all that takes part in
-    contact."""
+    """Findings about the meshes of a link's parts."""
 
     findings: tuple[PartFinding, ...]
+    """A finding for each use of a mesh in the link."""
     diagonal: float = 0.0
+    """Diagonal [m] of the bounding box of all parts that take part in contact."""
 
     @staticmethod
-    def of(uses: Sequence[Use], meshes: Mapping[MeshRef, PartMesh]) -> "LinkParts":
-        """Findings in the order of the uses."""
-        found = tuple(_finding(meshes.get(use.mesh)) for use in uses)
+    def of(uses: Sequence[PlacedMesh], meshes: Mapping[MeshRef, PartMesh]) -> "LinkParts":
+        """Returns the findings, in the order of the uses."""
+        findings = tuple(_finding(meshes.get(use.mesh)) for use in uses)
         colliding = [
             moved(mesh.surface, use.link_from_part)
             for use in uses
             if use.collides and (mesh := meshes.get(use.mesh))
         ]
-        return LinkParts(found, _diagonal(colliding))
+        return LinkParts(findings, _diagonal(colliding))
 
 
 def visuals_of(
-    uses: Sequence[Use], meshes: Mapping[MeshRef, PartMesh], keys: "VisualSection", decimator: Decimator
+    uses: Sequence[PlacedMesh],
+    meshes: Mapping[MeshRef, PartMesh],
+    keys: "VisualSection",
+    decimator: Decimator,
 ) -> LinkVisuals:
-    """The visual meshes of a link, in its own frame."""
-    drawn = [Drawn(index, use.mesh, use.link_from_part) for index, use in enumerate(uses) if use.seen]
-    return visuals(drawn, meshes, keys, decimator)
+    """Returns the visual meshes of a link, in the link's frame."""
+    drawn_parts = [Drawn(index, use.mesh, use.link_from_part) for index, use in enumerate(uses) if use.seen]
+    return visuals(drawn_parts, meshes, keys, decimator)
 
 
 def _finding(mesh: PartMesh | None) -> PartFinding:
@@ -94,7 +102,7 @@ def _diagonal(surfaces: Sequence[Surface]) -> float:
 
 
 def encode(link: LinkVisuals) -> bytes:
-    """A link's visual meshes as bytes: the length of a JSON header, the header, the files."""
+    """Returns a link's visual meshes as bytes: the length of a JSON header, the header, and the files."""
     header = orjson.dumps(
         {
             "files": [_record(file) for file in link.files],
@@ -102,12 +110,12 @@ def encode(link: LinkVisuals) -> bytes:
             "decimation": asdict(link.decimation) if link.decimation else None,
         }
     )
-    files = b"".join(one.data for one in link.files)
+    files = b"".join(file.data for file in link.files)
     return struct.pack("<Q", len(header)) + header + files
 
 
 def decode(data: bytes) -> LinkVisuals:
-    """The meshes that `encode` wrote."""
+    """Reads the meshes that `encode` wrote."""
     (length,) = struct.unpack_from("<Q", data)
     header, files = orjson.loads(data[8 : 8 + length]), io.BytesIO(data[8 + length :])
     return LinkVisuals(
@@ -118,7 +126,7 @@ def decode(data: bytes) -> LinkVisuals:
 
 
 def _record(file: MeshFile) -> dict[str, Any]:
-    """The header's entry: the figures of a mesh file, and its length."""
+    """Returns the header's entry of a mesh file: its figures, and the length of its data."""
     return {**asdict(file), "data": len(file.data)}
 
 

@@ -1,4 +1,4 @@
-"""The parts of each link that have a mesh, and the visual meshes that are made of them."""
+"""Collects the parts of each link that have a mesh, and makes the link's visual meshes from them."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -8,7 +8,7 @@ from linkwright.stages.mesh import link_mesh
 from linkwright.stages.mesh.collide.make import ColliderJob, jobs_of
 from linkwright.stages.mesh.contact_parts import too_small
 from linkwright.stages.mesh.library import MeshLibrary
-from linkwright.stages.mesh.link_mesh import LinkParts, Use
+from linkwright.stages.mesh.link_mesh import LinkParts, PlacedMesh
 from linkwright.stages.mesh.part_choices import PartChoice
 from linkwright.stages.mesh.visuals.make import LinkVisuals
 from linkwright.stages.robot import codec
@@ -21,21 +21,25 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LinkUses:
-    """The parts of a link that have a mesh, sorted by content: neither a new name nor another order of
-    instances makes the work again. `chosen`: what is asked of each."""
+    """The parts of a link that have a mesh. They are sorted by content, so that cached results stay valid if
+    instances are renamed or reordered."""
 
     parts: tuple[Part, ...]
-    uses: tuple[Use, ...]
+    uses: tuple[PlacedMesh, ...]
+    """Mesh and pose of each part."""
     chosen: tuple[PartChoice, ...]
-    known: LinkParts
+    """Choices for each part."""
+    link_parts: LinkParts
+    """Findings about the meshes of the parts."""
     small: frozenset[int]
+    """Indices of the parts that are too small for a collider."""
 
     def jobs(self, link: str) -> Iterator[ColliderJob]:
-        """What of the link has a collider."""
+        """Yields the jobs of the link's colliders."""
         colliding = [
             index
-            for index, (use, found) in enumerate(zip(self.uses, self.known.findings, strict=True))
-            if use.collides and found.found and index not in self.small
+            for index, (use, finding) in enumerate(zip(self.uses, self.link_parts.findings, strict=True))
+            if use.collides and finding.found and index not in self.small
         ]
         uses = [self.uses[index] for index in colliding]
         names = [self.parts[index].name for index in colliding]
@@ -51,30 +55,30 @@ def used_meshes(
     min_size: float | None,
     as_is: bool,
 ) -> dict[str, LinkUses]:
-    """The parts of each link that have a mesh, by the link's name. `min_size`: see `too_small`; `as_is`:
-    whether the source says itself what collides."""
-    found = {}
+    """Returns the parts of each link that have a mesh, by the link's name. `min_size`: see `too_small`;
+    `as_is`: whether the source itself says what collides."""
+    uses_by_link = {}
     for link in links:
         triples = []
         for index, part in enumerate(link.parts):
-            chosen = choice_of[link.name, index]
+            choice = choice_of[link.name, index]
             if part.mesh:
-                use = Use(part.mesh, part.link_from_part, chosen.collides, chosen.seen)
-                triples.append((use, part, chosen))
+                use = PlacedMesh(part.mesh, part.link_from_part, choice.collides, choice.seen)
+                triples.append((use, part, choice))
         triples.sort(key=lambda triple: triple[0].key())
         uses, parts, makers = zip(*triples, strict=True) if triples else ((), (), ())
-        known = _known(uses, library, memo)
-        small = frozenset[int]() if as_is else too_small(parts, known, makers, min_size)
-        found[link.name] = LinkUses(parts, uses, makers, known, small)
-    return found
+        link_parts = _link_parts(uses, library, memo)
+        small = frozenset[int]() if as_is else too_small(parts, link_parts, makers, min_size)
+        uses_by_link[link.name] = LinkUses(parts, uses, makers, link_parts, small)
+    return uses_by_link
 
 
 def link_visuals(
-    used: Mapping[str, LinkUses], library: MeshLibrary, section: "MeshSection", memo: "Memo"
+    uses_by_link: Mapping[str, LinkUses], library: MeshLibrary, section: "MeshSection", memo: "Memo"
 ) -> dict[str, LinkVisuals]:
-    """The visual meshes of each link, by its name."""
+    """Returns the visual meshes of each link, by the link's name."""
 
-    def of_link(uses: Sequence[Use]) -> LinkVisuals:
+    def of_link(uses: Sequence[PlacedMesh]) -> LinkVisuals:
         def make() -> bytes:
             meshes = library.meshes(use.mesh for use in uses)
             return link_mesh.encode(link_mesh.visuals_of(uses, meshes, section.visual, library.decimator))
@@ -82,10 +86,10 @@ def link_visuals(
         key = {"visual": section.visual.identity(), "parts": [use.key() for use in uses]}
         return link_mesh.decode(memo("mesh.link", key, make)) if uses else LinkVisuals((), (), None)
 
-    return {name: of_link(link.uses) for name, link in used.items()}
+    return {name: of_link(link.uses) for name, link in uses_by_link.items()}
 
 
-def _known(uses: Sequence[Use], library: MeshLibrary, memo: "Memo") -> LinkParts:
+def _link_parts(uses: Sequence[PlacedMesh], library: MeshLibrary, memo: "Memo") -> LinkParts:
     if not uses:
         return LinkParts(())
 

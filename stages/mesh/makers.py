@@ -1,4 +1,4 @@
-"""The table of the makers of colliders."""
+"""Maps the names of collider makers to their modules."""
 
 from linkwright.stages.mesh.colliders import coacd, given, hull, ladder, primitives, raw, spheres, visual
 
@@ -12,4 +12,4 @@ MAKERS = {
     "spheres": spheres,
     "visual": visual,
 }
-"""By its name, the module of a maker, with its `make` and, where it improves, its `improve`."""
+"""Name of a maker → its module, with `make` and, if the maker has a second step, `improve`."""

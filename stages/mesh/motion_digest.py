@@ -1,4 +1,4 @@
-"""What decides where the links of a robot are, as a digest."""
+"""Computes a digest of everything that decides where the links of a robot are."""
 
 import hashlib
 from collections.abc import Sequence
@@ -10,20 +10,34 @@ from linkwright.stages.robot.motion.start_pose import HOME
 
 
 def motion_digest(robot: Robot) -> str:
-    """A digest of all that decides where links are: not of masses, dynamics or the origins in CAD."""
+    """Returns a digest of all that decides where links are; masses, dynamics and CAD origins are left out."""
 
-    def dofs(every: Sequence[Dof]) -> list[Any]:
-        return [[dof.name, dof.kind, dof.axis, dof.origin, dof.limits, dof.saved] for dof in every]
+    def dofs(group: Sequence[Dof]) -> list[Any]:
+        return [[dof.name, dof.kind, dof.axis, dof.origin, dof.limits, dof.saved] for dof in group]
 
-    told = [
+    motion = [
         [link.name for link in robot.links],
         robot.base.fixed,
-        [[one.type, one.parent, one.child, one.parent_from_joint, dofs(one.dofs)] for one in robot.joints],
         [
-            [one.name, one.type, one.link_a, one.link_b, one.a_from_frame, one.b_from_frame, dofs(one.dofs)]
-            for one in robot.loops
+            [joint.type, joint.parent, joint.child, joint.parent_from_joint, dofs(joint.dofs)]
+            for joint in robot.joints
         ],
-        [[one.follower, one.driver, one.multiplier, one.offset] for one in robot.relations],
-        [one.given for one in robot.keyframes if one.name == HOME],
+        [
+            [
+                loop.name,
+                loop.type,
+                loop.link_a,
+                loop.link_b,
+                loop.a_from_frame,
+                loop.b_from_frame,
+                dofs(loop.dofs),
+            ]
+            for loop in robot.loops
+        ],
+        [
+            [relation.follower, relation.driver, relation.multiplier, relation.offset]
+            for relation in robot.relations
+        ],
+        [keyframe.given for keyframe in robot.keyframes if keyframe.name == HOME],
     ]
-    return hashlib.sha256(codec.dump(told)).hexdigest()
+    return hashlib.sha256(codec.dump(motion)).hexdigest()

@@ -1,4 +1,4 @@
-"""What is asked of each part: whether it is seen and solid, who makes its collider, and the contact of that.
+"""Chooses for each part whether it is seen and solid, the maker of its collider, and the collider's contact.
 
 Globs on names of links and CAD parts are matched here.
 """
@@ -17,66 +17,74 @@ from linkwright.stages.robot.model.geom_form import PLAIN, ContactProperties
 from linkwright.stages.robot.model.geometry import Role, Shape
 from linkwright.stages.robot.model.robot import Link, Part
 from linkwright.stages.robot.text.globs import fits, there_are, unnumbered
+from linkwright.stages.targets.engines import shape_limits
 
 if TYPE_CHECKING:
     from linkwright.stages.mesh.configuration.geom_section import GeomSection
     from linkwright.stages.mesh.section import IgnoreSection, MeshSections
+    from linkwright.stages.targets.engines import ShapeLimits
 
-_MOST_CORNERS = 10_000
-"""Of the hull of an ellipsoid: as many as it has."""
+_MAX_ELLIPSOID_VERTICES = 10_000
+"""Largest number of vertices of the hull of an ellipsoid: more than its mesh has, so that all are kept."""
 
 
 @dataclass(frozen=True, slots=True)
 class PartChoice:
-    """Whether a part takes part in contact, and is drawn; who makes its collider; and what `geoms` says of
-    the contact of that, by MuJoCo's names."""
+    """The choices of the configuration for a part."""
 
     collides: bool
+    """Whether the part takes part in contact."""
     seen: bool
+    """Whether the part is drawn."""
     maker: Choice
+    """Maker of the part's collider."""
     contact: Mapping[str, Any]
+    """Contact properties of the collider that `geoms` sets, by MuJoCo's names."""
 
 
 def part_choices(
     links: Sequence[Link], keys: MeshSections, as_is: bool, log: Diagnostics
 ) -> dict[tuple[str, int], PartChoice]:
-    """By each link's name and the index of each of its parts; later globs win. `as_is`: whether the source
-    says itself what collides. E-GLOB for each glob that matches no link and no part."""
+    """Returns the choices for each part, by its link's name and its index in the link; later globs win.
+    Reports E-GLOB for each glob that matches no link and no part. `as_is`: whether the source itself says
+    what collides."""
     ignore = keys.ignore
     _report_unmatched(keys.geoms, "geoms", links, log)
     _report_unmatched(ignore.visual, "ignore.visual", links, log)
     _report_unmatched(ignore.collision, "ignore.collision", links, log)
     _report_unmatched(keys.mesh.colliders, "mesh.colliders", links, log)
-    own = as_is and keys.mesh.basis == "declared"
-    default = default_choice(keys.mesh)
-    entries = chosen_by(keys.mesh)
-    found = {}
+    by_source = as_is and keys.mesh.basis == "declared"
+    limits = shape_limits(keys.target.chosen)
+    default = default_choice(keys.mesh, limits)
+    entries = chosen_by(keys.mesh, limits)
+    choices = {}
     for link in links:
         for index, part in enumerate(link.parts):
             maker = default
-            for glob in _meaning(entries, link.name, part):
+            for glob in _matching(entries, link.name, part):
                 maker = replace(entries[glob], apart=not fits(link.name, glob))
             contact = contact_of(keys.geoms, link.name, "collision", part)
             apart = any(
                 not fits(link.name, glob) and keys.geoms[glob].collision.model_dump(exclude_none=True)
-                for glob in _meaning(keys.geoms, link.name, part)
+                for glob in _matching(keys.geoms, link.name, part)
             )
-            found[link.name, index] = PartChoice(
-                part.collides and not _meaning(ignore.collision, link.name, part),
-                part.seen and not _meaning(ignore.visual, link.name, part),
-                _maker(maker, part, apart, own),
+            choices[link.name, index] = PartChoice(
+                part.collides and not _matching(ignore.collision, link.name, part),
+                part.seen and not _matching(ignore.visual, link.name, part),
+                _with_part_maker(maker, part, apart, by_source, limits),
                 contact,
             )
-    return found
+    return choices
 
 
 def with_shown_shapes(link: Link, keys: IgnoreSection) -> Link:
-    """The link, whose primitives are neither drawn nor solid where `ignore` names it."""
-    seen, solid = (not _meaning(globs, link.name) for globs in (keys.visual, keys.collision))
+    """Returns the link, its primitives hidden or without contact if `ignore` names the link."""
+    seen, solid = (not _matching(globs, link.name) for globs in (keys.visual, keys.collision))
     if seen and solid:
         return link
     shapes = (
-        replace(one, visual=one.visual and seen, collision=one.collision and solid) for one in link.shapes
+        replace(shape, visual=shape.visual and seen, collision=shape.collision and solid)
+        for shape in link.shapes
     )
     return replace(link, shapes=tuple(shapes))
 
@@ -84,42 +92,43 @@ def with_shown_shapes(link: Link, keys: IgnoreSection) -> Link:
 def contact_of(
     geoms: Mapping[str, GeomSection], link: str, role: Role, part: Part | None = None
 ) -> dict[str, Any]:
-    """What `geoms` says of the shapes of a link in a role, or of one of its parts: later entries win,
-    property by property."""
-    found: dict[str, Any] = {}
-    for glob in _meaning(geoms, link, part):
-        found |= getattr(geoms[glob], role).model_dump(exclude_none=True)
-    return found
+    """Returns the properties that `geoms` sets for the shapes of a link, or of a part of it, in a role. Later
+    entries win, property by property."""
+    properties: dict[str, Any] = {}
+    for glob in _matching(geoms, link, part):
+        properties |= getattr(geoms[glob], role).model_dump(exclude_none=True)
+    return properties
 
 
-def _meaning(globs: Collection[str], link: str, part: Part | None = None) -> list[str]:
-    """Those of the globs that mean a link, or this part of it: by its path in words, or its own name with or
-    without the number of the instance."""
+def _matching(globs: Collection[str], link: str, part: Part | None = None) -> list[str]:
+    """Returns the globs that match a link, or the given part of it: the part's whole path, or its last name
+    with or without the number of the instance."""
     names = [link]
     if part is not None and globs:
-        own = part.name.rpartition("/")[2]
-        names += [part.name, own, unnumbered(own)]
+        part_name = part.name.rpartition("/")[2]
+        names += [part.name, part_name, unnumbered(part_name)]
     return [glob for glob in globs if any(fits(name, glob) for name in names)]
 
 
 def _report_unmatched(globs: Collection[str], where: str, links: Sequence[Link], log: Diagnostics) -> None:
-    """E-GLOB at the key `where` for each that means no link and no part, with the nearest name and all there
-    are."""
+    """Reports E-GLOB at the key `where` for each glob that matches no link and no part. The hint has the
+    nearest name, and lists all names."""
     for glob in dict.fromkeys(globs):
-        if any(_meaning((glob,), link.name, part) for link in links for part in (None, *link.parts)):
+        if any(_matching((glob,), link.name, part) for link in links for part in (None, *link.parts)):
             continue
         parts = {unnumbered(part.name.rpartition("/")[2]) for link in links for part in link.parts}
         hint = there_are(glob, {"links": [link.name for link in links], "parts": sorted(parts)})
         log.unmatched("E-GLOB", f"no link and no part matches {glob!r}", where, hint, glob)
 
 
-def _maker(choice: Choice, part: Part, apart: bool, own: bool) -> Choice:
-    """Who makes the collider of a part: of an ellipsoid its hull, with all of its corners; of what an MJCF
-    source says itself (`own`), the hull that MuJoCo takes of it, where nothing else is asked for."""
+def _with_part_maker(choice: Choice, part: Part, apart: bool, declared: bool, limits: ShapeLimits) -> Choice:
+    """Returns the choice of the maker, adapted to a part. An ellipsoid becomes its hull, with as many
+    vertices as the `limits` allow. A collider that an MJCF source declares (`declared`) becomes its hull, as
+    MuJoCo uses it, unless the configuration asks for another collider."""
     settings = choice.settings
     if part.form.ellipsoid:
-        settings = HullSettings(_MOST_CORNERS)
-    elif own and isinstance(settings, ContactSettings):
+        settings = HullSettings(limits.vertices(_MAX_ELLIPSOID_VERTICES))
+    elif declared and isinstance(settings, ContactSettings):
         settings = HullSettings(settings.max_vertices)
     else:
         return replace(choice, apart=choice.apart or apart or part.form != PLAIN)
@@ -128,27 +137,27 @@ def _maker(choice: Choice, part: Part, apart: bool, own: bool) -> Choice:
 
 def with_properties(
     shapes: Sequence[Shape],
-    chosen: Mapping[tuple[str, int], PartChoice],
+    choice_of: Mapping[tuple[str, int], PartChoice],
     geoms: Mapping[str, GeomSection],
     by_source: bool = False,
 ) -> tuple[Shape, ...]:
-    """The shapes, each with the properties of its link and role, or of its part, after those of an MJCF
-    source. `chosen`: by link and number what is asked of the parts of each collider, which is the same of
-    all; `by_source`: whether the source says what collides."""
+    """Returns the shapes with their contact properties: the properties of an MJCF source, overridden by those
+    that `geoms` sets for the link and role, or for the part. `choice_of`: the choice for the parts of each
+    collider, by link and index; `by_source`: whether the source says what collides."""
 
     def of(shape: Shape) -> ContactProperties | None:
         key = shape.link, -1 if shape.collider is None else shape.collider
-        given = chosen[key].contact if key in chosen else contact_of(geoms, shape.link, shape.role)
-        found = _of_source(shape, by_source)
-        return replace(found or ContactProperties(), **given) if given else found
+        contact = choice_of[key].contact if key in choice_of else contact_of(geoms, shape.link, shape.role)
+        from_source = _of_source(shape, by_source)
+        return replace(from_source or ContactProperties(), **contact) if contact else from_source
 
     return tuple(replace(shape, contact=of(shape)) for shape in shapes)
 
 
 def _of_source(shape: Shape, by_source: bool) -> ContactProperties | None:
-    """What an MJCF source says of a shape's contacts: its bits only where they decide what collides."""
+    """Returns a shape's contact properties in an MJCF source; the bits only if they decide what collides."""
     contact = shape.form.contact
     if contact is None or by_source:
         return contact
-    without = replace(contact, contype=None, conaffinity=None)
-    return without if without.given() else None
+    without_bits = replace(contact, contype=None, conaffinity=None)
+    return without_bits if without_bits.given() else None

@@ -1,4 +1,4 @@
-"""Each part's triangles, welded to a surface, in the part studio's frame."""
+"""Reads the mesh of each part: its triangles, welded to a surface, in the frame of the part studio."""
 
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -6,50 +6,52 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from linkwright.stages.formats import triangles
+from linkwright.stages.formats.meshes import body_arrays
+from linkwright.stages.formats.meshes.body_arrays import Body
 from linkwright.stages.formats.meshes.surface import Surface, weld
-from linkwright.stages.formats.triangles import Body
 from linkwright.stages.robot.model.geometry import Colour
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartMesh:
-    """One part's triangles, welded, in the part's own frame.
-
-    `palette`: the part's colours, sorted; `colours` (m,): each triangle's index in it. `textures`: the digest
-    of each colour's image, "" for none; () where there are none at all.
-    `closed`: whether the surface bounds a solid; `volume` [m³] is 0 where it does not.
-    """
+    """The mesh of a part: its welded triangles, in the part's own frame."""
 
     surface: Surface
     palette: tuple[Colour, ...]
+    """The part's colours, sorted."""
     colours: npt.NDArray[np.int64]
+    """Index of each triangle's colour in `palette` (m,)."""
     closed: bool
+    """Whether the surface bounds a solid."""
     volume: float
+    """Volume [m³]; 0 if the surface is not closed."""
     textures: tuple[str, ...] = ()
+    """SHA-256 of the image of each colour, "" for no image; () if the part has no images."""
 
     @property
-    def paints(self) -> list[tuple[Colour, str]]:
-        """Each colour of the palette and its image."""
+    def coloured_images(self) -> list[tuple[Colour, str]]:
+        """Returns each colour of the palette with the digest of its image."""
         return list(zip(self.palette, self.textures or [""] * len(self.palette), strict=True))
 
 
-def read(data: bytes, parts: Collection[str]) -> dict[str, PartMesh]:
-    """The meshes of `parts` out of the compact form; a part without triangles is absent.
+def decode_meshes(data: bytes, parts: Collection[str]) -> dict[str, PartMesh]:
+    """Decodes the meshes of `parts` from the compact format of `body_arrays`. Parts without triangles are
+    left out.
 
-    ProtocolError where `data` is not in that form.
+    Raises ProtocolError if `data` is not in that format.
     """
-    meshes = {name: _welded(body) for name, body in triangles.decode(data, parts).items()}
+    meshes = {name: _part_mesh(body) for name, body in body_arrays.decode(data, parts).items()}
     return {name: mesh for name, mesh in meshes.items() if mesh is not None}
 
 
-def _welded(body: Body) -> PartMesh | None:
-    surface, kept = weld(body.points, body.triangles.astype(np.int64), body.texcoords)
+def _part_mesh(body: Body) -> PartMesh | None:
+    surface, kept_triangles = weld(body.points, body.triangles.astype(np.int64), body.texcoords)
     if not len(surface.triangles):
         return None
-    colours = body.colours[kept].astype(np.int64)
+    colours = body.colours[kept_triangles].astype(np.int64)
     closed = surface.closed()
     volume = surface.volume()
     if volume < 0:
+        # The whole part is inside out.
         surface, volume = surface.flipped(), -volume
     return PartMesh(surface, body.palette, colours, closed, volume, body.textures)

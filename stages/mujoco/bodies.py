@@ -1,4 +1,5 @@
-"""Whole bodies of a compiled model, with all that is on them and below, and the data of their shapes."""
+"""Converts whole bodies of a compiled model back to MJCF, with everything on and below them, and with the
+data of their shapes."""
 
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -21,17 +22,17 @@ _TYPES = {
     int(mujoco.mjtJoint.mjJNT_FREE): "free",
 }
 
-WRITTEN = frozenset(
+CONVERTED_GEOM_TYPES = frozenset(
     int(getattr(mujoco.mjtGeom, f"mjGEOM_{kind}"))
     for kind in ("PLANE", "HFIELD", "SPHERE", "CAPSULE", "ELLIPSOID", "CYLINDER", "BOX", "MESH")
 )
-"""Types of geoms that are read: others need a plug-in."""
+"""Types of geoms that are converted: the others need a plug-in."""
 
 MESH, HFIELD = int(mujoco.mjtGeom.mjGEOM_MESH), int(mujoco.mjtGeom.mjGEOM_HFIELD)
 
 
 def placed(element: MjcfElement, pose: Array) -> MjcfElement:
-    """An element at a pose (4, 4) of what it is on; a light shines along its dir."""
+    """Returns the element at a pose (4, 4) relative to its parent. A light shines along the pose's z axis."""
     position = ("pos", exact(map(float, pose[:3, 3])))
     turn = ("quat", exact(map(float, quat_from_rotation(pose[:3, :3]))))
     if element.tag == "light":
@@ -40,12 +41,12 @@ def placed(element: MjcfElement, pose: Array) -> MjcfElement:
 
 
 def pose_of(position: Array, quat: Array) -> Array:
-    """The pose (4, 4) of MuJoCo's position and quaternion."""
+    """Returns the pose (4, 4) of MuJoCo's position and quaternion."""
     return from_parts(rotation_from_quat(np.asarray(quat, dtype=float)), np.asarray(position, dtype=float))
 
 
 def light_pose(model: Any, index: int) -> Array:
-    """A pose (4, 4) whose z axis is a light's dir."""
+    """Returns a pose (4, 4) whose z axis is a light's `dir`."""
     z = np.asarray(model.light_dir[index], dtype=float)
     z = z / np.linalg.norm(z)
     x = np.cross(z, np.eye(3)[int(np.abs(z).argmin())])
@@ -54,26 +55,27 @@ def light_pose(model: Any, index: int) -> Array:
 
 
 class CompiledBodies:
-    """Reads whole bodies. `keeps(body)`: those that are read. `meshes`, `fields`: the names of the meshes and
-    height fields of what was read, by their numbers."""
+    """A converter of whole bodies. `keeps(body)`: whether a body is converted."""
 
     def __init__(self, model: Any, keeps: Callable[[int], bool]) -> None:
         self._model = model
         self._keeps = keeps
         self.meshes: dict[int, str] = {}
+        """Index → name of each mesh of the converted geoms."""
         self.fields: dict[int, str] = {}
+        """Index → name of each height field of the converted geoms."""
 
     def world(self) -> tuple[MjcfElement, ...]:
-        """What is on the world, and the bodies below it that are kept."""
+        """Returns the elements on the world, and the bodies below it that are kept."""
         return (*self._on(0), *self._below(0))
 
     def _body(self, body: int) -> MjcfElement:
         model = self._model
         name = name_of(model, OBJ.mjOBJ_BODY, body)
-        own = ((("name", name),) if name else ()) + attributes(model, BODY, body)
-        own += (("mocap", "true"),) if model.body_mocapid[body] >= 0 else ()
+        rows = ((("name", name),) if name else ()) + attributes(model, BODY, body)
+        rows += (("mocap", "true"),) if model.body_mocapid[body] >= 0 else ()
         children = (*self._joints(body), *self._inertial(body), *self._on(body), *self._below(body))
-        element = MjcfElement("body", own, children=children)
+        element = MjcfElement("body", rows, children=children)
         return placed(element, pose_of(model.body_pos[body], model.body_quat[body]))
 
     def _below(self, body: int) -> Iterator[MjcfElement]:
@@ -85,7 +87,7 @@ class CompiledBodies:
         model = self._model
         first = int(model.body_jntadr[body])
         for joint in range(first, first + int(model.body_jntnum[body])):
-            yield MjcfElement("joint", (*_titled_joint(model, joint), *joint_attributes(model, joint)))
+            yield MjcfElement("joint", (*_joint_placement(model, joint), *joint_attributes(model, joint)))
 
     def _inertial(self, body: int) -> Iterator[MjcfElement]:
         model = self._model
@@ -99,10 +101,10 @@ class CompiledBodies:
             yield MjcfElement("inertial", rows)
 
     def _on(self, body: int) -> Iterator[MjcfElement]:
-        """The geoms, sites, cameras and lights on a body."""
+        """Yields the geoms, sites, cameras and lights on a body."""
         model = self._model
         for index in np.flatnonzero(model.geom_bodyid == body):
-            if int(model.geom_type[index]) in WRITTEN:
+            if int(model.geom_type[index]) in CONVERTED_GEOM_TYPES:
                 yield self._geom(int(index))
         for index in np.flatnonzero(model.site_bodyid == body):
             yield placed(site(model, int(index)), pose_of(model.site_pos[index], model.site_quat[index]))
@@ -115,20 +117,20 @@ class CompiledBodies:
         model = self._model
         kind, data = int(model.geom_type[index]), int(model.geom_dataid[index])
         pose = pose_of(model.geom_pos[index], model.geom_quat[index])
-        found = geom(model, index)
-        # The body's mass is that of its inertial.
-        more: Attributes = (("mass", "0"),)
+        element = geom(model, index)
+        # The inertial holds the whole mass of the body.
+        asset: Attributes = (("mass", "0"),)
         if kind == MESH:
             name = self.meshes.setdefault(data, name_of(model, OBJ.mjOBJ_MESH, data) or f"mesh_{data}")
             pose = pose @ inverse(pose_of(model.mesh_pos[data], model.mesh_quat[data]))
-            more = (*more, ("mesh", name))
+            asset = (*asset, ("mesh", name))
         elif kind == HFIELD:
             name = name_of(model, OBJ.mjOBJ_HFIELD, data) or f"hfield_{data}"
-            more = (*more, ("hfield", self.fields.setdefault(data, name)))
-        return placed(MjcfElement("geom", (*found.attributes, *more)), pose)
+            asset = (*asset, ("hfield", self.fields.setdefault(data, name)))
+        return placed(MjcfElement("geom", (*element.attributes, *asset)), pose)
 
     def assets(self) -> tuple[MjcfElement, ...]:
-        """The meshes and height fields of what was read."""
+        """Returns the meshes and height fields of the converted geoms."""
         meshes = (self._mesh(number, name) for number, name in sorted(self.meshes.items()))
         fields = (self._field(number, name) for number, name in sorted(self.fields.items()))
         return (*meshes, *fields)
@@ -141,7 +143,7 @@ class CompiledBodies:
         first, count = int(model.mesh_faceadr[mesh]), int(model.mesh_facenum[mesh])
         faces = " ".join(map(str, model.mesh_face[first : first + count].ravel().tolist()))
         vertices = " ".join(f"{number:.9g}" for number in points.ravel().tolist())
-        # Whatever the volume is: what is in the scene has inertials.
+        # MuJoCo accepts a shell of any volume; its mass does not count, since bodies have inertials.
         rows = (("name", name), ("inertia", "shell"), ("vertex", vertices), ("face", faces))
         return MjcfElement("mesh", rows)
 
@@ -151,16 +153,16 @@ class CompiledBodies:
         first = int(model.hfield_adr[field])
         heights = model.hfield_data[first : first + rows * columns].reshape(rows, columns)
         size = exact(float(number) for number in model.hfield_size[field])
-        own: Attributes = (("name", name), ("nrow", str(rows)), ("ncol", str(columns)), ("size", size))
+        texts: Attributes = (("name", name), ("nrow", str(rows)), ("ncol", str(columns)), ("size", size))
         if heights.any():
             # MuJoCo's first row is the last of the file.
             text = " ".join(f"{number:.9g}" for number in heights[::-1].ravel().tolist())
-            own = (*own, ("elevation", text))
-        return MjcfElement("hfield", own)
+            texts = (*texts, ("elevation", text))
+        return MjcfElement("hfield", texts)
 
 
-def _titled_joint(model: Any, joint: int) -> Iterator[tuple[str, str]]:
-    """The name, type, place, range and references of a joint."""
+def _joint_placement(model: Any, joint: int) -> Iterator[tuple[str, str]]:
+    """Yields the name, type, position, range and references of a joint."""
     name, kind = name_of(model, OBJ.mjOBJ_JOINT, joint), _TYPES[int(model.jnt_type[joint])]
     if name:
         yield "name", name
@@ -171,7 +173,7 @@ def _titled_joint(model: Any, joint: int) -> Iterator[tuple[str, str]]:
     if model.jnt_limited[joint]:
         yield "range", exact(map(float, model.jnt_range[joint]))
     if kind != "ball":
-        at = int(model.jnt_qposadr[joint])
+        address = int(model.jnt_qposadr[joint])
         yield "axis", exact(map(float, model.jnt_axis[joint]))
-        yield "ref", exact([float(model.qpos0[at])])
-        yield "springref", exact([float(model.qpos_spring[at])])
+        yield "ref", exact([float(model.qpos0[address])])
+        yield "springref", exact([float(model.qpos_spring[address])])

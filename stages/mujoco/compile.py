@@ -1,4 +1,4 @@
-"""From text or a file to a compiled model, or MuJoCo's reason why not."""
+"""Compiles an MJCF or URDF, as text or as a file, to a model of MuJoCo."""
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -9,20 +9,20 @@ import mujoco
 
 from linkwright.stages.formats.xml import parse, to_bytes
 from linkwright.stages.mujoco.urdf import with_floating_on_world, without_packages
-from linkwright.stages.mujoco.warnings import deprecations, listening, unquoted
+from linkwright.stages.mujoco.warnings import collected_warnings, deprecations, unquoted
 
-KEPT_MESHES = 20_000_000
-"""The size of MuJoCo's cache of processed meshes [bytes]."""
+MAX_CACHE_SIZE = 20_000_000
+"""Largest size of MuJoCo's cache of processed meshes [bytes]."""
 
 
 class NotCompiled(ValueError):
-    """MuJoCo refuses a model; the message is MuJoCo's."""
+    """An error of MuJoCo's compiler, with its message."""
 
 
 @contextmanager
 def refusals(folder: Path | None = None) -> Iterator[None]:
-    """Raises NotCompiled for whatever MuJoCo raises inside, without the path of the model's `folder`, which
-    is no fact of the robot."""
+    """Raises NotCompiled for any exception of MuJoCo inside. The message lacks the path of the model's
+    `folder`, which tells nothing about the robot."""
     try:
         yield
     except (ValueError, RuntimeError, SyntaxError, MemoryError, mujoco.FatalError) as error:
@@ -33,28 +33,28 @@ def refusals(folder: Path | None = None) -> Iterator[None]:
 
 
 def compiled_text(text: bytes, files: Mapping[str, bytes]) -> Any:
-    """The model of an MJCF or URDF whose other files are `files`, by path. NotCompiled where MuJoCo refuses
-    it."""
-    with listening(), refusals():
+    """Returns the model of an MJCF or URDF. `files`: the content of the files that it refers to, by path.
+    Raises NotCompiled if MuJoCo refuses it."""
+    with collected_warnings(), refusals():
         return mujoco.MjSpec.from_string(text.decode(), assets=dict(files)).compile()
 
 
 def compiled_file(path: Path) -> Any:
-    """The model of an MJCF or URDF where it lies. NotCompiled where MuJoCo refuses it."""
-    with listening(), refusals(path.parent):
+    """Returns the model of an MJCF or URDF in its folder. Raises NotCompiled if MuJoCo refuses it."""
+    with collected_warnings(), refusals(path.parent):
         return spec_of(path).compile()
 
 
-def compiled_heard(make: Callable[[], Any], folder: Path | None = None) -> tuple[Any, list[str]]:
-    """The model of the spec that `make` returns, and the warnings of MuJoCo and of its Python module.
-    NotCompiled where MuJoCo refuses it, its message without the path of the model's `folder`."""
-    with listening() as warnings, deprecations(warnings), refusals(folder):
+def compiled_with_warnings(make: Callable[[], Any], folder: Path | None = None) -> tuple[Any, list[str]]:
+    """Returns the model of the spec that `make` returns, and the warnings of MuJoCo and of its Python module.
+    Raises NotCompiled if MuJoCo refuses the spec; the message lacks the path of the model's `folder`."""
+    with collected_warnings() as warnings, deprecations(warnings), refusals(folder):
         return make().compile(), warnings
 
 
 def compiled_and_rewritten(path: Path, files: Mapping[str, bytes]) -> tuple[Any, Any]:
-    """The model of an MJCF, and the model of what MuJoCo writes of it; `files`: the MJCF's other files, by
-    path. NotCompiled where MuJoCo refuses either."""
+    """Returns the model of an MJCF, and the model of the MJCF that MuJoCo writes from it. `files`: the
+    content of the files that the MJCF refers to, by path. Raises NotCompiled if MuJoCo refuses either."""
     with deprecations([]), refusals():
         spec = spec_of_mjcf(path)
         first = spec.compile()
@@ -62,9 +62,9 @@ def compiled_and_rewritten(path: Path, files: Mapping[str, bytes]) -> tuple[Any,
 
 
 def spec_of(path: Path) -> Any:
-    """What MuJoCo compiles of an MJCF or URDF where it lies.
+    """Returns MuJoCo's spec of an MJCF or URDF in its folder.
 
-    A spec, which is given up once it is compiled: MuJoCo's own loader keeps the last file's meshes in memory.
+    A spec can be freed once it is compiled, while MuJoCo's own loader keeps the last file's meshes in memory.
     """
     if path.suffix != ".urdf":
         return spec_of_mjcf(path)
@@ -79,21 +79,21 @@ def spec_of(path: Path) -> Any:
 
 
 def spec_of_mjcf(path: Path) -> Any:
-    """What MuJoCo compiles of an MJCF where it lies, whatever its ending."""
+    """Returns MuJoCo's spec of an MJCF in its folder, whatever the file's extension."""
     _bound_cache()
     return mujoco.MjSpec.from_file(str(path.resolve()))
 
 
 def spec_of_text(text: bytes, folder: Path) -> Any:
-    """What MuJoCo compiles of a text whose paths are below `folder`."""
+    """Returns MuJoCo's spec of a text whose paths are relative to `folder`."""
     spec = mujoco.MjSpec.from_string(text.decode())
     spec.modelfiledir = str(folder)
     return spec
 
 
 def _bound_cache() -> None:
-    """Limits MuJoCo's cache of processed meshes, which may take half a gigabyte by default. Versions without
-    this call keep the default."""
-    bound = getattr(mujoco, "mj_setCacheCapacity", None)
-    if bound is not None:
-        bound(mujoco.mj_getCache(), KEPT_MESHES)
+    """Limits MuJoCo's cache of processed meshes, which may take half a gigabyte by default. Versions of
+    MuJoCo without this function keep the default."""
+    set_capacity = getattr(mujoco, "mj_setCacheCapacity", None)
+    if set_capacity is not None:
+        set_capacity(mujoco.mj_getCache(), MAX_CACHE_SIZE)

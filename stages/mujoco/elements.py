@@ -1,4 +1,5 @@
-"""Cameras, lights, sites, geoms, tendons, actuators, sensors, pairs and equalities of a compiled model."""
+"""Converts elements of a compiled model back to MJCF: cameras, lights, sites, geoms, tendons, actuators,
+pairs, excluded pairs and equalities."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -12,7 +13,6 @@ from linkwright.stages.mujoco.fields import (
     CAMERA,
     CONTACT,
     EQUALITY,
-    GENERAL,
     GEOM,
     GEOM_TYPES,
     LIGHT,
@@ -22,12 +22,13 @@ from linkwright.stages.mujoco.fields import (
     TENDON,
     attributes,
     bare,
+    general_attributes,
 )
-from linkwright.stages.mujoco.names import OBJ, name_of
+from linkwright.stages.mujoco.names import OBJ, controls_of, name_of
 from linkwright.stages.robot.model.mjcf_extras import Attributes, MjcfElement
 from linkwright.stages.robot.model.poses import rotation_from_quat
 
-KINDS = {
+TAG_BY_OBJECT_TYPE = {
     int(OBJ.mjOBJ_BODY): "body",
     int(OBJ.mjOBJ_XBODY): "body",
     int(OBJ.mjOBJ_JOINT): "joint",
@@ -37,113 +38,126 @@ KINDS = {
     int(OBJ.mjOBJ_TENDON): "tendon",
     int(OBJ.mjOBJ_ACTUATOR): "actuator",
 }
-"""What an element may name: MuJoCo's number of the kind → tag."""
+"""MuJoCo's number of a kind of element → its tag, for kinds that other elements may refer to."""
 
-Name = tuple[str, str, str]
-
-
-def named(model: Any, attribute: str, kind: Any, index: int) -> Name:
-    """An attribute that names the thing of this kind and number."""
-    return attribute, KINDS[int(kind)], name_of(model, kind, index)
+Reference = tuple[str, str, str]
+"""(attribute, tag and name of the element that it refers to)."""
 
 
-def _titled(model: Any, kind: Any, index: int) -> Attributes:
+def reference(model: Any, attribute: str, kind: Any, index: int) -> Reference:
+    """Returns an attribute that refers to the element of this kind and index."""
+    return attribute, TAG_BY_OBJECT_TYPE[int(kind)], name_of(model, kind, index)
+
+
+def _name_attribute(model: Any, kind: Any, index: int) -> Attributes:
     name = name_of(model, kind, index)
     return (("name", name),) if name else ()
 
 
 def camera(model: Any, index: int) -> MjcfElement:
-    """A camera without its place."""
-    own = attributes(model, CAMERA, index)
+    """Returns a camera as an MJCF element, without its pose."""
+    rows = attributes(model, CAMERA, index)
     if model.cam_sensorsize[index].any():
         lens = [float(number) for number in model.cam_intrinsic[index]]
-        own = tuple(one for one in own if one[0] not in ("fovy", "sensorsize"))
+        rows = tuple(row for row in rows if row[0] not in ("fovy", "sensorsize"))
         size = exact(float(number) for number in model.cam_sensorsize[index])
-        own += (("sensorsize", size), ("focal", exact(lens[:2])), ("principal", exact(lens[2:])))
+        rows += (("sensorsize", size), ("focal", exact(lens[:2])), ("principal", exact(lens[2:])))
     target = int(model.cam_targetbodyid[index])
-    names = () if target < 0 else (named(model, "target", OBJ.mjOBJ_BODY, target),)
-    return MjcfElement("camera", (*_titled(model, OBJ.mjOBJ_CAMERA, index), *own), names)
+    names = () if target < 0 else (reference(model, "target", OBJ.mjOBJ_BODY, target),)
+    return MjcfElement("camera", (*_name_attribute(model, OBJ.mjOBJ_CAMERA, index), *rows), names)
 
 
 def light(model: Any, index: int) -> MjcfElement:
-    """A light without its place, which is its `dir` too."""
+    """Returns a light as an MJCF element, without its position and `dir`."""
     target = int(model.light_targetbodyid[index])
-    names = () if target < 0 else (named(model, "target", OBJ.mjOBJ_BODY, target),)
-    own = (*_titled(model, OBJ.mjOBJ_LIGHT, index), *attributes(model, LIGHT, index))
-    return MjcfElement("light", own, names)
+    names = () if target < 0 else (reference(model, "target", OBJ.mjOBJ_BODY, target),)
+    rows = (*_name_attribute(model, OBJ.mjOBJ_LIGHT, index), *attributes(model, LIGHT, index))
+    return MjcfElement("light", rows, names)
 
 
 def site(model: Any, index: int) -> MjcfElement:
-    """A site without its place."""
-    return MjcfElement("site", (*_titled(model, OBJ.mjOBJ_SITE, index), *site_attributes(model, index)))
+    """Returns a site as an MJCF element, without its pose."""
+    return MjcfElement(
+        "site", (*_name_attribute(model, OBJ.mjOBJ_SITE, index), *site_attributes(model, index))
+    )
 
 
 def site_attributes(model: Any, index: int) -> Attributes:
-    """Its shape and looks; a material is its colour."""
-    found = attributes(model, SITE, index)
+    """Returns the shape, colour and group of a site. The colour of a material becomes the site's own."""
+    rows = attributes(model, SITE, index)
     material = int(model.site_matid[index])
-    plain = np.array_equal(model.site_rgba[index], bare().site_rgba[-1])
-    return (*found, ("rgba", _short(model.mat_rgba[material]))) if material >= 0 and plain else found
+    has_default_colour = np.array_equal(model.site_rgba[index], bare().site_rgba[-1])
+    return (
+        (*rows, ("rgba", _short(model.mat_rgba[material]))) if material >= 0 and has_default_colour else rows
+    )
 
 
 def geom(model: Any, index: int) -> MjcfElement:
-    """A geom without its place and mass; a mesh and a height field without the name of their data."""
+    """Returns a geom as an MJCF element, without its pose, mass, and mesh or height field."""
     kind = int(model.geom_type[index])
     shape = [("type", GEOM_TYPES[kind])]
     if kind not in (mujoco.mjtGeom.mjGEOM_MESH, mujoco.mjtGeom.mjGEOM_HFIELD):
         shape.append(("size", exact(float(number) for number in model.geom_size[index])))
     material = int(model.geom_matid[index])
-    plain = np.array_equal(model.geom_rgba[index], bare().geom_rgba[-1])
-    rgba = model.mat_rgba[material] if plain and material >= 0 else model.geom_rgba[index]
-    looks = [("rgba", _short(rgba))] if not np.array_equal(rgba, bare().geom_rgba[-1]) else []
+    has_default_colour = np.array_equal(model.geom_rgba[index], bare().geom_rgba[-1])
+    rgba = model.mat_rgba[material] if has_default_colour and material >= 0 else model.geom_rgba[index]
+    appearance = [("rgba", _short(rgba))] if not np.array_equal(rgba, bare().geom_rgba[-1]) else []
     group = int(model.geom_group[index])
-    looks += [("group", str(group))] if group else []
-    touch = attributes(model, CONTACT, index)
-    own = (*_titled(model, OBJ.mjOBJ_GEOM, index), *shape, *touch, *geom_attributes(model, index), *looks)
-    return MjcfElement("geom", own)
+    appearance += [("group", str(group))] if group else []
+    contact = attributes(model, CONTACT, index)
+    rows = (
+        *_name_attribute(model, OBJ.mjOBJ_GEOM, index),
+        *shape,
+        *contact,
+        *geom_attributes(model, index),
+        *appearance,
+    )
+    return MjcfElement("geom", rows)
 
 
 def geom_attributes(model: Any, index: int) -> Attributes:
-    """What a geom has beside its shape, contact and looks: how a fluid acts on it, and more."""
+    """Returns the attributes of a geom besides its shape, contact and appearance, such as those for
+    fluids."""
     fluid = model.geom_fluid[index]
     coefficients = exact(float(number) for number in fluid[1:6])
-    more = (("fluidshape", "ellipsoid"), ("fluidcoef", coefficients)) if fluid[0] > 0 else ()
-    return (*attributes(model, GEOM, index), *more)
+    fluid_attributes = (("fluidshape", "ellipsoid"), ("fluidcoef", coefficients)) if fluid[0] > 0 else ()
+    return (*attributes(model, GEOM, index), *fluid_attributes)
 
 
 def _short(rgba: Any) -> str:
+    # A float32 is written with its own shortest digits: 0.2, not 0.20000000298.
     return exact(float(str(value)) for value in rgba)
 
 
 def tendon(model: Any, index: int) -> MjcfElement:
-    """A tendon, with its path."""
+    """Returns a tendon as an MJCF element, with its path."""
     wraps = range(int(model.tendon_adr[index]), int(model.tendon_adr[index] + model.tendon_num[index]))
     fixed = int(model.wrap_type[wraps[0]]) == mujoco.mjtWrap.mjWRAP_JOINT
-    own = list(attributes(model, TENDON, index))
+    rows = list(attributes(model, TENDON, index))
     spring = [float(length) for length in model.tendon_lengthspring[index]]
-    own.append(("springlength", exact(spring if spring[0] != spring[1] else spring[:1])))
+    rows.append(("springlength", exact(spring if spring[0] != spring[1] else spring[:1])))
     if not fixed:
-        own += attributes(model, SPATIAL, index)
+        rows += attributes(model, SPATIAL, index)
         material = int(model.tendon_matid[index])
-        if material >= 0 and "rgba" not in dict(own):
-            own.append(("rgba", _short(model.mat_rgba[material])))
-    title = _titled(model, OBJ.mjOBJ_TENDON, index)
-    path = tuple(_wrap(model, one) for one in wraps)
-    return MjcfElement("fixed" if fixed else "spatial", (*title, *own), children=path)
+        if material >= 0 and "rgba" not in dict(rows):
+            rows.append(("rgba", _short(model.mat_rgba[material])))
+    title = _name_attribute(model, OBJ.mjOBJ_TENDON, index)
+    path = tuple(_wrap(model, wrap) for wrap in wraps)
+    return MjcfElement("fixed" if fixed else "spatial", (*title, *rows), children=path)
 
 
 def _wrap(model: Any, index: int) -> MjcfElement:
-    kind, on, value = (getattr(model, f"wrap_{name}")[index] for name in ("type", "objid", "prm"))
+    kind, target, value = (getattr(model, f"wrap_{name}")[index] for name in ("type", "objid", "prm"))
     if kind == mujoco.mjtWrap.mjWRAP_JOINT:
-        names = (named(model, "joint", OBJ.mjOBJ_JOINT, on),)
+        names = (reference(model, "joint", OBJ.mjOBJ_JOINT, target),)
         return MjcfElement("joint", (("coef", exact([float(value)])),), names)
     if kind == mujoco.mjtWrap.mjWRAP_PULLEY:
         return MjcfElement("pulley", (("divisor", exact([float(value)])),))
     if kind == mujoco.mjtWrap.mjWRAP_SITE:
-        return MjcfElement("site", (), (named(model, "site", OBJ.mjOBJ_SITE, on),))
+        return MjcfElement("site", (), (reference(model, "site", OBJ.mjOBJ_SITE, target),))
     side = round(float(value))
-    sites = (named(model, "sidesite", OBJ.mjOBJ_SITE, side),) if side >= 0 else ()
-    return MjcfElement("geom", (), (named(model, "geom", OBJ.mjOBJ_GEOM, on), *sites))
+    sites = (reference(model, "sidesite", OBJ.mjOBJ_SITE, side),) if side >= 0 else ()
+    return MjcfElement("geom", (), (reference(model, "geom", OBJ.mjOBJ_GEOM, target), *sites))
 
 
 _BY_TRANSMISSION = {
@@ -154,36 +168,33 @@ _BY_TRANSMISSION = {
     int(mujoco.mjtTrn.mjTRN_BODY): (("body", OBJ.mjOBJ_BODY),),
     int(mujoco.mjtTrn.mjTRN_SLIDERCRANK): (("cranksite", OBJ.mjOBJ_SITE), ("slidersite", OBJ.mjOBJ_SITE)),
 }
-"""By MuJoCo's number: the attributes of what an actuator acts on."""
+"""MuJoCo's number of a transmission → the attributes that refer to an actuator's targets."""
 
 
 _TYPES = ("dyntype", "gaintype", "biastype")
 
 
 def actuator(model: Any, index: int) -> MjcfElement | None:
-    """An actuator as `<general>`, without a name; None of a plug-in, or with types that not every MuJoCo
-    has."""
+    """Returns an actuator as `<general>`, without a name. Returns None for a plug-in, and for types that only
+    some versions of MuJoCo have."""
     ends = _BY_TRANSMISSION.get(int(model.actuator_trntype[index]))
-    own = (*attributes(model, GENERAL, index, always=_TYPES), *_more_of_actuator(model, index))
-    if ends is None or model.actuator_plugin[index] >= 0 or _controls(model, index) != 1:
+    if ends is None or model.actuator_plugin[index] >= 0 or len(controls_of(model, index)) != 1:
         return None
-    if not {*_TYPES} <= {name for name, _ in own}:
+    rows = (*general_attributes(model, index, always=_TYPES), *_length_range_and_states(model, index))
+    if not {*_TYPES} <= {name for name, _ in rows}:
         return None
     numbers = (int(number) for number in model.actuator_trnid[index])
     names = tuple(
-        named(model, attribute, kind, number)
+        reference(model, attribute, kind, number)
         for (attribute, kind), number in zip(ends, numbers, strict=False)
         if number >= 0
     )
-    return MjcfElement("general", own, names)
+    return MjcfElement("general", rows, names)
 
 
-def _controls(model: Any, index: int) -> int:
-    return int(model.actuator_ctrlnum[index]) if hasattr(model, "actuator_ctrlnum") else 1
-
-
-def _more_of_actuator(model: Any, index: int) -> Iterator[tuple[str, str]]:
-    """Ranges of lengths, which MuJoCo finds for muscles, and numbers of states of a user's own dynamics."""
+def _length_range_and_states(model: Any, index: int) -> Iterator[tuple[str, str]]:
+    """Yields the range of lengths, which MuJoCo computes for muscles, and the number of states of a user's
+    dynamics."""
     lengths = [float(length) for length in model.actuator_lengthrange[index]]
     if any(lengths):
         yield "lengthrange", exact(lengths)
@@ -192,59 +203,63 @@ def _more_of_actuator(model: Any, index: int) -> Iterator[tuple[str, str]]:
 
 
 def actuator_attributes(model: Any, index: int) -> Attributes:
-    """What an actuator of any type has beside its gains and ranges."""
+    """Returns the attributes of an actuator of any type besides its gains and ranges."""
     return attributes(model, ACTUATOR, index)
 
 
 def pair(model: Any, index: int) -> MjcfElement:
-    """Two geoms that collide, whatever their bits say."""
+    """Returns a pair of geoms that collide even if their contype and conaffinity exclude it."""
     geoms = (("geom1", model.pair_geom1[index]), ("geom2", model.pair_geom2[index]))
-    names = tuple(named(model, attribute, OBJ.mjOBJ_GEOM, one) for attribute, one in geoms)
-    # Without these they would be those of the two geoms.
+    names = tuple(reference(model, attribute, OBJ.mjOBJ_GEOM, number) for attribute, number in geoms)
+    # MuJoCo would derive these from the two geoms if they were missing.
     always = ("condim", "friction", "solref", "solimp", "margin", "gap")
-    own = attributes(model, PAIR, index, always)
-    return MjcfElement("pair", (*_titled(model, OBJ.mjOBJ_PAIR, index), *own), names)
+    rows = attributes(model, PAIR, index, always)
+    return MjcfElement("pair", (*_name_attribute(model, OBJ.mjOBJ_PAIR, index), *rows), names)
 
 
 def _relpose(data: Sequence[float]) -> list[float]:
-    """The pose of the second body of a weld in the first: MuJoCo has its anchor in both bodies, the second's
-    first, and the turn between them."""
+    """Returns the pose of the second body of a weld in the first. MuJoCo stores its anchor in both bodies,
+    the second's first, and the rotation between them."""
     turn = rotation_from_quat(np.array(data[6:10]))
     return [*map(float, np.array(data[3:6]) - turn @ data[:3]), *data[6:10]]
 
 
 def exclude(model: Any, index: int) -> MjcfElement:
-    """Two bodies that do not collide."""
+    """Returns a pair of bodies that do not collide."""
     signature = int(model.exclude_signature[index])
+    # MuJoCo packs both bodies into one number.
     bodies = (("body1", signature >> 16), ("body2", signature & 0xFFFF))
-    names = tuple(named(model, attribute, OBJ.mjOBJ_BODY, one) for attribute, one in bodies)
-    return MjcfElement("exclude", _titled(model, OBJ.mjOBJ_EXCLUDE, index), names)
+    names = tuple(reference(model, attribute, OBJ.mjOBJ_BODY, number) for attribute, number in bodies)
+    return MjcfElement("exclude", _name_attribute(model, OBJ.mjOBJ_EXCLUDE, index), names)
 
 
 def equality(model: Any, index: int) -> MjcfElement | None:
-    """A constraint; None of a kind that is not of bodies, sites, joints or tendons."""
+    """Returns an equality as an MJCF element; None unless it is a connect, weld, joint or tendon."""
     kind = mujoco.mjtEq(int(model.eq_type[index]))
     ends = [int(number) for number in (model.eq_obj1id[index], model.eq_obj2id[index])]
     data = [float(number) for number in model.eq_data[index]]
-    own: list[tuple[str, str]] = []
+    rows: list[tuple[str, str]] = []
+    # `eq_data` of a weld: both anchors, the rotation between the bodies, and the torque scale.
     if kind in (mujoco.mjtEq.mjEQ_JOINT, mujoco.mjtEq.mjEQ_TENDON):
         tag = kind.name.removeprefix("mjEQ_").lower()
-        on = OBJ.mjOBJ_JOINT if tag == "joint" else OBJ.mjOBJ_TENDON
-        own.append(("polycoef", exact(data[:5])))
+        target_kind = OBJ.mjOBJ_JOINT if tag == "joint" else OBJ.mjOBJ_TENDON
+        rows.append(("polycoef", exact(data[:5])))
     elif kind in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD):
         by_sites = int(model.eq_objtype[index]) == OBJ.mjOBJ_SITE
-        tag, on = ("site", OBJ.mjOBJ_SITE) if by_sites else ("body", OBJ.mjOBJ_BODY)
+        tag, target_kind = ("site", OBJ.mjOBJ_SITE) if by_sites else ("body", OBJ.mjOBJ_BODY)
         if kind == mujoco.mjtEq.mjEQ_WELD:
-            own.append(("torquescale", exact(data[10:11])))
-            own += [] if by_sites else [("anchor", exact(data[:3])), ("relpose", exact(_relpose(data)))]
+            rows.append(("torquescale", exact(data[10:11])))
+            rows += [] if by_sites else [("anchor", exact(data[:3])), ("relpose", exact(_relpose(data)))]
         elif not by_sites:
-            own.append(("anchor", exact(data[:3])))
+            rows.append(("anchor", exact(data[:3])))
     else:
         return None
     names = tuple(
-        named(model, f"{tag}{place}", on, number) for place, number in enumerate(ends, 1) if number >= 0
+        reference(model, f"{tag}{position}", target_kind, number)
+        for position, number in enumerate(ends, 1)
+        if number >= 0
     )
-    own += [] if model.eq_active0[index] else [("active", "false")]
-    own += attributes(model, EQUALITY, index, always=("solref", "solimp"))
-    title = _titled(model, OBJ.mjOBJ_EQUALITY, index)
-    return MjcfElement(kind.name.removeprefix("mjEQ_").lower(), (*title, *own), names)
+    rows += [] if model.eq_active0[index] else [("active", "false")]
+    rows += attributes(model, EQUALITY, index, always=("solref", "solimp"))
+    title = _name_attribute(model, OBJ.mjOBJ_EQUALITY, index)
+    return MjcfElement(kind.name.removeprefix("mjEQ_").lower(), (*title, *rows), names)

@@ -1,7 +1,7 @@
-"""Attributes of elements: which array of MuJoCo's model has each, and how it is written.
+"""Reads attributes of elements from the arrays of MuJoCo's model.
 
-An attribute is written where its value differs from that in a model that sets nothing. Arrays that an older
-MuJoCo lacks are left out there.
+An attribute is written if its value differs from that in a model without settings. Arrays that an older
+MuJoCo lacks are skipped.
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -13,6 +13,7 @@ import mujoco
 import numpy as np
 
 from linkwright.stages.formats.numbers import exact
+from linkwright.stages.mujoco.names import controls_of
 from linkwright.stages.robot.model.mjcf_extras import Attributes
 
 _BARE = """<mujoco><worldbody><light/><camera/><geom name="floor" size="1"/>
@@ -22,30 +23,36 @@ _BARE = """<mujoco><worldbody><light/><camera/><geom name="floor" size="1"/>
 <contact><pair geom1="a" geom2="b"/></contact>
 <tendon><fixed><joint joint="a" coef="1"/></fixed></tendon>
 <actuator><general joint="a"/></actuator><sensor><clock/></sensor></mujoco>"""
-"""A model that sets nothing but what is required; the element of each kind is the last."""
+"""A model with required attributes only; the element of each kind is the last."""
 
 
 @cache
 def bare() -> Any:
+    """Returns the model with required attributes only, which holds MuJoCo's defaults."""
     return mujoco.MjModel.from_xml_string(_BARE)
 
 
 @dataclass(frozen=True, slots=True)
 class CompiledField:
-    """An attribute and the array that has it. `words`: of an enumeration, MuJoCo's number → word; `limited`:
-    the array that says whether the attribute counts. `more`: an array with numbers that follow."""
+    """An attribute of MJCF, and the array of MuJoCo's model that holds its values."""
 
     attribute: str
     array: str
+
     words: Mapping[int, str] | None = None
+    """MuJoCo's number → the word, for an enumeration."""
+
     limited: str = ""
+    """The array that tells whether the attribute takes effect; "" if it always does."""
+
     more: str = ""
+    """The array with further numbers of the attribute; "" without such numbers."""
 
 
 def _words(enum: str, prefix: str, only: Collection[str] | None = None) -> dict[int, str]:
     members: Mapping[str, Any] = getattr(mujoco, enum).__members__
-    named = {int(value): name.removeprefix(prefix).lower() for name, value in members.items()}
-    return {value: word for value, word in named.items() if only is None or word in only}
+    words = {int(value): name.removeprefix(prefix).lower() for name, value in members.items()}
+    return {value: word for value, word in words.items() if only is None or word in only}
 
 
 _SWITCH = {0: "false", 1: "true"}
@@ -68,7 +75,7 @@ JOINT = (
     CompiledField("group", "jnt_group"),
     CompiledField("user", "jnt_user"),
 )
-"""Of a joint, but for its type, place, range and references."""
+"""Fields of a joint, except its type, place, range and references."""
 
 BODY = (CompiledField("gravcomp", "body_gravcomp"), CompiledField("user", "body_user"))
 
@@ -99,7 +106,7 @@ GEOM = (
     CompiledField("castshadow", "geom_castshadow", _SWITCH),
     CompiledField("user", "geom_user"),
 )
-"""Of a geom, but for its shape, contact and looks."""
+"""Fields of a geom, except its shape, contact and looks."""
 
 EQUALITY = (CompiledField("solref", "eq_solref"), CompiledField("solimp", "eq_solimp"))
 
@@ -148,7 +155,7 @@ TENDON = (
 )
 
 SPATIAL = (CompiledField("width", "tendon_width"), CompiledField("rgba", "tendon_rgba"))
-"""What a spatial tendon has beside what each has."""
+"""Fields that only spatial tendons have."""
 
 PAIR = (
     CompiledField("condim", "pair_dim"),
@@ -164,7 +171,7 @@ PAIR = (
 DYN = ("none", "integrator", "filter", "filterexact", "muscle", "user")
 GAIN = ("fixed", "affine", "muscle", "user")
 BIAS = ("none", "affine", "muscle", "user")
-"""The words of `general` that every MuJoCo has."""
+"""Words of `<general>` that every version of MuJoCo has."""
 
 ACTUATOR = (
     CompiledField("damping", "actuator_damping", more="actuator_dampingpoly"),
@@ -172,7 +179,7 @@ ACTUATOR = (
     CompiledField("group", "actuator_group"),
     CompiledField("user", "actuator_user"),
 )
-"""What an actuator of each type has."""
+"""Fields of an actuator of any type."""
 
 GENERAL = (
     CompiledField("dyntype", "actuator_dyntype", _words("mjtDyn", "mjDYN_", DYN)),
@@ -205,24 +212,35 @@ ARRAYS = frozenset(
     for field in fields
     for array in (field.array, field.more)
 )
-"""The arrays of MuJoCo's model that are read."""
+"""All arrays of MuJoCo's model that this module reads."""
 
 
 def attributes(
     model: Any, fields: Sequence[CompiledField], index: int, always: Collection[str] = ()
 ) -> Attributes:
-    """The attributes of an element that are not MuJoCo's default, and those `always` written. `index`: its
-    row in the arrays; of a joint's, see `joint_attributes`."""
-    return tuple(_written(model, fields, lambda array: index, always))
+    """Returns the attributes of an element that differ from MuJoCo's defaults, and those in `always`.
+    `index`: the element's row in the arrays; for joints see `joint_attributes`, for actuators
+    `general_attributes`."""
+    return tuple(_attributes(model, fields, lambda array: index, always))
 
 
 def joint_attributes(model: Any, joint: int, always: Collection[str] = ()) -> Attributes:
-    """Those of a joint, whose dynamics are in the arrays of its degrees of freedom."""
+    """Returns the attributes of a joint, whose dynamics are in the arrays of its degrees of freedom."""
     dof = int(model.jnt_dofadr[joint])
-    return tuple(_written(model, JOINT, lambda array: dof if array.startswith("dof_") else joint, always))
+    return tuple(_attributes(model, JOINT, lambda array: dof if array.startswith("dof_") else joint, always))
 
 
-def _written(
+def general_attributes(model: Any, actuator: int, always: Collection[str] = ()) -> Attributes:
+    """Returns the attributes of an actuator as `<general>`, with the range of its first control."""
+    control = controls_of(model, actuator).start
+
+    def row(array: str) -> int:
+        return control if array.startswith("actuator_ctrl") else actuator
+
+    return tuple(_attributes(model, GENERAL, row, always))
+
+
+def _attributes(
     model: Any, fields: Sequence[CompiledField], row: Any, always: Collection[str]
 ) -> Iterator[tuple[str, str]]:
     for field in fields:
@@ -231,9 +249,9 @@ def _written(
         ):
             continue
         values = _numbers(model, field, row(field.array))
-        usual = _numbers(bare(), field, -1)
-        same = np.array_equal(values, usual) if values.shape == usual.shape else not values.any()
-        if not same or field.limited or field.attribute in always:
+        default = _numbers(bare(), field, -1)
+        is_default = np.array_equal(values, default) if values.shape == default.shape else not values.any()
+        if not is_default or field.limited or field.attribute in always:
             text = _text(field, values, getattr(model, field.array).dtype == np.float32)
             if text is not None:
                 yield field.attribute, text
@@ -242,15 +260,15 @@ def _written(
 def _numbers(model: Any, field: CompiledField, index: int) -> Any:
     values = np.ravel(getattr(model, field.array)[index])
     if field.more and hasattr(model, field.more):
-        more = np.ravel(getattr(model, field.more)[index])
-        last = np.flatnonzero(more)
-        values = np.concatenate([values, more[: last[-1] + 1]]) if len(last) else values
+        further = np.ravel(getattr(model, field.more)[index])
+        nonzero = np.flatnonzero(further)
+        values = np.concatenate([values, further[: nonzero[-1] + 1]]) if len(nonzero) else values
     return values
 
 
 def _text(field: CompiledField, values: Any, single: bool) -> str | None:
-    """None for a word that not every MuJoCo has."""
+    """Returns the text of values; None for a word that only some versions of MuJoCo have."""
     if field.words is not None:
         return field.words.get(int(values[0]))
-    # Single precision as it is typed: 0.8, not 0.800000011920929.
+    # A float32 is written with its own shortest digits: 0.8, not 0.800000011920929.
     return exact(float(str(value)) if single else float(value) for value in values)

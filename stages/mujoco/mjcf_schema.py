@@ -1,4 +1,4 @@
-"""The elements and attributes of MJCF that a MuJoCo knows, by its own account."""
+"""Tells which elements and attributes of MJCF a version of MuJoCo accepts, by its own list."""
 
 import functools
 import re
@@ -6,103 +6,107 @@ from collections.abc import Collection, Mapping
 
 import mujoco
 
-Known = tuple[frozenset[str] | None, frozenset[str] | None]
-"""The attributes and the children of an element; None: any."""
+Allowed = tuple[frozenset[str] | None, frozenset[str] | None]
+"""(attributes, children) that an element may have; None means any."""
 
 _LINE = re.compile(r"( *)(\S+) \(.\) *(.*)")
 
 _FRAMES = frozenset(["pos", "quat", "axisangle", "xyaxes", "zaxis", "euler"])
 
-_ANYWHERE = frozenset({"include"})
-"""Elements that may be in any other."""
+_CHILDREN_OF_ALL = frozenset({"include"})
+"""Elements that may be in every element."""
 
-_REPEATED = {"worldbody": "body", "frame": "body", "replicate": "body"}
-"""Elements that may have in them what a body may have."""
+_STANDS_FOR = {"worldbody": "body", "frame": "body", "replicate": "body"}
+"""Element → the element whose children it may contain."""
 
-_IN_BODIES = frozenset(["body", "frame", "replicate", "composite"])
-"""Elements of a body that MuJoCo's account leaves out, or means by repetition."""
+_CHILDREN_OF_BODIES = frozenset(["body", "frame", "replicate", "composite"])
+"""Children of a body that MuJoCo's list leaves out, or includes only by repetition."""
 
-_OWN: dict[str, frozenset[str] | None] = {
+_UNLISTED_ATTRIBUTES: dict[str, frozenset[str] | None] = {
     "worldbody": None,
     "frame": _FRAMES | {"name", "childclass", "scale"},
     "replicate": _FRAMES | {"count", "sep", "offset", "childclass", "name"},
     "composite": None,
 }
-"""Attributes of elements that MuJoCo's account leaves out; None: any."""
+"""Attributes of elements that MuJoCo's list leaves out; None means any."""
 
 
-Way = tuple[str, ...]
+TagPath = tuple[str, ...]
 """The tags from the root to an element."""
 
 
 class MjcfSchema:
-    """What a version of MuJoCo knows. `listed`: the attributes of each element, by its way below the root."""
+    """The elements and attributes that a version of MuJoCo accepts. `listed`: the path of an element below
+    the root → its attributes."""
 
-    def __init__(self, listed: Mapping[Way, Collection[str]]) -> None:
-        children: dict[Way, set[str]] = {}
-        for way in listed:
-            if way:
-                children.setdefault(way[:-1], set()).add(way[-1])
+    def __init__(self, listed: Mapping[TagPath, Collection[str]]) -> None:
+        children: dict[TagPath, set[str]] = {}
+        for path in listed:
+            if path:
+                children.setdefault(path[:-1], set()).add(path[-1])
         children[()] = (children[()] - {"body"}) | {"worldbody"}
-        children["body",] |= _IN_BODIES
+        children["body",] |= _CHILDREN_OF_BODIES
         children["default",] |= {"default"}
-        self._by_way: dict[Way, Known] = {
-            way: (frozenset(attributes), frozenset(children.get(way, ())) | _ANYWHERE)
-            for way, attributes in listed.items()
+        self._by_path: dict[TagPath, Allowed] = {
+            path: (frozenset(attributes), frozenset(children.get(path, ())) | _CHILDREN_OF_ALL)
+            for path, attributes in listed.items()
         }
 
-    def known(self, way: Way) -> Known:
-        """What an element may have, by the tags from the root to it."""
-        if "composite" in way[:-1] or "include" in way:
+    def allowed(self, path: TagPath) -> Allowed:
+        """Returns the attributes and children that an element may have. `path`: the tags from the root to the
+        element."""
+        if "composite" in path[:-1] or "include" in path:
             return None, None
-        attributes, children = self._by_way.get(_plain(way), (None, None))
-        own = way[-1]
-        if own in _OWN:
-            attributes = _OWN[own]
-        if attributes is not None and len(way) > 1 and way[1] == "worldbody":
-            attributes = attributes | _extra(own)
+        attributes, children = self._by_path.get(_without_repetition(path), (None, None))
+        name = path[-1]
+        if name in _UNLISTED_ATTRIBUTES:
+            attributes = _UNLISTED_ATTRIBUTES[name]
+        if attributes is not None and len(path) > 1 and path[1] == "worldbody":
+            attributes = attributes | _extra_attributes(name)
         return attributes, children
 
 
-def known(way: Way) -> Known:
-    """What the installed MuJoCo knows that an element may have, by the tags from the root to it."""
-    return installed().known(way)
+def allowed(path: TagPath) -> Allowed:
+    """Returns the attributes and children that the installed MuJoCo accepts in an element. `path`: the tags
+    from the root to the element."""
+    return installed().allowed(path)
 
 
 @functools.cache
 def installed() -> MjcfSchema:
-    """What the installed MuJoCo knows."""
+    """Returns the schema of the installed MuJoCo."""
     return MjcfSchema(listed())
 
 
-def _extra(tag: str) -> frozenset[str]:
-    """Attributes of an element in a body that MuJoCo reads, and does not list."""
+def _extra_attributes(tag: str) -> frozenset[str]:
+    """Returns the attributes of an element in a body that MuJoCo reads, but does not list."""
     return frozenset({"childclass"}) if tag in ("body", "frame") else frozenset()
 
 
-def _plain(way: Way) -> Way:
-    """A way without repetition: bodies in bodies count once, defaults in defaults too."""
-    found: list[str] = []
-    for tag in way[1:]:
-        one = _REPEATED.get(tag, tag)
-        if not (found and one == found[-1] and one in ("body", "default")):
-            found.append(one)
-    return tuple(found)
+def _without_repetition(path: TagPath) -> TagPath:
+    """Returns a path below the root without repetition: nested bodies count once, and so do nested
+    defaults."""
+    plain: list[str] = []
+    for tag in path[1:]:
+        name = _STANDS_FOR.get(tag, tag)
+        if not (plain and name == plain[-1] and name in ("body", "default")):
+            plain.append(name)
+    return tuple(plain)
 
 
-def listed() -> dict[Way, set[str]]:
-    """The tags from below the root to each element, and its attributes, as `mj_printSchema` lists them."""
-    found: dict[Way, set[str]] = {}
-    above: list[str] = []
-    way: Way = ()
+def listed() -> dict[TagPath, set[str]]:
+    """Returns the attributes of each element by its path below the root, as `mj_printSchema` lists them."""
+    table: dict[TagPath, set[str]] = {}
+    ancestors: list[str] = []
+    path: TagPath = ()
     for line in mujoco.mj_printSchema(False, True).splitlines():
         match = _LINE.match(line)
         if match:
             level = len(match[1]) // 3
             name = {"(world)body": "body", "mujoco": ""}.get(match[2], match[2])
-            above[level:] = [name]
-            way = tuple(above[1:])
-            found.setdefault(way, set()).update(match[3].split())
+            ancestors[level:] = [name]
+            path = tuple(ancestors[1:])
+            table.setdefault(path, set()).update(match[3].split())
         elif line.strip():
-            found[way].update(line.split())
-    return found
+            table[path].update(line.split())
+    return table

@@ -1,11 +1,11 @@
-"""Sensors of a compiled model."""
+"""Converts sensors of a compiled model back to MJCF."""
 
 from collections.abc import Collection, Iterator
 from typing import Any
 
 import mujoco
 
-from linkwright.stages.mujoco.elements import KINDS, Name, named
+from linkwright.stages.mujoco.elements import TAG_BY_OBJECT_TYPE, Reference, reference
 from linkwright.stages.mujoco.fields import SENSOR, attributes
 from linkwright.stages.mujoco.names import OBJ, name_of
 from linkwright.stages.robot.model.mjcf_extras import Attributes, MjcfElement
@@ -17,79 +17,83 @@ _TAGS = {
     "geomnormal": "normal",
     "geomfromto": "fromto",
 }
-"""Name in MuJoCo's code → element, where they differ."""
+"""MuJoCo's name of a sensor in code → its tag, where these differ."""
 
 _OF_TWO = ("distance", "normal", "fromto", "contact")
-"""Sensors that number what they are on: geom1, body2."""
+"""Sensors whose two targets have numbered attributes: geom1, body2."""
 
-_LOST = ("plugin", "tactile")
+_UNSUPPORTED = ("plugin", "tactile")
+"""Sensors that are not converted."""
 
 _REDUCE = ("none", "mindist", "maxforce", "netforce")
 
 
 def tag_of(model: Any, index: int) -> str:
-    """The element of a sensor's type."""
+    """Returns the tag of a sensor's type."""
     raw = str(mujoco.mjtSensor(int(model.sensor_type[index])).name).removeprefix("mjSENS_").lower()
     return _TAGS.get(raw, raw)
 
 
 def sensor(model: Any, index: int) -> MjcfElement | None:
-    """A sensor without its name; None of a type that is not carried over, or on what has no name."""
+    """Returns a sensor as an MJCF element, without its name. Returns None for a type that is not converted,
+    and for a target without a name."""
     tag = tag_of(model, index)
     ends = [
         (int(model.sensor_objtype[index]), int(model.sensor_objid[index])),
         (int(model.sensor_reftype[index]), int(model.sensor_refid[index])),
     ]
-    if tag in _LOST or any(number >= 0 and not _has_name(model, kind, number) for kind, number in ends):
+    if tag in _UNSUPPORTED or any(
+        number >= 0 and not _has_name(model, kind, number) for kind, number in ends
+    ):
         return None
-    more, names = _parts(model, index, tag, ends)
-    return MjcfElement(tag, (*more, *attributes(model, SENSOR, index)), tuple(names))
+    attributes_of_type, names = _attributes_and_targets(model, index, tag, ends)
+    return MjcfElement(tag, (*attributes_of_type, *attributes(model, SENSOR, index)), tuple(names))
 
 
 def sensor_attributes(model: Any, index: int) -> Attributes:
-    """What a sensor of any type has beside its noise and cutoff."""
+    """Returns the attributes of a sensor of any type besides its noise and cutoff."""
     return attributes(model, [field for field in SENSOR if field.attribute == "user"], index)
 
 
 def _has_name(model: Any, kind: int, number: int) -> bool:
-    return kind in KINDS and bool(name_of(model, kind, number))
+    return kind in TAG_BY_OBJECT_TYPE and bool(name_of(model, kind, number))
 
 
-def _word(kind: int) -> str:
-    return "xbody" if kind == OBJ.mjOBJ_XBODY else KINDS[kind]
+def _object_word(kind: int) -> str:
+    return "xbody" if kind == OBJ.mjOBJ_XBODY else TAG_BY_OBJECT_TYPE[kind]
 
 
-def _parts(
+def _attributes_and_targets(
     model: Any, index: int, tag: str, ends: list[tuple[int, int]]
-) -> tuple[list[tuple[str, str]], list[Name]]:
-    """The attributes that a type has of its own, and those that name what it is on."""
-    (kind, on), (other, of) = ends
+) -> tuple[list[tuple[str, str]], list[Reference]]:
+    """Returns the attributes that only this type has, and those that refer to its targets."""
+    (kind, index_of_target), (reference_kind, reference_index) = ends
     if tag in _OF_TWO:
         return (_of_contact(model, index) if tag == "contact" else []), [*_numbered(model, ends)]
     if tag.startswith("frame") or tag in ("insidesite", "user"):
-        more = [("objtype", _word(kind))] if on >= 0 else []
-        names = [named(model, "objname", kind, on)] if on >= 0 else []
+        attributes_of_type = [("objtype", _object_word(kind))] if index_of_target >= 0 else []
+        names = [reference(model, "objname", kind, index_of_target)] if index_of_target >= 0 else []
         if tag == "insidesite":
-            names.append(named(model, "site", other, of))
-            more += [("enclosed", "true")] if model.sensor_intprm[index][0] else []
-        elif of >= 0:
-            more.append(("reftype", _word(other)))
-            names.append(named(model, "refname", other, of))
+            names.append(reference(model, "site", reference_kind, reference_index))
+            attributes_of_type += [("enclosed", "true")] if model.sensor_intprm[index][0] else []
+        elif reference_index >= 0:
+            attributes_of_type.append(("reftype", _object_word(reference_kind)))
+            names.append(reference(model, "refname", reference_kind, reference_index))
         if tag == "user":
-            more += _of_user(model, index)
-        return more, names
-    names = [named(model, KINDS[kind], kind, number) for kind, number in ends if number >= 0]
-    more = []
+            attributes_of_type += _of_user(model, index)
+        return attributes_of_type, names
+    names = [reference(model, TAG_BY_OBJECT_TYPE[kind], kind, number) for kind, number in ends if number >= 0]
+    attributes_of_type = []
     if tag == "rangefinder" and int(model.sensor_intprm[index][0]) not in (0, 1):
-        more.append(("data", " ".join(_data(model, index, "mjtRayDataField", "mjRAYDATA_"))))
-    return more, names
+        attributes_of_type.append(("data", " ".join(_data(model, index, "mjtRayDataField", "mjRAYDATA_"))))
+    return attributes_of_type, names
 
 
-def _numbered(model: Any, ends: Collection[tuple[int, int]]) -> Iterator[Name]:
-    for place, (kind, number) in enumerate(ends, 1):
+def _numbered(model: Any, ends: Collection[tuple[int, int]]) -> Iterator[Reference]:
+    for position, (kind, number) in enumerate(ends, 1):
         if number >= 0:
-            word = "subtree" if kind == OBJ.mjOBJ_XBODY else KINDS[kind]
-            yield named(model, word if word == "site" else f"{word}{place}", kind, number)
+            word = "subtree" if kind == OBJ.mjOBJ_XBODY else TAG_BY_OBJECT_TYPE[kind]
+            yield reference(model, word if word == "site" else f"{word}{position}", kind, number)
 
 
 def _of_contact(model: Any, index: int) -> list[tuple[str, str]]:
@@ -105,7 +109,7 @@ def _of_user(model: Any, index: int) -> list[tuple[str, str]]:
 
 
 def _data(model: Any, index: int, enum: str, prefix: str) -> Iterator[str]:
-    """The words of the bits of what a sensor gives."""
+    """Yields the words of the bits of a sensor's data."""
     bits = int(model.sensor_intprm[index][0])
     for name, member in getattr(mujoco, enum).__members__.items():
         if name.startswith(prefix) and bits & (1 << int(member)):

@@ -1,4 +1,4 @@
-"""The state of a model at one of its keyframes."""
+"""Returns the state of a model at one of its keyframes."""
 
 from typing import Any
 
@@ -6,17 +6,17 @@ import mujoco
 
 
 def keyframe_of(model: Any, name: str) -> int:
-    """The number of the keyframe of this name; -1 where there is none."""
+    """Returns the index of the keyframe of this name; -1 without such a keyframe."""
     return int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, name))
 
 
 def at_keyframe(model: Any, name: str = "home") -> Any:
-    """The data at a keyframe, with its controls; at qpos0 where there is none of this name."""
+    """Returns the data at a keyframe, with its controls; at qpos0 without a keyframe of this name."""
     return at_key(model, keyframe_of(model, name))
 
 
 def at_key(model: Any, key: int) -> Any:
-    """The data at a keyframe by its number; at qpos0 for -1."""
+    """Returns the data at the keyframe of this index; at qpos0 for -1."""
     data = mujoco.MjData(model)
     if key >= 0:
         mujoco.mj_resetDataKeyframe(model, data, key)

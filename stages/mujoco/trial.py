@@ -1,4 +1,4 @@
-"""A trial run: whether a robot's MuJoCo model stays whole and finite while it is simulated."""
+"""Simulates a robot's MuJoCo model in a trial run, which tells whether it stays stable and finite."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,46 +9,55 @@ import numpy as np
 import numpy.typing as npt
 
 from linkwright.stages.mujoco.state import at_keyframe
-from linkwright.stages.mujoco.warnings import listening
+from linkwright.stages.mujoco.warnings import collected_warnings
 from linkwright.stages.robot.model.robot import Array
 
-SECONDS = 2.0
-"""The length of a trial run."""
+TRIAL_SECONDS = 2.0
+"""Length of a trial run [s]."""
 
-OPEN = 1e-3
-"""How far [m, rad] the equalities that close loops may open."""
+MAX_OPENING = 1e-3
+"""Largest distance [m, rad] by which the equalities that close loops may open."""
 
-RIGID = 0.999
-"""The impedance from which on an equality is to hold: ours do, and one of an MJCF source may be soft."""
+MIN_IMPEDANCE = 0.999
+"""Smallest impedance of an equality that must hold. Exported equalities must; those of an MJCF source may be
+soft."""
 
-EFFORT = 1e7
-"""Bound of steps times the square of the speeds' number: a robot of more than 100 runs for a shorter time."""
+MAX_WORK = 1e7
+"""Largest product of the steps and the square of the number of speeds: robots with more than 100 speeds run
+shorter."""
 
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """The outcome of a trial run. `failed`: what went wrong, "" for nothing; `time` [s] when, or the end.
-    `joints`: the names of the joints that it began with, worst first; `opening`: the largest distance of
-    a loop from closed [m, rad], and `loop`: the equality that was."""
+    """The outcome of a trial run."""
 
     failed: str
+    """The failure in words; "" without a failure."""
+
     time: float
+    """Time [s] of the failure, or of the end."""
+
     joints: tuple[str, ...] = ()
+    """The names of the joints where the failure began, the worst first."""
+
     opening: float = 0.0
+    """The largest opening of a loop [m, rad]."""
+
     loop: str = ""
+    """The name of the equality that opened most."""
 
     @property
     def joint(self) -> str:
-        """The name of the joint that the failure began with, "" for none."""
+        """Returns the name of the joint where the failure began, or ""."""
         return self.joints[0] if self.joints else ""
 
 
 def trial_run(
-    model: Any, seconds: float = SECONDS, opening: float = OPEN, start: Array | None = None
+    model: Any, seconds: float = TRIAL_SECONDS, opening: float = MAX_OPENING, start: Array | None = None
 ) -> Trial:
-    """Simulates a model from its keyframe `home`, with the controls there, or from the positions `start`, at
-    its own time step. It fails where MuJoCo warns, and where a loop opens by more than `opening` [m, rad], or
-    twice what it is then."""
+    """Simulates a model at its own time step, from its keyframe `home` and with the controls there, or from
+    the positions `start`. The trial fails if MuJoCo warns, or if a loop opens by more than `opening` [m, rad]
+    and by more than twice its opening at the start."""
     data = at_keyframe(model)
     if start is not None:
         data.qpos[:] = start
@@ -56,41 +65,42 @@ def trial_run(
     closing = _closing(model)
     allowed = max(opening, 2.0 * _opening(data, closing)[0])
     steps = round(seconds / model.opt.timestep)
-    steps = max(1, min(steps, int(EFFORT / max(1, model.nv) ** 2)))
-    most, loop = 0.0, -1
-    with listening():
-        for done in range(steps):
+    steps = max(1, min(steps, int(MAX_WORK / max(1, model.nv) ** 2)))
+    worst, loop = 0.0, -1
+    with collected_warnings():
+        for step in range(steps):
             mujoco.mj_step(model, data)
-            time = (done + 1) * model.opt.timestep
-            if found := failure(model, data):
-                return Trial(found[0], time, found[1], most, _name(model, loop))
-            now, which = _opening(data, closing)
-            if now > most:
-                most, loop = now, which
-            if most > allowed:
-                text = f"{_name(model, loop)} opened by {most:.2g}"
-                return Trial(text, time, _of_equality(model, loop), most, _name(model, loop))
-    return Trial("", steps * model.opt.timestep, (), most, _name(model, loop))
+            time = (step + 1) * model.opt.timestep
+            if failed := failure(model, data):
+                return Trial(failed[0], time, failed[1], worst, _equality_name(model, loop))
+            current, equality = _opening(data, closing)
+            if current > worst:
+                worst, loop = current, equality
+            if worst > allowed:
+                text = f"{_equality_name(model, loop)} opened by {worst:.2g}"
+                return Trial(text, time, _loop_joints(model, loop), worst, _equality_name(model, loop))
+    return Trial("", steps * model.opt.timestep, (), worst, _equality_name(model, loop))
 
 
 def failure(model: Any, data: Any) -> tuple[str, tuple[str, ...]] | None:
-    """What went wrong since the data was reset, in words, and the names of the joints that it began with;
-    None for nothing."""
-    warned = [index for index, number in enumerate(data.warning.number.tolist()) if number]
-    if warned or not np.isfinite(data.qpos).all():
-        return _words(warned), _joints(model, data, warned)
+    """Returns the failure since the data was reset, in words, and the names of the joints where it began;
+    None without a failure."""
+    warnings = [index for index, number in enumerate(data.warning.number.tolist()) if number]
+    if warnings or not np.isfinite(data.qpos).all():
+        return _failure_text(warnings), _joints(model, data, warnings)
     return None
 
 
 def _closing(model: Any) -> npt.NDArray[np.bool_]:
-    """By equality: whether it is a connect or weld that is to hold; none at all where no equality is."""
+    """Returns a mask of the equalities that are connects or welds and must hold; empty if none must."""
     closes = np.isin(model.eq_type, (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD))
-    closing: npt.NDArray[np.bool_] = closes & (model.eq_solimp[:, 1] >= RIGID)
+    closing: npt.NDArray[np.bool_] = closes & (model.eq_solimp[:, 1] >= MIN_IMPEDANCE)
     return closing if closing.any() else closing[:0]
 
 
 def _opening(data: Any, closes: npt.NDArray[np.bool_]) -> tuple[float, int]:
-    """The largest error of the equalities that `closes` says [m, rad], and its number; -1 without any."""
+    """Returns the largest error [m, rad] of the equalities in `closes`, and its index; -1 without such
+    equalities."""
     if not len(closes) or not data.ne:
         return 0.0, -1
     # The rows of equalities come first.
@@ -114,15 +124,15 @@ _WARNINGS = {
 }
 
 
-def _words(warned: Sequence[int]) -> str:
-    names = [mujoco.mjtWarning(index).name for index in warned]
+def _failure_text(warnings: Sequence[int]) -> str:
+    names = [mujoco.mjtWarning(index).name for index in warnings]
     return ", ".join(_WARNINGS.get(name, name) for name in names) or "its positions became infinite"
 
 
-def _joints(model: Any, data: Any, warned: Sequence[int]) -> tuple[str, ...]:
-    """The joint that MuJoCo names with the warning."""
+def _joints(model: Any, data: Any, warnings: Sequence[int]) -> tuple[str, ...]:
+    """Returns the joint that MuJoCo names in the warning, or nothing."""
     bad = ("mjWARN_BADQPOS", "mjWARN_BADQVEL", "mjWARN_BADQACC")
-    for index in warned:
+    for index in warnings:
         if mujoco.mjtWarning(index).name not in bad:
             continue
         number = int(data.warning[index].lastinfo)
@@ -133,16 +143,17 @@ def _joints(model: Any, data: Any, warned: Sequence[int]) -> tuple[str, ...]:
     return ()
 
 
-def _of_equality(model: Any, equality: int) -> tuple[str, ...]:
-    """The joints above both bodies of an equality, the nearest first, those of the world's own left out."""
+def _loop_joints(model: Any, equality: int) -> tuple[str, ...]:
+    """Returns the joints on the loop that an equality closes: those above one of its bodies but not above
+    both, the nearest first."""
     ends = (int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality]))
     if model.eq_objtype[equality] == mujoco.mjtObj.mjOBJ_SITE:
         ends = (int(model.site_bodyid[ends[0]]), int(model.site_bodyid[ends[1]]))
     names: dict[str, None] = {}
-    ways = [_way(model, end) for end in ends]
-    for way in ways:
-        for body in way:
-            if all(body in other for other in ways):
+    paths = [_path_to_world(model, end) for end in ends]
+    for path in paths:
+        for body in path:
+            if all(body in other for other in paths):
                 break
             first = int(model.body_jntadr[body])
             for joint in range(first, first + int(model.body_jntnum[body])):
@@ -150,13 +161,13 @@ def _of_equality(model: Any, equality: int) -> tuple[str, ...]:
     return tuple(names)
 
 
-def _way(model: Any, body: int) -> list[int]:
-    way = []
+def _path_to_world(model: Any, body: int) -> list[int]:
+    path = []
     while body:
-        way.append(body)
+        path.append(body)
         body = int(model.body_parentid[body])
-    return [*way, 0]
+    return [*path, 0]
 
 
-def _name(model: Any, equality: int) -> str:
+def _equality_name(model: Any, equality: int) -> str:
     return str(model.equality(equality).name) if equality >= 0 else ""

@@ -1,4 +1,4 @@
-"""A URDF as MuJoCo reads URDFs: its meshes by paths, and no floating joint but below the world."""
+"""Prepares a URDF for MuJoCo, which reads meshes by their paths, and floating joints only below the world."""
 
 from collections.abc import Callable
 
@@ -6,15 +6,15 @@ from linkwright.stages.formats.xml import Element, element
 
 
 def without_packages(root: Element) -> None:
-    """Makes the paths `package://<package>/...` relative: a URDF lies at the top of its package, whose name
-    MuJoCo takes for a folder."""
+    """Makes the paths `package://<package>/...` relative. A URDF is at the top of its package, whose name
+    MuJoCo would treat as a folder."""
     for node in root.xpath("//*[starts-with(@filename, 'package://')]"):
         node.set("filename", node.get("filename").removeprefix("package://").partition("/")[2])
 
 
 def with_floating_on_world(root: Element) -> bool:
-    """Puts a link `world` above the root, and moves the floating joints to it: the same, since the root does
-    not move, and MuJoCo accepts them only there. Whether there were any elsewhere."""
+    """Puts a link `world` above the root, and moves the floating joints to it, where MuJoCo accepts them. The
+    robot stays the same, since the root is at rest. Returns whether there was a floating joint elsewhere."""
     floating = root.xpath("joint[@type='floating']/parent[@link != 'world']")
     if not floating:
         return False
@@ -28,28 +28,28 @@ def with_floating_on_world(root: Element) -> bool:
 
 
 def with_every_link(root: Element, place_of: Callable[[str], str | None], *, visuals: bool = True) -> None:
-    """Keeps what MuJoCo would leave out, and fixes joints that float, which may be below any link of a URDF
-    that is not ours. `place_of`: the path of a mesh by what the URDF names, None for one that is left out;
-    `visuals`: whether what is only seen stays."""
-    for seen in [] if visuals else list(root.iterfind("link/visual")):
-        seen.getparent().remove(seen)
+    """Keeps the links that MuJoCo would drop, and fixes floating joints, which URDFs of other tools may have
+    below any link. `place_of`: returns the path of a mesh by its name in the URDF, None to drop the mesh;
+    `visuals`: whether purely visual shapes stay."""
+    for visual in [] if visuals else list(root.iterfind("link/visual")):
+        visual.getparent().remove(visual)
     for mesh in list(root.iter("mesh")):
         place = place_of(mesh.get("filename", ""))
         if place is None:
             _drop(mesh)
         else:
             mesh.set("filename", place)
-    for settings in root.findall("mujoco"):
-        root.remove(settings)
-    own = element(root, "mujoco")
+    for existing in root.findall("mujoco"):
+        root.remove(existing)
+    settings = element(root, "mujoco")
     discarded = "false" if visuals else None
-    element(own, "compiler", strippath="false", fusestatic="false", discardvisual=discarded)
+    element(settings, "compiler", strippath="false", fusestatic="false", discardvisual=discarded)
     for joint in root.iterfind("joint[@type='floating']"):
         joint.set("type", "fixed")
 
 
 def _drop(mesh: Element) -> None:
-    """Takes out the visual or collision of a mesh."""
-    around = mesh.getparent().getparent()
-    if around is not None and around.getparent() is not None:
-        around.getparent().remove(around)
+    """Removes the visual or collision that holds a mesh."""
+    holder = mesh.getparent().getparent()
+    if holder is not None and holder.getparent() is not None:
+        holder.getparent().remove(holder)

@@ -1,21 +1,21 @@
-"""MuJoCo's own viewer, with a scene at its keyframe `home`."""
+"""Opens MuJoCo's own viewer, with a scene at its keyframe `home`."""
 
 from linkwright.stages.mujoco.state import at_keyframe
 
 
 class NoViewer(Exception):
-    """The installed MuJoCo has no viewer."""
+    """The error that the installed MuJoCo has no viewer."""
 
 
 class NoWindow(Exception):
-    """The viewer cannot open a window."""
+    """The error that the viewer cannot open a window."""
 
 
 def show(scene: str) -> None:
-    """Opens the viewer with a scene, and returns when it is closed. NoViewer or NoWindow where it cannot be
-    opened, with MuJoCo's words."""
+    """Opens the viewer with a scene, and returns when it is closed. Raises NoViewer or NoWindow with MuJoCo's
+    message if it cannot be opened."""
     try:
-        # Late: it needs a library of windows, which may not be there.
+        # Late: it needs a window library, which may be missing.
         import mujoco.viewer
     except ImportError as error:
         raise NoViewer(str(error)) from None

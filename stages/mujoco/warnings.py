@@ -1,4 +1,4 @@
-"""MuJoCo's warnings, collected in place of a log file in the working folder, and its errors."""
+"""Collects MuJoCo's warnings, which otherwise go to a log file in the working folder."""
 
 import re
 import warnings
@@ -11,29 +11,30 @@ _QUOTED = re.compile(r"(Line number=\d+): XML.*")
 
 
 def unquoted(error: Exception) -> str:
-    """MuJoCo's message, without the part of a file that is not XML: a model may include any file."""
+    """Returns MuJoCo's message, without the text that it quotes from a file that is not XML: a model may
+    include any file."""
     return _QUOTED.sub(r"\1", str(error))
 
 
 @contextmanager
-def listening() -> Iterator[list[str]]:
-    """Collects MuJoCo's warnings."""
-    heard: list[str] = []
-    before = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(heard.append)
+def collected_warnings() -> Iterator[list[str]]:
+    """Yields a list, to which MuJoCo's warnings are added inside."""
+    texts: list[str] = []
+    previous_handler = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(texts.append)
     try:
-        yield heard
+        yield texts
     finally:
-        mujoco.set_mju_user_warning(before)
+        mujoco.set_mju_user_warning(previous_handler)
 
 
 @contextmanager
-def deprecations(heard: list[str]) -> Iterator[None]:
-    """Adds to `heard` what MuJoCo's Python module warns of when it compiles, as of attributes that a later
-    version will not read. Python would write it on the standard error."""
-    with warnings.catch_warnings(record=True) as found:
+def deprecations(texts: list[str]) -> Iterator[None]:
+    """Adds to `texts` the warnings that MuJoCo's Python module raises inside, such as for attributes that a
+    later version will not read. Python would write them to standard error."""
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
             yield
         finally:
-            heard += [str(one.message) for one in found if issubclass(one.category, UserWarning)]
+            texts += [str(warning.message) for warning in caught if issubclass(warning.category, UserWarning)]

@@ -1,4 +1,4 @@
-"""A bundle: the raw replies that a build reads, pinned and named by their requests."""
+"""Describes a bundle: the raw replies that a build reads, pinned and named by their requests."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,7 +9,7 @@ from linkwright.stages.robot.errors import ProtocolError
 
 @dataclass(frozen=True, slots=True, order=True)
 class StudioKey:
-    """One part studio in one configuration, pinned.
+    """A part studio in a configuration, pinned.
 
     `pin` is `v/<version>` where the document is linked by version, else `m/<microversion>`.
     """
@@ -21,7 +21,7 @@ class StudioKey:
 
     @classmethod
     def of(cls, record: Mapping[str, Any]) -> "StudioKey":
-        """The key of an instance or a part of an assembly definition."""
+        """Returns the key of an instance or a part of an assembly definition."""
         version = record.get("documentVersion")
         pin = f"v/{version}" if version else f"m/{record['documentMicroversion']}"
         configuration = record.get("configuration") or "default"
@@ -30,46 +30,42 @@ class StudioKey:
 
 @dataclass(frozen=True, slots=True)
 class Studio:
-    """The replies about one part studio, by digest.
-
-    `mass`: mass properties (one reply for all parts, or one a part in recorded data);
-    `tessellation`: the triangles, or None where none were recorded.
-    """
+    """The replies about a part studio, by digest."""
 
     key: StudioKey
     mass: tuple[str, ...]
+    """Mass properties: one reply for all parts, or one a part in recorded data."""
     tessellation: str | None
+    """The triangles; None if none were recorded."""
 
 
 @dataclass(frozen=True, slots=True)
 class Features:
-    """The replies about the limits of one assembly's mates, where the definition lacks them, by digest.
-
-    `features`: its feature list; `variables`: its variables, None where they are not needed or not available.
-    """
+    """The replies about the limits of an assembly's mates, by digest, if the definition lacks them."""
 
     key: StudioKey
     features: str
+    """Its list of features."""
     variables: str | None = None
+    """Its variables; None if they are not needed or not available."""
 
 
 @dataclass(frozen=True, slots=True)
 class Bundle:
-    """Raw replies or files, byte for byte: the common part of all kinds of bundle.
-
-    `root` names the robot: `document`, `microversion`, `element`, `configuration`. `definition` is the
-    digest of the assembly definition, or of a robot's own text or model; `requests` maps the name of each
-    reply or file to the SHA-256 of its body; `blobs` maps that digest to the body.
-    """
+    """Raw replies or files, byte for byte: the common part of all kinds of bundle."""
 
     kind: str
     root: Mapping[str, str]
+    """The robot: `document`, `microversion`, `element`, `configuration`."""
     definition: str
+    """Digest of the assembly definition, or of a robot's own text or model."""
     requests: Mapping[str, str]
+    """Name of each reply or file → SHA-256 of its body."""
     blobs: Mapping[str, bytes]
+    """SHA-256 → body."""
 
     def body(self, digest: str) -> bytes:
-        """The body with this digest; ProtocolError where the bundle lacks it."""
+        """Returns the body with this digest; raises ProtocolError where the bundle lacks it."""
         body = self.blobs.get(digest)
         if body is None:
             msg = f"the bundle lacks the reply with digest {digest}"
@@ -79,23 +75,20 @@ class Bundle:
 
 @dataclass(frozen=True, slots=True)
 class OnshapeBundle(Bundle):
-    """The replies about an Onshape assembly. `requests` are pinned to a version or microversion.
-
-    `api` is the version of the API that was asked, `definition_api` that of the definition, "" for the
-    same; `features` is empty where the definition gives all limits.
-    """
+    """The replies about an Onshape assembly. `requests` are pinned to a version or microversion."""
 
     api: str
+    """Version of the API that was asked."""
     studios: tuple[Studio, ...]
     features: tuple[Features, ...] = ()
+    """Empty if the definition gives all limits."""
     definition_api: str = ""
+    """Version of the API of the definition; "" if it is `api`."""
 
 
 @dataclass(frozen=True, slots=True)
 class FileBundle(Bundle):
-    """A robot's own file and its meshes.
-
-    `options`: those of the source that concern its reader (`bad_inertia`).
-    """
+    """A robot's own file and its meshes."""
 
     options: Mapping[str, str] = field(default_factory=dict)
+    """Options of the source that concern its reader (`bad_inertia`)."""

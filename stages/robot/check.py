@@ -1,25 +1,26 @@
-"""One check of a built robot: what was measured, against what limit, and where to look."""
+"""Describes the result of a check of a built robot: the measured value, its limit, and where to look."""
 
 from dataclasses import dataclass
 from typing import Literal
 
 CheckLevel = Literal["error", "warning"]
-"""What a check that does not pass says: the robot is wrong; something could be better."""
+"""The meaning of a check that does not pass: error: the robot is wrong; warning: it could be better."""
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One thing that a check does not accept. `element`: of the file, by tag and name, as `joint "elbow"`;
-    `attribute`: of that element, "" where the element as a whole is meant."""
+    """A fault that a check finds in a file."""
 
     element: str
+    """An element of the file, by tag and name, as `joint "elbow"`."""
     attribute: str
+    """An attribute of the element; "" for the element as a whole."""
     message: str
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """What a check found, row by row, whether it passes or not."""
+    """The results of a check, row by row, whether it passes or not."""
 
     header: tuple[str, ...]
     rows: tuple[tuple[str | float | None, ...], ...]
@@ -27,19 +28,22 @@ class Table:
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """`value` and `limit` are in the unit that `detail` names; None where a check has no number. `code`: its
-    row of `stages/CHECKS.md`. `findings`: what is wrong where it does not pass, the worst first. `table`:
-    what was found beside that."""
+    """The result of a check."""
 
     name: str
     passed: bool
     detail: str
     value: float | None = None
+    """Measured value, in the unit that `detail` names; None if the check has no number."""
     limit: float | None = None
+    """Limit of the value, in the same unit; None if the check has no number."""
     code: str = ""
+    """Its row of `stages/CHECKS.md`."""
     level: CheckLevel = "error"
     findings: tuple[Finding, ...] = ()
+    """The faults if it does not pass, the worst first."""
     table: Table | None = None
+    """Its other results."""
 
     @property
     def fails(self) -> bool:

@@ -1,4 +1,4 @@
-"""Values as bytes and back, exactly: what travels between stages through the cache.
+"""Converts the values that stages pass on through the cache to bytes and back, exactly.
 
 Values are frozen dataclasses of numbers, texts, arrays and tuples; their classes are the schema.
 Floats keep every bit (shortest round-trip text).
@@ -27,18 +27,19 @@ REPLIES = "replies/"
 
 
 def dump(value: object) -> bytes:
-    """A value as JSON, one key a line, so that files compare well."""
+    """Returns a value as JSON, one key a line, so that files compare well."""
     return orjson.dumps(plain(value), option=orjson.OPT_INDENT_2) + b"\n"
 
 
 def load(kind: type[T], data: bytes) -> T:
-    """The value of class `kind` that `dump` wrote."""
+    """Returns the value of class `kind` that `dump` wrote."""
     value: T = typed(kind, orjson.loads(data))
     return value
 
 
 def plain(value: Any) -> Any:
-    """Dataclasses as mappings, tuples and arrays as lists; everything else as it is."""
+    """Returns a value as plain data: dataclasses as mappings, tuples and arrays as lists, everything else
+    unchanged."""
     if is_dataclass(value) and not isinstance(value, type):
         return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, tuple | list):
@@ -59,8 +60,8 @@ def _model() -> Any:
 
 @functools.cache
 def hints(kind: type) -> dict[str, Any]:
-    """The types of a dataclass's fields. A module that must not import numpy names the model's classes
-    for the type checker alone: those are looked up in the model."""
+    """Returns the types of a dataclass's fields. A module that must not import numpy names the model's
+    classes for the type checker alone: those are looked up in the model."""
     try:
         return get_type_hints(kind)
     except NameError:
@@ -68,10 +69,10 @@ def hints(kind: type) -> dict[str, Any]:
 
 
 def typed(kind: Any, data: Any) -> Any:
-    """`data` from JSON as the annotated type `kind`."""
+    """Returns `data` from JSON as the annotated type `kind`."""
     if isinstance(kind, type) and is_dataclass(kind):
-        known = hints(kind)
-        return kind(**{key: typed(known[key], item) for key, item in data.items()})
+        field_types = hints(kind)
+        return kind(**{key: typed(field_types[key], item) for key, item in data.items()})
     origin = get_origin(kind)
     if origin is tuple:
         items = get_args(kind)
@@ -93,12 +94,13 @@ def typed(kind: Any, data: Any) -> Any:
 
 
 def _is_alias(kind: Any) -> bool:
-    """Whether the type is a `type` alias, bare or with arguments: NDArray is one from numpy 2.5 on."""
+    """Returns whether the type is a `type` alias, bare or with arguments: NDArray is one from numpy 2.5
+    on."""
     return hasattr(get_origin(kind) or kind, "__value__")
 
 
 def _unaliased(kind: Any) -> Any:
-    """The type that a `type` alias stands for; any other type as it is."""
+    """Returns the type behind a `type` alias; any other type unchanged."""
     while _is_alias(kind):
         arguments = get_args(kind)
         meant = (get_origin(kind) or kind).__value__
@@ -107,8 +109,8 @@ def _unaliased(kind: Any) -> Any:
 
 
 def _option(kind: Any, data: Any) -> Any:
-    """The member of a union that `data` is one of: a list is the tuple, where there is a choice, and a
-    mapping the dataclass with those fields."""
+    """Returns the member of a union to which `data` belongs: a list to the tuple, where there is a choice,
+    and a mapping to the dataclass with those fields."""
     options = [_unaliased(option) for option in get_args(kind) if option is not types.NoneType]
     if len(options) == 1:
         return options[0]
@@ -119,34 +121,36 @@ def _option(kind: Any, data: Any) -> Any:
 
 
 def encode_robot(robot: "Robot") -> bytes:
+    """Returns the robot as JSON."""
     return dump(robot)
 
 
 def decode_robot(data: bytes) -> "Robot":
+    """Returns the robot that `encode_robot` wrote."""
     robot: Robot = load(_model().Robot, data)
     return robot
 
 
 def encode_geometry(geometry: Geometry) -> dict[str, bytes]:
-    """`geometry.json` and one file per mesh."""
+    """Returns `geometry.json` and one file per mesh."""
     table = {name: getattr(geometry, name) for name in hints(Geometry) if name != "files"}
     files = {ASSETS + name: data for name, data in geometry.files.items()}
     return {"geometry.json": dump(table), **files}
 
 
 def decode_geometry(files: Mapping[str, bytes], meshes: bool = True) -> Geometry:
-    """The geometry; without `meshes` its files are not read, and it has none."""
+    """Returns the geometry; without `meshes` its files are not read, and it has none."""
     table = orjson.loads(files["geometry.json"])
-    known = hints(Geometry)
+    field_types = hints(Geometry)
     names = [name for name in files if meshes and name.startswith(ASSETS)]
     return Geometry(
         files={name.removeprefix(ASSETS): files[name] for name in names},
-        **{name: typed(known[name], value) for name, value in table.items()},
+        **{name: typed(field_types[name], value) for name, value in table.items()},
     )
 
 
 def encode_bundle(bundle: Bundle) -> dict[str, bytes]:
-    """`manifest.json` and one file per reply."""
+    """Returns `manifest.json` and one file per reply."""
     names = [field.name for field in fields(bundle) if field.name != "blobs"]
     manifest = {name: getattr(bundle, name) for name in names}
     return {
@@ -156,11 +160,11 @@ def encode_bundle(bundle: Bundle) -> dict[str, bytes]:
 
 
 def decode_bundle(files: Mapping[str, bytes]) -> Bundle:
-    """The bundle; `blobs` reads a file only when asked, where `files` does."""
+    """Returns the bundle; `blobs` reads a file only when asked, where `files` does."""
     manifest = orjson.loads(files["manifest.json"])
     kind = OnshapeBundle if "studios" in manifest else FileBundle
-    known = hints(kind)
-    values = {key: typed(known[key], item) for key, item in manifest.items()}
+    field_types = hints(kind)
+    values = {key: typed(field_types[key], item) for key, item in manifest.items()}
     return kind(**values, blobs=Blobs(files))
 
 
@@ -181,15 +185,17 @@ class Blobs(Mapping[str, bytes]):
 
 
 def encode_checks(checks: tuple[Check, ...]) -> bytes:
+    """Returns the checks as JSON."""
     return dump(checks)
 
 
 def decode_checks(data: bytes) -> tuple[Check, ...]:
+    """Returns the checks that `encode_checks` wrote."""
     checks: tuple[Check, ...] = typed(tuple[Check, ...], orjson.loads(data))
     return checks
 
 
 def decode_diagnostics(data: Any) -> tuple[Diagnostic, ...]:
-    """Diagnostics from plain data (a list of mappings)."""
-    found: tuple[Diagnostic, ...] = typed(tuple[Diagnostic, ...], data)
-    return found
+    """Returns diagnostics from plain data (a list of mappings)."""
+    diagnostics: tuple[Diagnostic, ...] = typed(tuple[Diagnostic, ...], data)
+    return diagnostics

@@ -1,4 +1,4 @@
-"""The sink of diagnostics: what a stage finds on its way, and the errors that stop it, reported together."""
+"""Collects the diagnostics of a stage, and raises all of its errors together."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -10,36 +10,38 @@ from linkwright.stages.robot.text.plural import count
 
 @dataclass(slots=True)
 class Diagnostics:
-    """`found` goes to the report with the robot; `problems` (codes E-) end the build. `optional`: key that
-    holds globs → those of its globs that may match nothing."""
+    """The diagnostics of a stage."""
 
     found: list[Diagnostic] = field(default_factory=list)
+    """Warnings and information, for the report."""
     problems: list[Diagnostic] = field(default_factory=list)
+    """Errors (codes E-), which end the build."""
     optional: Mapping[Any, Sequence[str]] = field(default_factory=dict)
+    """Configuration key → its globs that may match nothing."""
 
     def report(self, code: str, message: str, where: str = "", hint: str = "") -> None:
-        """Adds one diagnostic; a code that starts with E- is a problem."""
+        """Adds a diagnostic; a code that starts with E- is a problem."""
         self.add([Diagnostic(code, message, where, hint)])
 
-    def unmatched(self, code: str, message: str, where: str, hint: str, glob: str) -> None:
-        """Adds a glob that matches nothing at the key `where`: I-GLOB if it is optional; "*" may match
-        nothing without a word."""
-        if glob in self._optional(where):
-            self.report("I-GLOB", message, where, "it may: a preset has it, or the key `optional`")
+    def unmatched(self, code: str, message: str, key: str, hint: str, glob: str) -> None:
+        """Reports a glob of the key `key` that matches nothing: with I-GLOB if it is optional, else with
+        `code`. A "*" may match nothing and is not reported."""
+        if glob in self._optional_globs(key):
+            self.report("I-GLOB", message, key, "this is allowed, by a preset or by the key `optional`")
         elif glob != "*":
-            self.report(code, message, where, hint)
+            self.report(code, message, key, hint)
 
-    def _optional(self, where: str) -> Sequence[str]:
-        """The optional globs of the key `where`, or of the section that it is in."""
-        return [*self.optional.get(where, ()), *self.optional.get(where.partition(".")[0], ())]
+    def _optional_globs(self, key: str) -> Sequence[str]:
+        """Returns the optional globs of `key`, and of the section that it is in."""
+        return [*self.optional.get(key, ()), *self.optional.get(key.partition(".")[0], ())]
 
     def add(self, diagnostics: Iterable[Diagnostic]) -> None:
-        """Adds diagnostics that were made elsewhere."""
-        for one in diagnostics:
-            (self.problems if one.level == "error" else self.found).append(one)
+        """Adds existing diagnostics, each to `problems` or `found` by its level."""
+        for diagnostic in diagnostics:
+            (self.problems if diagnostic.level == "error" else self.found).append(diagnostic)
 
     def raise_errors(self) -> None:
-        """AssemblyError with every problem so far, if there is any."""
+        """Raises AssemblyError with all problems so far, if there are any."""
         if self.problems:
             msg = f"the assembly cannot be built: {count(len(self.problems), 'problem')}"
             raise AssemblyError(msg, problems=sorted(self.problems, key=lambda p: (p.code, p.where)))

@@ -1,4 +1,4 @@
-"""Everything that can go wrong, as one tree.
+"""Defines the tree of all errors.
 
 LinkwrightError(message, where, hint)
 ├── ConfigError
@@ -20,7 +20,7 @@ from linkwright.stages.robot.text.printable import sentence
 
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
-    """One finding about the source, with a stable code.
+    """A finding about the source, with a stable code.
 
     `code` starts with its level: `E-` (the robot cannot be built), `W-` (built, but look at it)
     or `I-` (built as asked; worth knowing).
@@ -33,6 +33,7 @@ class Diagnostic:
 
     @property
     def level(self) -> str:
+        """The level that the first letter of the code means: error, warning or info."""
         return {"E": "error", "W": "warning", "I": "info"}[self.code[0]]
 
 
@@ -69,68 +70,68 @@ class LinkwrightError(Exception):
 
 
 class ConfigError(LinkwrightError):
-    """The configuration is wrong; known before the first stage runs."""
+    """An error in the configuration, found before the first stage runs."""
 
 
 class SourceError(LinkwrightError):
-    """The source of the robot could not be read."""
+    """An error of a source that cannot be read."""
 
 
 class AuthError(SourceError):
-    """The credentials were refused or do not suffice (401, 403)."""
+    """An error of credentials that are refused or do not suffice (401, 403)."""
 
 
 class NotFound(SourceError):
-    """There is nothing at that address for this key (404)."""
+    """An error of an address at which there is nothing for this key (404)."""
 
 
 class QuotaExhausted(SourceError):
-    """The yearly quota of API calls is used up (402)."""
+    """An error of a yearly quota of API calls that is used up (402)."""
 
 
 class RateLimited(SourceError):
-    """Too many calls in the window (429)."""
+    """An error of too many calls in a period (429)."""
 
 
 class ProtocolError(SourceError):
-    """The reply is not what the API promises."""
+    """An error of a reply that is not what the API promises."""
 
 
 class Offline(SourceError):
-    """The server could not be reached."""
+    """An error of a server that cannot be reached."""
 
 
 class AssemblyError(LinkwrightError):
-    """The assembly does not describe a robot."""
+    """An error of an assembly that does not describe a robot."""
 
 
 class NoRoot(AssemblyError):
-    """No link fits what `root.select` asks for."""
+    """An error of the choice of the root link."""
 
 
 class Disconnected(AssemblyError):
-    """Some parts are not connected to the root."""
+    """An error of parts that are not connected to the root."""
 
 
 class MissingMass(AssemblyError):
-    """Some parts have no mass."""
+    """An error of parts that have no mass."""
 
 
 class MeshError(LinkwrightError):
-    """A mesh could not be made."""
+    """An error of a mesh that cannot be made."""
 
 
 class EmptyMesh(MeshError):
-    """A mesh has no triangle."""
+    """An error of a mesh that has no triangles."""
 
 
 class DecompositionFailed(MeshError):
-    """A mesh could not be decomposed into convex pieces."""
+    """An error of a mesh that cannot be decomposed into convex pieces."""
 
 
 class ExportError(LinkwrightError):
-    """A file could not be written in its format."""
+    """An error of a file that cannot be written in its format."""
 
 
 class ValidationFailed(LinkwrightError):
-    """The build is complete, but a check failed."""
+    """An error of a complete build in which a check failed."""

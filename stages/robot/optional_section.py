@@ -1,4 +1,4 @@
-"""Globs that may match nothing: those of a preset, which several robots share."""
+"""Lists globs that may match nothing: those of a preset, which several robots share."""
 
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any
@@ -27,19 +27,20 @@ GLOB_KEYS = (
     "names.links",
     "relations",
     "sensors",
+    "variants.ranges",
 )
 """The keys that hold globs."""
 
 
 class OptionalSection(Section):
-    """What each stage that matches globs has of the configuration."""
+    """The part of the configuration for each stage that matches globs."""
 
     optional: Annotated[
         dict[Text, tuple[Text, ...]], example({"joints": ["*wheel*"], "sensors": ["*foot*"]})
     ] = Field(default_factory=dict)
-    """Key that holds globs → those of its globs that may match nothing: that is reported, and an error for
-    others. The globs of presets (files of groups other than the robot and the experiment, such as
-    actuators/lab.yaml) are put here when the configuration is made."""
+    """Key that holds globs → those of its globs that may match nothing, which is then reported; any other
+    glob that matches nothing is an error. The globs of presets (files of groups other than the robot and the
+    experiment, such as actuators/lab.yaml) are added here automatically."""
 
 
 def globs_of(tree: Mapping[str, Any], key: str) -> Iterator[str]:
@@ -51,13 +52,16 @@ def globs_of(tree: Mapping[str, Any], key: str) -> Iterator[str]:
         value = [sensor.get(name) for sensor in _mappings(value) for name in ("joints", "actuators")]
     if key == "keyframes":
         value = [glob for keyframe in _mappings(value) for glob in keyframe]
+    if key == "variants.ranges" and isinstance(value, str):
+        return  # a word in place of globs
     yield from _texts(value)
 
 
 def all_globs(tree: Mapping[str, Any]) -> dict[str, list[str]]:
-    """The globs that each key of a configuration, or of a part of it, holds; none where there are none."""
-    every = {key: list(dict.fromkeys(globs_of(tree, key))) for key in GLOB_KEYS}
-    return {key: globs for key, globs in every.items() if globs}
+    """The globs that each key of a configuration, or of a part of it, holds; keys without globs are left
+    out."""
+    globs_by_key = {key: list(dict.fromkeys(globs_of(tree, key))) for key in GLOB_KEYS}
+    return {key: globs for key, globs in globs_by_key.items() if globs}
 
 
 def _mappings(value: Any) -> Iterator[Mapping[str, Any]]:

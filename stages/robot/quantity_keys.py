@@ -1,4 +1,5 @@
-"""Keys that are lengths or angles: numbers in SI, or texts with a unit, such as "25 mm" and "-90 deg"."""
+"""Reads keys that are lengths or angles: numbers in SI, or texts with a unit, such as "25 mm" and "-90
+deg"."""
 
 import re
 from typing import TYPE_CHECKING, Annotated, Any
@@ -29,17 +30,21 @@ _NAMED = {"length": "nm, um, mm, cm, m, in, ft, ...", "angle": "deg, rad, rev"}
 
 
 class TypedNumber(float):
-    """A number in SI that was typed with a unit. `measure`: what the unit measures; `typed`: the text."""
+    """A number in SI that was typed with a unit."""
 
     measure: Measure
+    """What the unit measures."""
     typed: str
+    """The text."""
 
 
 def quantity(text: str, *measures: Measure) -> TypedNumber:
-    """What a text is in SI: a number and a unit of one of the measures; an error that says so otherwise."""
-    shown = " or ".join(f"{EXAMPLES[one]!r}" for one in measures)
-    kinds = " or ".join(f"{'an' if one == 'angle' else 'a'} {one}" for one in measures)
-    expected = f"must be a number in {' or '.join(SI[one] for one in measures)}, or {kinds} as {shown}"
+    """Returns a text of a number and a unit of one of the measures, in SI; an error for any other text."""
+    shown = " or ".join(f"{EXAMPLES[measure]!r}" for measure in measures)
+    kinds = " or ".join(f"{'an' if measure == 'angle' else 'a'} {measure}" for measure in measures)
+    expected = (
+        f"must be a number in {' or '.join(SI[measure] for measure in measures)}, or {kinds} as {shown}"
+    )
     match = _TYPED.fullmatch(text)
     if match is None:
         raise invalid(expected)
@@ -48,14 +53,14 @@ def quantity(text: str, *measures: Measure) -> TypedNumber:
         # YAML takes "-.04" for text, and the configuration's messages say so.
         as_text = number.startswith(("-.", "+."))
         raise invalid(expected if as_text else f"{expected}: without quotes, or with a unit")
-    known = UNITS.get(unit)
-    if known is None or known[1] not in measures:
-        names = "; ".join(_NAMED[one] for one in measures)
-        is_what = "unknown" if known is None else f"a unit of {known[1]}"
+    unit_entry = UNITS.get(unit)
+    if unit_entry is None or unit_entry[1] not in measures:
+        names = "; ".join(_NAMED[measure] for measure in measures)
+        is_what = "unknown" if unit_entry is None else f"a unit of {unit_entry[1]}"
         raise invalid(f"{expected}: {unit!r} is {is_what}; units are {names}")
-    found = TypedNumber(float(number) * known[0])
-    found.measure, found.typed = known[1], text
-    return found
+    typed_number = TypedNumber(float(number) * unit_entry[0])
+    typed_number.measure, typed_number.typed = unit_entry[1], text
+    return typed_number
 
 
 def _length(value: Any) -> Any:
@@ -69,15 +74,15 @@ def _angle(value: Any) -> Any:
 def _degrees(value: Any) -> Any:
     if not isinstance(value, str):
         return value
-    found = quantity(value, "angle")
-    return round(float(found) / UNITS["deg"][0], 12)
+    typed_number = quantity(value, "angle")
+    return round(float(typed_number) / UNITS["deg"][0], 12)
 
 
-def _either(value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
+def _coordinate(value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
     return quantity(value, "angle", "length") if isinstance(value, str) else handler(value)
 
 
-def _as_typed(value: float | None) -> float | str | None:
+def _typed_text(value: float | None) -> float | str | None:
     return value.typed if isinstance(value, TypedNumber) else value
 
 
@@ -95,10 +100,10 @@ Degrees = Annotated[float, Strict(), BeforeValidator(_degrees, json_schema_input
 Coordinate = Annotated[
     float,
     Strict(),
-    WrapValidator(_either, json_schema_input_type=Typed),
-    PlainSerializer(_as_typed, return_type=float | str),
+    WrapValidator(_coordinate, json_schema_input_type=Typed),
+    PlainSerializer(_typed_text, return_type=float | str),
 ]
-"""A value of a joint [rad or m], whose kind only the robot tells: a `TypedNumber` keeps what was typed."""
+"""A value of a joint [rad or m], whose kind only the robot tells: a `TypedNumber` keeps the typed text."""
 
 PositiveLength = Annotated[Length, Field(gt=0)]
 NonNegativeLength = Annotated[Length, Field(ge=0)]
@@ -123,19 +128,19 @@ Range = Annotated[tuple[Coordinate | None, Coordinate | None], AfterValidator(_a
 
 
 def misfit(value: object, kind: "DofKind") -> str:
-    """Why a value that was typed with a unit does not suit a dof of this kind; "" where it does."""
+    """Returns why a value that was typed with a unit does not suit a dof of this kind; "" where it does."""
     if not isinstance(value, TypedNumber) or kind == "free":
         return ""
-    wanted = measure_of(kind)
-    return "" if value.measure == wanted else f"{value.typed!r} is no {wanted}"
+    measure = measure_of(kind)
+    return "" if value.measure == measure else f"{value.typed!r} is no {measure}"
 
 
 def measure_of(kind: "DofKind") -> Measure:
-    """What the value of a dof of this kind measures."""
+    """Returns the measure of the value of a dof of this kind."""
     return "length" if kind == "slide" else "angle"
 
 
 def as_typed(kind: "DofKind") -> str:
-    """The hint for a value of a dof of this kind."""
+    """Returns the hint for a value of a dof of this kind."""
     measure = measure_of(kind)
     return f"give it in {SI[measure]}, or as {EXAMPLES[measure]!r}"

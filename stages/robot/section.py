@@ -1,9 +1,9 @@
-"""The base of every section of the configuration.
+"""Defines the base of every section of the configuration.
 
 A section is a frozen pydantic model. It is the schema, the defaults, the documentation (under each
 field, with its unit in brackets), and through `identity()` its part of a cache key. Help, tab
 completion, the reference of keys and the JSON Schema are generated from the sections. A key that is
-decided but has no function yet is refused by name, never ignored (`not_yet`).
+reserved, but not implemented yet, is refused by name and never ignored (`not_yet`).
 """
 
 import ast
@@ -31,10 +31,10 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError
 
 NOT_YET = "not_yet"
-"""The error type of a key that is decided but has no function yet."""
+"""The error type of a key that is reserved, but not implemented yet."""
 
 Text = Annotated[str, StringConstraints(strict=True, min_length=1)]
-"""Text, never made from a number: an id read as a number has already lost its digits."""
+"""Non-empty text, never converted from a number: an id that YAML read as a number has lost its digits."""
 
 Number = Annotated[float, Strict()]
 """A finite number; text and booleans are refused."""
@@ -50,50 +50,50 @@ Triple = tuple[Number, Number, Number]
 """Three numbers: metres for a position, radians for roll, pitch and yaw."""
 
 
-def not_yet(default: Any = None, **more: Any) -> Any:
-    """A field that has no function yet: only its default is accepted."""
+def not_yet(default: Any = None, **field_options: Any) -> Any:
+    """Declares a field that is not implemented yet: only its default is accepted."""
     extra: dict[str, Any] = {NOT_YET: True}
     if callable(default):
-        return Field(default_factory=default, json_schema_extra=extra, **more)
-    return Field(default=default, json_schema_extra=extra, **more)
+        return Field(default_factory=default, json_schema_extra=extra, **field_options)
+    return Field(default=default, json_schema_extra=extra, **field_options)
 
 
 def example(value: Any) -> Any:
-    """Metadata of a field: a value for the reference of keys."""
+    """Declares an example value of a field, for the reference of keys."""
     return Field(examples=[value])
 
 
 def invalid(text: str) -> PydanticCustomError:
-    """The error to raise in a validator: what a value must be, or that two values exclude each other."""
+    """Makes the error that a validator raises. `text`: what the value must be, or conflicts with."""
     return PydanticCustomError("invalid", "{text}", {"text": text})
 
 
-def _of_one_form(solref: tuple[float, float]) -> tuple[float, float]:
+def _check_solref(solref: tuple[float, float]) -> tuple[float, float]:
     if not (min(solref) > 0 or max(solref) < 0):
         raise invalid("must be [time constant, damping ratio] above 0, or [-stiffness, -damping]")
     return solref
 
 
-Solref = Annotated[tuple[Number, Number], AfterValidator(_of_one_form)]
+Solref = Annotated[tuple[Number, Number], AfterValidator(_check_solref)]
 """MuJoCo's solref: [time constant, damping ratio] in s and without unit, or [-stiffness, -damping]."""
 
 
 @functools.cache
 def _documentation(module: str) -> Mapping[str, Mapping[str, str]]:
-    """Class in the source of a module → field → the text under it; none where there is no source."""
+    """Class in the source of a module → field → the text under it; empty without source."""
     try:
         source = ast.parse(inspect.getsource(sys.modules[module]))
     except (KeyError, OSError, TypeError):
         return {}
-    found: dict[str, dict[str, str]] = {}
-    for made in (node for node in ast.walk(source) if isinstance(node, ast.ClassDef)):
-        for field, text in itertools.pairwise(made.body):
+    texts: dict[str, dict[str, str]] = {}
+    for section_class in (node for node in ast.walk(source) if isinstance(node, ast.ClassDef)):
+        for field, text in itertools.pairwise(section_class.body):
             if not (isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name)):
                 continue
             if isinstance(text, ast.Expr) and isinstance(text.value, ast.Constant):
-                fields = found.setdefault(made.name, {})
+                fields = texts.setdefault(section_class.name, {})
                 fields[field.target.id] = inspect.cleandoc(str(text.value.value))
-    return found
+    return texts
 
 
 class Section(BaseModel):
@@ -112,7 +112,7 @@ class Section(BaseModel):
 
     @field_validator("*", mode="wrap")
     @classmethod
-    def _only_the_default_yet(
+    def _refuse_unimplemented(
         cls, value: Any, handler: ValidatorFunctionWrapHandler, info: ValidationInfo
     ) -> Any:
         field = cls.model_fields[info.field_name or ""]
@@ -122,7 +122,7 @@ class Section(BaseModel):
         try:
             valid = handler(value)
         except ValidationError:
-            # A wrong value of a key without function: an error about its type would mislead.
+            # The key does nothing yet, so an error about the value's type would mislead.
             valid = PydanticCustomError
         if valid != field.get_default(call_default_factory=True):
             raise PydanticCustomError(NOT_YET, "not supported yet")
@@ -135,23 +135,25 @@ class Section(BaseModel):
         Read from the source when it is asked for: pydantic would parse the source of every section whenever
         the command starts, which takes a quarter of the time that all sections take.
         """
-        written: dict[str, str] = {}
+        source_texts: dict[str, str] = {}
         for section in reversed(cls.__mro__):
             if issubclass(section, Section):
-                written |= _documentation(section.__module__).get(section.__name__, {})
+                source_texts |= _documentation(section.__module__).get(section.__name__, {})
         fields = cls.model_fields.items()
-        found = {field.alias or name: field.description or written.get(name, "") for name, field in fields}
-        return {key: text for key, text in found.items() if text}
+        texts = {
+            field.alias or name: field.description or source_texts.get(name, "") for name, field in fields
+        }
+        return {key: text for key, text in texts.items() if text}
 
     @classmethod
     def __get_pydantic_json_schema__(
         cls, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
-        made = handler(schema)
-        properties = handler.resolve_ref_schema(made).get("properties", {})
+        json_schema = handler(schema)
+        properties = handler.resolve_ref_schema(json_schema).get("properties", {})
         for key, text in cls.meanings().items():
             properties[key]["description"] = text
-        return made
+        return json_schema
 
     def identity(self) -> dict[str, Any]:
         """The section as plain data: its part of a cache key. Mappings keep their order."""

@@ -1,15 +1,19 @@
-"""The validate stage: an engine reads the files that were written, and checks compare them with the robot.
+"""The validate stage: engines read the written files, and checks compare them with the robot.
 
-- check_options: What a configuration asks of the checks.
-- compiled: A model file as an engine compiled it: what an engine returns, and what a check works with.
-- contact_errors: Where the contact of a robot with itself is not that of what is seen of it, over poses
-  within its limits.
-- findings: What a check says of what it does not accept: element of the file, attribute, found and expected.
-- format_checks: The checks of the files that no engine reads.
-- rows: The rows of the tables of checks.
-- run: The run of a validation: every engine reads its files, and every check looks at what it compiled.
-- section: Configuration of the validate stage: how much is checked.
-- user_checks: The user's own checks: functions that are called with a compiled model, and what they find.
+- check_options: Defines the settings by which a configuration steers the checks.
+- compiled: Defines compiled models, which engines make from files and checks take as their argument.
+- contact_errors: Finds contacts of a robot with itself that differ from those of its visual shapes, over
+  poses within its limits.
+- findings: Makes the findings of checks, which name an element, an attribute, and the actual and expected
+  value.
+- format_checks: Lists the checks of files that no engine reads.
+- rows: Defines the rows of the tables of checks.
+- run: Runs a validation: every engine reads its files, and every check judges the compiled models.
+- section: Defines the configuration of the validate stage: how much is checked.
+- torque_share: Runs only the torque check, for files that need not be those of a build.
+- torque_value: Reads the torque check as a number: the share of a joint's strength that the robot's weight
+  takes.
+- user_checks: Runs the user's own checks, which are called with a compiled model, and labels their results.
 """
 
 from pathlib import Path
@@ -22,17 +26,17 @@ if TYPE_CHECKING:
     from linkwright.stages.robot.check import Check
     from linkwright.stages.validate.rows import ModelCheck
     from linkwright.stages.validate.section import ValidateSections
-    from linkwright.stages.validate.user_checks import OwnCheck
+    from linkwright.stages.validate.user_checks import UserCheck
 
-VERSION = 52
-"""Grows with every change of what this stage makes of the same input."""
+VERSION = 55
+"""Grows with every change of this stage's results for the same input."""
 
 
 def validate(
-    folder: Path, written: "Written", keys: "ValidateSections", own: "Sequence[OwnCheck]" = ()
+    folder: Path, written: "Written", keys: "ValidateSections", own: "Sequence[UserCheck]" = ()
 ) -> "tuple[Check, ...]":
-    """The checks of every model file in `folder`; with `validate=quick` only of its text, and that it
-    compiles. A check that fails does not stop the others. `own`: the user's checks."""
+    """Checks every model file in `folder`; with `validate=quick`, only its text and whether it compiles. A
+    check that fails does not stop the others. `own`: the user's checks."""
     # Late: the configuration reads this package and checks nothing.
     from linkwright.stages.validate.check_options import Asked, known_payload
     from linkwright.stages.validate.run import check_files, check_formats, check_texts, readiness
@@ -44,16 +48,17 @@ def validate(
         checks = MODEL_CHECKS
     payload = known_payload(written.robot, keys.validate.payload)
     asked = Asked(keys.validate.level == "strict", payload)
-    found = list(check_texts(folder, written))
-    found += check_files(folder, written, checks, own if checks else (), asked)
-    found += check_formats(folder, written, quick=not checks)
+    results = list(check_texts(folder, written))
+    results += check_files(folder, written, checks, own if checks else (), asked)
+    results += check_formats(folder, written, keys.target, quick=not checks)
     if checks:
-        found += readiness(folder, written, found)
-    return tuple(found)
+        results += readiness(folder, written, results)
+    return tuple(results)
 
 
 def measured(folder: Path, robot: str, level: str) -> dict[str, float]:
-    """Figures of the finished files, with `validate=strict`: the machine's as much as the robot's."""
+    """Returns the figures that are measured on the finished files, with `validate=strict` only, since they
+    depend on the machine as well as on the robot."""
     if level != "strict":
         return {}
     # Late: it imports MuJoCo.

@@ -1,4 +1,4 @@
-"""What a configuration asks of the checks."""
+"""Defines the settings by which a configuration steers the checks."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,18 +10,20 @@ from linkwright.stages.robot.text.globs import there_are
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """`strict`: the checks may take their time; `payload`: (link or frame, mass [kg]) that the robot shall
-    carry beside its own weight."""
+    """The settings of a configuration for the checks."""
 
     strict: bool = False
+    """Whether the checks may run longer simulations."""
+
     payload: tuple[tuple[str, float], ...] = ()
+    """Links or frames, each with the mass [kg] that it must carry in addition to the robot's own."""
 
 
 AS_STANDARD = Asked()
 
 
 def known_payload(robot: Robot, payload: Mapping[str, float]) -> tuple[tuple[str, float], ...]:
-    """The payload [kg] by link or frame. ConfigError where the robot has none of that name."""
+    """Returns the payload [kg] by link or frame. Raises ConfigError if the robot lacks a link or frame."""
     links, frames = [link.name for link in robot.links], [frame.name for frame in robot.frames]
     for name in payload:
         if name not in (*links, *frames):

@@ -1,4 +1,4 @@
-"""A model file as an engine compiled it: what an engine returns, and what a check works with."""
+"""Defines compiled models, which engines make from files and checks take as their argument."""
 
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
@@ -22,56 +22,58 @@ SCENE = "scene.xml"
 """The file that puts the robot into a world."""
 
 FileKind = Literal["mjcf", "urdf", "scene", "simulated"]
-"""What a file is to a check. simulated: the scene, or the MJCF where there is no scene; it is that too."""
+"""The kind of a file. simulated: the scene, or the MJCF if there is no scene, which then has both kinds."""
 
 
 @dataclass(frozen=True, slots=True)
 class Loaded:
-    """`model`: the compiled model; None where the file does not compile. `check`: whether it compiles
-    without a warning."""
+    """The result of loading a file."""
 
     model: Any
+    """The compiled model; None if the file does not compile."""
+
     check: Check
+    """Whether the file compiles without a warning."""
 
 
 class Engine(Protocol):
     """A physics engine as a reader of model files."""
 
     def files(self, robot: str) -> tuple[str, ...]:
-        """The names of the files that it reads, for a robot of this name."""
+        """Returns the names of the files that the engine reads, for a robot of this name."""
 
     def load(self, path: Path) -> Loaded:
-        """Compiles one file from where it lies."""
+        """Compiles a file in its folder."""
 
     def warnings(self) -> AbstractContextManager[list[str]]:
-        """Collects what the engine warns of while models are used."""
+        """Collects the engine's warnings while models are used."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CompiledModel:
-    """A compiled model, the file that it was compiled from, and the robot as it is `written`, that it must
-    agree with. `asked`: what the configuration asks of the checks."""
+    """A compiled model, its file, and the robot that it must match."""
 
     path: Path
     model: Any
     written: Written
     asked: Asked = AS_STANDARD
+    """The configuration's settings for the checks."""
 
     @property
     def robot(self) -> Robot:
-        """The robot as this file has it."""
+        """The robot in the form that this file has."""
         return self._view.robot
 
     @property
     def held(self) -> Holders:
-        """By link: the link of this file that has it, and where."""
+        """Maps each link to the link of this file that holds it, with its pose there."""
         return self._view.held
 
     @property
     def geometry(self) -> Geometry | None:
-        """The shapes, in an MJCF by the links that have bodies; None where nothing is known of them."""
-        known = self.written.geometry
-        return known if known is None or self.urdf else self.written.mjcf_shapes
+        """The shapes of the links, in an MJCF of the links that have bodies; None if they are not known."""
+        geometry = self.written.geometry
+        return geometry if geometry is None or self.urdf else self.written.mjcf_shapes
 
     @property
     def _view(self) -> FormatView:
@@ -79,15 +81,15 @@ class CompiledModel:
 
     @property
     def has_keyframes(self) -> bool:
-        """Whether the robot's keyframes are in this file: in the scene where something beside the robot moves
-        or is driven there, else in the MJCF."""
+        """Tells whether the robot's keyframes are in this file. They are in the scene if it has other moving
+        or driven bodies than the robot's, else in the MJCF."""
         extras = self.robot.mjcf
         return (self.path.name == SCENE) == (extras is not None and extras.moves_in_scene)
 
     @property
     def surplus(self) -> Surplus:
-        """What the file has more than the robot, after what is the robot's own: by the user's own XML, and
-        equalities that only an MJCF source has."""
+        """The elements that follow the robot's own in the file: those of the user's own XML, and equalities
+        that only an MJCF source has."""
         added = self.written.amendments.surplus_of(self.path.name)
         extras = self.robot.mjcf
         if extras is None or self.urdf:
@@ -97,20 +99,24 @@ class CompiledModel:
         return replace(added, equalities=added.equalities + ties)
 
     def sets(self, attribute: str) -> bool:
-        """Whether the user's own XML sets an attribute of this name: its value is then the user's."""
-        return any(attribute in one.sets for one in self.written.amendments.changes)
+        """Tells whether the user's own XML sets an attribute of this name, so that it is not compared."""
+        return any(attribute in change.sets for change in self.written.amendments.changes)
 
     def sets_of(self, target: str) -> frozenset[str]:
-        """The attributes that the user's own XML sets of an element, by its tag and name: "geom floor"."""
+        """Returns the attributes that the user's own XML sets on an element. `target`: tag and name, such as
+        "geom floor"."""
         return frozenset(
-            name for one in self.written.amendments.changes if one.target == target for name in one.sets
+            name
+            for change in self.written.amendments.changes
+            if change.target == target
+            for name in change.sets
         )
 
     @property
     def recolours(self) -> bool:
-        """Whether the user's own XML changes what the robot looks like in this file."""
+        """Tells whether the user's own XML changes the robot's look in this file."""
         changes = self.written.amendments.of(self.path.name)
-        return any(LOOKS & {*one.sets, *one.added_tags, tag_of(one.target)} for one in changes)
+        return any(LOOKS & {*change.sets, *change.added_tags, tag_of(change.target)} for change in changes)
 
     @property
     def urdf(self) -> bool:
@@ -126,10 +132,10 @@ class CompiledModel:
         findings: Iterable[Finding] = (),
         level: CheckLevel = "error",
     ) -> Check:
-        """The result of a check of this file."""
-        found = () if passed else tuple(findings)
+        """Returns the result of a check of this file."""
+        shown = () if passed else tuple(findings)
         return Check(
-            f"{self.path.name}: {name}", bool(passed), detail, value, limit, level=level, findings=found
+            f"{self.path.name}: {name}", bool(passed), detail, value, limit, level=level, findings=shown
         )
 
     def within(
@@ -141,15 +147,15 @@ class CompiledModel:
         findings: Iterable[Finding] = (),
         level: CheckLevel = "error",
     ) -> Check:
-        """The result of a check that passes where `value` is at most `limit`."""
+        """Returns the result of a check that passes if `value` is at most `limit`."""
         return self.result(name, value <= limit, detail, value, limit, findings, level)
 
 
 CheckFunction = Callable[[CompiledModel], Iterable[Check]]
-"""A check: its results, each with a name of its own; none where it does not apply to the file."""
+"""A check: it yields results, each with its own name, and nothing for a file that it does not apply to."""
 
 
 def without_warnings(name: str, warnings: Iterable[str], code: str) -> Check:
-    """The result of a check that passes where the engine had no warnings."""
-    found = sorted(set(warnings))
-    return Check(name, not found, "; ".join(found) or "no warnings", float(len(found)), 0.0, code)
+    """Returns the result of a check that passes if the engine had no warnings."""
+    texts = sorted(set(warnings))
+    return Check(name, not texts, "; ".join(texts) or "no warnings", float(len(texts)), 0.0, code)

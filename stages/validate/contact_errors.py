@@ -1,9 +1,10 @@
-"""Where the contact of a robot with itself is not that of what is seen of it, over poses within its limits.
+"""Finds contacts of a robot with itself that differ from those of its visual shapes, over poses within its
+limits.
 
-*False*: colliders of two bodies are in each other by more than 2 mm, and what is seen of them is more than
-that apart, neither in the other. *Missed*: what is seen of them cuts, and their colliders do not touch. At
-`home` no depth is borne between what stands apart. What collides is MuJoCo's word, what is seen the triangles
-and primitives of the file: neither knows how the colliders were made.
+*False*: colliders of two bodies overlap by more than 2 mm, while their visual shapes are more than that
+apart, neither inside the other. *Missed*: the visual shapes intersect, and the colliders do not touch. At
+`home` any overlap counts between visual shapes that are apart. MuJoCo decides what collides; the visual
+shapes are the triangles and primitives of the file: neither depends on how the colliders were made.
 """
 
 from dataclasses import dataclass, field
@@ -23,61 +24,75 @@ from linkwright.stages.robot.motion.start_pose import home
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.model.coordinates import pose_of, set_values
 from linkwright.stages.validate.model.seen_surfaces import SeenSurfaces
-from linkwright.stages.validate.model.shapes import asked_bare, seen_and_solid
+from linkwright.stages.validate.model.shapes import is_bare_by_choice, seen_and_solid
 
-DEEP = 2e-3
-"""Colliders that are in each other by less [m] are no false contact, and what is seen is near within it."""
+FALSE_DEPTH = 2e-3
+"""Depth [m] from which a contact can be false, and distance [m] within which visual shapes count as near."""
 
-TOUCH = 1e-4
-"""Colliders within it [m] touch: faces that slide on each other do, whatever single precision says."""
+TOUCH_DISTANCE = 1e-4
+"""Distance [m] within which colliders touch: faces that slide on each other must, in single precision too."""
 
-HOME_DEEP = 1e-5
-HOME_APART = 2e-4
-"""At `home` [m]: what is less deep only touches, and what is nearer may touch in CAD, of which what is seen
-is so far off."""
+HOME_FALSE_DEPTH = 1e-5
+HOME_MIN_DISTANCE = 2e-4
+"""Limits at `home` [m]. Smaller depths are mere touches. Nearer visual shapes may touch in CAD, since meshes
+deviate from CAD by as much."""
 
-REACH = 0.5
-"""How far [m] slides without limits go."""
+SLIDE_TRAVEL = 0.5
+"""Travel [m] of slides without limits."""
 
 SALT = "contacts that others than the maker of colliders see"
+"""Seed of the sampled poses, which differ from those at which colliders are made."""
 
 
 @dataclass(frozen=True, slots=True)
 class PairErrors:
-    """Two bodies whose contact is not that of what is seen of them: in how many poses it is false, how far
-    [m] what is seen is apart there at most, and in how many it is missed; and how deep [m] their colliders
-    are in each other at `home`, where that is false. `reason`: why they do not collide, where they do not."""
+    """Two bodies whose contact differs from that of their visual shapes."""
 
     bodies: tuple[int, int]
     false: int
+    """Number of poses with a false contact."""
+
     missed: int
+    """Number of poses with a missed contact."""
+
     apart: float
+    """The largest distance [m] of the visual shapes at the false contacts."""
+
     at_home: float
+    """The depth [m] of a false contact at `home`."""
+
     reason: ExcludeReason | None
+    """Why the pair is excluded from contact, if it is."""
 
 
 @dataclass(frozen=True, slots=True)
 class ContactErrors:
-    """`poses`: at how many it was looked, beside `home`; `bodies`: of how many that are seen."""
+    """The contact errors of a robot."""
 
     poses: int
+    """Number of sampled poses, `home` not counted."""
+
     bodies: int
+    """Number of visible bodies that were judged."""
+
     pairs: tuple[PairErrors, ...]
 
 
 @dataclass(slots=True)
 class _Pair:
-    """What is known of two bodies so far. `false`: the second from the first at the poses where it is."""
+    """The results for two bodies so far."""
 
     reason: ExcludeReason | None
     false: list[Array] = field(default_factory=list)
+    """Poses of the second body in the first (4, 4), with false contact."""
+
     cuts: int = 0
     cuts_at_home: bool = False
     at_home: float = 0.0
 
 
 class _Judge:
-    """The bodies of a robot in MuJoCo, and what is seen of them."""
+    """The bodies of a robot in MuJoCo, with their visual shapes."""
 
     def __init__(self, compiled: CompiledModel) -> None:
         self.model = compiled.model
@@ -100,124 +115,127 @@ class _Judge:
         for exclude in compiled.geometry.excludes if compiled.geometry else ():
             low, high = sorted((links.get(exclude.link_a, -1), links.get(exclude.link_b, -1)))
             self.reasons[low, high] = exclude.reason
-            # Which of what is seen belongs to the shapes that do not collide is not known.
+            # Which visual shapes belong to the shapes that do not collide is unknown.
             self.partly |= {(low, high)} if exclude.geoms else set()
         self.pairs: dict[tuple[int, int], _Pair] = {}
 
-    def known(self, one: int, other: int) -> _Pair:
-        if (one, other) not in self.pairs:
-            self.pairs[one, other] = _Pair(self.reasons.get((one, other)))
-        return self.pairs[one, other]
+    def pair(self, first: int, second: int) -> _Pair:
+        if (first, second) not in self.pairs:
+            self.pairs[first, second] = _Pair(self.reasons.get((first, second)))
+        return self.pairs[first, second]
 
-    def never(self, one: int, other: int) -> bool:
-        """Whether two bodies are next to each other: their contact means nothing."""
-        return self.reasons.get((one, other)) == "Adjacent" or never_collide(self.model, one, other)
+    def are_adjacent(self, first: int, second: int) -> bool:
+        """Tells whether two bodies are adjacent, so that their contact means nothing."""
+        return self.reasons.get((first, second)) == "Adjacent" or never_collide(self.model, first, second)
 
-    def other_from(self, one: int, other: int) -> Array:
-        return inverse(pose_of(self.data, one)) @ pose_of(self.data, other)
+    def second_from_first(self, first: int, second: int) -> Array:
+        return inverse(pose_of(self.data, first)) @ pose_of(self.data, second)
 
     def depths(self) -> dict[tuple[int, int], float]:
-        """How deep [m] the colliders of each two bodies in contact are in each other."""
+        """Maps each pair of bodies in contact to the depth [m] by which their colliders overlap."""
         mujoco.mj_collision(self.model, self.data)
-        found: dict[tuple[int, int], float] = {}
+        depths: dict[tuple[int, int], float] = {}
         contacts = self.data.contact
         pairs = np.sort(self.of_geom[contacts.geom.reshape(-1, 2)], axis=1)
-        for (one, other), gap in zip(pairs.tolist(), contacts.dist.tolist(), strict=True):
-            if 0 <= one != other:
-                found[one, other] = max(-gap, found.get((one, other), -np.inf))
-        return found
+        for (first, second), gap in zip(pairs.tolist(), contacts.dist.tolist(), strict=True):
+            if 0 <= first != second:
+                depths[first, second] = max(-gap, depths.get((first, second), -np.inf))
+        return depths
 
-    def meeting(self) -> list[tuple[int, int]]:
-        """The pairs of bodies whose boxes meet."""
-        turned = self.data.xmat[self.bodies].reshape(-1, 3, 3)
-        middles = self.data.xpos[self.bodies] + np.einsum("nij,nj->ni", turned, self.middles)
-        halves = np.einsum("nij,nj->ni", np.abs(turned), self.halves)
+    def with_meeting_boxes(self) -> list[tuple[int, int]]:
+        """Returns the pairs of bodies whose boxes meet."""
+        rotations = self.data.xmat[self.bodies].reshape(-1, 3, 3)
+        middles = self.data.xpos[self.bodies] + np.einsum("nij,nj->ni", rotations, self.middles)
+        halves = np.einsum("nij,nj->ni", np.abs(rotations), self.halves)
         # The bodies are sorted, and so are the pairs.
         pairs = self.bodies[meeting_boxes(middles - halves, middles + halves)].tolist()
-        return [(one, other) for one, other in pairs]
+        return [(first, second) for first, second in pairs]
 
-    def touching(self, one: int, other: int) -> bool:
-        """Whether colliders of two bodies touch that may not be in contact."""
+    def are_touching(self, first: int, second: int) -> bool:
+        """Tells whether colliders of two bodies touch, even if the bodies are excluded from contact."""
         return any(
-            mujoco.mj_geomDistance(self.model, self.data, a, b, 2.0 * TOUCH, None) <= TOUCH
-            for a in self.solid[one]
-            for b in self.solid[other]
+            mujoco.mj_geomDistance(self.model, self.data, a, b, 2.0 * TOUCH_DISTANCE, None) <= TOUCH_DISTANCE
+            for a in self.solid[first]
+            for b in self.solid[second]
         )
 
-    def look(self, *, at_home: bool) -> None:
-        """Judges the pose that the data are at."""
+    def judge_pose(self, *, at_home: bool) -> None:
+        """Judges the pose of `data`."""
         depths = self.depths()
-        for (one, other), depth in depths.items():
-            least, apart = (HOME_DEEP, HOME_APART) if at_home else (DEEP, DEEP)
-            if depth <= least or self.never(one, other):
+        for (first, second), depth in depths.items():
+            min_depth, min_distance = (
+                (HOME_FALSE_DEPTH, HOME_MIN_DISTANCE) if at_home else (FALSE_DEPTH, FALSE_DEPTH)
+            )
+            if depth <= min_depth or self.are_adjacent(first, second):
                 continue
-            pose = self.other_from(one, other)
-            if not self.surfaces.near(one, other, pose, apart):
-                pair = self.known(one, other)
+            pose = self.second_from_first(first, second)
+            if not self.surfaces.near(first, second, pose, min_distance):
+                pair = self.pair(first, second)
                 if at_home:
                     pair.at_home = depth
                 else:
                     pair.false.append(pose)
-        for one, other in self.meeting():
-            if depths.get((one, other), -np.inf) >= -TOUCH or (one, other) in self.partly:
+        for first, second in self.with_meeting_boxes():
+            if depths.get((first, second), -np.inf) >= -TOUCH_DISTANCE or (first, second) in self.partly:
                 continue
-            if self.never(one, other):
+            if self.are_adjacent(first, second):
                 continue
-            if not self.surfaces.near(one, other, self.other_from(one, other), 0.0):
+            if not self.surfaces.near(first, second, self.second_from_first(first, second), 0.0):
                 continue
-            reason = self.reasons.get((one, other))
-            if reason is not None or not self.touching(one, other):
-                pair = self.known(one, other)
+            reason = self.reasons.get((first, second))
+            if reason is not None or not self.are_touching(first, second):
+                pair = self.pair(first, second)
                 pair.cuts_at_home |= at_home
                 pair.cuts += not at_home
 
 
 def contact_errors(compiled: CompiledModel, poses: int, salt: str = SALT) -> ContactErrors:
-    """The pairs of bodies with false or missed contacts, at seeded poses within the limits with loops closed.
+    """Finds the pairs of bodies with false or missed contacts, at seeded poses within the limits with loops
+    closed.
 
-    Pairs that are next to each other never collide, and are not judged. Those that are excluded because they
-    are in each other in every pose are missed where what is seen of them is not, and cuts in some.
+    Adjacent pairs never collide, and are not judged. Pairs that are excluded because they overlap in every
+    pose count as missed if their visual shapes overlap in some poses only.
     """
     judge, robot = _Judge(compiled), compiled.robot
     start = home(robot)
-    values = sampled_poses(robot, poses, REACH, start, salt) if robot.dofs else {}
+    values = sampled_poses(robot, poses, SLIDE_TRAVEL, start, salt) if robot.dofs else {}
     count = count_of(values) if values else 0
     for row in range(-1, count):
-        q = start if row < 0 else {name: _value(every[row]) for name, every in values.items()}
+        q = start if row < 0 else {name: _value(samples[row]) for name, samples in values.items()}
         set_values(judge.model, judge.data, robot, q, urdf=False)
-        judge.look(at_home=row < 0)
-    found = []
+        judge.judge_pose(at_home=row < 0)
+    errors = []
     for bodies, pair in sorted(judge.pairs.items()):
         false = judge.surfaces.outside(*bodies, pair.false)
         always = pair.reason == "Always" and (pair.cuts_at_home or pair.cuts == count)
         missed = 0 if always else pair.cuts
         if false or missed or pair.at_home:
-            apart = judge.surfaces.furthest(*bodies, false) if false else 0.0
-            found.append(PairErrors(bodies, len(false), missed, apart, pair.at_home, pair.reason))
-    return ContactErrors(count, len(judge.bodies), tuple(found))
+            max_distance = judge.surfaces.furthest(*bodies, false) if false else 0.0
+            errors.append(PairErrors(bodies, len(false), missed, max_distance, pair.at_home, pair.reason))
+    return ContactErrors(count, len(judge.bodies), tuple(errors))
 
 
 def _is_judged(link: Link) -> bool:
-    """Not where something of a link collides that is not drawn, and nothing is drawn in its place."""
+    """Tells whether the link's colliders are drawn, or visual shapes are drawn in their place."""
     parts = [part for part in link.parts if part.mesh is not None]
-    solid = any(not part.seen for part in parts) or any(not shape.visual for shape in link.shapes)
-    seen = any(not part.collides for part in parts) or any(not shape.collision for shape in link.shapes)
-    return seen or not solid
+    is_solid = any(not part.seen for part in parts) or any(not shape.visual for shape in link.shapes)
+    is_seen = any(not part.collides for part in parts) or any(not shape.collision for shape in link.shapes)
+    return is_seen or not is_solid
 
 
 def _is_bare(compiled: CompiledModel, body: int) -> bool:
-    """Whether a body without colliders is meant to have none."""
-    return compiled.robot.mjcf is not None or asked_bare(compiled, compiled.model.body(body).name)
+    """Tells whether a body without colliders is intended to have none."""
+    return compiled.robot.mjcf is not None or is_bare_by_choice(compiled, compiled.model.body(body).name)
 
 
 def _value(value: Any) -> Any:
     return float(value) if np.ndim(value) == 0 else tuple(map(float, value))
 
 
-def never_collide(model: Any, one: int, other: int) -> bool:
-    """Whether MuJoCo leaves two bodies out by itself, whatever the file says of contact: one rigid body, and
-    parent and child where neither is fixed to the world."""
-    welds = [int(model.body_weldid[body]) for body in (one, other)]
+def never_collide(model: Any, first: int, second: int) -> bool:
+    """Tells whether MuJoCo never lets two bodies collide, whatever the file says of contact. It ignores the
+    contacts of parts of one rigid body, and of parent and child if neither is fixed to the world."""
+    welds = [int(model.body_weldid[body]) for body in (first, second)]
     if welds[0] == welds[1] or model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_FILTERPARENT:
         return welds[0] == welds[1]
     above = [int(model.body_weldid[model.body_parentid[weld]]) for weld in welds]

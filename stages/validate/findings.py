@@ -1,4 +1,4 @@
-"""What a check says of what it does not accept: element of the file, attribute, found and expected."""
+"""Makes the findings of checks, which name an element, an attribute, and the actual and expected value."""
 
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -8,25 +8,25 @@ import numpy as np
 from linkwright.stages.robot.check import Finding
 from linkwright.stages.robot.model.robot import Array
 
-MOST = 5
-"""Findings of one check: the rest would say no more."""
+MAX_FINDINGS = 5
+"""Largest number of findings of a check: more would not help."""
 
 ROUNDING = 1e-12
-"""An entry of an array is shown as 0 where it is no larger than this share of the largest."""
+"""Share of an array's largest entry up to which entries are shown as 0."""
 
 
 def named(tag: str, name: str) -> str:
-    """An element of a file, by tag and name."""
+    """Returns an element of a file, by tag and name."""
     return f'{tag} "{name}"'
 
 
 def link(name: str, urdf: bool) -> str:
-    """A link, as its file calls it."""
+    """Returns a link, as its file calls it."""
     return named("link" if urdf else "body", name)
 
 
 def named_joint(model: Any, index: int) -> str:
-    """A joint of a compiled model; one without a name by the body that it moves."""
+    """Returns a joint of a compiled model; a joint without a name is named after the body that it moves."""
     name = model.joint(index).name
     return named("joint", name) if name else f"joint of {link(_mover(model, index), urdf=False)}"
 
@@ -36,19 +36,19 @@ def _mover(model: Any, index: int) -> str:
 
 
 def unstable(joint: str, words: str) -> Finding:
-    """Of a run that failed: the joint that it began with, "" for none, and what it may lack."""
+    """Returns the finding of a failed run, at the joint that failed first ("" if unknown)."""
     element, attribute = (named("joint", joint), "armature") if joint else ("option", "timestep")
     return Finding(element, attribute, words)
 
 
-def differs(element: str, attribute: str, found: object, expected: object, unit: str = "") -> Finding:
-    """Found and expected: numbers, arrays of them, or text."""
+def differs(element: str, attribute: str, actual: object, expected: object, unit: str = "") -> Finding:
+    """Returns a finding on an attribute that differs. The values are numbers, arrays of numbers, or text."""
     ending = f" [{unit}]" if unit else ""
-    return Finding(element, attribute, f"is {shown(found)}, expected {shown(expected)}{ending}")
+    return Finding(element, attribute, f"is {shown(actual)}, expected {shown(expected)}{ending}")
 
 
 def shown(value: object) -> str:
-    """A value in a message: numbers by eight digits."""
+    """Returns a value as text for a message, numbers with eight digits."""
     if value is None:
         return "none"
     if isinstance(value, str | bool | int):
@@ -57,43 +57,43 @@ def shown(value: object) -> str:
     least = (
         ROUNDING * float(np.abs(numbers[np.isfinite(numbers)]).max(initial=0.0)) if len(numbers) > 1 else 0.0
     )
-    return " ".join(f"{0.0 if abs(one) <= least else float(one):.8g}" for one in numbers)
+    return " ".join(f"{0.0 if abs(number) <= least else float(number):.8g}" for number in numbers)
 
 
-def worst_first(found: Iterable[tuple[float, Finding]]) -> tuple[Finding, ...]:
-    """The findings with the largest values; what is not a number is the largest."""
-    order = sorted(found, key=lambda one: -np.inf if np.isnan(one[0]) else -one[0])
-    return tuple(finding for _, finding in order[:MOST])
+def worst_first(findings: Iterable[tuple[float, Finding]]) -> tuple[Finding, ...]:
+    """Returns the findings with the largest values; NaN counts as the largest."""
+    order = sorted(findings, key=lambda row: -np.inf if np.isnan(row[0]) else -row[0])
+    return tuple(finding for _, finding in order[:MAX_FINDINGS])
 
 
-def few(found: Iterable[Finding]) -> tuple[Finding, ...]:
-    """The first of them."""
-    return tuple(found)[:MOST]
+def few(findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    """Returns the first `MAX_FINDINGS` findings."""
+    return tuple(findings)[:MAX_FINDINGS]
 
 
-def place_differs(
-    element: str, found: Array, expected: Array, attributes: Sequence[str], least: float
+def pose_findings(
+    element: str, actual: Array, expected: Array, attributes: Sequence[str], least: float
 ) -> tuple[Finding, ...]:
-    """Of two poses (4, 4) what differs by more than `least` [m, rad]: the position and the turn, by the names
-    of their attributes."""
+    """Returns the findings on two poses (4, 4) whose position or orientation differs by more than `least`
+    [m, rad]. `attributes`: the names of position and orientation."""
     position, turn = attributes
-    offset, angle = apart(found, expected)
-    both = []
+    offset, angle = offset_and_angle(actual, expected)
+    findings = []
     if not offset <= least:
-        both.append(differs(element, position, found[:3, 3], expected[:3, 3], "m"))
+        findings.append(differs(element, position, actual[:3, 3], expected[:3, 3], "m"))
     if not angle <= least:
-        both.append(
+        findings.append(
             Finding(element, turn, f"is turned by {shown(np.degrees(angle))} degrees from the expected")
         )
-    return tuple(both)
+    return tuple(findings)
 
 
-def apart(found: Array, expected: Array) -> tuple[float, float]:
-    """The offset [m] and the turn [rad] between two poses (4, 4)."""
-    relative = expected[:3, :3].T @ found[:3, :3]
+def offset_and_angle(actual: Array, expected: Array) -> tuple[float, float]:
+    """Returns the distance [m] and the angle [rad] between two poses (4, 4)."""
+    relative = expected[:3, :3].T @ actual[:3, :3]
     doubled = relative - relative.T
     sine = float(np.linalg.norm([doubled[2, 1], doubled[0, 2], doubled[1, 0]])) / 2
     return (
-        float(np.linalg.norm(found[:3, 3] - expected[:3, 3])),
+        float(np.linalg.norm(actual[:3, 3] - expected[:3, 3])),
         float(np.arctan2(sine, (np.trace(relative) - 1) / 2)),
     )

@@ -1,4 +1,4 @@
-"""The rows of the tables of checks."""
+"""Defines the rows of the tables of checks."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -12,13 +12,17 @@ from linkwright.stages.validate.reading.documents import ModelDocument
 
 @dataclass(frozen=True, slots=True)
 class ModelCheck:
-    """A check of a compiled model. `code`: of its results that have none of their own; `title`: of the result
-    that says that it broke off; `files`: which it is for."""
+    """A check of a compiled model."""
 
     code: str
+    """The code of results that have none."""
+
     title: str
+    """The name of the result that reports an exception."""
+
     function: CheckFunction
     files: tuple[FileKind, ...]
+    """The kinds of files that the check judges."""
 
 
 def _error(_: ModelDocument) -> CheckLevel:
@@ -27,21 +31,25 @@ def _error(_: ModelDocument) -> CheckLevel:
 
 @dataclass(frozen=True, slots=True)
 class TextCheck:
-    """A check of the text of a model. `passed`: what it says where there is nothing to find; `level`: of what
-    it finds."""
+    """A check of the text of a model."""
 
     code: str
     title: str
     function: Callable[[ModelDocument], Iterable[Finding]]
     passed: str
+    """The message if there are no findings."""
+
     level: Callable[[ModelDocument], CheckLevel] = _error
+    """Returns the level of the findings."""
 
 
 @dataclass(frozen=True, slots=True)
 class FormatCheck:
-    """The checks of a file that no engine reads, by its ending. `function`: called with the file, the robot,
-    and whether only that it can be read is asked."""
+    """The checks of a file that no engine reads."""
 
     code: str
     ending: str
+    """The ending of the file's name, with its dot."""
+
     function: Callable[[Path, Written, bool], Iterable[Check]]
+    """Called with the file, the robot, and whether to check only that the file can be read."""

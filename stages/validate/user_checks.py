@@ -1,4 +1,4 @@
-"""The user's own checks: functions that are called with a compiled model, and what they find."""
+"""Runs the user's own checks, which are called with a compiled model, and labels their results."""
 
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -10,56 +10,63 @@ from linkwright.stages.robot.check import Check
 from linkwright.stages.validate.compiled import CompiledModel
 
 PREFIX = "X-"
-"""How the codes of the user's own checks begin."""
+"""Prefix of the codes of the user's own checks."""
 
 
 @dataclass(frozen=True, slots=True)
-class OwnCheck:
-    """`target`: its name as configured, `module.name`. `code`: a function, called with the model and the
-    `keys`; or a class, made with the keys and called with the model."""
+class UserCheck:
+    """A check that the user wrote."""
 
     target: str
-    code: Callable[..., Any]
-    keys: Mapping[str, Any] = field(default_factory=dict)
+    """The configured name, `module.name`."""
+
+    function: Callable[..., Any]
+    """Called with the model and the `arguments`; or a class, constructed with the arguments and called with
+    the model."""
+
+    arguments: Mapping[str, Any] = field(default_factory=dict)
+    """Keyword arguments from the configuration."""
 
     def check(self, compiled: CompiledModel) -> Iterator[Check]:
-        """Its results, under names that begin with the file's and codes that begin with `X-`; one that says
-        what went wrong where it raises, or where what it gives is no check."""
+        """Runs the check and yields its results, with names that start with the file's and codes that start
+        with `X-`. If it raises, or returns anything but checks, it yields a single failed result."""
         title = self.target.rpartition(".")[2]
         code = PREFIX + title.upper().replace("_", "-")
         try:
-            found = list(self._results(compiled))
+            results = list(self._results(compiled))
         except Exception as error:
             text = f"{self.target} raised {type(error).__name__}: {error}{_place(error)}"
             yield Check(f"{compiled.path.name}: {title}", False, text, code=code)
             return
-        for one in found:
-            own = one.code if one.code.startswith(PREFIX) else code
+        for result in results:
+            result_code = result.code if result.code.startswith(PREFIX) else code
             prefix = f"{compiled.path.name}: "
-            name = one.name if one.name.startswith(prefix) else f"{prefix}{one.name or title}"
-            # What a library of arrays calls true is no JSON.
-            yield replace(one, name=name, code=own, passed=bool(one.passed))
+            name = result.name if result.name.startswith(prefix) else f"{prefix}{result.name or title}"
+            # NumPy's booleans cannot be written as JSON.
+            yield replace(result, name=name, code=result_code, passed=bool(result.passed))
 
     def _results(self, compiled: CompiledModel) -> Iterator[Check]:
-        if isinstance(self.code, type):
-            made = self.code(**self.keys)(compiled)
+        if isinstance(self.function, type):
+            returned = self.function(**self.arguments)(compiled)
         else:
-            made = self.code(compiled, **self.keys)
-        if isinstance(made, Check):
-            made = [made]
-        if made is None or isinstance(made, str) or not isinstance(made, Iterable):
-            msg = f"it gave {made!r}, and shall yield checks (linkwright.Check)"
-            raise TypeError(msg)
-        for one in made:
-            if not isinstance(one, Check):
-                msg = f"it gave {one!r}, and shall yield checks (linkwright.Check)"
-                raise TypeError(msg)
-            yield one
+            returned = self.function(compiled, **self.arguments)
+        if isinstance(returned, Check):
+            returned = [returned]
+        if returned is None or isinstance(returned, str) or not isinstance(returned, Iterable):
+            raise TypeError(_refusal(returned))
+        for result in returned:
+            if not isinstance(result, Check):
+                raise TypeError(_refusal(result))
+            yield result
+
+
+def _refusal(value: object) -> str:
+    return f"it gave {value!r}, but must yield checks (linkwright.Check)"
 
 
 def _place(error: Exception) -> str:
-    """The innermost line of the user's own code that an error came from."""
-    here = Path(__file__).name
-    every = traceback.extract_tb(error.__traceback__)
-    frames = [frame for frame in every if Path(frame.filename).name != here]
+    """Returns the innermost line of the user's own code that an error came from."""
+    this_file = Path(__file__).name
+    stack = traceback.extract_tb(error.__traceback__)
+    frames = [frame for frame in stack if Path(frame.filename).name != this_file]
     return f" ({Path(frames[-1].filename).name}, line {frames[-1].lineno})" if frames else ""

@@ -1,1 +1,1 @@
-"""The files of a configuration: what they may hold, and which folders they may name."""
+"""Checks the files of a configuration: their content, and the folders and hosts that they name."""

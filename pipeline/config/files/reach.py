@@ -1,4 +1,4 @@
-"""The folders of the configuration: files outside are no options, whatever a path says.
+"""Keeps paths within the folders of the configuration: files outside are never options.
 
 Paths are normalised as text: a link in a folder leads where its owner wants, and `..` behind it does not.
 """
@@ -13,7 +13,7 @@ HINT = "put the file below a folder that --config-dir names, as DIR/robot/NAME.y
 
 
 class OutsideError(Exception):
-    """A defaults list, or an option, that leaves the folders of the configuration; `path`: what it names."""
+    """A defaults list or an option names a `path` outside the folders of the configuration."""
 
     def __init__(self, path: str) -> None:
         super().__init__(path)
@@ -21,25 +21,25 @@ class OutsideError(Exception):
 
 
 def is_plain(path: str) -> bool:
-    """Whether a path stays in its folder, whatever that is."""
+    """Tells whether a relative path stays in its folder, for any folder."""
     return not _is_absolute(path) and ".." not in path.split("/")
 
 
 def place(base: Path, path: str, folders: Iterable[Path]) -> Path | None:
-    """The place that `path` has from `base`, normalised; None where it is in none of `folders`."""
+    """Returns `path` from `base`, normalised; None if the result is in none of `folders`."""
     if is_plain(path):
         return base / path
     if _is_absolute(path):
         return None
-    found = Path(os.path.normpath(base / path))
-    return found if any(found.is_relative_to(folder) for folder in folders) else None
+    target = Path(os.path.normpath(base / path))
+    return target if any(target.is_relative_to(folder) for folder in folders) else None
 
 
 def _is_absolute(path: str) -> bool:
-    """Whether a path begins at a root, has a scheme, or may do so for some system."""
+    """Tells whether a path begins at a root or has a scheme, on any operating system."""
     return path.startswith("/") or "//" in path or "\\" in path
 
 
 def outside(path: str, where: str) -> Diagnostic:
-    """The problem of a path that leaves the folders of the configuration."""
+    """Returns the problem of a path that leaves the folders of the configuration."""
     return Diagnostic("E-OPTION", f"{path} is outside the folders of the configuration", where, HINT)

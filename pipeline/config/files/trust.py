@@ -1,7 +1,7 @@
 """Keys that a YAML file must not set, because they would run code: files are data.
 
 The check compares the composed tree, after all files, packages and interpolations, with the tree of the
-command line alone (`ours`).
+command line alone (`trusted_tree`).
 """
 
 import json
@@ -21,120 +21,177 @@ from linkwright.stages.robot.errors import Diagnostic
 CODE = "E-TRUST"
 
 VARIABLE = "LINKWRIGHT_TRUST"
-"""The variable that names the files that are trusted like the command line."""
+"""Environment variable with the files that are trusted as much as the command line."""
 
-DEFAULTS: Mapping[str, Any] = {"source.trust": False, "plugins": []}
-"""Keys that let code run, and the only value of each that a file may set."""
+SAFE_VALUES: Mapping[str, Any] = {"source.trust": False, "plugins": []}
+"""Keys that let code run → the only value that a file may set."""
 
 TARGET = "_target_"
 
 ALLOWED = (
-    "below hydra a file may set only sweeper.params, sweep.dir, sweep.subdir, and a launcher's numbers, "
-    "partition and time"
+    "below hydra a file may set only sweeper.params, a search's n_trials, direction and sampler.seed, "
+    "sweep.dir, sweep.subdir, and a launcher's numbers, partition, account, qos and time"
 )
 
 LAUNCHER = "launcher"
 PARAMS = "sweeper.params"
 FOLDERS = ("sweep.dir", "sweep.subdir")
 
-_WORDS = ("partition", "time")
+SWEEPER = "sweeper"
+
+BASIC = "basic"
+"""Hydra's launcher and its sweeper: one job after the other, of every combination of listed values."""
+
+SEARCH = ("sweeper.n_trials", "sweeper.direction", "sweeper.sampler.seed")
+"""Settings of a sweeper that searches: two numbers, and the direction in words."""
+
+_DIRECTIONS = ("minimize", "maximize")
+
+_WORDS = ("partition", "account", "qos", "time")
 _WORD = re.compile(r"[\w.,:-]+", re.ASCII)
+_CLOSED_SECTIONS = ("init", "additional_parameters")
+"""Sections of a launcher that name hosts (Ray's) or options of another program (Slurm's)."""
+
 _FILLED_IN = ("overrides", "runtime.choices", "runtime.config_sources", "job.override_dirname")
 """Keys that Hydra itself sets while it composes."""
 
 
 @dataclass(frozen=True, slots=True)
 class SweepSettings:
-    """The sweep settings that files may set.
+    """The sweep settings that files may set."""
 
-    `launcher`: the option of hydra/launcher; `numbers`: what they set of it; `params`: overrides, key →
-    values; `dir` and `subdir`: folders of the sweep and of a job, None where they are not set.
-    """
-
-    launcher: str = "basic"
-    numbers: Mapping[str, Any] = field(default_factory=dict)
+    launcher: str = BASIC
+    """The option of hydra/launcher."""
+    sweeper: str = BASIC
+    """The option of hydra/sweeper."""
+    search: Mapping[str, Any] = field(default_factory=dict)
+    """The sweeper's settings that files set, by key below `hydra`."""
+    launcher_settings: Mapping[str, Any] = field(default_factory=dict)
+    """The launcher's settings that files set, by key below `hydra.launcher`."""
     params: Mapping[str, str] = field(default_factory=dict)
+    """The overrides to sweep: key → values."""
     dir: str | None = None
+    """The folder of the sweep, None if not set."""
     subdir: str | None = None
+    """The folder of a job, None if not set."""
 
 
-def listed(
-    theirs: Mapping[str, Any], ours: Mapping[str, Any], resolved: Callable[[Place], Any]
+def compare_hydra_nodes(
+    composed: Mapping[str, Any],
+    trusted_tree: Mapping[str, Any],
+    resolved: Callable[[Place], Any],
+    command: Sequence[str] = ("linkwright",),
 ) -> tuple[dict[str, Any], list[Diagnostic]]:
-    """Compares two `hydra` nodes: returns the changed settings that a file may set, by key without `hydra.`,
-    and a problem for each other change.
+    """Compares the composed `hydra` node (`composed`) with that of the command line (`trusted_tree`).
 
-    The nodes are as written, with interpolations; `resolved` gives a setting's value.
+    Returns the changed settings that a file may set, by key without `hydra.`, and a problem for each other
+    change. The nodes contain unresolved interpolations; `resolved` returns the value at a path. `command`:
+    the typed command, which hints complete.
     """
     changed: dict[str, Any] = {}
-    refused: dict[str, Any] = {}
-    for place, value, known in _differences(theirs, ours, ()):
+    refused: dict[str, Diagnostic] = {}
+    for place, value, trusted_value in _differences(composed, trusted_tree, ()):
         key = key_of(place)
         if key.startswith(_FILLED_IN):
             continue
-        if key == PARAMS or (place[0] == LAUNCHER and known is not _ABSENT):
+        if key == PARAMS or (place[0] in (LAUNCHER, SWEEPER) and trusted_value is not _ABSENT):
             value = resolved(place)
-        if key == PARAMS or key in FOLDERS or _harmless(place, value, known):
+        if (
+            key == PARAMS
+            or key in FOLDERS
+            or _harmless(place, value, trusted_value)
+            or _is_search_setting(key, value)
+        ):
             changed[key] = value
         else:
             # A whole section that was exchanged is one problem.
-            refused.setdefault(key_of(place[: 2 if place[0] in (LAUNCHER, "sweeper", "job") else 1]), value)
-    return changed, [not_allowed(key, value) for key, value in refused.items()]
+            section = key_of(place[: 2 if place[0] in (LAUNCHER, SWEEPER, "job") else 1])
+            hint = _launcher_hint(place, value, trusted_value, command)
+            refused.setdefault(section, not_allowed(section, value, hint))
+    return changed, list(refused.values())
 
 
 _ABSENT = object()
 
 
-def _differences(theirs: Any, ours: Any, place: Place) -> Iterator[tuple[Place, Any, Any]]:
-    """Place, value and our value of each difference between nested mappings."""
-    if isinstance(theirs, Mapping) and isinstance(ours, Mapping):
-        for name in {**theirs, **ours}:
-            yield from _differences(theirs.get(name, _ABSENT), ours.get(name, _ABSENT), (*place, name))
-    # 1 == True, and 1 == 1.0.
-    elif type(theirs) is not type(ours) or theirs != ours:
-        yield place, None if theirs is _ABSENT else theirs, ours
+def _differences(composed: Any, trusted_tree: Any, place: Place) -> Iterator[tuple[Place, Any, Any]]:
+    """Yields path, value and trusted value of each difference between nested mappings."""
+    if isinstance(composed, Mapping) and isinstance(trusted_tree, Mapping):
+        for name in {**composed, **trusted_tree}:
+            yield from _differences(
+                composed.get(name, _ABSENT), trusted_tree.get(name, _ABSENT), (*place, name)
+            )
+    # The types too, since 1 == True and 1 == 1.0.
+    elif type(composed) is not type(trusted_tree) or composed != trusted_tree:
+        yield place, None if composed is _ABSENT else composed, trusted_tree
 
 
-def _harmless(place: Place, value: Any, known: Any) -> bool:
-    """Whether a setting is a number of a launcher, or a word that is safe in a shell."""
-    if place[0] != LAUNCHER or known is _ABSENT or str(place[-1]).startswith("_"):
+def _harmless(place: Place, value: Any, default: Any) -> bool:
+    """Tells whether a setting is a number of a launcher, or a word that is safe in a shell."""
+    if (
+        place[0] != LAUNCHER
+        or default is _ABSENT
+        or str(place[-1]).startswith("_")
+        or {*place} & {*_CLOSED_SECTIONS}
+    ):
         return False
     if _is_number(value):
-        return known is None or _is_number(known)
+        return default is None or _is_number(default)
     return place[-1] in _WORDS and isinstance(value, str) and bool(_WORD.fullmatch(value))
+
+
+def _is_search_setting(key: str, value: Any) -> bool:
+    """Tells whether a file may make this setting of a search."""
+    if key == "sweeper.direction":
+        return all(word in _DIRECTIONS for word in (value if _is_list(value) else [value]))
+    return key in SEARCH and _is_number(value)
 
 
 def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def not_allowed(key: str, value: Any = None) -> Diagnostic:
-    """The problem of a key of `hydra` that a file may not set."""
-    given = "" if value is None else f" (given {shown(value)})"
-    return Diagnostic(CODE, f"a file must not set this key{given}", f"hydra.{key}", f"remove it: {ALLOWED}")
+def _launcher_hint(place: Place, value: Any, default: Any, command: Sequence[str]) -> str:
+    """Returns a hint to type a launcher's setting on the command line; "" if that is not allowed either."""
+    words = value if _is_list(value) else [value]
+    plain = all(isinstance(word, str | int | float) for word in words)
+    if place[0] != LAUNCHER or default is _ABSENT or not plain or str(place[-1]).startswith("_"):
+        return ""
+    return f"if you trust it: {pasted.line(command)} {override(f'hydra.{key_of(place)}', value)}"
+
+
+def not_allowed(key: str, value: Any = None, hint: str = "") -> Diagnostic:
+    """Returns the problem of a key of `hydra` that a file may not set."""
+    suffix = "" if value is None else f" (given {shown(value)})"
+    hint = hint or f"remove it: {ALLOWED}"
+    return Diagnostic(CODE, f"a file must not set this key{suffix}", f"hydra.{key}", hint)
 
 
 def overridden(contents: Iterable[Mapping[str, Any]]) -> Iterator[Diagnostic]:
-    """A problem for each group of Hydra, except the launcher, that a file's defaults list overrides, even
-    without effect."""
+    """Yields a problem for each group of Hydra, except the launcher and the sweeper, that a file's defaults
+    list overrides, even without effect."""
     for content in contents:
         defaults = content.get("defaults")
         for entry in defaults if isinstance(defaults, list) else ():
             name = next(iter(entry), "") if isinstance(entry, Mapping) else entry
             group = str(name).removeprefix("optional ").removeprefix("override ").strip().lstrip("/")
-            if group.startswith("hydra/") and group != f"hydra/{LAUNCHER}":
+            if group.startswith("hydra/") and group not in (f"hydra/{LAUNCHER}", f"hydra/{SWEEPER}"):
                 yield not_allowed(group.partition("/")[2])
 
 
 OWN_CHECKS = ("validate", "checks")
 """The key whose entries may name code of a module that `plugins` names."""
 
+OBJECTIVE = ("objective",)
+"""The other key whose entries may name code of such a module."""
 
-def targets(tree: Any, command: str = "", place: Place = ()) -> Iterator[Diagnostic]:
-    """A problem for each `_target_` in a tree, which would name code to run, but for those of the user's own
-    checks that are of trusted modules. `command`: what was typed, to which the hint adds."""
+
+def forbidden_targets(tree: Any, command: str = "", place: Place = ()) -> Iterator[Diagnostic]:
+    """Yields a problem for each `_target_` in a tree, since it names code to run. In the user's own checks
+    and in the objective, code of trusted modules is allowed. `command`: the typed command, which hints
+    complete."""
     plugins: Any = tree.get("plugins") if isinstance(tree, Mapping) else ()
-    return _targets(tree, [str(one) for one in plugins] if _is_list(plugins) else [], command, place)
+    return _targets(tree, [str(plugin) for plugin in plugins] if _is_list(plugins) else [], command, place)
 
 
 def _targets(tree: Any, plugins: Sequence[str], command: str, place: Place) -> Iterator[Diagnostic]:
@@ -147,17 +204,17 @@ def _targets(tree: Any, plugins: Sequence[str], command: str, place: Place) -> I
         inner = (*place, name if isinstance(name, int) and not isinstance(tree, Mapping) else str(name))
         if name != TARGET:
             yield from _targets(value, plugins, command, inner)
-        elif place[:2] != OWN_CHECKS or len(place) != 3:
+        elif place != OBJECTIVE and (place[:2] != OWN_CHECKS or len(place) != 3):
             text = f"a configuration must not name code (given {shown(value)})"
             yield Diagnostic(CODE, text, key_of(inner), "remove it: a robot's file is data and runs no code")
-        elif isinstance(value, str) and not covered(value, plugins):
-            text = f"names code of a module that is not trusted (given {shown(value)})"
+        elif isinstance(value, str) and not is_in_modules(value, plugins):
+            text = f"names code in a module that is not trusted (given {shown(value)})"
             module = override("plugins", [value.partition(".")[0]])
             yield Diagnostic(CODE, text, key_of(inner), f"if you trust it: {command} {module}")
 
 
-def covered(target: str, plugins: Iterable[str]) -> bool:
-    """Whether a `_target_` is of one of these modules, or of a module below it."""
+def is_in_modules(target: str, plugins: Iterable[str]) -> bool:
+    """Tells whether a `_target_` is in one of these modules or their submodules."""
     return any(target.startswith(f"{plugin}.") for plugin in plugins)
 
 
@@ -168,24 +225,26 @@ def untrusted(
     environ: Mapping[str, str],
     command: str,
 ) -> list[Diagnostic]:
-    """A problem for each key that lets code run and that only a file sets.
+    """Returns a problem for each key that lets code run and that only a file sets.
 
-    `typed`: those of these keys that the command line gives; `files`: the user's own files that were
-    composed; `command`: what was typed, to which the hint adds.
+    `typed`: the keys that the command line sets; `files`: the user's own files in the composition;
+    `command`: the typed command, which hints complete.
     """
     typed = set(typed)
-    given = {key: value for key, default in DEFAULTS.items() if (value := _at(tree, key, default)) != default}
-    wanting = [key for key in given if key not in typed]
-    if not wanting or trusted(files, environ):
+    settings = {
+        key: value for key, default in SAFE_VALUES.items() if (value := _at(tree, key, default)) != default
+    }
+    untrusted_keys = [key for key in settings if key not in typed]
+    if not untrusted_keys or trusted(files, environ):
         return []
     return [
         Diagnostic(
             CODE,
-            f"must be set on the command line: a file cannot trust itself (given {shown(given[key])})",
+            f"must be set on the command line: a file cannot trust itself (given {shown(settings[key])})",
             key,
-            f"if you trust it: {command} {override(key, given[key])}",
+            f"if you trust it: {command} {override(key, settings[key])}",
         )
-        for key in wanting
+        for key in untrusted_keys
     ]
 
 
@@ -198,7 +257,7 @@ def _at(tree: Any, key: str, default: Any) -> Any:
 
 
 def trusted(files: Iterable[Path], environ: Mapping[str, str]) -> bool:
-    """Whether the environment names all of these files, and there is at least one."""
+    """Tells whether the environment names all of these files, and there is at least one."""
     texts = [text for text in environ.get(VARIABLE, "").split(os.pathsep) if text]
     trusted = {observed.real(Path(text).expanduser()) for text in texts}
     files = set(map(observed.real, files))
@@ -206,9 +265,9 @@ def trusted(files: Iterable[Path], environ: Mapping[str, str]) -> bool:
 
 
 def override(key: str, value: Any) -> str:
-    """`key=value` as a user types it."""
+    """Returns `key=value` as a user types it."""
     plain = (
-        value if isinstance(value, bool) else [str(one) for one in value] if _is_list(value) else str(value)
+        value if isinstance(value, bool) else [str(item) for item in value] if _is_list(value) else str(value)
     )
     text = json.dumps(plain, ensure_ascii=False).replace('"', "")
     return pasted.word(f"{key}={text}")

@@ -5,7 +5,9 @@ nesting ends a recursive parser. So the events of a file are counted first, whic
 faster than parsing.
 """
 
+import pickle
 import re
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -14,28 +16,28 @@ import yaml
 from linkwright.pipeline import observed
 from linkwright.stages.robot.system import regular_files
 
-LARGEST = 4 << 20
-"""Larger files are not read [bytes]."""
+MAX_BYTES = 4 << 20
+"""Largest size of a file that is read [bytes]."""
 
-MOST_VALUES = 20_000
-"""Most values (with keys) in a file after its aliases are expanded: a robot of 500 joints with all of their
-keys has half as many."""
+MAX_VALUES = 20_000
+"""Largest number of values, with keys, in a file after its aliases are expanded. A robot of 500 joints with
+all of their keys has half as many."""
 
-DEEPEST = 32
-"""Levels of nesting."""
+MAX_DEPTH = 32
+"""Largest number of levels of nesting."""
 
 _EVENTS = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
-class _Strict(yaml.SafeLoader):  # type: ignore[misc]
-    """Refuses a key that stands twice in a mapping, as OmegaConf does."""
+class _StrictLoader(yaml.SafeLoader):  # type: ignore[misc]
+    """A YAML loader that refuses a key that occurs twice in a mapping, as OmegaConf does."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         keys = [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode) and key.value != "<<"]
         if len(set(keys)) < len(keys):
             raise yaml.constructor.ConstructorError(None, None, "found a key twice", node.start_mark)
-        found: dict[Any, Any] = super().construct_mapping(node, deep=deep)
-        return found
+        mapping: dict[Any, Any] = super().construct_mapping(node, deep=deep)
+        return mapping
 
 
 class RefusedError(yaml.MarkedYAMLError):  # type: ignore[misc]
@@ -47,30 +49,37 @@ class RefusedError(yaml.MarkedYAMLError):  # type: ignore[misc]
 
 
 def read(path: Path) -> Any:
-    """The content of a file, as plain data.
+    """Returns the content of a file as plain data.
 
-    OSError, UnicodeDecodeError or yaml.YAMLError (RefusedError is one) where it cannot be read.
+    Raises OSError, UnicodeDecodeError or yaml.YAMLError (which includes RefusedError) if it cannot be read.
     """
-    return yaml.load(text(path), Loader=_Strict)
+    return pickle.loads(_parsed(text(path)))
+
+
+@lru_cache(maxsize=64)
+def _parsed(content: str) -> bytes:
+    """Parses a text, and returns its content pickled: the jobs of a sweep read the same files, and each may
+    change its copy."""
+    return pickle.dumps(yaml.load(content, Loader=_StrictLoader))
 
 
 def text(path: Path) -> str:
-    """The text of a file within the limits. Raises as `read`, but not for invalid YAML, which the parser
-    reports."""
+    """Returns the text of a file within the limits. Raises the errors of `read`, except for invalid YAML,
+    which the parser reports."""
     try:
-        content = regular_files.content(path, LARGEST)
+        content = regular_files.content(path, MAX_BYTES)
     except regular_files.FileTooLarge as error:
-        why = f"it has {error.size} bytes, and at most {LARGEST} are read"
+        why = f"it has {error.size} bytes, and at most {MAX_BYTES} are read"
         raise RefusedError(why, _mark(path, 0, 0), "choose the YAML file of the robot") from None
     observed.read(path, content)
-    found = content.decode("utf-8")
-    judge(found, path)
-    return found
+    decoded = content.decode("utf-8")
+    judge(decoded, path)
+    return decoded
 
 
 def problem(error: Exception) -> str:
-    """What is wrong with a file that cannot be read, in words that quote nothing of it: a link, or a path in
-    a robot's file, may name any file. Of what the parser expected, and of marks such as `:`, it says all."""
+    """Describes why a file cannot be read, without quoting its content: a link, or a path in a robot's file,
+    may name any file. What the parser expected, and marks such as `:`, are quoted."""
     if isinstance(error, UnicodeDecodeError):
         return "not UTF-8 text"
     if isinstance(error, OSError):
@@ -86,7 +95,7 @@ def problem(error: Exception) -> str:
 
 
 def where(error: Exception) -> str:
-    """File, line and column of an error, as far as it names them."""
+    """Returns file, line and column of an error, as far as it names them."""
     if isinstance(error, yaml.MarkedYAMLError) and (mark := error.problem_mark or error.context_mark):
         return f"{mark.name}, line {mark.line + 1}, column {mark.column + 1}"
     return str(error.name) if isinstance(error, yaml.reader.ReaderError) else ""
@@ -97,14 +106,14 @@ _DUPLICATE = re.compile(r"found duplicate key.*", re.DOTALL)
 
 
 def _if_harmless(quoted: re.Match[str]) -> str:
-    """A quoted text where it is the parser's, or a mark, else nothing."""
-    inside = quoted[1][1:-1]
-    return quoted[0] if re.fullmatch(r"<[a-z ]+>|\\t|[^\w\s]", inside) else ""
+    """Returns a quoted text if it is the parser's own word or a punctuation mark, else ""."""
+    content = quoted[1][1:-1]
+    return quoted[0] if re.fullmatch(r"<[a-z ]+>|\\t|[^\w\s]", content) else ""
 
 
 def require_mapping(content: str, name: str) -> None:
-    """RefusedError where the text of the file `name` begins with a value that is no mapping: what cannot be a
-    robot's file is not taken for a key of it."""
+    """Raises RefusedError if the text of the file `name` begins with a value that is not a mapping, and hence
+    cannot be a robot's file."""
     try:
         for event in yaml.parse(content, Loader=_EVENTS):
             if isinstance(event, yaml.MappingStartEvent | yaml.StreamEndEvent):
@@ -120,7 +129,7 @@ def require_mapping(content: str, name: str) -> None:
 
 
 def judge(content: str, path: Path) -> None:
-    """RefusedError where the text of the file at `path` is above the limits."""
+    """Raises RefusedError if the text of the file at `path` is above the limits."""
     try:
         _Count(path).all(content, _EVENTS)
     except RefusedError:
@@ -130,8 +139,11 @@ def judge(content: str, path: Path) -> None:
 
 
 def _judge_again(content: str, path: Path) -> None:
-    """Counts with the parser that loads files. libyaml looks ahead for `:` and ends at its own limit of
-    levels before it reports the first of them, where that parser would recurse."""
+    """Counts again with the parser that loads files.
+
+    libyaml looks ahead for `:`, and stops at its own limit of levels before it reports any of them; the
+    parser in Python would recurse there.
+    """
     try:
         _Count(path).all(content, yaml.SafeLoader)
     except RefusedError:
@@ -141,7 +153,7 @@ def _judge_again(content: str, path: Path) -> None:
 
 
 class _Count:
-    """Counts values and levels while events arrive; for each anchor its values and its depth."""
+    """Counts values and levels of a document; keeps the number of values and the depth of each anchor."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -170,17 +182,17 @@ class _Count:
 
     def _add(self, values: int, height: int, event: yaml.Event) -> None:
         """Adds `values` with `height` levels to the open collection."""
-        if len(self._open) + height > DEEPEST:
-            problem = f"it is nested deeper than {DEEPEST} levels"
+        if len(self._open) + height > MAX_DEPTH:
+            problem = f"it is nested deeper than {MAX_DEPTH} levels"
             raise self._refused(problem, event, "no key of a robot is that deep: check the brackets")
-        total = values + sum(inside for _, inside, _ in self._open)
-        if total > MOST_VALUES:
-            problem = f"it expands to more than {MOST_VALUES} values"
+        total = values + sum(values_inside for _, values_inside, _ in self._open)
+        if total > MAX_VALUES:
+            problem = f"it expands to more than {MAX_VALUES} values"
             hint = "check its aliases (*name): each repeats the value of its anchor"
             raise self._refused(problem, event, hint)
         if self._open:
-            anchor, inside, most = self._open[-1]
-            self._open[-1] = (anchor, inside + values, max(most, height + 1))
+            anchor, values_inside, most = self._open[-1]
+            self._open[-1] = (anchor, values_inside + values, max(most, height + 1))
 
     def _refused(self, problem: str, event: yaml.Event, hint: str) -> RefusedError:
         mark = event.start_mark

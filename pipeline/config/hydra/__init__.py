@@ -1,1 +1,1 @@
-"""Hydra: its files, its loader, its errors, its own node."""
+"""Adapts Hydra: its files, its loader, its errors, and its own configuration."""

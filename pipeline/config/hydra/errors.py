@@ -5,6 +5,7 @@ from typing import Any
 
 import yaml
 from hydra.errors import HydraException, MissingConfigException
+from omegaconf import DictConfig
 from omegaconf.errors import OmegaConfBaseException
 
 from linkwright.pipeline.config.files import yaml_file
@@ -17,15 +18,33 @@ from linkwright.pipeline.config.presets import GROUPS, Presets
 from linkwright.pipeline.errors import Diagnostic
 from linkwright.stages.robot.system.install import install
 
+LAUNCHERS, SWEEPERS = "hydra/launcher", "hydra/sweeper"
+
+PLUG_INS = {
+    "joblib": ("hydra-joblib-launcher", "joblib"),
+    "submitit_slurm": ("hydra-submitit-launcher", "submitit"),
+    "submitit_local": ("hydra-submitit-launcher", "submitit"),
+    "ray": ("hydra-ray-launcher", "ray"),
+    "optuna": ("hydra-optuna-sweeper", "optuna"),
+}
+"""Launchers and sweepers of Hydra's plug-ins → the package to install, and its extra."""
+
 HEADER = f"the first line of a robot's file must be: {GLOBAL}"
 
 
 def explained(error: Exception, presets: Presets) -> Diagnostic:
-    """The diagnostic of an error of Hydra's composition; raises other errors, which are bugs."""
+    """Returns the diagnostic for an error of Hydra's composition; raises other errors, which are bugs."""
     for kinds, handler in _HANDLERS:
         if isinstance(error, kinds):
             return handler(error, presets)
     raise error
+
+
+def needs_plug_in(option: str, group: str = LAUNCHERS) -> Diagnostic:
+    """Returns the problem of a launcher or sweeper whose plug-in is not installed."""
+    kind = group.removeprefix("hydra/")
+    text = f"the {kind} {option} needs a plug-in of Hydra that is not installed"
+    return Diagnostic("E-OPTION", text, f"{group}={option}", install(*PLUG_INS[option]))
 
 
 def _not_yaml(error: Any, presets: Presets) -> Diagnostic:
@@ -37,15 +56,18 @@ def _no_such_file(error: Any, presets: Presets) -> Diagnostic:
     if not error.missing_cfg_file:
         return _not_composed(error, presets)
     group, _, option = error.missing_cfg_file.rpartition("/")
-    if group == "hydra/launcher":
+    if group in (LAUNCHERS, SWEEPERS):
+        if option in PLUG_INS:
+            return needs_plug_in(option, group)
         options = ", ".join(error.options or ("basic", *presets.options(group)))
-        more = install("hydra-joblib-launcher", "joblib")
-        hint = f"installed launchers: {options}; others: {more}"
-        return Diagnostic("E-OPTION", f"there is no launcher {option}", f"{group}={option}", hint)
-    found = presets.unknown(group, option)
+        text = f"there is no {group.removeprefix('hydra/')} {option}"
+        return Diagnostic("E-OPTION", text, f"{group}={option}", f"options: {options}")
+    diagnostic = presets.unknown(group, option)
     if group.startswith("hydra/") and error.options:
-        return Diagnostic(found.code, found.message, found.where, f"options: {', '.join(error.options)}")
-    return found
+        return Diagnostic(
+            diagnostic.code, diagnostic.message, diagnostic.where, f"options: {', '.join(error.options)}"
+        )
+    return diagnostic
 
 
 def _outside(error: Any, presets: Presets) -> Diagnostic:
@@ -65,8 +87,13 @@ def _not_composed(error: Any, presets: Presets) -> Diagnostic:
         return not_allowed("searchpath")
     if "@robot." in str(error):
         return Diagnostic("E-KEY", "its defaults list chooses options below `robot`", "robot", HEADER)
-    causes = [str(one) for one in (error, error.__cause__) if one is not None]
-    words = in_words("\n".join(causes), COMPOSING, [*GROUPS, *presets.own_groups()])
+    causes = [str(cause) for cause in (error, error.__cause__) if cause is not None]
+    # What OmegaConf knows where it does not know a key.
+    node = getattr(error.__cause__, "parent_node", None)
+    settings = (
+        [str(key) for key in node if not str(key).startswith("_")] if isinstance(node, DictConfig) else []
+    )
+    words = in_words("\n".join(causes), COMPOSING, [*GROUPS, *presets.own_groups()], settings)
     if words is not None:
         return Diagnostic("E-OVERRIDE", *words)
     lines = [line for line in "\n".join(causes).splitlines() if line.strip() and "append to your" not in line]

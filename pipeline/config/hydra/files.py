@@ -1,5 +1,4 @@
-"""The files that Hydra reads: each text is parsed once, and those of users have limits, as have their
-interpolations.
+"""Reads files for Hydra: each text is parsed once, and users' files and interpolations have limits.
 
 Hydra reads any file, parses it again for each composition, and OmegaConf resolves an interpolation again
 wherever it is used: ten lines of `${a}${a}...` expand as far as ten lines of aliases.
@@ -25,27 +24,27 @@ from omegaconf.errors import InterpolationResolutionError
 from linkwright.pipeline import observed
 from linkwright.pipeline.config.files import reach, yaml_file
 
-MOST_RESOLVED = 2000
-"""Most interpolations that one value may resolve."""
+MAX_INTERPOLATIONS = 2000
+"""Largest number of interpolations that a value may resolve."""
 
-LONGEST = 1 << 20
-"""Most characters that they may have together."""
+MAX_CHARACTERS = 1 << 20
+"""Largest number of characters in the results of a value's interpolations."""
 
 _RESOLVE = "_maybe_resolve_interpolation"
 _EVALUATE = "_evaluate_custom_resolver"
 
 _ENVIRONMENT = "oc.env"
-_PURE = (
+_PURE_RESOLVERS = (
     "hydra", "oc.coerce", "oc.create", "oc.decode", "oc.deprecated", "oc.dict.keys", "oc.dict.values",
     "oc.select",
 )  # fmt: skip
-"""Resolvers whose value follows from the configuration and from the program alone."""
+"""Resolvers whose value depends only on the configuration and on the program."""
 
 
 class Guarded(ConfigSource):
-    """A source of files in a folder, which reaches none outside `folders`, those of the search path.
+    """A source of files in a folder, which reads no file outside `folders`, the folders of the search path.
 
-    Hydra's own joins any path to its folder.
+    Hydra's own sources join any path to their folder.
     """
 
     folders: Sequence[Path] = ()
@@ -55,7 +54,7 @@ class Guarded(ConfigSource):
         raise NotImplementedError
 
     def at(self, config_path: str) -> Path | None:
-        """The place of a file or folder; None where it is outside."""
+        """Returns the path of a file or folder, or None if it is outside."""
         return reach.place(self.folder, config_path, self.folders)
 
     def is_group(self, config_path: str) -> bool:
@@ -63,7 +62,7 @@ class Guarded(ConfigSource):
         return place is not None and (place.is_dir() if self.installed(place) else observed.is_folder(place))
 
     def file(self, config_path: str) -> Path | None:
-        """The place of a file; None where it is outside."""
+        """Returns the path of a file, or None if it is outside."""
         return self.at(self._normalize_file_name(config_path))
 
     def is_config(self, config_path: str) -> bool:
@@ -77,12 +76,12 @@ class Guarded(ConfigSource):
             raise ConfigLoadError(msg)
         if self.installed(place):
             return _result(self, str(place), place.read_text(encoding="utf-8"))
-        found = _result(self, str(observed.real(place)), yaml_file.text(place))
-        _check_order(found.config, config_path.removesuffix(".yaml"))
-        return found
+        result = _result(self, str(observed.real(place)), yaml_file.text(place))
+        _check_order(result.config, config_path.removesuffix(".yaml"))
+        return result
 
     def installed(self, place: Path) -> bool:
-        """Whether a file is no user's, and needs no check."""
+        """Tells whether a file is part of the installation, so that it needs no check."""
         return False
 
 
@@ -100,32 +99,32 @@ class FileConfigSource(Guarded, file_config_source.FileConfigSource):
 class ImportlibResourcesConfigSource(
     Guarded, importlib_resources_config_source.ImportlibResourcesConfigSource
 ):
-    """Hydra's source of files in packages; a robot by its path is found from there too."""
+    """Hydra's source of files in packages, which also finds a robot's file by its path."""
 
     @property
     def folder(self) -> Path:
-        return _of_package(self.path)
+        return _package_folder(self.path)
 
     def installed(self, place: Path) -> bool:
         return place.is_relative_to(self.folder)
 
 
 @lru_cache(maxsize=8)
-def _of_package(name: str) -> Path:
+def _package_folder(name: str) -> Path:
     return Path(str(resources.files(name))).resolve()
 
 
 def _result(source: ConfigSource, name: str, text: str) -> ConfigResult:
     config, header = _parsed(name, text)
-    # Hydra takes the defaults list out of what it gets.
-    mine = copy.deepcopy(config)
-    return ConfigResult(source.provider, f"{source.scheme()}://{source.path}", mine, dict(header))
+    # A copy, since Hydra removes the defaults list from the result.
+    copied = copy.deepcopy(config)
+    return ConfigResult(source.provider, f"{source.scheme()}://{source.path}", copied, dict(header))
 
 
 def _check_order(config: Container, name: str) -> None:
-    """Raises ConfigCompositionException where an override precedes another entry of a file's defaults list.
+    """Raises ConfigCompositionException if an override precedes another entry of a file's defaults list.
 
-    Hydra 1.3 and 1.4 find that too, but fail to say so where the override chooses several options.
+    Hydra 1.3 and 1.4 find this too, but fail to report it if the override chooses several options.
     """
     plain = OmegaConf.to_container(config, resolve=False)
     defaults = plain.get("defaults") if isinstance(plain, dict) else None
@@ -142,7 +141,7 @@ def _check_order(config: Container, name: str) -> None:
 
 @lru_cache(maxsize=64)
 def _parsed(name: str, text: str) -> tuple[Container, dict[str, str | None]]:
-    """The content and the header of a file; errors name it."""
+    """Returns the content and the header of a file; errors name the file."""
     stream = io.StringIO(text, newline=None)
     header = ConfigSource._get_header_dict(stream.read(512))
     stream.seek(0)
@@ -151,49 +150,49 @@ def _parsed(name: str, text: str) -> tuple[Container, dict[str, str | None]]:
     return OmegaConf.load(stream), header
 
 
-def _is_of_hydra(node: Any) -> bool:
-    """Whether a node is one of Hydra's own, of which no build uses a value: its folders have the time."""
+def _is_in_hydra_node(node: Any) -> bool:
+    """Tells whether a node is in Hydra's own configuration, such as folders named after the time."""
     return node is not None and f"{node._get_full_key(None)}.".startswith("hydra.")
 
 
 @contextmanager
 def guarded() -> Iterator[None]:
-    """Inside, Hydra reads files as said, interpolations are counted, and what they read outside of the
-    configuration is noted."""
+    """Makes Hydra read files through the sources above while the block runs. Interpolations are counted, and
+    the values that they read outside of the configuration are recorded."""
     sources = SourcesRegistry.instance().types
-    own = dict(sources)
+    original_sources = dict(sources)
     sources |= {kind.scheme(): kind for kind in (FileConfigSource, ImportlibResourcesConfigSource)}
     resolve: Callable[..., Any] = getattr(Container, _RESOLVE)
-    depth = count = letters = 0
+    depth = count = characters = 0
     outermost: Any = None
 
-    def counted(self: Container, *args: Any, **more: Any) -> Any:
-        nonlocal depth, count, letters, outermost
+    def counted(self: Container, *args: Any, **options: Any) -> Any:
+        nonlocal depth, count, characters, outermost
         if not depth:
-            count = letters = 0
-            outermost = more.get("value")
+            count = characters = 0
+            outermost = options.get("value")
         depth += 1
         try:
             count += 1
-            if count > MOST_RESOLVED or letters > LONGEST:
+            if count > MAX_INTERPOLATIONS or characters > MAX_CHARACTERS:
                 msg = "its interpolations expand to more than is allowed"
                 raise InterpolationResolutionError(msg)
-            found = resolve(self, *args, **more)
-            value = None if found is None else found._value()
-            letters += len(value) if isinstance(value, str) else 0
-            return found
+            resolved = resolve(self, *args, **options)
+            value = None if resolved is None else resolved._value()
+            characters += len(value) if isinstance(value, str) else 0
+            return resolved
         finally:
             depth -= 1
 
     evaluate: Callable[..., Any] = getattr(Container, _EVALUATE)
 
-    def noted(self: Container, *, inter_type: str, inter_args: Sequence[Any], **more: Any) -> Any:
+    def noted(self: Container, *, inter_type: str, inter_args: Sequence[Any], **options: Any) -> Any:
         if inter_type == _ENVIRONMENT and inter_args:
             observed.variable(str(inter_args[0]))
-        elif inter_type not in _PURE and depth and not _is_of_hydra(outermost):
-            # Without depth files are merged: what a value is is asked again where it is used.
+        elif inter_type not in _PURE_RESOLVERS and depth and not _is_in_hydra_node(outermost):
+            # At depth 0 files are merged: the value is resolved again where it is used.
             observed.momentary()
-        return evaluate(self, inter_type=inter_type, inter_args=inter_args, **more)
+        return evaluate(self, inter_type=inter_type, inter_args=inter_args, **options)
 
     setattr(Container, _RESOLVE, counted)
     setattr(Container, _EVALUATE, noted)
@@ -202,4 +201,4 @@ def guarded() -> Iterator[None]:
     finally:
         setattr(Container, _RESOLVE, resolve)
         setattr(Container, _EVALUATE, evaluate)
-        sources |= own
+        sources |= original_sources

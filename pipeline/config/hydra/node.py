@@ -1,14 +1,24 @@
-"""The node `hydra` of a tree: launchers, the folders of a sweep, and keys that a file must not set."""
+"""Reads Hydra's own configuration: launchers, sweep folders, and keys that a file must not set."""
 
 from collections.abc import Iterable, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from hydra.core.hydra_config import HydraConfig
 from omegaconf import DictConfig, open_dict
 
-from linkwright.pipeline.config.files.trust import CODE, FOLDERS, LAUNCHER, PARAMS, SweepSettings, listed
-from linkwright.pipeline.config.hydra.errors import explained
+from linkwright.pipeline.config.files.trust import (
+    CODE,
+    FOLDERS,
+    LAUNCHER,
+    PARAMS,
+    SEARCH,
+    SweepSettings,
+    compare_hydra_nodes,
+)
+from linkwright.pipeline.config.hydra.errors import LAUNCHERS as GROUP
+from linkwright.pipeline.config.hydra.errors import SWEEPERS, explained, needs_plug_in
 from linkwright.pipeline.config.hydra.loader import SEARCHPATH, composed
 from linkwright.pipeline.config.overrides import Override
 from linkwright.pipeline.config.partial import Draft
@@ -17,61 +27,66 @@ from linkwright.pipeline.config.presets import Presets
 from linkwright.pipeline.errors import Diagnostic
 from linkwright.pipeline.terminal import pasted
 
-GROUP = f"hydra/{LAUNCHER}"
+RAY = "ray"
 
 
 class HydraNode:
-    """The node `hydra` of every tree that is composed in a session.
+    """Hydra's own configuration (the node `hydra`) in the trees that a session composes.
 
-    `typed`: the overrides of the command line that concern Hydra itself.
+    `typed`: the overrides of Hydra's own keys on the command line.
     """
 
     def __init__(self, presets: Presets) -> None:
         self._presets = presets
         self._command: list[str] = []
-        self._ours: dict[str, DictConfig] = {}
+        self._trusted_configs: dict[tuple[str, str], DictConfig] = {}
+        self._trusted_nodes: dict[tuple[str, str], dict[str, Any]] = {}
         self.typed: list[str] = []
 
-    def take(self, overrides: Sequence[Override], command: Sequence[str]) -> list[Diagnostic]:
-        """Stores the overrides of a `command` that concern Hydra, and returns their problems."""
+    def store_overrides(self, overrides: Sequence[Override], command: Sequence[str]) -> list[Diagnostic]:
+        """Stores the overrides of Hydra's own keys in a `command`, and returns their problems."""
         self._command = list(command)
         self.typed = [override.hydra for override in overrides if override.for_hydra_itself]
         if not self.typed:
             return []
         try:
-            self.ours()
+            self.trusted_config()
         except Exception as error:
             self.typed = []
-            launchers = [one.values[0] for one in overrides if one.key == GROUP]
-            own = [self._of_ones_own(launcher) for launcher in launchers]
-            return [problem for problem in own if problem] or [explained(error, self._presets)]
+            launchers = [override.values[0] for override in overrides if override.key == GROUP]
+            problems = [self._launcher_not_given(launcher) for launcher in launchers]
+            return [problem for problem in problems if problem] or [explained(error, self._presets)]
         return []
 
-    def given(self, keys: Iterable[str]) -> set[str]:
-        """Those of these keys of Hydra that the command line sets."""
-        return {key for key in keys if any(f"{key}=" in one for one in self.typed)}
+    def typed_keys(self, keys: Iterable[str]) -> set[str]:
+        """Returns the keys of Hydra, among these, that the command line sets."""
+        return {key for key in keys if any(f"{key}=" in override for override in self.typed)}
 
-    def ours(self, launcher: str = "") -> DictConfig:
-        """Hydra's configuration from the command line alone, without a robot's file: a sweep runs under
-        it. `launcher`: an option of hydra/launcher; the user's launchers are only those in
-        `--config-dir`."""
-        if launcher not in self._ours:
-            chosen = [f"{GROUP}={launcher}"] if launcher else []
-            everything = [*chosen, *self.typed, *searching(self._presets.given)]
-            self._ours[launcher], _ = composed(everything)
-        return self._ours[launcher]
+    def trusted_config(self, launcher: str = "", sweeper: str = "") -> DictConfig:
+        """Composes Hydra's configuration from the command line alone, without the robot's file; a sweep uses
+        it. `launcher`, `sweeper`: options of hydra/launcher and hydra/sweeper. The user's own options are
+        found only in `--config-dir`."""
+        if (launcher, sweeper) not in self._trusted_configs:
+            chosen = {GROUP: launcher, SWEEPERS: sweeper}
+            options = [f"{group}={option}" for group, option in chosen.items() if option]
+            arguments = [*options, *self.typed, *search_path_override(self._presets.given)]
+            self._trusted_configs[launcher, sweeper], _ = composed(arguments)
+        return self._trusted_configs[launcher, sweeper]
 
-    def sweeping(
+    def sweep_settings(
         self, config: DictConfig, draft: Draft, name: Any = None, job: tuple[int, str] | None = None
     ) -> SweepSettings:
-        """The sweep settings; a key of Hydra that a file must not set is a problem.
+        """Returns the sweep settings, and adds a problem for each key of Hydra that a file must not set.
 
-        The folders are for the robot `name` in a `job`: its number and its label.
+        The folders are resolved for the robot `name` and a `job`, given by its number and label.
         """
-        launcher = str(config.hydra.runtime.choices.get(GROUP))
-        changed = self._set_by_files(config, launcher, draft) if self._presets.own else {}
-        named = (key for key in FOLDERS if key in changed or self.given([f"hydra.{key}"]))
-        folders: dict[str, str | None] = dict.fromkeys(named)
+        launcher, sweeper = (str(config.hydra.runtime.choices.get(group)) for group in (GROUP, SWEEPERS))
+        # Linkwright ships the option `ray` itself, so it composes even if the plug-in is missing.
+        if launcher == RAY and find_spec("hydra_plugins.hydra_ray_launcher") is None:
+            draft.add(needs_plug_in(RAY))
+        changed = self._set_by_files(config, (launcher, sweeper), draft) if self._presets.own else {}
+        set_folders = (key for key in FOLDERS if key in changed or self.typed_keys([f"hydra.{key}"]))
+        folders: dict[str, str | None] = dict.fromkeys(set_folders)
         if job is not None and folders:
             with open_dict(config):
                 config.name = name
@@ -81,26 +96,37 @@ class HydraNode:
             for key in folders:
                 folders[key] = str(at(config, ("hydra", *key.split(".")), draft.problems))
         prefix = f"{LAUNCHER}."
-        numbers = {key.removeprefix(prefix): one for key, one in changed.items() if key.startswith(prefix)}
-        params = {str(key): str(one) for key, one in (changed.get(PARAMS) or {}).items()}
-        return SweepSettings(launcher, numbers, params, *map(folders.get, FOLDERS))
+        launcher_settings = {
+            key.removeprefix(prefix): value for key, value in changed.items() if key.startswith(prefix)
+        }
+        params = {str(key): str(value) for key, value in (changed.get(PARAMS) or {}).items()}
+        search = {key: value for key, value in changed.items() if key in SEARCH}
+        return SweepSettings(launcher, sweeper, search, launcher_settings, params, *map(folders.get, FOLDERS))
 
-    def _set_by_files(self, config: DictConfig, launcher: str, draft: Draft) -> dict[str, Any]:
-        """The settings of Hydra in files, without those that files must not set."""
+    def _set_by_files(self, config: DictConfig, options: tuple[str, str], draft: Draft) -> dict[str, Any]:
+        """Returns the settings of Hydra in files, without those that files must not set; `options`: the
+        launcher and the sweeper."""
         try:
-            ours = as_written(self.ours(launcher).hydra)
+            if options not in self._trusted_nodes:
+                self._trusted_nodes[options] = as_written(self.trusted_config(*options).hydra)
         except Exception as error:
-            draft.add(self._of_ones_own(launcher) or explained(error, self._presets))
+            draft.add(self._launcher_not_given(options[0]) or explained(error, self._presets))
             return {}
-        theirs = as_written(config.hydra)
-        ours["searchpath"] = [f"file://{folder}" for folder in self._presets.own]
-        changed, problems = listed(theirs, ours, lambda place: at(config, ("hydra", *place), draft.problems))
-        known = {problem.where for problem in draft.problems}
-        draft.problems += [problem for problem in problems if problem.where not in known]
+        composed_node = as_written(config.hydra)
+        searchpath = [f"file://{folder}" for folder in self._presets.own]
+        trusted_config = {**self._trusted_nodes[options], "searchpath": searchpath}
+        changed, problems = compare_hydra_nodes(
+            composed_node,
+            trusted_config,
+            lambda place: at(config, ("hydra", *place), draft.problems),
+            self._command,
+        )
+        places = {problem.where for problem in draft.problems}
+        draft.problems += [problem for problem in problems if problem.where not in places]
         return changed
 
-    def _of_ones_own(self, launcher: str) -> Diagnostic | None:
-        """The problem of a launcher that exists only in the working folder."""
+    def _launcher_not_given(self, launcher: str) -> Diagnostic | None:
+        """Returns a problem if a launcher is the user's own, but is not in a `--config-dir`."""
         files = self._presets.own_files([f"{GROUP}/{launcher}"])
         if not files or files[0].parents[2] in self._presets.given:
             return None
@@ -109,13 +135,13 @@ class HydraNode:
         return Diagnostic(CODE, text, f"{GROUP}={launcher}", f"if you trust it: {pasted.line(command)}")
 
 
-def searching(folders: Iterable[Path]) -> list[str]:
-    """The override that adds these folders to Hydra's search path."""
-    named = ",".join(hydra_text(f"file://{folder}") for folder in folders)
-    return [f"{SEARCHPATH}[{named}]"] if named else []
+def search_path_override(folders: Iterable[Path]) -> list[str]:
+    """Returns the override that adds these folders to Hydra's search path."""
+    entries = ",".join(hydra_text(f"file://{folder}") for folder in folders)
+    return [f"{SEARCHPATH}[{entries}]"] if entries else []
 
 
 def hydra_text(text: str) -> str:
-    """`text` as a quoted value of Hydra's grammar."""
+    """Quotes a text as a value in Hydra's override grammar."""
     escaped = text.replace("\\", "\\\\").replace("'", r"\'").replace("${", r"\${")
     return f"'{escaped}'"

@@ -1,10 +1,10 @@
 """Reads overrides with Hydra's parser."""
 
+import itertools
 import re
 from collections.abc import Iterable
 from typing import Any
 
-from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
 from hydra.core.override_parser.types import Glob, QuotedString
 from hydra.errors import HydraException
 
@@ -16,14 +16,14 @@ from linkwright.pipeline.config.presets import GROUPS, Presets
 
 
 class Reading:
-    """Reads overrides; the options of groups are those of `presets`."""
+    """Reads overrides with Hydra's parser; `presets` has the options of groups."""
 
     def __init__(self, presets: Presets) -> None:
         self._presets = presets
 
     def values(self, text: str) -> list[str]:
-        """The values of an override, several in a sweep; ValueError, with the problem and perhaps a hint,
-        where it cannot be read."""
+        """Returns the values of an override, several in a sweep. Raises ValueError, with the problem and
+        perhaps a hint, if it cannot be read."""
         try:
             override = parsed(text)
         except HydraException as error:
@@ -42,36 +42,43 @@ class Reading:
             if group not in groups:
                 msg, hint = "glob() chooses among the options of a group", f"groups: {', '.join(groups)}"
                 raise ValueError(msg, hint)
-            there = self._presets.options(group)
-            options = value.filter(there)
+            all_options = self._presets.options(group)
+            options = value.filter(all_options)
             if not options:
-                raise ValueError("no option matches", f"options: {', '.join(there)}")
-            return [one if re.fullmatch(r"[\w/-]+", one) else hydra_text(one) for one in options]
-        if not override.is_discrete_sweep():
-            msg = "a sweep needs a list of values"
-            raise ValueError(msg)
+                raise ValueError("no option matches", f"options: {', '.join(all_options)}")
+            return [option if re.fullmatch(r"[\w/-]+", option) else hydra_text(option) for option in options]
+        if override.is_interval_sweep():
+            return [str(value.start), str(value.end)]
         return list(override.sweep_string_iterator())
 
+    def intervals(self, overrides: Iterable[Override]) -> list[Override]:
+        """Returns the overrides that sweep over an interval of numbers."""
+        return [
+            override
+            for override in overrides
+            if override.swept and parsed(override.hydra).is_interval_sweep()
+        ]
+
     def data(self, text: str) -> Any:
-        """The value of an override that is not swept, as plain data."""
+        """Returns the value of an override that is not swept, as plain data."""
         return _plain(parsed(text).value())
 
-    def given(self, overrides: Iterable[str], keys: Iterable[str]) -> set[str]:
-        """Those of the `keys` that the overrides set."""
-        found, keys = set(), list(keys)
+    def typed_keys(self, overrides: Iterable[str], keys: Iterable[str]) -> set[str]:
+        """Returns the keys, among `keys`, that the overrides set."""
+        set_keys, keys = set(), list(keys)
         for override in map(parsed, overrides):
             value = None if override.is_delete() else override.value()
             for key in keys:
                 below = key.removeprefix(override.key_or_group)
                 inside = isinstance(value, dict) and below[:1] == "." and below[1:] in value
                 if not override.is_delete() and (not below or inside):
-                    found.add(key)
-        return found
+                    set_keys.add(key)
+        return set_keys
 
     def addresses(self, overrides: Iterable[Override]) -> set[str]:
-        """The addresses that the overrides give as `source.url`, also those of a sweep."""
-        found: set[str] = set()
-        for override in map(parsed, [one.hydra for one in overrides]):
+        """Returns all values of `source.url` in the overrides, also in a sweep."""
+        addresses: set[str] = set()
+        for override in map(parsed, [override.hydra for override in overrides]):
             key = override.key_or_group
             if override.is_delete() or key not in ("source", "source.url"):
                 continue
@@ -79,18 +86,24 @@ class Reading:
             texts = override.sweep_string_iterator() if swept else [override.get_value_element_as_str()]
             for value in [self.data(f"++{key}={text}") for text in texts]:
                 address = value.get("url") if isinstance(value, dict) else value
-                found |= {address} if isinstance(address, str) else set()
-        return found
+                addresses |= {address} if isinstance(address, str) else set()
+        return addresses
 
     def jobs(self, overrides: Iterable[Override]) -> list[list[str]]:
-        """The overrides of each job, split and ordered as by Hydra's sweeper."""
-        wanted = [parsed(override.hydra) for override in overrides if not override.for_hydra_itself]
-        return [list(job) for batch in BasicSweeper.split_arguments(wanted, None) for job in batch]
+        """Returns the overrides of each job, split and ordered as by Hydra's sweeper: the last override of a
+        key wins. Hydra's sweeper itself would keep only the last of `joints.*.damping=1
+        joints.*.friction=2`."""
+        texts = {
+            (override.hydra.partition("=")[0], override.key): override.texts
+            for override in overrides
+            if not override.for_hydra_itself
+        }
+        return [list(job) for job in itertools.product(*texts.values())]
 
 
 def _plain(value: Any) -> Any:
     if isinstance(value, QuotedString):
         return value.text
     if isinstance(value, dict):
-        return {str(_plain(key)): _plain(one) for key, one in value.items()}
-    return [_plain(one) for one in value] if isinstance(value, list) else value
+        return {str(_plain(key)): _plain(item) for key, item in value.items()}
+    return [_plain(item) for item in value] if isinstance(value, list) else value

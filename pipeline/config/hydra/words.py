@@ -1,5 +1,5 @@
 # ruff: noqa: E501
-"""A table of messages of Hydra and OmegaConf, and of our messages about the same error."""
+"""Translates messages of Hydra and OmegaConf into Linkwright's messages about the same error."""
 
 import re
 from collections.abc import Collection
@@ -17,8 +17,8 @@ class Words(NamedTuple):
 
 
 Rules = dict[str, Words]
-"""The pattern of a message of theirs → our message, with the pattern's groups in braces; `near`: suggested
-groups for `group`."""
+"""The pattern of a message of Hydra → our message, with the pattern's groups in braces. Further words in braces
+are `near`, suggested groups for `group`, and `settings`, suggested settings for `key`."""
 
 TREE = "linkwright --cfg job shows the tree"
 
@@ -32,7 +32,7 @@ COMPOSING: Rules = {
         "its defaults list overrides {group}, and there is no such group", "{file}.yaml", "{near}"
     ),
     r"In '?(?P<file>[^':]+)'?: Override '.*?' is defined before '(?P<entry>.*?)'": Words(
-        "in its defaults list an override stands before {entry}",
+        "in its defaults list an override precedes {entry}",
         "{file}.yaml",
         "put the lines with `override` at the end of the list",
     ),
@@ -62,9 +62,15 @@ COMPOSING: Rules = {
     r"force-add of config groups is not supported: '\+\+(?P<line>[^']+)'": Words(
         "++ is for keys, and this is a group", "++{line}", "{line}"
     ),
+    r"Could not override 'hydra\.launcher\.(?P<key>[^']+)'": Words(
+        "is not a setting of this launcher", "hydra.launcher.{key}", "{settings}"
+    ),
     r"Could not override '(?P<group>[^'@]+)": Words("there is no such group", "{group}", "{near}"),
     r"In '?(?P<file>[^':]+)'?: \w+ raised while composing config:\s*(?P<cause>[^\n]*)(.*full_key: (?P<key>\S+))?": Words(
         "has a value that is not allowed: {cause}", "{file}.yaml {key}", "check the file there"
+    ),
+    r"Error merging override (?P<key>[^=\n]*)=[^\n]*\s*Value '(?P<value>[^'\n]*)'[^\n]* could not be converted to Integer": Words(
+        "must be a whole number (given {value})", "{key}"
     ),
     r"Error merging override (?P<line>[^\n]*)\s*(?P<cause>[^\n]*)": Words(
         "is not allowed there: {cause}", "{line}", TREE
@@ -109,12 +115,16 @@ READING: Rules = {
 """Messages of the parser of overrides."""
 
 
-def in_words(text: str, rules: Rules, groups: Collection[str] = ()) -> Words | None:
-    """Our message for a message of theirs; None where the table has no match."""
+def in_words(
+    text: str, rules: Rules, groups: Collection[str] = (), settings: Collection[str] = ()
+) -> Words | None:
+    """Returns our message for a message of Hydra or OmegaConf; None if no pattern matches."""
     for pattern, words in rules.items():
         match = re.search(pattern, text, re.DOTALL)
         if match:
-            found = {name: (one or "").strip() for name, one in match.groupdict().items()}
-            near = nearest(found.get("group", ""), groups) or f"groups: {', '.join(groups)}"
-            return Words(*(one.format(near=near, **found).strip() for one in words))
+            texts = {name: (text or "").strip() for name, text in match.groupdict().items()}
+            texts["near"] = nearest(texts.get("group", ""), groups) or f"groups: {', '.join(groups)}"
+            suggestion = nearest(texts.get("key", ""), settings)
+            texts["settings"] = suggestion or f"settings: {', '.join(settings)}"
+            return Words(*(form.format(**texts).strip() for form in words))
     return None

@@ -1,1 +1,1 @@
-"""HTML: the document around a page, its style, its templates, and what fills them."""
+"""Writes HTML: the document around a page, its style, its templates, and their values."""

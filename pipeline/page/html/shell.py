@@ -1,4 +1,4 @@
-"""A whole HTML document around the parts of a page, with its contents."""
+"""Renders a whole HTML document around the parts of a page, with a table of contents."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,24 +13,30 @@ STYLE = Path(__file__).with_name("style.css")
 
 @dataclass(frozen=True, slots=True)
 class ReportSection:
-    """A section of a page: what `#anchor` leads to, its short `title` for the contents, its HTML."""
+    """A section of a page."""
 
     anchor: str
+    """The target of links to the section, without `#`."""
     title: str
+    """The short title for the table of contents."""
     body: str
+    """The HTML of the section; "" if it is left out."""
 
 
 @dataclass(frozen=True, slots=True)
 class Top:
-    """What is above the contents: the `head`, with the heading, and `facts`, both HTML. The `picture` of the
-    robot in base64, with the words `alt` for those who do not see it; it leads to a file `beside` the page
-    where no view has it."""
+    """The part of a page above its table of contents."""
 
     head: str
+    """HTML with the heading."""
     facts: str = ""
+    """HTML with figures and files."""
     picture: str = ""
+    """The picture of the robot in base64."""
     alt: str = ""
+    """The text of the picture for readers who do not see it."""
     beside: str = ""
+    """The file beside the page to which the picture links if there is no live view."""
 
 
 def document(
@@ -39,12 +45,12 @@ def document(
     parts: Sequence[ReportSection],
     version: str = "",
 ) -> str:
-    """The page: its top, the contents, and the parts that have a body, with places for the live view; `title`
-    and `version` are plain text."""
-    shown = [part for part in parts if part.body]
+    """Renders the page: its top, the contents, and the parts that have a body, with placeholders for the live
+    view. `title` and `version` are plain text."""
+    filled_parts = [part for part in parts if part.body]
     style = Markup(STYLE.read_text(encoding="utf-8"))
-    contents = [part for part in shown if part.title]
-    whole = rendered(
-        "document", title=title, style=style, top=top, contents=contents, parts=shown, version=version
+    contents = [part for part in filled_parts if part.title]
+    html = rendered(
+        "document", title=title, style=style, top=top, contents=contents, parts=filled_parts, version=version
     )
-    return str(whole)
+    return str(html)

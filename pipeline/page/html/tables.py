@@ -1,4 +1,4 @@
-"""Tables of a page: their columns and cells, ready to be shown."""
+"""Prepares the tables of a page: their columns and cells."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -6,14 +6,14 @@ from typing import Any
 
 from linkwright.pipeline.page.html.template import name, text
 
-DENSE = 8
-"""Columns from which a table is set small."""
+MIN_DENSE_COLUMNS = 8
+"""Least number of columns of a table in small type."""
 
-_FIGURE = frozenset("0123456789.+-−≤≥")
-"""What the text of a figure begins with."""
+_FIGURE_STARTS = frozenset("0123456789.+-−≤≥")
+"""Characters with which a figure can begin."""
 
-_SENTENCE = 4
-"""Spaces that the text of a figure with its unit does not have."""
+_MIN_SENTENCE_SPACES = 4
+"""Least number of spaces in a sentence; a figure with its unit has fewer."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +27,7 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class PageTable:
-    """The columns, and the cells of each row."""
+    """A table of a page: its columns, and the cells of each row."""
 
     columns: Sequence[Column]
     rows: Sequence[Sequence[Any]]
@@ -38,7 +38,7 @@ class PageTable:
 
     @property
     def kind(self) -> str:
-        return "wide dense" if len(self.columns) >= DENSE else "wide"
+        return "wide dense" if len(self.columns) >= MIN_DENSE_COLUMNS else "wide"
 
 
 def table(
@@ -47,20 +47,21 @@ def table(
     classes: Mapping[str, str] | None = None,
     heads: str = "",
 ) -> PageTable | None:
-    """A table of texts and HTML; columns without any text are left out, and so is a table without rows.
+    """Returns a table of texts and HTML without its empty columns; None if nothing remains.
 
-    `classes`: those of a column's cells, by its title; `heads`: the title of the column that names the rows.
+    `classes`: title of a column → class of its cells; `heads`: title of the column that names the rows.
     """
-    kept = [at for at in range(len(header)) if any(text(row[at]) for row in rows)]
+    filled = [index for index in range(len(header)) if any(text(row[index]) for row in rows)]
     columns = [
-        Column(header[at], (classes or {}).get(header[at], ""), bool(heads) and header[at] == heads)
-        for at in kept
+        Column(header[index], (classes or {}).get(header[index], ""), bool(heads) and header[index] == heads)
+        for index in filled
     ]
-    return PageTable(columns, [[row[at] for at in kept] for row in rows]) if kept else None
+    return PageTable(columns, [[row[index] for index in filled] for row in rows]) if filled else None
 
 
 def plain_table(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> PageTable | None:
-    """As `table`, of plain values; the first column names the rows, and figures stand below each other."""
+    """Returns a table of plain values. The first column names the rows; columns of figures are
+    right-aligned."""
     cells = [[name(value) for value in row] for row in rows]
     columns = range(len(header))
     classes = {header[column]: "number" for column in columns if _is_figures(row[column] for row in cells)}
@@ -69,10 +70,12 @@ def plain_table(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> PageTab
 
 
 def _is_figures(cells: Iterable[str]) -> bool:
-    """Whether each cell is empty or a figure with its unit, no sentence."""
-    return all(not cell or (cell[0] in _FIGURE and cell.count(" ") < _SENTENCE) for cell in cells)
+    """Tells whether each cell is empty or a figure with its unit, and not a sentence."""
+    return all(
+        not cell or (cell[0] in _FIGURE_STARTS and cell.count(" ") < _MIN_SENTENCE_SPACES) for cell in cells
+    )
 
 
 def plain_pairs(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Names without underscores and what they are, without those that are nothing."""
+    """Returns values by name, with spaces in place of underscores; empty values are left out."""
     return {key.replace("_", " "): value for key, value in values.items() if text(value)}

@@ -1,4 +1,4 @@
-"""What the templates of the pages are filled by, and the pieces within a line: escaped, as `Markup`."""
+"""Fills the templates of the pages, and renders pieces within a line: escaped, as `Markup`."""
 
 import re
 from collections.abc import Callable, Iterable, Mapping
@@ -17,7 +17,7 @@ _JOINT = re.compile(r"([_/](?=[^_/])|\.(?=[A-Za-z]))")
 
 
 def rendered(name: str, /, **values: Any) -> Markup:
-    """The HTML of the template of this name."""
+    """Fills the template of this name with values."""
     return Markup(_templates().filled(f"{name}.html", **values))
 
 
@@ -33,7 +33,7 @@ def _templates() -> Templates:
 
 
 def text(value: Any) -> str:
-    """A value as people read it; HTML stays as it is."""
+    """Returns a value as text for people; HTML stays as it is."""
     if value is None:
         return ""
     if isinstance(value, Markup):
@@ -44,7 +44,7 @@ def text(value: Any) -> str:
 
 
 def name(value: Any) -> Markup:
-    """As `text`, of a name or a path: a long one may be broken where its words are joined."""
+    """Returns a name or a path as text; a long name may be broken between its words."""
     shown = str(escape(text(value)))
     if len(shown) < 17:
         return Markup(shown)
@@ -52,38 +52,38 @@ def name(value: Any) -> Markup:
 
 
 def shortened(words: str, most: int) -> str:
-    """Plain text of at most so many letters, cut between words."""
+    """Shortens plain text to at most `most` letters, between words."""
     if len(words) <= most:
         return words
     return words[: most - 1].rpartition(" ")[0].rstrip(",;:") + " …"
 
 
 def inline(markdown: str) -> Markup:
-    """A line of Markdown: code and the words of links."""
+    """Converts a line of Markdown to HTML: code stays code, and a link becomes its text."""
     bare = re.sub(r"\[([^\]]+)\]\([^)]*\)", r"\1", markdown.replace("\\|", "|"))
     return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(text(bare)))))
 
 
 def marked(kind: str, words: Any) -> Markup:
-    """Words of a kind that the style knows; nothing without words."""
+    """Returns words with a class of the style, `kind`; "" without words."""
     return Markup('<span class="{}">{}</span>').format(kind, text(words)) if words else Markup("")
 
 
 def stacked(lines: Iterable[Any]) -> Markup:
-    """Lines below each other."""
+    """Returns lines below each other."""
     return Markup("<br>").join(text(line) for line in lines)
 
 
 def hint(words: Any) -> Markup:
-    """What to do, on a line of its own."""
+    """Returns a hint on a line of its own; "" without words."""
     return marked("hint", Markup("→ {}").format(text(words))) if words else Markup("")
 
 
 def link(target: str, words: Any) -> Markup:
-    """A link to a web page, or to a place of this one (`#...`)."""
+    """Returns a link to a web page, or to an anchor of this page (`#...`)."""
     return Markup('<a href="{}">{}</a>').format(text(target), text(words))
 
 
 def file_link(path: str) -> Markup:
-    """A link to a file beside the page."""
+    """Returns a link to a file beside the page."""
     return link(quote(path), path)

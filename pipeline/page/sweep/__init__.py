@@ -1,1 +1,1 @@
-"""summary.html: the jobs of a sweep, in a table and in plots."""
+"""Renders summary.html: the jobs of a sweep, in a table and in plots."""

@@ -1,4 +1,4 @@
-"""A plot as SVG that is part of a page: dots, joined in series, between two axes."""
+"""Draws a plot as SVG within a page: dots, joined in series, between two axes."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,10 +8,10 @@ from linkwright.pipeline.page.html.template import rendered, shortened
 from linkwright.pipeline.page.sweep.axis import Axis
 
 WIDTH, HEIGHT = 360, 230
-"""Of the drawing, in its own units, which are pixels where there is room."""
+"""Size of the drawing in its own units, which are pixels where there is room."""
 
 _LETTER = 6.1
-"""The width of a letter of an axis, in these units."""
+"""Width of a letter at an axis, in units of the drawing."""
 
 _TOP, _RIGHT, _BOTTOM = 12.0, 14.0, 40.0
 _MARKS = ("circle", "square", "triangle", "diamond", "cross")
@@ -23,29 +23,31 @@ _CORNERS = {
 }
 """The corners of a mark, from its middle."""
 
-SERIES = len(_MARKS)
-"""So many series can be told apart, by the form of their dots."""
+MAX_SERIES = len(_MARKS)
+"""Largest number of series that the form of their dots can tell apart."""
 
 
 @dataclass(frozen=True, slots=True)
 class Dot:
-    """A value `y` at `x`, said in `words`; `series`: which it belongs to."""
+    """A value `y` of a job at `x`; `words`: both as text; `series`: the index of its series."""
 
     x: float
     y: float
     words: str
     series: int = 0
+    job: int | None = None
 
 
 def plot(words: str, x: Axis, y: Axis, dots: Sequence[Dot], *, joined: bool) -> str:
-    """The drawing; `words` for those who do not see it. `joined`: those of a series have a line."""
+    """Draws a plot. `words`: its text for readers who do not see it; `joined`: whether a line joins the dots
+    of a series."""
     left = 8.0 + _LETTER * max((len(name) for _, name in y.ticks), default=0)
-    place = _Place(x, y, left)
+    scale = _Scale(x, y, left)
     series = [
         sorted((dot for dot in dots if dot.series == number), key=lambda dot: (dot.x, dot.y))
         for number in sorted({dot.series for dot in dots})
     ]
-    room = (WIDTH - _RIGHT - left) / max(1, len(x.ticks))
+    column_width = (WIDTH - _RIGHT - left) / max(1, len(x.ticks))
     return rendered(
         "plot",
         words=words,
@@ -54,29 +56,30 @@ def plot(words: str, x: Axis, y: Axis, dots: Sequence[Dot], *, joined: bool) -> 
         left=left,
         right=WIDTH - _RIGHT,
         base=HEIGHT - _BOTTOM,
-        levels=[(place.down(value), name) for value, name in y.ticks],
+        levels=[(scale.down(value), name) for value, name in y.ticks],
         columns=[
-            (place.across(value), _fitting(name, max(3, int(room / _LETTER)))) for value, name in x.ticks
+            (scale.across(value), _fitting(name, max(3, int(column_width / _LETTER))))
+            for value, name in x.ticks
         ],
         middle=(left + WIDTH - _RIGHT) / 2,
         title=_fitting(x.title, int((WIDTH - left) / _LETTER)),
-        lines=[_line(place, some) for some in series if len(some) > 1] if joined else [],
+        lines=[_line(scale, series_dots) for series_dots in series if len(series_dots) > 1] if joined else [],
         marks=[
-            _form(dot.series, place.across(dot.x), place.down(dot.y), dot.words)
-            for some in series
-            for dot in some
+            _form(dot.series, scale.across(dot.x), scale.down(dot.y)) | {"words": dot.words, "job": dot.job}
+            for series_dots in series
+            for dot in series_dots
         ],
     )
 
 
 def mark(series: int) -> str:
-    """The form of the dots of a series, for a legend."""
+    """Draws the mark of a series for a legend."""
     return rendered("mark", form=_form(series, 7.0, 7.0))
 
 
 @dataclass(frozen=True, slots=True)
-class _Place:
-    """Where values of the axes are drawn; `left`: where the plot begins."""
+class _Scale:
+    """Converts values of the axes to positions in the drawing; `left`: the left edge of the plot."""
 
     x: Axis
     y: Axis
@@ -96,13 +99,21 @@ def _fitting(words: str, letters: int) -> str:
     return cut if len(cut) > letters // 2 else words[: letters - 1] + "…"
 
 
-def _line(place: _Place, dots: Sequence[Dot]) -> tuple[int, str]:
-    """The series of a line, and its points."""
-    return dots[0].series, " ".join(f"{place.across(dot.x):.1f},{place.down(dot.y):.1f}" for dot in dots)
+def _line(scale: _Scale, dots: Sequence[Dot]) -> tuple[int, str]:
+    """Returns the series of a line, and its points."""
+    return dots[0].series, " ".join(f"{scale.across(dot.x):.1f},{scale.down(dot.y):.1f}" for dot in dots)
 
 
-def _form(series: int, x: float, y: float, words: str = "") -> dict[str, Any]:
-    """A mark around a point, with the words that it says."""
-    number = series % SERIES
+def _form(series: int, x: float, y: float) -> dict[str, Any]:
+    """Returns a mark around a point, without words."""
+    number = series % MAX_SERIES
     points = " ".join(f"{x + dx:.1f},{y + dy:.1f}" for dx, dy in _CORNERS.get(_MARKS[number], ()))
-    return {"kind": _MARKS[number], "number": number, "x": x, "y": y, "points": points, "words": words}
+    return {
+        "kind": _MARKS[number],
+        "number": number,
+        "x": x,
+        "y": y,
+        "points": points,
+        "words": "",
+        "job": None,
+    }

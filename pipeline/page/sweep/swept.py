@@ -1,4 +1,4 @@
-"""What a sweep swept: the keys whose values differ between its jobs, and the figures that differ too."""
+"""Finds the keys whose values differ between the jobs of a sweep, and the figures that differ."""
 
 import json
 import math
@@ -13,38 +13,38 @@ Job = Mapping[str, Any]
 
 _QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z°%]*)\s*")
 
-_LEAST_DIFFERENCE = 1e-12
-"""Figures whose values lie nearer together, as a share of the largest, are the same."""
+_RELATIVE_TOLERANCE = 1e-12
+"""Figures whose difference is a smaller share of the largest count as equal."""
 
 
 def keys(jobs: Sequence[Job]) -> list[str]:
-    """The overridden keys whose values differ between the jobs; of one job all."""
-    every = dict.fromkeys(key for job in jobs for key in job["overrides"])
+    """Returns the overridden keys whose values differ between the jobs; all of them for a single job."""
+    overridden = dict.fromkeys(key for job in jobs for key in job["overrides"])
     if len(jobs) < 2:
-        return list(every)
-    return [key for key in every if len({value_of(job, key) for job in jobs}) > 1]
+        return list(overridden)
+    return [key for key in overridden if len({value_of(job, key) for job in jobs}) > 1]
 
 
 def value_of(job: Job, key: str) -> str:
-    """The value that a job has for a key, as text; "" for none."""
+    """Returns a job's value of a key as text; "" if it has none."""
     if key not in job["overrides"]:
         return ""
     value = job["overrides"][key]
     return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
 
 
-def values_of(job: Job, some: Sequence[str]) -> tuple[str, ...]:
-    """The values that a job has for some keys."""
-    return tuple(value_of(job, key) for key in some)
+def values_of(job: Job, key_names: Sequence[str]) -> tuple[str, ...]:
+    """Returns a job's values of several keys as texts."""
+    return tuple(value_of(job, key) for key in key_names)
 
 
 def places(key: str, jobs: Sequence[Job]) -> tuple[Axis, list[float]]:
-    """The axis of a key, and where each of the jobs stands on it: by its number, if all are numbers of one
-    unit, else by its category."""
+    """Returns the axis of a key, and the position of each job on it: its value, if all values are numbers of
+    the same unit, else the index of its category."""
     texts = [value_of(job, key) for job in jobs]
-    found = [_QUANTITY.fullmatch(words) for words in texts]
-    units = {match[2] for match in found if match}
-    values = [float(match[1]) for match in found if match]
+    matches = [_QUANTITY.fullmatch(words) for words in texts]
+    units = {match[2] for match in matches if match}
+    values = [float(match[1]) for match in matches if match]
     if len(values) == len(jobs) and len(units) == 1 and all(map(math.isfinite, values)):
         unit = units.pop()
         return numbers(f"{key}, {unit}" if unit else key, values, may_be_log=True), values
@@ -53,24 +53,26 @@ def places(key: str, jobs: Sequence[Job]) -> tuple[Axis, list[float]]:
 
 
 def figures_of(job: Job) -> dict[str, float]:
-    """The figures of a job that was built, with how many of its checks failed and warn; none of another."""
+    """Returns the figures of a job, with the numbers of its checks that failed and that warn; {} unless the
+    job was built."""
     if job["status"] not in (0, 3):
         return {}
-    found = {
+    figures = {
         name: value
         for name, value in job["figures"].items()
         if isinstance(value, int | float) and math.isfinite(value)
     }
     if job["checks"]:
-        found |= {
+        figures |= {
             "checks_failed": len(job["checks"]["failed"]),
             "checks_warned": len(job["checks"]["warned"]),
         }
-    return found
+    return figures
 
 
 def varying(jobs: Iterable[Job]) -> tuple[list[str], dict[str, float]]:
-    """The figures that differ between the jobs, and those that all have in common with their values."""
+    """Returns the names of figures that differ between the jobs, and the figures that all jobs have in
+    common, with their values."""
     rows = [row for job in jobs if (row := figures_of(job))]
     differing, same = [], {}
     for name in dict.fromkeys(name for row in rows for name in row):
@@ -83,16 +85,16 @@ def varying(jobs: Iterable[Job]) -> tuple[list[str], dict[str, float]]:
 
 
 def depends(jobs: Iterable[Job], figure: str, key: str, swept: Sequence[str]) -> bool:
-    """Whether a figure differs anywhere between jobs whose other keys have the same values; where no two jobs
-    have these, nobody knows, and it may."""
-    others = [one for one in swept if one != key]
+    """Tells whether a figure differs anywhere between jobs whose other keys have the same values. Also true
+    if no two jobs have the same values, since the figure may then depend on the key."""
+    other_keys = [other for other in swept if other != key]
     groups: dict[tuple[str, ...], list[float]] = {}
     for job in jobs:
-        found = figures_of(job)
-        if figure in found:
-            groups.setdefault(values_of(job, others), []).append(found[figure])
+        figures = figures_of(job)
+        if figure in figures:
+            groups.setdefault(values_of(job, other_keys), []).append(figures[figure])
     return all(len(group) == 1 for group in groups.values()) or any(map(_differ, groups.values()))
 
 
 def _differ(values: Sequence[float]) -> bool:
-    return max(values) - min(values) > _LEAST_DIFFERENCE * max(map(abs, values))
+    return max(values) - min(values) > _RELATIVE_TOLERANCE * max(map(abs, values))

@@ -1,4 +1,4 @@
-"""From the key `actuators`, and the actuators that the source has, to what drives a robot."""
+"""Builds the actuation of a robot from the key `actuators` and the actuators of the source."""
 
 from __future__ import annotations
 
@@ -7,13 +7,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from linkwright.stages.export.actuators.choices import Wanted, driven_order, wanted_of
-from linkwright.stages.export.actuators.holding import GroundSupports, holding, standing_nowhere
-from linkwright.stages.export.actuators.loads import bounds_of, lighter, loads, postures
+from linkwright.stages.export.actuators.choices import ChosenActuator, choose_actuators, driven_order
+from linkwright.stages.export.actuators.holding import GroundSupports, keyframe_forces, no_supports
+from linkwright.stages.export.actuators.loads import bounds_of, loads, postures, without_compensated_weight
 from linkwright.stages.export.actuators.make import ActuatorMaker
-from linkwright.stages.export.actuators.motors import Motors, report_overruled, supplied
-from linkwright.stages.export.actuators.remarks import remark, remark_couplings, remark_passive, remark_servos
-from linkwright.stages.export.actuators.symmetric_dofs import shared
+from linkwright.stages.export.actuators.motors import Motors, motor_values, report_overridden
+from linkwright.stages.export.actuators.remarks import (
+    report_actuation,
+    report_couplings,
+    report_estimates,
+    report_passive,
+)
+from linkwright.stages.export.actuators.symmetric_dofs import share_loads
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.dynamics.driven import with_motors
 from linkwright.stages.robot.dynamics.statics import GRAVITY
@@ -38,81 +43,84 @@ def actuate(
     world_from_root: Array,
     gravity: Sequence[float] = GRAVITY,
     motors: Motors = NO_MOTORS,
-    supports: GroundSupports = standing_nowhere,
+    supports: GroundSupports = no_supports,
     optional: Mapping[Any, Sequence[str]] = EVERY_GLOB_MATCHES,
 ) -> tuple[Actuation, tuple[Diagnostic, ...]]:
-    """What drives the robot, and what is worth knowing about it. ExportError with all problems of the key.
+    """Returns the actuation of the robot, and diagnostics. Raises ExportError with all problems of the key.
 
-    `timestep` [s]: that of the simulation; `world_from_root` (4, 4): how the scene puts the robot; `gravity`
-    (3,) [m/s²]: in the world; `motors`: those that entries name; `supports`: what the ground carries of a
-    free robot; `optional`: the key of that name.
+    `timestep` [s]: the time step of the simulation; `world_from_root` (4, 4): the pose of the robot in the
+    scene; `gravity` (3,) [m/s²]: in the world; `motors`: the library that entries choose from; `supports`:
+    the forces of the ground on a free robot; `optional`: the key of that name.
     """
     log = Diagnostics(optional=optional)
-    wanted = wanted_of(robot, entries, motors, log)
+    choices = choose_actuators(robot, entries, motors, log)
     if log.problems:
         msg = f"the actuators cannot be made: {count(len(log.problems), 'problem')}"
-        raise ExportError(msg, problems=sorted(log.problems, key=lambda one: (one.message, one.where)))
-    kept = [one for one in robot.actuators if one.dof not in wanted]
-    if not wanted and not kept:
+        raise ExportError(
+            msg, problems=sorted(log.problems, key=lambda problem: (problem.message, problem.where))
+        )
+    kept = [actuator for actuator in robot.actuators if actuator.dof not in choices]
+    if not choices and not kept:
         return Actuation(), tuple(log.found)
     values = postures(robot)
     couplings = Couplings(robot, values)
-    order = driven_order(robot, wanted, [one.dof for one in kept])
+    order = driven_order(robot, choices, [actuator.dof for actuator in kept])
     chosen = couplings.independent(order)
-    # What is named drives, even where it fights others; those are still counted as one motion.
-    named = [dof for dof in order if dof not in wanted or wanted[dof].named]
+    # A named dof is driven even if other driven dofs move it; `chosen` counts each motion only once.
+    named = [dof for dof in order if dof not in choices or choices[dof].named]
     driven = [dof.name for dof in robot.dofs if dof.name in {*chosen, *named}]
-    gifts, overruled = supplied([dof for dof in robot.dofs if dof.name in driven], wanted, motors, log)
-    robot = with_motors(robot, gifts)
+    supply, overruled = motor_values([dof for dof in robot.dofs if dof.name in driven], choices, motors, log)
+    robot = with_motors(robot, supply)
     up = -world_from_root[:3, :3].T @ gravity
     drivers = [dof for dof in driven if dof in chosen]
     rates = couplings.moved_by(drivers)
-    shares = compensated_links(robot, wanted, rates)
-    light = lighter(robot, shares)
-    bounds = bounds_of(light, values, up)
-    weighed = shared(robot, loads(light, values, couplings, drivers, up, bounds))
-    holds = holding(light, drivers, bounds, up, supports)
-    maker = ActuatorMaker(robot, timestep, weighed, holds, couplings.coupled, motors)
-    actuators = maker.actuators([dof for dof in robot.dofs if dof.name in driven], wanted, kept)
+    shares = compensated_links(robot, choices, rates)
+    lightened = without_compensated_weight(robot, shares)
+    bounds = bounds_of(lightened, values, up)
+    shared_loads = share_loads(robot, loads(lightened, values, couplings, drivers, up, bounds))
+    holds = keyframe_forces(lightened, drivers, bounds, up, supports)
+    maker = ActuatorMaker(robot, timestep, shared_loads, holds, couplings.coupled, motors)
+    actuators = maker.actuators([dof for dof in robot.dofs if dof.name in driven], choices, kept)
     actuation = Actuation(
         # The controls of the source keep their order.
-        actuators=tuple(sorted(actuators, key=_place_in(robot.actuators))),
+        actuators=tuple(sorted(actuators, key=_position_in(robot.actuators))),
         armatures=tuple(maker.armatures),
         compensated=tuple(sorted(shares.items())),
-        compensating=tuple(dof for dof in driven if dof in wanted and _share(wanted[dof])),
-        supplied=tuple(gifts),
+        compensating=tuple(dof for dof in driven if dof in choices and _share(choices[dof])),
+        supplied=tuple(supply),
         overruled=tuple(dict.fromkeys(loss.dof for loss in overruled)),
     )
-    report_overruled([*overruled, *maker.overruled], wanted, log)
-    remark(robot, actuation, couplings.in_loops, [dof for dof in order if dof not in driven], log)
-    remark_servos(maker, timestep, count_of(values), log)
-    remark_passive(robot, wanted, order, log)
-    remark_couplings(robot, actuation, rates, [one for one in driven if one in wanted], log)
+    report_overridden([*overruled, *maker.overruled], choices, log)
+    report_actuation(robot, actuation, couplings.in_loops, [dof for dof in order if dof not in driven], log)
+    report_estimates(maker, timestep, count_of(values), log)
+    report_passive(robot, choices, order, log)
+    report_couplings(robot, actuation, rates, [dof for dof in driven if dof in choices], log)
     return actuation, tuple(log.found)
 
 
-def _place_in(own: Sequence[Actuator]) -> Callable[[Actuator], int]:
-    places = {one.name: number for number, one in enumerate(own)}
-    return lambda one: places.get(one.name, len(places))
+def _position_in(actuators: Sequence[Actuator]) -> Callable[[Actuator], int]:
+    positions = {actuator.name: number for number, actuator in enumerate(actuators)}
+    return lambda actuator: positions.get(actuator.name, len(positions))
 
 
-def _share(wanted: Wanted) -> float:
-    return float(wanted.parameters.get("gravcomp") or 0.0)
+def _share(choice: ChosenActuator) -> float:
+    return float(choice.parameters.get("gravcomp") or 0.0)
 
 
 def compensated_links(
-    robot: Robot, wanted: Mapping[str, Wanted], rates: Mapping[str, Rates]
+    robot: Robot, choices: Mapping[str, ChosenActuator], rates: Mapping[str, Rates]
 ) -> dict[str, float]:
-    """By link: the largest share of its weight that a driven dof that moves it compensates."""
+    """Returns, by link, the share of its weight that driven dofs compensate: the largest of those that move
+    it."""
     owner = {dof.name: joint.child for joint in robot.joints for dof in joint.dofs}
-    found: dict[str, float] = {}
-    for name, moving in rates.items():
-        share = _share(wanted[name]) if name in wanted else 0.0
+    compensated: dict[str, float] = {}
+    for name, moving_dofs in rates.items():
+        share = _share(choices[name]) if name in choices else 0.0
         if not share:
             continue
-        moved = {owner[dof] for dof, speeds in moving.items() if dof in owner and np.any(speeds)}
+        moved_links = {owner[dof] for dof, speeds in moving_dofs.items() if dof in owner and np.any(speeds)}
         for joint in robot.joints:
-            if joint.child in moved or joint.parent in moved:
-                moved.add(joint.child)
-                found[joint.child] = max(found.get(joint.child, 0.0), share)
-    return found
+            if joint.child in moved_links or joint.parent in moved_links:
+                moved_links.add(joint.child)
+                compensated[joint.child] = max(compensated.get(joint.child, 0.0), share)
+    return compensated

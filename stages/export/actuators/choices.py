@@ -1,4 +1,4 @@
-"""What the key `actuators` says of each dof: types and parameters by glob, later entries first."""
+"""Chooses the type and parameters of each dof's actuator from the key `actuators`; later entries win."""
 
 from __future__ import annotations
 
@@ -24,134 +24,143 @@ OF_ONE_KIND = ("kp", "kv", "ki", "imax", "slewmax", "ctrlrange", "forcerange")
 
 
 @dataclass(frozen=True, slots=True)
-class Wanted:
-    """What the key says of a dof. `named`: by a name without wildcards, so that it is driven even where it
-    follows others. `motor`: of the library, "" for none; `motor_named`: whether its entry has the dof's own
-    name. `origin`: the entry that gives each parameter."""
+class ChosenActuator:
+    """The actuator that the key `actuators` chooses for a dof."""
 
     type: str
     parameters: Mapping[str, Any]
+
     named: bool
+    """Whether an entry names the dof without wildcards: it is driven then even if it follows other dofs."""
+
     motor: str = ""
+    """The name of its motor in the library; "" without a motor."""
+
     motor_named: bool = False
+    """Whether the entry that assigns the motor has the dof's own name."""
+
     origin: Mapping[str, str] = field(default_factory=dict)
+    """Parameter → the glob of the entry that sets it."""
 
 
-def wanted_of(
+def choose_actuators(
     robot: Robot, entries: Mapping[str, ActuatorSection], motors: Mapping[str, MotorSection], log: Diagnostics
-) -> dict[str, Wanted]:
-    """By dof of the tree that an entry matches, in tree order; later entries win, property by property, and
-    an entry with another type starts from that type's defaults, and keeps the motor. A motor that is named
-    for the dof stays, whatever globs come later.
+) -> dict[str, ChosenActuator]:
+    """Returns the choice for each dof of the tree that an entry matches, in tree order.
 
-    E-GLOB for an entry but "*" that matches no dof; E-ACTUATOR for one that names a dof that cannot be
-    driven, for parameters that are not of the type, and for a number for turns and slides at once; E-MOTOR
-    for a motor that cannot drive the dof.
+    Later entries win, property by property. An entry with another type starts from that type's defaults and
+    keeps the motor. A motor that is assigned to the dof by name stays, whatever globs come later.
+
+    Reports an entry other than "*" that matches no dof (E-GLOB); an entry that names a dof that cannot be
+    driven, a parameter that the type does not have, and a number that applies to both turns and slides
+    (E-ACTUATOR); and a motor that cannot drive the dof (E-MOTOR).
     """
-    for glob, keys in entries.items():
-        _check(glob, keys, robot, log)
-    found: dict[str, Wanted] = {}
+    for glob, section in entries.items():
+        _check_dofs(glob, section, robot, log)
+    choices: dict[str, ChosenActuator] = {}
     for dof in robot.dofs:
         if dof.kind not in ("turn", "slide"):
             continue
-        wanted = _merged(dof, entries, motors, log)
-        if wanted is not None:
-            found[dof.name] = wanted
+        choice = _choice_of(dof, entries, motors, log)
+        if choice is not None:
+            choices[dof.name] = choice
     for glob in entries:
-        _check_kinds(glob, found, robot, log)
-    return found
+        _check_kinds(glob, choices, robot, log)
+    return choices
 
 
-def _merged(
+def _choice_of(
     dof: Dof, entries: Mapping[str, ActuatorSection], motors: Mapping[str, MotorSection], log: Diagnostics
-) -> Wanted | None:
+) -> ChosenActuator | None:
     kind: str | None = None
     motor, motor_named = "", False
     parameters: dict[str, Any] = {}
     origin: dict[str, str] = {}
-    named, matched = False, ""
-    for glob, keys in entries.items():
-        if not fits(dof.name, glob) or keys.only_measures:
+    named, last_glob = False, ""
+    for glob, section in entries.items():
+        if not fits(dof.name, glob) or section.only_measures:
             continue
-        matched = glob
-        if keys.type is not None and keys.type != kind:
-            kind, parameters = keys.type, {}
-        given = keys.given()
-        if "kv" in given or "dampratio" in given:
-            parameters = {name: one for name, one in parameters.items() if name not in ("kv", "dampratio")}
-        parameters |= given
+        last_glob = glob
+        if section.type is not None and section.type != kind:
+            kind, parameters = section.type, {}
+        parameters_set = section.explicit()
+        if "kv" in parameters_set or "dampratio" in parameters_set:
+            parameters = {
+                name: value for name, value in parameters.items() if name not in ("kv", "dampratio")
+            }
+        parameters |= parameters_set
         # What is more specific wins: a motor that is named for the dof stays, whatever globs come later.
-        if keys.motor and (glob == dof.name or not motor_named):
-            motor, motor_named = keys.motor, glob == dof.name
-        origin |= dict.fromkeys(given, glob)
+        if section.motor and (glob == dof.name or not motor_named):
+            motor, motor_named = section.motor, glob == dof.name
+        origin |= dict.fromkeys(parameters_set, glob)
         named = named or (glob == dof.name and kind != "none")
-    if not matched:
+    if not last_glob:
         return None
     if kind == "none":
         motor = ""
-    if motor and not _drives(motor, motors, dof, parameters, log):
+    if motor and not _can_drive(motor, motors, dof, parameters, log):
         return None
     if kind is None and motor:
         kind = motors[motor].type
     if kind is None:
-        text = f"{matched!r} has no type of actuator for {dof.name}"
+        text = f"{last_glob!r} gives no actuator type for {dof.name}"
         log.report("E-ACTUATOR", text, WHERE, "type: motor, position, velocity, ..., or a motor")
         return None
-    wanted = Wanted(kind, parameters, named, motor, motor_named, origin)
-    _judge(wanted, dof, matched, motors, log)
+    choice = ChosenActuator(kind, parameters, named, motor, motor_named, origin)
+    _check_parameters(choice, dof, last_glob, motors, log)
     if (control := parameters.get("ctrlrange")) is not None:
-        _judge_control(wanted, dof, control, log)
+        _check_control(choice, dof, control, log)
         parameters["ctrlrange"] = tuple(float(end) for end in control)
-    return wanted
+    return choice
 
 
-def _judge_control(wanted: Wanted, dof: Dof, control: Sequence[float], log: Diagnostics) -> None:
-    """E-ACTUATOR for an angle or a length that is not what the actuator's control is."""
-    typed = [end for end in control if isinstance(end, TypedNumber)]
-    if not typed:
+def _check_control(choice: ChosenActuator, dof: Dof, control: Sequence[float], log: Diagnostics) -> None:
+    """Reports an angle or a length as the range of a control with another unit (E-ACTUATOR)."""
+    dimensioned = [end for end in control if isinstance(end, TypedNumber)]
+    if not dimensioned:
         return
     kind, why = dof.kind, f"{dof.name} is a {dof.kind}"
-    if wanted.motor:
-        kind, why = "turn", f"the motor {wanted.motor} turns"
-    text = misfit(typed[0], kind)
+    if choice.motor:
+        kind, why = "turn", f"the motor {choice.motor} turns"
+    text = misfit(dimensioned[0], kind)
     hint = as_typed(kind)
-    if wanted.type not in ("position", "pid"):
-        text = f"{typed[0].typed!r} is an angle or a length"
-        why = f"the control of type {wanted.type} is neither"
+    if choice.type not in ("position", "pid"):
+        text = f"{dimensioned[0].typed!r} is an angle or a length"
+        why = f"the control of type {choice.type} is neither"
         hint = "give numbers in the unit of the control"
     if text:
         log.report("E-ACTUATOR", f"ctrlrange of {dof.name}: {text}, and {why}", WHERE, hint)
 
 
-def _judge(
-    wanted: Wanted, dof: Dof, matched: str, motors: Mapping[str, MotorSection], log: Diagnostics
+def _check_parameters(
+    choice: ChosenActuator, dof: Dof, last_glob: str, motors: Mapping[str, MotorSection], log: Diagnostics
 ) -> None:
-    """E-ACTUATOR for parameters that the type does not have, and for those that need others."""
-    allowed = fields_of(wanted.type)
-    for name in wanted.parameters:
+    """Reports parameters that the type does not have, and incomplete sets of parameters (E-ACTUATOR)."""
+    allowed = fields_of(choice.type)
+    for name in choice.parameters:
         if name not in allowed:
-            entry = wanted.origin[name]
-            text = f"{entry!r} gives {name}, which type {wanted.type} of {dof.name} does not have"
-            hint = f"type {wanted.type} takes {', '.join(allowed) or 'nothing else'}"
+            entry = choice.origin[name]
+            text = f"{entry!r} gives {name}, which type {choice.type} of {dof.name} does not have"
+            hint = f"type {choice.type} takes {', '.join(allowed) or 'nothing else'}"
             log.report("E-ACTUATOR", text, WHERE, hint)
-    given = set(wanted.parameters)
-    if wanted.motor and "nominal" not in given:
-        known = motors[wanted.motor].values
-        given |= {"motorconst"} if "torque_constant" in known else set()
-        given |= {"resistance"} if "resistance" in known else set()
-    for text, hint in _incomplete(wanted.type, given):
-        log.report("E-ACTUATOR", f"{matched!r}: {text}, for {dof.name}", WHERE, hint)
+    names = set(choice.parameters)
+    if choice.motor and "nominal" not in names:
+        values = motors[choice.motor].values
+        names |= {"motorconst"} if "torque_constant" in values else set()
+        names |= {"resistance"} if "resistance" in values else set()
+    for text, hint in _incomplete(choice.type, names):
+        log.report("E-ACTUATOR", f"{last_glob!r}: {text}, for {dof.name}", WHERE, hint)
 
 
-def _drives(
+def _can_drive(
     motor: str, motors: Mapping[str, MotorSection], dof: Dof, parameters: Mapping[str, Any], log: Diagnostics
 ) -> bool:
-    """Whether the motor is known and can drive the dof."""
+    """Reports a motor that does not exist or cannot drive the dof (E-MOTOR); returns whether it can."""
     if motor not in motors:
         hint = f"{did_you_mean(motor, motors)} motors: {', '.join(motors) or 'none'}"
         log.report("E-MOTOR", f"there is no motor {motor}", WHERE, hint.lstrip())
     elif dof.kind == "slide" and "gear" not in parameters:
-        text = f"the motor {motor} turns, and {dof.name} slides"
+        text = f"the motor {motor} turns, but {dof.name} slides"
         hint = f"give the turn of the motor per metre [rad/m]: actuators: {{{dof.name}: {{gear: ...}}}}"
         log.report("E-MOTOR", text, WHERE, hint)
     else:
@@ -160,31 +169,31 @@ def _drives(
 
 
 def _incomplete(kind: str, parameters: Collection[str]) -> Iterator[tuple[str, str]]:
-    """(problem, hint) of parameters that need others."""
+    """Yields (problem, hint) for parameters that need other parameters, or exclude them."""
     if "imax" in parameters and "ki" not in parameters:
-        yield "imax limits the integral part, and there is none", "give ki"
+        yield "imax limits the integral part, which needs ki", "give ki"
     if "interp" in parameters and "delay" not in parameters:
-        yield "interp is about a delayed control, and there is no delay", "give delay"
+        yield "interp applies to a delayed control, and there is no delay", "give delay"
     constants = [name for name in ("motorconst", "resistance") if name in parameters]
     if kind == "dcmotor" and "nominal" in parameters and constants:
-        text = f"nominal stands in place of {' and '.join(constants)}"
+        text = f"nominal replaces {' and '.join(constants)}"
         yield text, "give nominal, or motorconst and resistance"
     elif kind == "dcmotor" and "nominal" not in parameters and len(constants) < 2:
-        yield "type dcmotor lacks its motor", "give nominal, or motorconst and resistance"
+        yield "type dcmotor needs the constants of its motor", "give nominal, or motorconst and resistance"
 
 
-def _check(glob: str, keys: ActuatorSection, robot: Robot, log: Diagnostics) -> None:
-    every = [(dof, "") for dof in robot.dofs]
-    every += [(dof, one.name) for one in robot.loops for dof in one.dofs]
-    matched = [(dof, loop) for dof, loop in every if fits(dof.name, glob)]
+def _check_dofs(glob: str, section: ActuatorSection, robot: Robot, log: Diagnostics) -> None:
+    all_dofs = [(dof, "") for dof in robot.dofs]
+    all_dofs += [(dof, loop.name) for loop in robot.loops for dof in loop.dofs]
+    matched = [(dof, loop) for dof, loop in all_dofs if fits(dof.name, glob)]
     if not matched:
         _report_unmatched(glob, robot, log)
         return
     exact = next(((dof, loop) for dof, loop in matched if dof.name == glob), None)
-    if exact is not None and keys.type != "none":
+    if exact is not None and section.type != "none":
         dof, loop = exact
         if loop:
-            text = f"{glob!r} closes a loop, and no joint of the tree, so nothing can drive it"
+            text = f"{glob!r} closes a loop and is not a joint of the tree, so nothing can drive it"
             log.report("E-ACTUATOR", text, WHERE, "let another mate close the loop (loops.cut)")
         elif dof.kind not in ("turn", "slide"):
             kind = "ball" if dof.kind == "ball" else "free joint"
@@ -192,32 +201,32 @@ def _check(glob: str, keys: ActuatorSection, robot: Robot, log: Diagnostics) -> 
             log.report("E-ACTUATOR", text, WHERE, f"name one of: {_names(robot)}")
 
 
-def _check_kinds(glob: str, wanted: Mapping[str, Wanted], robot: Robot, log: Diagnostics) -> None:
-    """E-ACTUATOR for parameters that turns and slides both have of this entry."""
-    driven = [dof for dof in robot.dofs if dof.name in wanted]
-    shared, example = [], {}
+def _check_kinds(glob: str, choices: Mapping[str, ChosenActuator], robot: Robot, log: Diagnostics) -> None:
+    """Reports parameters that an entry sets on both turns and slides (E-ACTUATOR)."""
+    driven = [dof for dof in robot.dofs if dof.name in choices]
+    ambiguous, example = [], {}
     for name in OF_ONE_KIND:
-        kinds = {dof.kind: dof.name for dof in driven if _is_from(glob, name, wanted[dof.name])}
+        kinds = {dof.kind: dof.name for dof in driven if _is_from(glob, name, choices[dof.name])}
         if {"turn", "slide"} <= set(kinds):
-            shared.append(name)
+            ambiguous.append(name)
             example = kinds
-    if shared:
+    if ambiguous:
         text = (
-            f"{glob!r} gives one {' and one '.join(shared)} to turns ({example['turn']}, ...) and slides "
+            f"{glob!r} gives one {' and one '.join(ambiguous)} to turns ({example['turn']}, ...) and slides "
             f"({example['slide']}, ...), whose units differ"
         )
-        numbers = ", ".join(f"{name}: ..." for name in shared)
+        numbers = ", ".join(f"{name}: ..." for name in ambiguous)
         entry = f"actuators: {{{as_key(example['slide'])}: {{{numbers}}}}}"
         log.report("E-ACTUATOR", text, WHERE, f"give them to each kind under its own glob: {entry}")
 
 
-def _is_from(glob: str, name: str, wanted: Wanted) -> bool:
-    """Whether a parameter is what this entry gives."""
-    return name in wanted.parameters and wanted.origin[name] == glob
+def _is_from(glob: str, name: str, choice: ChosenActuator) -> bool:
+    """Returns whether the entry with this glob sets the parameter."""
+    return name in choice.parameters and choice.origin[name] == glob
 
 
 def _report_unmatched(glob: str, robot: Robot, log: Diagnostics) -> None:
-    of_joint = [dof.name for one in robot.joints if fits(one.name, glob) for dof in one.dofs]
+    of_joint = [dof.name for joint in robot.joints if fits(joint.name, glob) for dof in joint.dofs]
     if of_joint:
         text = f"{glob!r} names a joint of several dofs (or several such joints), not one dof"
         log.report("E-GLOB", text, WHERE, f"name one of its dofs: {', '.join(of_joint)}")
@@ -230,19 +239,19 @@ def _names(robot: Robot) -> str:
     return listed(dof.name for dof in robot.dofs if dof.kind in ("turn", "slide"))
 
 
-def driven_order(robot: Robot, wanted: Mapping[str, Wanted], own: Sequence[str]) -> list[str]:
-    """The dofs that may be driven, the first ones first: those that the source drives and nobody changes,
-    those that are named, drivers of relations, and then those nearest to the root; of several, that which
-    moves the most mass.
+def driven_order(robot: Robot, choices: Mapping[str, ChosenActuator], kept: Sequence[str]) -> list[str]:
+    """Returns the dofs that may be driven, by priority: those with unchanged actuators of the source, those
+    that an entry names, drivers of relations, and then the others from the root on; of dofs at the same
+    distance from the root, the dof that moves the most mass comes first.
 
-    `own`: the dofs that keep the actuators of the source. Followers, and the passive joints of the source's
-    SRDF, are left out unless they are named.
+    `kept`: the dofs that keep the actuators of the source. Followers, and the passive joints of the source's
+    SRDF, are left out unless an entry names them.
     """
-    followers = {one.follower for one in robot.relations} | {*robot.semantics.passive}
-    drivers = {one.driver for one in robot.relations}
+    followers = {relation.follower for relation in robot.relations} | {*robot.semantics.passive}
+    drivers = {relation.driver for relation in robot.relations}
     nearest = nearest_first(robot)
-    asked = [name for name in nearest if name in wanted and wanted[name].type != "none"]
-    named = [name for name in asked if wanted[name].named]
-    free = [name for name in asked if name not in followers]
-    masters = [name for name in free if name in drivers]
-    return list(dict.fromkeys([*own, *named, *masters, *free]))
+    chosen = [name for name in nearest if name in choices and choices[name].type != "none"]
+    named = [name for name in chosen if choices[name].named]
+    free = [name for name in chosen if name not in followers]
+    drivers_of_relations = [name for name in free if name in drivers]
+    return list(dict.fromkeys([*kept, *named, *drivers_of_relations, *free]))

@@ -1,4 +1,4 @@
-"""The gravity that actuators hold a robot against."""
+"""Reads the gravity against which actuators hold a robot."""
 
 from typing import Any
 
@@ -6,7 +6,8 @@ from linkwright.stages.robot.dynamics.statics import GRAVITY
 
 
 def gravity_of(option: Any) -> tuple[float, ...]:
-    """In the world (3,) [m/s²], by the keys `scene.option`; zero where its flag is off."""
-    if option.sections()["flag"].given().get("gravity") == "disable":
+    """Returns the gravity in the world (3,) [m/s²] of the keys `scene.option`; zero if its flag disables
+    it."""
+    if option.sections()["flag"].explicit().get("gravity") == "disable":
         return (0.0, 0.0, 0.0)
-    return tuple(option.given().get("gravity", GRAVITY))
+    return tuple(option.explicit().get("gravity", GRAVITY))

@@ -1,4 +1,4 @@
-"""What the driven dofs of a robot must hold and move: forces by its weight, and inertias."""
+"""Computes the loads of driven dofs: the forces that hold the weight, and the inertias that they move."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -14,80 +14,92 @@ from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.robot.motion.pose_batch import Values, chosen, count_of, many_link_poses, repeated
 from linkwright.stages.robot.motion.pose_samples import sampled_poses
 from linkwright.stages.robot.motion.start_pose import home
-from linkwright.stages.robot.motion.tree_paths import Ways
+from linkwright.stages.robot.motion.tree_paths import TreePaths
 
 POSES = 64
-"""How many poses stand for a robot's range."""
+"""Number of poses that sample a robot's range."""
 
-WEIGHED = 6
-"""At how many of them its inertia is computed, which takes longer."""
+INERTIA_POSES = 6
+"""Number of these poses at which inertias are computed, which takes longer."""
 
-LOW = 0.15
-"""A leaf link is a foot if its centre of mass is among the lowest: in this share of the robot's height."""
+FOOT_HEIGHT_SHARE = 0.15
+"""Share of the robot's height, from below, in which the centre of mass of a foot lies. Feet are leaf
+links."""
 
-REACH = 0.5
-"""How far [m] slides without limits go."""
+SLIDE_RANGE = 0.5
+"""Range [m] of sampled values for slides without limits."""
 
-LEVERAGE = 10.0
-"""The largest leverage of a loop that counts in a load."""
+MAX_LEVERAGE = 10.0
+"""Largest leverage of a loop that counts in a load."""
 
 
 @dataclass(frozen=True, slots=True)
 class Load:
-    """What a driven dof has on it over the robot's range: the largest force `most` that holds the weight, and
-    the inertias [kg m² or kg] that it moves, `inertia` at home and `most_inertia`, which count the armatures
-    that are given. `standing`: of a dof between a foot and the root, the inertia of the robot that turns
-    about it where the foot stands, else 0. `left_out`: the values of the dof at the poses that did not count,
-    since they are near a singular pose of a loop."""
+    """The load of a driven dof over the robot's range."""
 
-    most: float
+    largest_force: float
+    """The largest force [N m or N] that holds the weight."""
+
     inertia: float
-    most_inertia: float
+    """The inertia [kg m² or kg] that the dof moves at home, with the armatures that are set."""
+
+    largest_inertia: float
+    """The largest inertia [kg m² or kg] that the dof moves, with the armatures that are set."""
+
     standing: float = 0.0
+    """The inertia of the robot about a dof between a foot and the root while the foot stands; 0 for
+    others."""
+
     left_out: tuple[float, ...] = ()
+    """The values of the dof at the poses that are left out, because a loop is near a singular pose there."""
 
     @property
     def carried(self) -> float:
-        """The largest inertia that the dof moves, in the air or where a foot stands."""
-        return max(self.most_inertia, self.standing)
+        """The largest inertia that the dof moves, in the air or while a foot stands."""
+        return max(self.largest_inertia, self.standing)
 
 
 @dataclass(frozen=True, slots=True)
 class LoadBounds:
-    """The largest force and inertia of a dof of a loop that count, since its leverage has no end near a
-    singular pose: a slide carries at most `LEVERAGE` times the weight of all that moves, and moves at most
-    its mass; a turn carries that times the reach, and moves that times its square."""
+    """Bounds of the force and the inertia of a dof of a loop, whose leverage is unlimited near a singular
+    pose. A slide carries at most `MAX_LEVERAGE` times the weight of all that moves, and moves at most its
+    mass. A turn carries at most that force times the reach, and moves at most that mass times the square of
+    the reach."""
 
     weight: float
+    """The weight [N] of all links that move."""
+
     mass: float
+    """The mass [kg] of all links that move."""
+
     reach: float
+    """The diagonal [m] of the box around the centres of mass in all poses."""
 
     def force(self, kind: DofKind) -> float:
-        return LEVERAGE * self.weight * (1.0 if kind == "slide" else self.reach)
+        return MAX_LEVERAGE * self.weight * (1.0 if kind == "slide" else self.reach)
 
     def inertia(self, kind: DofKind) -> float:
         return self.mass * (1.0 if kind == "slide" else self.reach**2)
 
 
 def postures(robot: Robot) -> Values:
-    """`home`, and then poses that stand for the robot's range, the same ones every time."""
+    """Returns `home`, followed by sampled poses of the robot's range. The samples are always the same."""
     start = home(robot)
     if not robot.dofs:
         return repeated(start, 1)
-    found = sampled_poses(robot, POSES, REACH, start)
+    samples = sampled_poses(robot, POSES, SLIDE_RANGE, start)
     first = repeated(start, 1)
-    return {name: np.concatenate([first[name], found[name]]) for name in first}
+    return {name: np.concatenate([first[name], samples[name]]) for name in first}
 
 
 def bounds_of(robot: Robot, values: Values, up: Array) -> LoadBounds:
-    """`up` (3,) [m/s²]: against gravity. The reach is the diagonal of the box around the centres of mass of
-    all links in all poses."""
+    """Returns the bounds of loads at dofs of loops. `up` (3,) [m/s²]: opposite to gravity."""
     poses = many_link_poses(robot, values)
     centers = [(poses[link.name] @ np.append(link.inertial.com, 1.0))[:, :3] for link in robot.links]
-    every = np.concatenate(centers)
-    held = _rigid_with_root(robot) if robot.base.fixed else set()
-    mass = sum(link.inertial.mass for link in robot.links if link.name not in held)
-    reach = float(np.linalg.norm(every.max(axis=0) - every.min(axis=0)))
+    all_centers = np.concatenate(centers)
+    fixed_links = _rigid_with_root(robot) if robot.base.fixed else set()
+    mass = sum(link.inertial.mass for link in robot.links if link.name not in fixed_links)
+    reach = float(np.linalg.norm(all_centers.max(axis=0) - all_centers.min(axis=0)))
     return LoadBounds(mass * float(np.linalg.norm(up)), mass, reach)
 
 
@@ -107,49 +119,52 @@ def loads(
     up: Array,
     bounds: LoadBounds,
 ) -> dict[str, Load]:
-    """By driven dof, over the poses `values`, of which the first is `home`. `up` (3,) [m/s²]: against
-    gravity, in the root link's axes; `bounds`: of the dofs of loops.
+    """Returns the load of each driven dof over the poses `values`, the first of which is `home`. `up` (3,)
+    [m/s²]: opposite to gravity, in the root link's axes; `bounds`: the limits for dofs of loops.
 
-    On a free base half of the feet carry the whole robot: the dofs between a foot and the root also get
-    that.
+    With a free base, half of the feet carry the whole robot. The loads of the dofs between a foot and the
+    root include this case.
     """
     forces = holding_forces(robot, values, up)
     rates = couplings.moved_by(driven)
     singular = couplings.near_singular(driven)
     feet = {} if robot.base.fixed else _feet(robot, up)
     share = 2.0 / max(2, len(feet))
-    pressed = holding_forces(robot, values, up, share) if feet else {}
+    forces_on_feet = holding_forces(robot, values, up, share) if feet else {}
     on_feet = {name for way in feet.values() for name in way}
-    held = held_inertias(robot, home(robot)) if feet else {}
-    rows = _weighed(values)
+    inertias_on_feet = held_inertias(robot, home(robot)) if feet else {}
+    rows = _inertia_rows(values)
     inertias = _inertias(robot, values, rates, rows)
     kinds = {dof.name: dof.kind for dof in robot.dofs}
     loads_of = {}
     for dof in driven:
-        sizes, moved, standing = np.abs(along(forces, rates[dof])), inertias[dof], 0.0
+        force_sizes, moved_inertia, standing = np.abs(combined_force(forces, rates[dof])), inertias[dof], 0.0
         if dof in on_feet:
-            sizes = np.maximum(sizes, np.abs(along(pressed, rates[dof])))
-            standing = share * float(held[dof].max())
-        out = np.zeros(count_of(values), dtype=bool)
+            force_sizes = np.maximum(force_sizes, np.abs(combined_force(forces_on_feet, rates[dof])))
+            standing = share * float(inertias_on_feet[dof].max())
+        excluded = np.zeros(count_of(values), dtype=bool)
         if dof in singular:
-            out = singular[dof] if not singular[dof].all() else out
-            sizes = np.minimum(sizes, bounds.force(kinds[dof]))
-            moved = np.minimum(moved, bounds.inertia(kinds[dof]))
-        most_moved = float(moved[~out[rows]].max(initial=0.0)) or float(moved[0])
-        left_out = tuple(values[dof][out].tolist())
-        loads_of[dof] = Load(float(sizes[~out].max()), float(moved[0]), most_moved, standing, left_out)
+            excluded = singular[dof] if not singular[dof].all() else excluded
+            force_sizes = np.minimum(force_sizes, bounds.force(kinds[dof]))
+            moved_inertia = np.minimum(moved_inertia, bounds.inertia(kinds[dof]))
+        largest_inertia = float(moved_inertia[~excluded[rows]].max(initial=0.0)) or float(moved_inertia[0])
+        left_out = tuple(values[dof][excluded].tolist())
+        loads_of[dof] = Load(
+            float(force_sizes[~excluded].max()), float(moved_inertia[0]), largest_inertia, standing, left_out
+        )
     return loads_of
 
 
-def along(forces: Mapping[str, Array], rates: Rates) -> Array:
-    """The force (n,) at a dof that does the work of all forces at the dofs that move with it."""
+def combined_force(forces: Mapping[str, Array], rates: Rates) -> Array:
+    """Returns the force (n,) at a dof that does the same work as the forces at all dofs that move with it."""
     parts = [(forces[name] * speeds).sum(axis=1) for name, speeds in rates.items() if name in forces]
-    whole: Array = np.sum(parts, axis=0)
-    return whole
+    total: Array = np.sum(parts, axis=0)
+    return total
 
 
-def lighter(robot: Robot, compensated: Mapping[str, float]) -> Robot:
-    """The robot without the weight that something else holds. `compensated`: its share, by link."""
+def without_compensated_weight(robot: Robot, compensated: Mapping[str, float]) -> Robot:
+    """Returns the robot without the weight that gravity compensation holds. `compensated`: link → the share
+    of its weight."""
     if not compensated:
         return robot
     links = tuple(
@@ -165,53 +180,56 @@ def lighter(robot: Robot, compensated: Mapping[str, float]) -> Robot:
 
 
 def _feet(robot: Robot, up: Array) -> dict[str, tuple[str, ...]]:
-    """By foot, a lowest leaf of the tree at `home`: the dofs between it and the root."""
+    """Returns, by foot, the dofs between it and the root. The feet are the lowest leaves of the tree at
+    `home`."""
     poses = link_poses(robot, home(robot))
     heights = {
         link.name: float((poses[link.name] @ np.append(link.inertial.com, 1.0))[:3] @ up)
         for link in robot.links
         if link.inertial.mass > 0
     }
-    ways = Ways(robot)
+    paths = TreePaths(robot)
     parents = {joint.parent for joint in robot.joints}
     lowest = min(heights.values(), default=0.0)
-    limit = lowest + LOW * (max(heights.values(), default=0.0) - lowest)
-    found: dict[str, tuple[str, ...]] = {}
+    limit = lowest + FOOT_HEIGHT_SHARE * (max(heights.values(), default=0.0) - lowest)
+    dofs_above: dict[str, tuple[str, ...]] = {}
     for name, height in heights.items():
         if name in parents or name == robot.root.name or height > limit:
             continue
-        found[name] = tuple(dof.name for joint in ways.up(name) for dof in joint.dofs)
-    return found
+        dofs_above[name] = tuple(dof.name for joint in paths.up(name) for dof in joint.dofs)
+    return dofs_above
 
 
-def _weighed(values: Values) -> npt.NDArray[np.intp]:
-    """The poses (m,) at which inertias are computed, `home` first."""
-    step = max(1, (count_of(values) - 1) // (WEIGHED - 1))
-    return np.arange(0, count_of(values), step)[:WEIGHED]
+def _inertia_rows(values: Values) -> npt.NDArray[np.intp]:
+    """Returns the indices (m,) of the poses at which inertias are computed, `home` first."""
+    step = max(1, (count_of(values) - 1) // (INERTIA_POSES - 1))
+    return np.arange(0, count_of(values), step)[:INERTIA_POSES]
 
 
 def _inertias(
     robot: Robot, values: Values, rates: Mapping[str, Rates], rows: npt.NDArray[np.intp]
 ) -> dict[str, Array]:
-    """By driven dof: the inertia (m,) that it moves at these poses (m,)."""
-    some = chosen(values, rows)
+    """Returns, by driven dof, the inertia (m,) that it moves at the poses with the indices `rows` (m,)."""
+    poses = chosen(values, rows)
     armature = np.concatenate(
         [np.full(SPEEDS[dof.kind], dof.dynamics.armature or 0.0) for dof in robot.dofs] or [np.zeros(0)]
     )
     ends = np.cumsum([0, *(SPEEDS[dof.kind] for dof in robot.dofs)])
     columns = {dof.name: slice(a, b) for dof, a, b in zip(robot.dofs, ends, ends[1:], strict=False)}
-    found: dict[str, list[float]] = {dof: [] for dof in rates}
+    inertias: dict[str, list[float]] = {dof: [] for dof in rates}
     for index, row in enumerate(rows):
-        matrix = mass_matrix(robot, _one(some, index)) + np.diag(armature)
+        matrix = mass_matrix(robot, _configuration_at(poses, index)) + np.diag(armature)
         for dof, moving in rates.items():
-            there = [name for name in moving if name in columns]
-            at = np.concatenate([np.arange(columns[name].start, columns[name].stop) for name in there])
-            speeds = np.concatenate([moving[name][row] for name in there])
-            found[dof].append(float(speeds @ matrix[np.ix_(at, at)] @ speeds))
-    return {dof: np.array(each) for dof, each in found.items()}
+            moving_dofs = [name for name in moving if name in columns]
+            indices = np.concatenate(
+                [np.arange(columns[name].start, columns[name].stop) for name in moving_dofs]
+            )
+            speeds = np.concatenate([moving[name][row] for name in moving_dofs])
+            inertias[dof].append(float(speeds @ matrix[np.ix_(indices, indices)] @ speeds))
+    return {dof: np.array(values_of_dof) for dof, values_of_dof in inertias.items()}
 
 
-def _one(values: Values, index: int) -> Configuration:
+def _configuration_at(values: Values, index: int) -> Configuration:
     return {
         name: tuple(value[index].tolist()) if value.ndim > 1 else float(value[index])
         for name, value in values.items()

@@ -1,4 +1,4 @@
-"""Actuators from what is wanted of them, with what is not given estimated."""
+"""Makes actuators from their parameters, and estimates the parameters that are not set."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 from typing import Any, cast
 
 from linkwright.stages.export.actuators import gains
-from linkwright.stages.export.actuators.choices import Wanted
+from linkwright.stages.export.actuators.choices import ChosenActuator
 from linkwright.stages.export.actuators.holding import Holds
 from linkwright.stages.export.actuators.loads import Load
-from linkwright.stages.export.actuators.motors import Motors, Overruled, equipped
-from linkwright.stages.export.actuators.ranges import control_range, widened
+from linkwright.stages.export.actuators.motors import Motors, OverriddenValue, with_motor
+from linkwright.stages.export.actuators.ranges import control_range, with_keyframe_targets
 from linkwright.stages.export.actuators.terms import terms_of
 from linkwright.stages.robot.dynamics.holding_control import can_hold, control_at
 from linkwright.stages.robot.model.actuation import SERVOS, Actuator, ActuatorType, Armature
@@ -23,14 +23,19 @@ from linkwright.stages.robot.text.names import free
 
 @dataclass(frozen=True, slots=True)
 class TooStiff:
-    """A servo that is too stiff for the time step with an armature no larger than the inertia that it moves:
-    its stiffness `kp` at the dof, the stiffness `asked` for, and the time step `step` [s] short enough for
-    it."""
+    """A servo that is too stiff for the time step with an armature no larger than the inertia that it
+    moves."""
 
     dof: str
+
     kp: float
-    asked: float
+    """The stiffness [N m/rad or N/m] at the dof."""
+
+    required_kp: float
+    """The stiffness that the load requires or the user sets."""
+
     step: float
+    """A time step [s] that is short enough for that stiffness."""
 
 
 class ActuatorMaker:
@@ -53,93 +58,98 @@ class ActuatorMaker:
         self._poses = keyframes(robot)
         self.loads = loads
         self.armatures: list[Armature] = []
-        self.overruled: list[Overruled] = []
+        self.overruled: list[OverriddenValue] = []
         self.too_stiff: list[TooStiff] = []
 
     def actuators(
-        self, dofs: Sequence[Dof], wanted: Mapping[str, Wanted], kept: Sequence[Actuator]
+        self, dofs: Sequence[Dof], choices: Mapping[str, ChosenActuator], kept: Sequence[Actuator]
     ) -> list[Actuator]:
-        """In the order of the dofs: the actuator that is wanted of a dof, else those that it keeps of the
-        source."""
+        """Returns the actuators in the order of the dofs: for each dof the chosen actuator, or else those
+        that it keeps from the source."""
         self._taken |= {actuator.name for actuator in kept}
-        made: list[Actuator] = []
+        actuators: list[Actuator] = []
         for dof in dofs:
-            if dof.name in wanted:
-                made.append(self._made(dof, wanted[dof.name]))
+            if dof.name in choices:
+                actuators.append(self._actuator_of(dof, choices[dof.name]))
             else:
-                made += self._kept(dof, [actuator for actuator in kept if actuator.dof == dof.name])
-        return made
+                actuators += self._kept(dof, [actuator for actuator in kept if actuator.dof == dof.name])
+        return actuators
 
-    def _made(self, dof: Dof, wanted: Wanted) -> Actuator:
-        """The actuator of a dof, with what is not given estimated."""
-        equipment = equipped(dof.name, wanted, self._motors)
-        given = equipment.parameters
-        self.overruled += equipment.overruled
-        gear = float(given.get("gear", 1.0))
+    def _actuator_of(self, dof: Dof, choice: ChosenActuator) -> Actuator:
+        """Returns the actuator of a dof, with estimates for the parameters that are not set."""
+        completed = with_motor(dof.name, choice, self._motors)
+        parameters = completed.parameters
+        self.overruled += completed.overruled
+        gear = float(parameters.get("gear", 1.0))
         load = self.loads.get(dof.name)
-        stiff = self._stiffness(dof, load, given, gear)
+        stiff = self._stiffness(dof, load, parameters, gear)
         armature = self._armature(dof, load, stiff)
         name = free(dof.name, self._taken)
         self._taken.add(name)
-        made = Actuator(
+        actuator = Actuator(
             name=name,
             dof=dof.name,
-            type=cast(ActuatorType, wanted.type),
+            type=cast(ActuatorType, choice.type),
             gear=gear,
-            force=given.get("forcerange"),
-            terms=terms_of(wanted.type, given, dof, gear, self._timestep),
-            load=None if load is None else load.most,
-            holds=self._held(dof, given.get("forcerange"), gear),
-            motor=wanted.motor,
-            sources=equipment.sources,
+            force=parameters.get("forcerange"),
+            terms=terms_of(choice.type, parameters, dof, gear, self._timestep),
+            load=None if load is None else load.largest_force,
+            holds=self._holding_forces(dof, parameters.get("forcerange"), gear),
+            motor=choice.motor,
+            sources=completed.sources,
         )
-        made = self._servo(made, dof, given, stiff, armature)
-        if "ctrlrange" in given:
-            made = replace(made, control=given["ctrlrange"])
+        actuator = self._servo(actuator, dof, parameters, stiff, armature)
+        if "ctrlrange" in parameters:
+            actuator = replace(actuator, control=parameters["ctrlrange"])
         else:
-            limits = control_range(dof, made, given)
-            made = replace(made, control=widened(limits, dof, made, self._values(dof.name)))
-        return self._at_home(made)
+            limits = control_range(dof, actuator, parameters)
+            actuator = replace(
+                actuator, control=with_keyframe_targets(limits, dof, actuator, self._values(dof.name))
+            )
+        return self._at_home(actuator)
 
     def _kept(self, dof: Dof, actuators: Sequence[Actuator]) -> Iterator[Actuator]:
-        """The actuators of the source, with their loads and their controls at home: of several that could,
-        the first one holds the dof."""
+        """Yields the actuators of the source, with their loads and their controls at home. The first that can
+        hold the dof holds it."""
         load = self.loads.get(dof.name)
         first = next((actuator for actuator in actuators if can_hold(actuator)), None)
         for actuator in actuators:
-            held = self._held(dof, actuator.force, actuator.gear) if actuator is first else ()
-            yield self._at_home(replace(actuator, load=None if load is None else load.most, holds=held))
+            forces = self._holding_forces(dof, actuator.force, actuator.gear) if actuator is first else ()
+            yield self._at_home(
+                replace(actuator, load=None if load is None else load.largest_force, holds=forces)
+            )
 
-    def _held(
+    def _holding_forces(
         self, dof: Dof, force: tuple[float, float] | None, gear: float
     ) -> tuple[tuple[str, float], ...]:
-        """The forces that hold the robot in its keyframes, as far as the actuator can make them."""
-        most = math.inf if dof.dynamics.effort is None else dof.dynamics.effort
-        low, high = sorted(gear * end for end in force) if force is not None else (-most, most)
-        low, high = max(low, -most), min(high, most)
+        """Returns (keyframe, holding force), within the force range of the actuator and the effort of the
+        dof."""
+        effort = math.inf if dof.dynamics.effort is None else dof.dynamics.effort
+        low, high = sorted(gear * end for end in force) if force is not None else (-effort, effort)
+        low, high = max(low, -effort), min(high, effort)
         forces = self._holds.get(dof.name, {})
         return tuple((keyframe, min(max(needed, low), high)) for keyframe, needed in forces.items())
 
-    def _stiffness(self, dof: Dof, load: Load | None, given: Mapping[str, Any], gear: float) -> float:
-        """At the dof: as given, else as estimated."""
+    def _stiffness(self, dof: Dof, load: Load | None, parameters: Mapping[str, Any], gear: float) -> float:
+        """Returns the stiffness at the dof, as set or estimated."""
         coupled = dof.name in self._coupled
-        kp = given.get("kp")
+        kp = parameters.get("kp")
         if load is None or dof.kind not in gains.SAG:
             return 1.0 if kp is None else float(kp) * gear**2
-        most = strongest(dof, given.get("forcerange"), gear)
-        effort = None if math.isinf(most) else most
-        asked = gains.stiffness(dof.kind, load, effort) or 1.0
-        stiff = asked if kp is None else float(kp) * gear**2
+        largest_force = strongest(dof, parameters.get("forcerange"), gear)
+        effort = None if math.isinf(largest_force) else largest_force
+        required = gains.stiffness(dof.kind, load, effort) or 1.0
+        stiff = required if kp is None else float(kp) * gear**2
         if dof.dynamics.armature is not None:
             return stiff
-        bearable = gains.bearable(load, self._timestep, coupled) or 1.0
-        if stiff <= bearable:
+        limit = gains.bearable(load, self._timestep, coupled) or 1.0
+        if stiff <= limit:
             return stiff
-        softer = gains.rounded(bearable) if kp is None else stiff
-        if kp is not None or min(load.most, most) / softer > gains.SAG[dof.kind]:
-            wanted = max(asked, stiff)
-            step = gains.longest_step(wanted, load, coupled)
-            self.too_stiff.append(TooStiff(dof.name, softer, wanted, step))
+        softer = gains.rounded(limit) if kp is None else stiff
+        if kp is not None or min(load.largest_force, largest_force) / softer > gains.SAG[dof.kind]:
+            rigid = max(required, stiff)
+            step = gains.longest_step(rigid, load, coupled)
+            self.too_stiff.append(TooStiff(dof.name, softer, rigid, step))
         return softer
 
     def _armature(self, dof: Dof, load: Load | None, stiff: float) -> float:
@@ -150,42 +160,44 @@ class ActuatorMaker:
         return value
 
     def _servo(
-        self, made: Actuator, dof: Dof, given: Mapping[str, Any], stiff: float, armature: float
+        self, actuator: Actuator, dof: Dof, parameters: Mapping[str, Any], stiff: float, armature: float
     ) -> Actuator:
         estimated = []
-        kp, kv = given.get("kp"), given.get("kv")
+        kp, kv = parameters.get("kp"), parameters.get("kv")
         load = self.loads.get(dof.name)
-        own = 0.0 if dof.dynamics.armature is not None else armature
-        inertia = (load.inertia if load else 0.0) + own
-        if made.type in SERVOS:
+        estimated_armature = 0.0 if dof.dynamics.armature is not None else armature
+        inertia = (load.inertia if load else 0.0) + estimated_armature
+        if actuator.type in SERVOS:
             if kp is None:
-                kp = gains.rounded(stiff / made.gear**2)
+                kp = gains.rounded(stiff / actuator.gear**2)
                 estimated.append("kp")
             if kv is None:
-                ratio = given.get("dampratio", 1.0)
-                kv = gains.rounded(gains.damping(stiff, ratio, inertia) / made.gear**2)
+                ratio = parameters.get("dampratio", 1.0)
+                kv = gains.rounded(gains.damping(stiff, ratio, inertia) / actuator.gear**2)
                 estimated.append("kv")
-        elif made.type in ("velocity", "damper") and kv is None:
-            drag = 1.0 if load is None else gains.drag(dof.kind, load, own, dof.dynamics.effort)
-            kv = gains.rounded(drag / made.gear**2)
+        elif actuator.type in ("velocity", "damper") and kv is None:
+            drag = (
+                1.0 if load is None else gains.drag(dof.kind, load, estimated_armature, dof.dynamics.effort)
+            )
+            kv = gains.rounded(drag / actuator.gear**2)
             estimated.append("kv")
         else:
             kp = None
-        return replace(made, kp=kp, kv=kv, estimated=tuple(estimated))
+        return replace(actuator, kp=kp, kv=kv, estimated=tuple(estimated))
 
     def _values(self, dof: str) -> dict[str, Value]:
-        """The value of a dof in each keyframe."""
+        """Returns the value of a dof in each keyframe."""
         return {name: pose[dof] for name, pose in self._poses.items()}
 
-    def _at_home(self, made: Actuator) -> Actuator:
-        value = self._poses[HOME][made.dof]
+    def _at_home(self, actuator: Actuator) -> Actuator:
+        value = self._poses[HOME][actuator.dof]
         assert not isinstance(value, tuple)
-        return replace(made, home=control_at(made, value, made.force_at(HOME)))
+        return replace(actuator, home=control_at(actuator, value, actuator.force_at(HOME)))
 
 
 def strongest(dof: Dof, force: tuple[float, float] | None, gear: float) -> float:
-    """The largest force [N m or N] at the dof, by its effort and by that of its actuator, before the gear;
-    infinite without either."""
-    own = math.inf if force is None else max(map(abs, force)) * abs(gear)
+    """Returns the largest force [N m or N] at the dof, by its effort and by the force range of its actuator
+    (before the gear); infinite without either."""
+    actuator_force = math.inf if force is None else max(map(abs, force)) * abs(gear)
     effort = dof.dynamics.effort
-    return own if effort is None else min(own, effort)
+    return actuator_force if effort is None else min(actuator_force, effort)

@@ -1,20 +1,21 @@
-"""What motors of the library give the dofs that they drive, and their actuators.
+"""Applies the values of motors from the library to the dofs and actuators that name them.
 
-A motor's values are at its output. Where a `gear` lies between it and the dof, forces are multiplied by the
-ratio, speeds divided by it, and inertia and damping multiplied by its square (equal power on both sides).
+A motor's values are at its output. With a `gear` between motor and dof, forces are multiplied by the ratio,
+speeds are divided by it, and inertia and damping are multiplied by its square (equal power on both sides).
 
-What is more specific wins: an entry with the dof's own name, then a motor that is named for the dof, then
-globs, those of the keys before a motor's, then the source.
+The more specific value wins. In falling order: a configuration entry with the dof's own name; a motor that
+is assigned to the dof by name; a configuration glob; a motor that is assigned by a glob; the source.
 """
 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from linkwright.stages.export.actuators.choices import WHERE, Wanted
+from linkwright.stages.export.actuators.choices import WHERE, ChosenActuator
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.actuation import SERVOS, Supplied
 from linkwright.stages.robot.model.robot import Dof
@@ -25,76 +26,89 @@ if TYPE_CHECKING:
 
 Motors = Mapping[str, "MotorSection"]
 
-POWERS = {"damping": 2, "friction": 1, "armature": 2, "effort": 1, "velocity": -1}
-"""Quantity of a dof → the power of the gear by which it is multiplied."""
+GEAR_EXPONENTS = {"damping": 2, "friction": 1, "armature": 2, "effort": 1, "velocity": -1}
+"""Quantity of a dof → the exponent of the gear ratio in the factor from the motor to the dof."""
 
-SAME = 1e-9
-"""Values that differ by less than this share are the same."""
+RELATIVE_TOLERANCE = 1e-9
+"""Relative tolerance within which two values count as equal."""
 
 
 @dataclass(frozen=True, slots=True)
-class Overruled:
-    """A value of a motor that loses: the quantity of `dof`, in words, the motor's value, and what stays."""
+class OverriddenValue:
+    """A motor's value that the configuration overrides."""
 
     dof: str
+
     words: str
+    """The quantity, the motor's value, and the value that replaces it."""
 
 
 @dataclass(frozen=True, slots=True)
-class Equipped:
-    """An actuator's parameters with those of its motor. `sources`: (parameter, where its value comes from)
-    of these; `overruled`: the motor's values that lose."""
+class MotorizedParameters:
+    """The parameters of an actuator, completed by its motor."""
 
     parameters: Mapping[str, Any]
+
     sources: tuple[tuple[str, str], ...] = ()
-    overruled: tuple[Overruled, ...] = ()
+    """(parameter, origin of its value) for those that the motor sets."""
+
+    overruled: tuple[OverriddenValue, ...] = ()
+    """The motor's values that the configuration overrides."""
 
 
-def supplied(
-    dofs: Sequence[Dof], wanted: Mapping[str, Wanted], motors: Motors, log: Diagnostics
-) -> tuple[list[Supplied], list[Overruled]]:
-    """What the motors of these dofs give them, and the values that lose to the key `joints`. I-MOTOR says
-    what the motors replace."""
-    gifts, overruled, replaced = [], [], []
+def motor_values(
+    dofs: Sequence[Dof], choices: Mapping[str, ChosenActuator], motors: Motors, log: Diagnostics
+) -> tuple[list[Supplied], list[OverriddenValue]]:
+    """Returns the values that motors set on these dofs, and the motors' values that the key `joints`
+    overrides. Reports the values of the source that motors replace (I-MOTOR)."""
+    supplied_values, overruled, replaced = [], [], []
     for dof in dofs:
-        choice = wanted.get(dof.name)
+        choice = choices.get(dof.name)
         if choice is None or not choice.motor:
             continue
         gear = abs(float(choice.parameters.get("gear", 1.0)))
-        for quantity, value, source in _at_output(motors[choice.motor], choice.type):
-            here = value * gear ** POWERS[quantity]
-            before = getattr(dof.dynamics, quantity)
-            differs = before is not None and not math.isclose(before, here, rel_tol=SAME)
+        for quantity, value, source in _output_values(motors[choice.motor], choice.type):
+            value_at_dof = value * gear ** GEAR_EXPONENTS[quantity]
+            previous = getattr(dof.dynamics, quantity)
+            differs = previous is not None and not math.isclose(
+                previous, value_at_dof, rel_tol=RELATIVE_TOLERANCE
+            )
             if quantity in (dof.named if choice.motor_named else dof.given):
                 if differs:
-                    words = f"{quantity} of {dof.name} ({here:.6g}; `joints` gives {before:.6g})"
-                    overruled.append(Overruled(dof.name, words))
+                    words = f"{quantity} of {dof.name} ({value_at_dof:.6g}; `joints` gives {previous:.6g})"
+                    overruled.append(OverriddenValue(dof.name, words))
                 continue
             if differs:
-                replaced.append(f"{quantity} of {dof.name} ({before:.6g} → {here:.6g})")
-            gifts.append(Supplied(dof.name, quantity, here, f"motor {choice.motor}: {source}"))
+                replaced.append(f"{quantity} of {dof.name} ({previous:.6g} → {value_at_dof:.6g})")
+            supplied_values.append(
+                Supplied(dof.name, quantity, value_at_dof, f"motor {choice.motor}: {source}")
+            )
     if replaced:
-        text = f"motors take the place of what the source or a glob of `joints` says: {listed(replaced)}"
-        log.report("I-MOTOR", text, WHERE, "what `joints` gives under the joint's own name stays")
-    return gifts, overruled
+        text = f"motors override values of the source or of a glob of `joints`: {listed(replaced)}"
+        log.report("I-MOTOR", text, WHERE, "values in `joints` under the joint's own name stay")
+    return supplied_values, overruled
 
 
-def report_overruled(overruled: Sequence[Overruled], wanted: Mapping[str, Wanted], log: Diagnostics) -> None:
-    """I-MOTOR for the values of motors that lose."""
+def report_overridden(
+    overruled: Sequence[OverriddenValue], choices: Mapping[str, ChosenActuator], log: Diagnostics
+) -> None:
+    """Reports the motors' values that the configuration overrides (I-MOTOR)."""
     if not overruled:
         return
-    text = f"values of motors that lose to the configuration: {listed(one.words for one in overruled)}"
-    by_glob = [one.dof for one in overruled if not wanted[one.dof].motor_named]
+    text = f"the configuration overrides values of motors: {listed(loss.words for loss in overruled)}"
+    by_glob = [loss.dof for loss in overruled if not choices[loss.dof].motor_named]
     hint = "leave the value out to have the motor's"
     if by_glob:
-        motor = wanted[by_glob[0]].motor
+        motor = choices[by_glob[0]].motor
         hint += f", or name the motor for the joint: actuators: {{{as_key(by_glob[0])}: {{motor: {motor}}}}}"
     log.report("I-MOTOR", text, WHERE, hint)
 
 
-def _at_output(motor: MotorSection, kind: str) -> Iterator[tuple[str, float, str]]:
-    """(quantity of a dof, value, source). What resists a motor on a voltage is part of its damping, unless
-    the actuator is a DC motor, which has it by itself."""
+def _output_values(motor: MotorSection, kind: str) -> Iterator[tuple[str, float, str]]:
+    """Yields (quantity of a dof, value at the motor's output, source) for each quantity that a motor has.
+
+    Back-EMF counts as damping, unless the actuator is a dcmotor, for which MuJoCo computes it.
+    """
     values = motor.values
     for quantity in ("damping", "friction", "armature", "effort", "velocity"):
         parts = [quantity]
@@ -102,52 +116,62 @@ def _at_output(motor: MotorSection, kind: str) -> Iterator[tuple[str, float, str
             parts.append("back_emf")
         if quantity == "armature" and quantity not in values:
             parts = ["rotor_inertia"]
-        there = [values[name] for name in parts if name in values]
-        if not there:
+        sources = [values[name] for name in parts if name in values]
+        if not sources:
             continue
-        total = sum(value.value for value in there)
+        total = sum(value.value for value in sources)
         if parts == ["rotor_inertia"]:
+            # The rotor's inertia is given at the rotor: reflect it through the motor's own gearbox.
             total *= values["gear"].value ** 2
-            there.append(values["gear"])
-        yield quantity, total, "; ".join(dict.fromkeys(map(_sourced, there)))
+            sources.append(values["gear"])
+        yield quantity, total, "; ".join(dict.fromkeys(map(_sourced, sources)))
 
 
 def _sourced(value: MotorValue) -> str:
     return f"{value.source} ({value.kind})"
 
 
-def equipped(dof: str, wanted: Wanted, motors: Motors) -> Equipped:
-    """The parameters of an actuator with those that its motor gives. A kv of the motor belongs to its kp, and
-    `nominal` is in place of its constants."""
-    if not wanted.motor:
-        return Equipped(wanted.parameters)
-    values = motors[wanted.motor].values
-    given = dict(wanted.parameters)
-    keeps = {name for name in given if not wanted.motor_named or wanted.origin.get(name) == dof}
+def kinds_of(source: str) -> list[str]:
+    """Returns the kinds (measured, identified, datasheet) that a text of `sources` names."""
+    return re.findall(r" \((measured|identified|datasheet)\)(?:; |\Z)", source)
+
+
+def with_motor(dof: str, choice: ChosenActuator, motors: Motors) -> MotorizedParameters:
+    """Returns the parameters of an actuator, completed by its motor. The motor's kv is used only with its
+    kp, and `nominal` replaces the motor's constants."""
+    if not choice.motor:
+        return MotorizedParameters(choice.parameters)
+    values = motors[choice.motor].values
+    parameters = dict(choice.parameters)
+    user_set = {name for name in parameters if not choice.motor_named or choice.origin.get(name) == dof}
     sources: dict[str, str] = {}
-    overruled: list[Overruled] = []
+    overruled: list[OverriddenValue] = []
 
-    def take(quantity: str, parameter: str, rivals: tuple[str, ...], value: Any) -> None:
-        """The motor's value, unless one of the `rivals` is kept."""
-        rival = next((name for name in (parameter, *rivals) if name in keeps), None)
+    def apply(quantity: str, parameter: str, rivals: tuple[str, ...], value: Any) -> None:
+        """Sets a parameter to the motor's value, unless the user set it or one of its `rivals`."""
+        rival = next((name for name in (parameter, *rivals) if name in user_set), None)
         if rival is None:
+            # A rival from a glob gives way; one that the motor set itself stays.
             for name in set(rivals) - sources.keys():
-                given.pop(name, None)
-            given[parameter] = value
-            sources[parameter] = f"motor {wanted.motor}: {_sourced(values[quantity])}"
-        elif given[rival] != value:
+                parameters.pop(name, None)
+            parameters[parameter] = value
+            sources[parameter] = f"motor {choice.motor}: {_sourced(values[quantity])}"
+        elif parameters[rival] != value:
             words = f"{quantity} of {dof} ({values[quantity].value:.6g}; `actuators` gives {rival})"
-            overruled.append(Overruled(dof, words))
+            overruled.append(OverriddenValue(dof, words))
 
-    for quantity, parameter, rivals, value in _offered(wanted.type, values):
+    for quantity, parameter, rivals, value in _motor_parameters(choice.type, values):
         if quantity in values:
-            take(quantity, parameter, rivals, value)
-    return Equipped(given, tuple(sources.items()), tuple(overruled))
+            apply(quantity, parameter, rivals, value)
+    return MotorizedParameters(parameters, tuple(sources.items()), tuple(overruled))
 
 
-def _offered(kind: str, values: Mapping[str, MotorValue]) -> Iterator[tuple[str, str, tuple[str, ...], Any]]:
-    """(quantity of the motor, parameter, other parameters that exclude it, value) for a type of actuator."""
-    value = {name: one.value for name, one in values.items()}
+def _motor_parameters(
+    kind: str, values: Mapping[str, MotorValue]
+) -> Iterator[tuple[str, str, tuple[str, ...], Any]]:
+    """Yields (quantity of the motor, parameter, other parameters that exclude it, value) for an actuator
+    type."""
+    value = {name: motor_value.value for name, motor_value in values.items()}
     if kind in SERVOS:
         yield "kp", "kp", (), value.get("kp")
         if "kp" in value:

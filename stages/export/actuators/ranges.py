@@ -1,4 +1,4 @@
-"""The range of a control that nobody gave."""
+"""Derives the control range of an actuator that has none from its dof or its motor."""
 
 import math
 from collections.abc import Mapping
@@ -9,42 +9,45 @@ from linkwright.stages.robot.model.actuation import Actuator
 from linkwright.stages.robot.model.robot import Dof, Value
 
 
-def control_range(dof: Dof, made: Actuator, given: Mapping[str, Any]) -> tuple[float, float] | None:
-    """The range that the dof's limits, velocity or effort, or the voltage of a DC motor, ask for; None where
-    that is open. A damper's is [0, 1], the share of its damping, since MuJoCo demands one."""
-    gear = made.gear
-    if made.type == "damper":
+def control_range(dof: Dof, actuator: Actuator, parameters: Mapping[str, Any]) -> tuple[float, float] | None:
+    """Returns the control range that follows from the dof's limits, velocity or effort, or from the nominal
+    voltage of a DC motor; None if there is no bound. A damper's is [0, 1], since MuJoCo requires a range: its
+    control scales the damping."""
+    gear = actuator.gear
+    if actuator.type == "damper":
         return 0.0, 1.0
-    if made.type in ("position", "pid"):
+    if actuator.type in ("position", "pid"):
         low, high = dof.limits.mapped(gear).interval
         return None if math.isinf(low) or math.isinf(high) or low == high else (low, high)
-    most = _most(dof, made.type, given)
-    if most is None:
+    largest = _largest_control(dof, actuator.type, parameters)
+    if largest is None:
         return None
-    most *= {"motor": 1.0 / abs(gear), "dcmotor": 1.0}.get(made.type, abs(gear))
-    return -most, most
+    # The force at the dof is gear times the control, the actuator's speed is gear times the dof's, and a
+    # voltage is not geared.
+    largest *= {"motor": 1.0 / abs(gear), "dcmotor": 1.0}.get(actuator.type, abs(gear))
+    return -largest, largest
 
 
-def widened(
-    limits: tuple[float, float] | None, dof: Dof, made: Actuator, values: Mapping[str, Value]
+def with_keyframe_targets(
+    limits: tuple[float, float] | None, dof: Dof, actuator: Actuator, values: Mapping[str, Value]
 ) -> tuple[float, float] | None:
-    """The range of a target with the targets that hold the dof at its values in keyframes, which at the end
-    of its limits lie beyond these."""
-    if limits is None or made.type not in ("position", "pid"):
+    """Widens a servo's control range to the targets that hold the dof in its keyframes. At the end of the
+    dof's limits such a target lies beyond them, because a servo sags under load."""
+    if limits is None or actuator.type not in ("position", "pid"):
         return limits
     low, high = limits
     for keyframe, value in values.items():
         if not isinstance(value, tuple) and dof.limits.contains(value):
-            target = control_at(made, value, made.force_at(keyframe))
+            target = control_at(actuator, value, actuator.force_at(keyframe))
             low, high = min(low, target), max(high, target)
     return low, high
 
 
-def _most(dof: Dof, kind: str, given: Mapping[str, Any]) -> float | None:
-    if kind in ("velocity", "intvelocity"):
+def _largest_control(dof: Dof, actuator_type: str, parameters: Mapping[str, Any]) -> float | None:
+    if actuator_type in ("velocity", "intvelocity"):
         return dof.dynamics.velocity
-    if kind == "motor":
+    if actuator_type == "motor":
         return dof.dynamics.effort
-    if kind == "dcmotor":
-        return float(given["nominal"][0]) if "nominal" in given else None
+    if actuator_type == "dcmotor":
+        return float(parameters["nominal"][0]) if "nominal" in parameters else None
     return None

@@ -1,7 +1,7 @@
-"""Joints that are copies of each other, as those of a left and a right leg: one estimate holds for them all.
+"""Gives joints that are copies of each other, such as those of a left and a right leg, the same load.
 
-Loads are found at some poses of the range, which are not each other's mirror images; two knees would get two
-stiffnesses for no reason that anybody could see.
+Loads are computed at sampled poses, which are not mirror images of each other. Without this step, two equal
+knees would get different stiffnesses.
 """
 
 import math
@@ -11,68 +11,75 @@ from dataclasses import dataclass, replace
 from linkwright.stages.export.actuators.loads import Load
 from linkwright.stages.robot.model.robot import Dof, Joint, Robot
 
-MASS = 0.01
-"""Copies move masses that differ by at most this share: left and right parts of CAD are rarely equal."""
+MASS_TOLERANCE = 0.01
+"""Largest relative difference of the masses that copies move: left and right parts of CAD are rarely
+equal."""
 
-SAMPLED = 1.5
-"""The loads of copies, found at poses of which none are the same, differ by at most this factor."""
+MAX_LOAD_RATIO = 1.5
+"""Largest ratio of the loads of copies, which are sampled at different poses."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Copy:
-    """What a dof is known by: its `place` is its number of joints from the root and its own in its joint."""
+    """A dof with the properties by which copies are recognized."""
 
     dof: Dof
+
     place: tuple[int, int]
+    """The number of joints between the root and the dof, and the index of the dof in its joint."""
+
     mass: float
+    """The mass [kg] that the dof moves."""
+
     load: Load
 
     def is_of(self, other: "_Copy") -> bool:
-        one, two = self.dof, other.dof
+        first, second = self.dof, other.dof
         return (
-            one.kind == two.kind
+            first.kind == second.kind
             and self.place == other.place
-            and one.dynamics == two.dynamics
-            and math.isclose(_width(one), _width(two), rel_tol=1e-6)
-            and math.isclose(self.mass, other.mass, rel_tol=MASS)
-            and _near(self.load.most, other.load.most)
-            and _near(self.load.most_inertia, other.load.most_inertia)
+            and first.dynamics == second.dynamics
+            and math.isclose(_width(first), _width(second), rel_tol=1e-6)
+            and math.isclose(self.mass, other.mass, rel_tol=MASS_TOLERANCE)
+            and _similar(self.load.largest_force, other.load.largest_force)
+            and _similar(self.load.largest_inertia, other.load.largest_inertia)
         )
 
 
-def shared(robot: Robot, found: Mapping[str, Load]) -> dict[str, Load]:
-    """The loads, those of copies with the largest `most` and `most_inertia` of them all."""
+def share_loads(robot: Robot, loads: Mapping[str, Load]) -> dict[str, Load]:
+    """Returns the loads, where each copy has the largest `largest_force` and `largest_inertia` among its
+    copies."""
     groups: list[list[_Copy]] = []
-    for one in _copies(robot, found):
-        same = next((group for group in groups if one.is_of(group[0])), None)
-        if same is None:
-            groups.append([one])
+    for copy in _copies(robot, loads):
+        group = next((group for group in groups if copy.is_of(group[0])), None)
+        if group is None:
+            groups.append([copy])
         else:
-            same.append(one)
+            group.append(copy)
     return {
-        one.dof.name: replace(
-            one.load,
-            most=max(other.load.most for other in group),
-            most_inertia=max(other.load.most_inertia for other in group),
+        copy.dof.name: replace(
+            copy.load,
+            largest_force=max(other.load.largest_force for other in group),
+            largest_inertia=max(other.load.largest_inertia for other in group),
         )
         for group in groups
-        for one in group
+        for copy in group
     }
 
 
-def _copies(robot: Robot, found: Mapping[str, Load]) -> Iterator[_Copy]:
+def _copies(robot: Robot, loads: Mapping[str, Load]) -> Iterator[_Copy]:
     depths: dict[str, int] = {robot.root.name: 0}
     for joint in robot.joints:
         depths[joint.child] = depths[joint.parent] + 1
-    masses = _moved(robot.joints, {link.name: link.inertial.mass for link in robot.links})
+    masses = _subtree_masses(robot.joints, {link.name: link.inertial.mass for link in robot.links})
     for joint in robot.joints:
-        for number, dof in enumerate(joint.dofs):
-            if dof.name in found:
-                yield _Copy(dof, (depths[joint.child], number), masses[joint.child], found[dof.name])
+        for index, dof in enumerate(joint.dofs):
+            if dof.name in loads:
+                yield _Copy(dof, (depths[joint.child], index), masses[joint.child], loads[dof.name])
 
 
-def _moved(joints: tuple[Joint, ...], masses: dict[str, float]) -> dict[str, float]:
-    """By link: the mass [kg] of it and of all below it."""
+def _subtree_masses(joints: tuple[Joint, ...], masses: dict[str, float]) -> dict[str, float]:
+    """Returns, by link, the mass [kg] of it and of all links below it."""
     for joint in reversed(joints):
         masses[joint.parent] += masses[joint.child]
     return masses
@@ -83,5 +90,5 @@ def _width(dof: Dof) -> float:
     return high - low
 
 
-def _near(one: float, other: float) -> bool:
-    return max(one, other) <= SAMPLED * min(one, other)
+def _similar(first: float, second: float) -> bool:
+    return max(first, second) <= MAX_LOAD_RATIO * min(first, second)

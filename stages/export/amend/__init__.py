@@ -1,1 +1,1 @@
-"""Amendments: the user's own XML, in files that are otherwise complete."""
+"""Amendments: adds the user's own XML to files that are otherwise complete."""

@@ -1,10 +1,10 @@
-"""`elements` and `attributes`, applied to the files of every format that they are for."""
+"""Applies the keys `elements` and `attributes` to the files of the formats that they name."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from linkwright.stages.export.amend.compiled import compiled, fit, likely
+from linkwright.stages.export.amend.compiled import compiled, fit_keyframes, suggestion_for
 from linkwright.stages.export.amend.documents import Documents, Refused
 from linkwright.stages.export.amend.entries import Entry, entries
 from linkwright.stages.formats.xml import Element
@@ -21,70 +21,82 @@ _MESSAGE = "the robot's files cannot be amended"
 
 @dataclass(frozen=True, slots=True)
 class Amended:
-    """The `files` that were changed, by path, what was done to them, and remarks."""
+    """The result of all amendments."""
 
     files: Mapping[str, bytes]
+    """Path → content of the files that changed."""
+
     amendments: Amendments = UNCHANGED
+    """The changes, for robot.json."""
+
     diagnostics: tuple[Diagnostic, ...] = ()
 
 
-def amended(
+def amend(
     files: Mapping[str, bytes],
     formats: Mapping[str, Sequence[str]],
     keys: "ExportSections",
     texts: Mapping[str, str],
 ) -> Amended:
-    """`files`: all files of the robot, by path, with its meshes; `formats`: those that are written, with the
-    paths of their files; `texts`: of the files that `elements` name, by entry.
+    """Returns the files that `elements` and `attributes` change.
 
-    ExportError with E-ELEMENT for each entry whose target is not there, or whose names are taken, and where
-    MuJoCo refuses the result. I-ELEMENT for entries of formats that are not written.
+    `files`: path → content of all files of the robot, with its meshes; `formats`: written format → the paths
+    of its files; `texts`: entry of `elements` → the text of the file that it names.
+
+    Raises ExportError with an E-ELEMENT for each entry whose target does not exist or whose names are taken,
+    and if MuJoCo refuses the result. Reports entries for formats that are not written (I-ELEMENT).
     """
     try:
-        every = entries(keys, texts)
+        all_entries = entries(keys, texts)
     except Refused as refused:
         raise ExportError(_MESSAGE, problems=[refused.diagnostic]) from None
-    found: dict[str, bytes] = {}
+    amended_files: dict[str, bytes] = {}
     changes: list[Amendment] = []
     surplus: list[Surplus] = []
     problems: list[Diagnostic] = []
     for form, paths in formats.items():
-        work = _FormatWork(form, paths, files, [one for one in every if form in one.formats])
-        if work.entries and work.apply():
-            found |= work.documents.written()
-            changes += work.changes
-            surplus += work.surplus
-        problems += work.problems
+        format_work = _FormatWork(
+            form, paths, files, [entry for entry in all_entries if form in entry.formats]
+        )
+        if format_work.entries and format_work.apply():
+            amended_files |= format_work.documents.contents()
+            changes += format_work.changes
+            surplus += format_work.surplus
+        problems += format_work.problems
     if problems:
         raise ExportError(_MESSAGE, problems=dict.fromkeys(problems))
-    return Amended(found, Amendments(tuple(changes), tuple(surplus)), _left_out(every, formats))
+    return Amended(amended_files, Amendments(tuple(changes), tuple(surplus)), _left_out(all_entries, formats))
 
 
-def _left_out(every: Sequence[Entry], formats: Mapping[str, object]) -> tuple[Diagnostic, ...]:
-    keys = {one.key: one.formats for one in every if not any(form in formats for form in one.formats)}
+def _left_out(all_entries: Sequence[Entry], formats: Mapping[str, object]) -> tuple[Diagnostic, ...]:
+    keys = {
+        entry.key: entry.formats
+        for entry in all_entries
+        if not any(form in formats for form in entry.formats)
+    }
     if not keys:
         return ()
-    wanted = listed(form for forms in keys.values() for form in forms)
-    text = f"not applied, since they are for formats that are not written ({wanted}): {listed(keys)}"
+    formats_named = listed(form for forms in keys.values() for form in forms)
+    text = f"not applied, since they are for formats that are not written ({formats_named}): {listed(keys)}"
     return (
         Diagnostic("I-ELEMENT", text, "elements", "choose the format in export, or change their `formats`"),
     )
 
 
 class _FormatWork:
-    """The entries of one format, and its files."""
+    """Applies the entries for one format to its files."""
 
     def __init__(
-        self, form: str, paths: Sequence[str], files: Mapping[str, bytes], own: Sequence[Entry]
+        self, form: str, paths: Sequence[str], files: Mapping[str, bytes], entries: Sequence[Entry]
     ) -> None:
-        self.form, self.entries, self.problems = form, own, list[Diagnostic]()
+        self.form, self.entries, self.problems = form, entries, list[Diagnostic]()
         self._paths, self._files = paths, files
         self.changes: list[Amendment] = []
         self.surplus: list[Surplus] = []
         self.documents: Documents
 
     def apply(self) -> bool:
-        """Applies all entries; whether there was no problem."""
+        """Applies all entries, and returns whether there was no problem."""
         self.documents = self._read()
         for entry in self.entries:
             try:
@@ -92,16 +104,16 @@ class _FormatWork:
             except Refused as refused:
                 self.problems.append(refused.diagnostic)
         if not self.problems:
-            self.surplus = self._of_mjcf() if self.form == "mjcf" else self._of_urdf()
+            self.surplus = self._mjcf_surplus() if self.form == "mjcf" else self._urdf_surplus()
         return not self.problems
 
     def _read(self) -> Documents:
         return Documents(self.form, self._paths, self._files)
 
-    def _of_mjcf(self) -> list[Surplus]:
+    def _mjcf_surplus(self) -> list[Surplus]:
         meshes = {path: data for path, data in self._files.items() if path.startswith("assets/")}
         try:
-            return fit(self.documents, self._read(), self.changes, meshes)
+            return fit_keyframes(self.documents, self._read(), self.changes, meshes)
         except Refused as refused:
             self.problems.append(refused.diagnostic)
         except NotCompiled as error:
@@ -109,11 +121,12 @@ class _FormatWork:
             if key:
                 message = " ".join(str(error).split())
                 text = f"MuJoCo refuses it: {message}"
-                self.problems.append(Diagnostic("E-ELEMENT", text, key, likely(message)))
+                self.problems.append(Diagnostic("E-ELEMENT", text, key, suggestion_for(message)))
         return []
 
     def _culprit(self, meshes: Mapping[str, bytes]) -> str:
-        """The key of the last entry without which the file compiles; "" where it never did."""
+        """Returns the key of the entry that breaks the file: without it and those after it, the file
+        compiles. Returns "" if the file does not compile without entries either."""
         for count in reversed(range(len(self.entries))):
             documents = self._read()
             for entry in self.entries[:count]:
@@ -125,15 +138,15 @@ class _FormatWork:
             return self.entries[count].key
         return ""
 
-    def _of_urdf(self) -> list[Surplus]:
-        root, before = self.documents.every[0].root, self._read().every[0].root
-        path = self.documents.every[0].path
-        return [Surplus(path, dofs=_moving(root) - _moving(before))]
+    def _urdf_surplus(self) -> list[Surplus]:
+        root, old_root = self.documents.files[0].root, self._read().files[0].root
+        path = self.documents.files[0].path
+        return [Surplus(path, dofs=_count_dofs(root) - _count_dofs(old_root))]
 
 
-_WIDTHS = {"revolute": 1, "continuous": 1, "prismatic": 1, "planar": 3, "floating": 6}
+_DOFS_OF_TYPE = {"revolute": 1, "continuous": 1, "prismatic": 1, "planar": 3, "floating": 6}
 """Degrees of freedom by the type of a URDF's joint."""
 
 
-def _moving(root: Element) -> int:
-    return sum(_WIDTHS.get(str(one.get("type")), 0) for one in root.iterchildren("joint"))
+def _count_dofs(root: Element) -> int:
+    return sum(_DOFS_OF_TYPE.get(str(joint.get("type")), 0) for joint in root.iterchildren("joint"))

@@ -1,4 +1,4 @@
-"""Configuration of `actuators`: what drives the dofs that a glob matches."""
+"""Defines the configuration `actuators`: the actuators of the dofs that a glob matches."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ ActuatorName = Literal[
 DC_MOTOR = (
     "motorconst", "resistance", "nominal", "saturation", "inductance", "cogging", "thermal", "lugre",
 )  # fmt: skip
-"""Parameters of a DC motor, by MuJoCo's own names."""
+"""Parameters of a DC motor, with MuJoCo's names."""
 
-PARAMETERS: Mapping[str, tuple[str, ...]] = {
+FIELDS_OF_TYPE: Mapping[str, tuple[str, ...]] = {
     "none": (),
     "motor": ("forcerange",),
     "position": ("kp", "kv", "dampratio", "forcerange"),
@@ -40,15 +40,15 @@ PARAMETERS: Mapping[str, tuple[str, ...]] = {
     "dcmotor": DC_MOTOR,
     "general": ("gaintype", "biastype", "dyntype", "gainprm", "biasprm", "dynprm", "forcerange"),
 }
-"""Type → the fields that only some types have; every type but none has the others."""
+"""Type → its fields that some other types lack."""
 
-SHARED = ("gear", "ctrlrange", "gravcomp", "delay", "interp")
-"""Fields of every type but none."""
+COMMON_FIELDS = ("gear", "ctrlrange", "gravcomp", "delay", "interp")
+"""Fields of all types except `none`."""
 
 
 def fields_of(kind: str) -> tuple[str, ...]:
-    """The fields that a type of actuator has."""
-    return (*PARAMETERS[kind], *(SHARED if kind != "none" else ()))
+    """Returns the fields that a type of actuator has."""
+    return (*FIELDS_OF_TYPE[kind], *(COMMON_FIELDS if kind != "none" else ()))
 
 
 def _ascending(pair: tuple[float, float]) -> tuple[float, float]:
@@ -73,130 +73,130 @@ class ActuatorSection(Section):
     from an earlier entry that matches, of the same type, or is chosen by Linkwright."""
 
     type: Annotated[ActuatorName | None, example("position")] = None
-    """none: nothing, also not what the source has; motor: the control is the torque or force; position: a
-    servo that holds a value; velocity: a servo that holds a speed; intvelocity: a servo whose target moves
-    at the speed of the control; damper: the control is a share of the damping `kv`; pid: a position servo
-    with an integral part (MuJoCo 3.12); dcmotor: the control is the voltage of a DC motor (MuJoCo 3.7);
-    general: MuJoCo's own parameters. null: as in an earlier entry that matches, else none."""
+    """none: no actuator, not even the source's; motor: the control is the torque or force; position: a servo
+    that holds a value; velocity: a servo that holds a speed; intvelocity: a servo whose target moves at the
+    speed of the control; damper: the control is a share of the damping `kv`; pid: a position servo with an
+    integral part (MuJoCo 3.12); dcmotor: the control is the voltage of a DC motor (MuJoCo 3.7); general:
+    MuJoCo's own parameters. null: as in an earlier entry that matches, otherwise none."""
 
     gear: Annotated[Annotated[Number, AfterValidator(_not_zero)] | None, example(50)] = None
     """Ratio of the actuator's motion to the dof's [-]; null: 1. The control and the parameters are those of
     the actuator, before the gear."""
 
     kp: Annotated[Positive | None, example(80)] = None
-    """Of position, intvelocity and pid: stiffness [N m/rad or N/m]. null: estimated for each dof, so that the
-    robot's weight moves it by less than 0.01 rad or 1 mm anywhere in its range (0.1 rad or 10 mm where it
-    carries a robot that stands), as far as the time step allows that, and never so that it reaches its effort
+    """For position, intvelocity and pid: stiffness [N m/rad or N/m]. null: estimated for each dof, so that
+    the robot's weight moves it by less than 0.01 rad or 1 mm anywhere in its range (0.1 rad or 10 mm if it
+    carries a standing robot), as far as the time step allows, and never so stiff that it reaches its effort
     within 0.1 rad or 10 mm. Poses near a singular pose of a loop do not count."""
 
     kv: Annotated[NonNegative | None, example(2)] = None
-    """Of position, velocity, intvelocity, damper and pid: damping [N m s/rad or N s/m]; null: estimated."""
+    """For position, velocity, intvelocity, damper and pid: damping [N m s/rad or N s/m]; null: estimated."""
 
     dampratio: Annotated[NonNegative | None, example(1)] = None
-    """Of position, intvelocity and pid: damping ratio [-] of the dof at `home`, from which `kv` follows;
-    null: 1."""
+    """For position, intvelocity and pid: damping ratio [-] of the dof at `home`, which determines `kv`; null:
+    1."""
 
     ki: Annotated[Positive | None, example(20)] = None
-    """Of pid: force per error and second [N m/(rad s) or N/(m s)], so that nothing sags for long; null: no
+    """For pid: force per error and second [N m/(rad s) or N/(m s)], which removes the sag over time; null: no
     integral part."""
 
     imax: Annotated[Positive | None, example(2)] = None
-    """Of pid: the largest integral of the error [rad s or m s] that counts; null: no limit."""
+    """For pid: the largest integral of the error [rad s or m s] that counts; null: no limit."""
 
     slewmax: Annotated[Positive | None, example(3)] = None
-    """Of pid: the largest speed [rad/s or m/s] at which the target follows the control; null: no limit."""
+    """For pid: the largest speed [rad/s or m/s] at which the target follows the control; null: no limit."""
 
     ctrlrange: Annotated[ControlPair | None, example([-1, 1])] = None
-    """Range of the control [rad, m, rad/s, m/s, N m, N or V; of a damper -]; null: the limits of the dof, its
-    velocity, its effort, the voltage of the motor, or of a damper [0, 1]."""
+    """Range of the control [rad, m, rad/s, m/s, N m, N or V; for a damper -]; null: depending on the type the
+    limits of the dof, its velocity, its effort, the voltage of the motor, or for a damper [0, 1]."""
 
     forcerange: Annotated[Pair | None, example([-12, 12])] = None
-    """Range of the actuator's force [N m or N], beside the effort of the dof, which always counts; null: no
-    other. Not of dcmotor, which has `saturation`."""
+    """Range of the actuator's force [N m or N], in addition to the effort of the dof, which always counts;
+    null: only the effort. Not for dcmotor, which has `saturation`."""
 
     gravcomp: Annotated[Annotated[Number, Field(ge=0, le=1)] | None, example(1)] = None
-    """Share [-] of the weight of the links beyond the dof that the actuator holds by itself; null: 0."""
+    """Share [-] of the weight of the links beyond the dof that the actuator compensates; null: 0."""
 
     delay: Annotated[Positive | None, example(0.01)] = None
     """Time [s] after which the control acts (MuJoCo 3.5); null: at once. After a reset, also to a keyframe,
     the control counts as 0 for that time."""
 
     interp: Annotated[Literal["zoh", "linear", "cubic"] | None, example("linear")] = None
-    """How a delayed control is read between time steps; null: zoh, the last one."""
+    """Interpolation of a delayed control between time steps; null: zoh, the last control."""
 
     gaintype: Annotated[Literal["fixed", "affine", "muscle", "user"] | None, example("fixed")] = None
-    """Of general: as MuJoCo's attribute of that name."""
+    """For general: as MuJoCo's attribute of that name."""
 
     biastype: Annotated[Literal["none", "affine", "muscle", "user"] | None, example("affine")] = None
-    """Of general: as MuJoCo's attribute of that name."""
+    """For general: as MuJoCo's attribute of that name."""
 
     dyntype: Annotated[DynamicsName | None, example("none")] = None
-    """Of general: as MuJoCo's attribute of that name."""
+    """For general: as MuJoCo's attribute of that name."""
 
     gainprm: Annotated[Parameters | None, example([100])] = None
-    """Of general: as MuJoCo's attribute of that name."""
+    """For general: as MuJoCo's attribute of that name."""
 
     biasprm: Annotated[Parameters | None, example([0, -100, -10])] = None
-    """Of general: as MuJoCo's attribute of that name."""
+    """For general: as MuJoCo's attribute of that name."""
 
     dynprm: Annotated[Parameters | None, example([1])] = None
-    """Of general: as MuJoCo's attribute of that name."""
+    """For general: as MuJoCo's attribute of that name."""
 
     encoder: Annotated[Flag | None, example(True)] = None
     """Whether sensors measure the actuator's length and speed: `<actuator>_pos` and `<actuator>_vel`; null:
-    as in an earlier entry that matches, else not."""
+    as in an earlier entry that matches, otherwise false."""
 
     force: Annotated[Flag | None, example(True)] = None
     """Whether a sensor measures the actuator's force: `<actuator>_force`; null: as in an earlier entry that
-    matches, else not."""
+    matches, otherwise false."""
 
     motorconst: Annotated[
         Annotated[tuple[Positive, ...], Field(min_length=1, max_length=2)] | None, example([0.05])
     ] = None
-    """Of dcmotor: torque per current [N m/A], and voltage per speed [V s/rad] where it differs."""
+    """For dcmotor: torque per current [N m/A], and voltage per speed [V s/rad] if that differs."""
 
     resistance: Annotated[Positive | None, example(2)] = None
-    """Of dcmotor: of the winding [ohm]."""
+    """For dcmotor: resistance of the winding [ohm]."""
 
     nominal: Annotated[tuple[Positive, Positive, Positive] | None, example([12, 3, 5])] = None
-    """Of dcmotor, in place of `motorconst` and `resistance`: voltage [V], and the stall torque [N m] and
-    no-load speed [rad/s] at it."""
+    """For dcmotor, in place of `motorconst` and `resistance`: voltage [V], and the stall torque [N m] and
+    no-load speed [rad/s] at this voltage."""
 
     saturation: Annotated[
         Annotated[tuple[NonNegative, ...], Field(min_length=1, max_length=3)] | None, example([3])
     ] = None
-    """Of dcmotor: as MuJoCo's attribute of that name."""
+    """For dcmotor: as MuJoCo's attribute of that name."""
 
     inductance: Annotated[
         Annotated[tuple[NonNegative, ...], Field(min_length=1, max_length=2)] | None, example([0.001])
     ] = None
-    """Of dcmotor: as MuJoCo's attribute of that name."""
+    """For dcmotor: as MuJoCo's attribute of that name."""
 
     cogging: Annotated[tuple[Number, Number, Number] | None, example([0.01, 6, 0])] = None
-    """Of dcmotor: as MuJoCo's attribute of that name."""
+    """For dcmotor: as MuJoCo's attribute of that name."""
 
     thermal: Annotated[
         tuple[Number, Number, Number, Number, Number, Number] | None, example([10, 5, 1, 0.004, 25, 25])
     ] = None
-    """Of dcmotor: as MuJoCo's attribute of that name."""
+    """For dcmotor: as MuJoCo's attribute of that name."""
 
     lugre: Annotated[
         tuple[Number, Number, Number, Number, Number] | None, example([100, 1, 0.1, 0.15, 0.1])
     ] = None
-    """Of dcmotor: as MuJoCo's attribute of that name."""
+    """For dcmotor: as MuJoCo's attribute of that name."""
 
     motor: Annotated[Text | None, example("sts3215")] = None
-    """A motor of the library, or of your own: `motors/<name>.yaml` beside `robot/`. What is known of its
-    inertia, damping, friction, torque and speed holds for the dof. What `joints` or this mapping gives under
-    the dof's own name wins over it, and so do globs, unless the motor is named for the dof itself. `gear` is
-    then a gear between the motor and the dof."""
+    """A motor of the library, or your own: `motors/<name>.yaml` beside `robot/`. The dof gets the motor's
+    known inertia, damping, friction, torque and speed. Values in `joints` or this mapping under the dof's own
+    name override the motor's, and so do values under globs, unless the motor is named for the dof itself.
+    `gear` is then a gear between the motor and the dof."""
 
     @model_validator(mode="after")
-    def _of_the_type(self) -> Self:
+    def _check_fields(self) -> Self:
         if self.type is None:
             return self
         allowed = fields_of(self.type)
-        wrong = [name for name in self.given() if name not in allowed]
+        wrong = [name for name in self.explicit() if name not in allowed]
         if self.type == "none":
             wrong += [name for name in ("encoder", "force", "motor") if getattr(self, name)]
         if wrong:
@@ -208,16 +208,16 @@ class ActuatorSection(Section):
             raise invalid("the control of a damper is never negative: ctrlrange begins at 0 or above")
         return self
 
-    def given(self) -> dict[str, Any]:
-        """The parameters that have a value, without the type and the motor."""
-        names = (*SHARED, *dict.fromkeys(name for row in PARAMETERS.values() for name in row))
+    def explicit(self) -> dict[str, Any]:
+        """Returns the parameters that have a value, without the type and the motor."""
+        names = (*COMMON_FIELDS, *dict.fromkeys(name for row in FIELDS_OF_TYPE.values() for name in row))
         return {name: value for name in names if (value := getattr(self, name)) is not None}
 
     @property
     def only_measures(self) -> bool:
-        """Whether the entry says nothing of what drives, only what is measured of that."""
+        """Whether the entry only adds sensors, and chooses no actuator."""
         measures = self.encoder is not None or self.force is not None
-        return measures and self.type is None and self.motor is None and not self.given()
+        return measures and self.type is None and self.motor is None and not self.explicit()
 
 
 def _name_alone(value: Any) -> Any:

@@ -1,4 +1,4 @@
-"""Configuration of `elements` and `attributes`: XML of the user's own in the exported files."""
+"""Defines the configuration `elements` and `attributes`: the user's own XML in the exported files."""
 
 from __future__ import annotations
 
@@ -10,31 +10,31 @@ from pydantic import AfterValidator, BeforeValidator, model_validator
 from linkwright.stages.robot.section import Section, Text, example, invalid
 
 AmendableFormat = Literal["urdf", "mjcf"]
-"""The formats that elements and attributes of the user's own reach."""
+"""The formats to which the user's elements and attributes can be added."""
 
-FINISHED = ("sdf",)
-"""Formats that they do not reach, though their files are XML too."""
+UNAMENDABLE_FORMATS = ("sdf",)
+"""Formats whose files are XML, but cannot be amended."""
 
 _NAMES = get_args(AmendableFormat)
 
 FORMATS, TAG = "formats", "tag"
-"""What stands beside attributes in an entry of `attributes`: neither MJCF nor URDF has attributes of these
-names."""
+"""Keys in an entry of `attributes` that are not attributes themselves: neither MJCF nor URDF has attributes
+with these names."""
 
 _ATTRIBUTE = re.compile(r"[A-Za-z_][\w.-]*(:[A-Za-z_][\w.-]*)?\Z", re.ASCII)
 _UNPRINTABLE = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 def _amendable(formats: Any) -> Any:
-    """Refuses, by name, formats that are written as they are."""
+    """Raises an error for formats that cannot be amended."""
     for name in formats if isinstance(formats, list | tuple) else ():
-        if name in FINISHED:
+        if name in UNAMENDABLE_FORMATS:
             raise invalid(f"may have {' and '.join(_NAMES)} alone: {name} is written without XML of your own")
     return formats
 
 
 def _well_formed(text: str) -> str:
-    # Late: most robots have no element of their own, and it imports lxml.
+    # Imported late: most robots have no own elements, and the module imports lxml.
     from linkwright.stages.formats.xml import Malformed, fragment
 
     try:
@@ -49,18 +49,19 @@ class IntoSection(Section):
 
     tag: Annotated[Text | None, example("worldbody")] = None
     """The first element with this tag; `mujoco` or `robot` is the root of a file. A section of an MJCF that
-    the file does not have is made. With a name: the tag of the element of this name, or of the section it is
-    in, where several have the name."""
+    the file lacks is created. With a name: the tag of the element with this name, or of its section, if
+    several elements have the name."""
 
     name: Annotated[Text | None, example("torso")] = None
-    """The element of this name, of any kind: of an MJCF in the robot's file, else in scene.xml. Where it is a
-    site, as frames are: on the site's body, with poses relative to the site."""
+    """The element with this name, of any kind: in an MJCF, that of the robot's file, otherwise that of
+    scene.xml. If it is a site, as frames are, the elements are added to the site's body, with poses relative
+    to the site."""
 
     file: Literal["robot", "scene"] | None = None
-    """The file of an MJCF. null: the robot's for a tag; for a name the first that has it."""
+    """The file of an MJCF. null: for a tag the robot's file; for a name the first file that has it."""
 
     @model_validator(mode="after")
-    def _somewhere(self) -> Self:
+    def _check_target(self) -> Self:
         if self.tag is None and self.name is None:
             raise invalid("must have tag, as {tag: worldbody}, or name, as {name: torso}")
         return self
@@ -75,8 +76,8 @@ class ElementSection(Section):
     formats: Annotated[tuple[AmendableFormat, ...] | None, BeforeValidator(_amendable), example(["mjcf"])] = (
         None
     )
-    """The formats that they are added to, of those that are written; never the SDF. null: the MJCF where
-    MuJoCo knows all of the elements, else the URDF."""
+    """The formats that the elements are added to, if they are written; never the SDF. null: the MJCF if
+    MuJoCo knows all of the elements, otherwise the URDF."""
 
     xml: Annotated[
         Annotated[Text, AfterValidator(_well_formed)] | None,
@@ -85,46 +86,47 @@ class ElementSection(Section):
     """One element or several, as text; comments are left out."""
 
     file: Annotated[Text | None, example("mount.xml")] = None
-    """A file with them, instead of `xml`; a path from the working folder."""
+    """A file with the elements, instead of `xml`; a path from the working folder."""
 
     @model_validator(mode="after")
-    def _one_text(self) -> Self:
+    def _check_source(self) -> Self:
         if (self.xml is None) == (self.file is None):
             raise invalid("must have either xml or file")
         if self.formats == ():
             raise invalid("formats must name a format")
         if self.into.file is not None and "mjcf" not in (self.formats or ("mjcf",)):
-            raise invalid("into.file is of an MJCF alone")
+            raise invalid("into.file applies only to an MJCF")
         return self
 
 
 def _value(value: Any) -> Any:
-    """An attribute's value: null, text, a number, true or false, or a list of texts or numbers."""
+    """Returns an attribute's value if it is null, text, a number, true or false, or a list of texts or
+    numbers."""
     several = isinstance(value, list | tuple)
-    for one in value if several else [value]:
-        if isinstance(one, str) and _UNPRINTABLE.search(one):
-            raise invalid("must not have characters that XML cannot have")
-        if isinstance(one, float) and one - one != 0:
+    for item in value if several else [value]:
+        if isinstance(item, str) and _UNPRINTABLE.search(item):
+            raise invalid("must not have characters that XML does not allow")
+        if isinstance(item, float) and item - item != 0:
             raise invalid("must be finite")
-        if not isinstance(one, str | int | float) and (several or one is not None):
+        if not isinstance(item, str | int | float) and (several or item is not None):
             raise invalid("must be text, a number, true, false, null, or a list of numbers or texts")
     return list(value) if several else value
 
 
-def _attributes(given: dict[str, Any]) -> dict[str, Any]:
-    formats = given.get(FORMATS)
-    _amendable(given.get(FORMATS))
-    if FORMATS in given and not (isinstance(formats, list) and formats and set(formats) <= set(_NAMES)):
+def _attributes(entry: dict[str, Any]) -> dict[str, Any]:
+    formats = entry.get(FORMATS)
+    _amendable(entry.get(FORMATS))
+    if FORMATS in entry and not (isinstance(formats, list) and formats and set(formats) <= set(_NAMES)):
         raise invalid(f"formats must be a list of {', '.join(_NAMES)}")
-    if TAG in given and not isinstance(given[TAG], str):
+    if TAG in entry and not isinstance(entry[TAG], str):
         raise invalid("tag must be text")
-    own = [name for name in given if name not in (FORMATS, TAG)]
-    if not own:
+    attribute_names = [name for name in entry if name not in (FORMATS, TAG)]
+    if not attribute_names:
         raise invalid("must have at least one attribute")
-    wrong = [name for name in own if not _ATTRIBUTE.match(name)]
-    if wrong:
-        raise invalid(f"{wrong[0]!r} cannot be the name of an attribute")
-    return given
+    invalid_names = [name for name in attribute_names if not _ATTRIBUTE.match(name)]
+    if invalid_names:
+        raise invalid(f"{invalid_names[0]!r} cannot be the name of an attribute")
+    return entry
 
 
 AttributeChoice = Annotated[dict[Text, Annotated[Any, AfterValidator(_value)]], AfterValidator(_attributes)]

@@ -1,4 +1,4 @@
-"""What the configurations of all formats have."""
+"""Defines the base of the configurations of all formats."""
 
 from typing import ClassVar
 
@@ -12,5 +12,5 @@ class FormatSection(Section):
 
     @classmethod
     def paths(cls, robot: str) -> tuple[str, ...]:
-        """The paths of the files of a robot of this name."""
+        """Returns the paths of the files of a robot with this name."""
         return tuple(file.replace("<name>", robot) for file in cls.files)

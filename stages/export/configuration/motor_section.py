@@ -1,6 +1,6 @@
-"""Configuration of `motors`: what is known of a motor, with the source of each value.
+"""Defines the configuration `motors`: the values of a motor, with the source of each.
 
-All values but `rotor_inertia` are at the output, behind the motor's own gear.
+All values except `rotor_inertia` are at the output, behind the motor's own gear.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ QUANTITIES: Mapping[str, str] = {
     "resistance": "ohm",
     "voltage": "V",
 }
-"""What may be known of a motor → its unit."""
+"""Quantity of a motor → its unit."""
 
-MAY_BE_ZERO = ("damping", "back_emf", "friction", "kv")
+ZERO_ALLOWED = ("damping", "back_emf", "friction", "kv")
 
 
 class MotorValue(Section):
@@ -40,20 +40,21 @@ class MotorValue(Section):
     """In SI units, at the motor's output."""
 
     source: Annotated[Text, example("my test bench, 2 May: pendulum of 0.5 kg")]
-    """Who says so, in which document, and how it was computed from that."""
+    """Where the value comes from: who published it, in which document, and how it was computed from that."""
 
     kind: Annotated[Literal["measured", "identified", "datasheet"], example("identified")]
-    """measured: on the motor; identified: fitted to recordings of its motion; datasheet: of its maker."""
+    """measured: on the motor; identified: fitted to recordings of its motion; datasheet: from its
+    manufacturer."""
 
 
 class MotorSection(Section):
     """A motor with its gear."""
 
     title: Annotated[Text, example("My servo, 7.4 V")]
-    """Its name for people, with the voltage that the values hold for."""
+    """The motor's full name, with the voltage for which the values hold."""
 
     type: Annotated[Literal["motor", "position", "velocity", "intvelocity"], example("position")] = "position"
-    """The actuator that it is, where `actuators` does not say."""
+    """The actuator type of the motor, if `actuators` does not give a type."""
 
     notes: Annotated[Text | None, example("friction grows with the load, which is left out")] = None
     """What the values leave out."""
@@ -62,21 +63,23 @@ class MotorSection(Section):
         dict[Text, MotorValue],
         example({"armature": {"value": 0.028, "source": "my test bench", "kind": "identified"}}),
     ]
-    """Quantity → value. gear [-]; rotor_inertia [kg m²], before the gear; armature [kg m²]; damping
-    [N m s/rad], of bearings and gears; back_emf [N m s/rad], the damping by a motor on a voltage; friction
-    [N m]; effort [N m], the stall torque; velocity [rad/s], the no-load speed; kp [N m/rad] and kv
+    """Quantity → value. gear [-]; rotor_inertia [kg m²], before the gear; armature [kg m²]; damping [N m
+    s/rad], of bearings and gears; back_emf [N m s/rad], the damping by the motor at constant voltage;
+    friction [N m]; effort [N m], the stall torque; velocity [rad/s], the no-load speed; kp [N m/rad] and kv
     [N m s/rad], as its own controller has them; torque_constant [N m/A]; resistance [ohm]; voltage [V]."""
 
     @model_validator(mode="after")
-    def _known_quantities(self) -> Self:
-        for name, one in self.values.items():
+    def _check_quantities(self) -> Self:
+        for name, value in self.values.items():
             if name not in QUANTITIES:
                 hint = f"{did_you_mean(name, QUANTITIES)} there are {', '.join(QUANTITIES)}"
-                raise invalid(f"{name} is no quantity of a motor: {hint.lstrip()}")
-            if one.value == 0 and name not in MAY_BE_ZERO:
+                raise invalid(f"{name} is not a quantity of a motor: {hint.lstrip()}")
+            if value.value == 0 and name not in ZERO_ALLOWED:
                 raise invalid(f"{name} must be above 0")
         if "armature" in self.values and "rotor_inertia" in self.values:
-            raise invalid("armature and rotor_inertia are the same thing at both ends of the gear: give one")
+            raise invalid(
+                "armature and rotor_inertia are the same inertia, after and before the gear: give only one"
+            )
         if "rotor_inertia" in self.values and "gear" not in self.values:
             raise invalid("rotor_inertia needs the gear")
         return self

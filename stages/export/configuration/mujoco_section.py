@@ -1,5 +1,5 @@
-"""Configuration of MuJoCo's own settings, `scene.option` and `scene.compiler`: every attribute of the MuJoCo
-that is installed and of all that are supported (its XML reference, `option`, `flag`, `compiler`).
+"""Defines the configuration of MuJoCo's own settings, `scene.option` and `scene.compiler`: every attribute of
+the MuJoCo that is installed and of all that are supported (its XML reference, `option`, `flag`, `compiler`).
 
 What is not given stays MuJoCo's default and is not written.
 """
@@ -36,62 +36,62 @@ Automatic = Annotated[
 
 
 class _Sparse(Section):
-    """Attributes of which only those that are given are written."""
+    """Attributes of MuJoCo; only those that are set are written."""
 
     @model_serializer(mode="wrap")
-    def _only_given(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+    def _without_nulls(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
         # A long list of nulls would hide what counts.
         return {name: value for name, value in handler(self).items() if value is not None}
 
-    def given(self) -> dict[str, Any]:
-        """The attributes that have a value, by name; without sections of their own."""
-        every = {name: getattr(self, name) for name in type(self).model_fields}
+    def explicit(self) -> dict[str, Any]:
+        """Returns name → value of the attributes that are set, without subsections."""
+        values = {name: getattr(self, name) for name in type(self).model_fields}
         return {
             name: value
-            for name, value in every.items()
+            for name, value in values.items()
             if value is not None and not isinstance(value, Section)
         }
 
     def sections(self) -> dict[str, "_Sparse"]:
-        """The sections below, by name."""
-        every = {name: getattr(self, name) for name in type(self).model_fields}
-        return {name: value for name, value in every.items() if isinstance(value, _Sparse)}
+        """Returns the subsections by name."""
+        values = {name: getattr(self, name) for name in type(self).model_fields}
+        return {name: value for name, value in values.items() if isinstance(value, _Sparse)}
 
 
 def _section(
     name: str, text: str, fields: Mapping[str, tuple[Any, Any, str]], base: type[_Sparse] = _Sparse
 ) -> Any:
-    """A section of these fields: type, default and meaning."""
-    made: dict[str, Any] = {
+    """Returns a section with these fields: type, default and meaning."""
+    section_fields: dict[str, Any] = {
         key: (kind if default is not None else kind | None, Field(default=default, description=meaning))
         for key, (kind, default, meaning) in fields.items()
     }
-    return create_model(name, __base__=base, __doc__=text, __module__=__name__, **made)
+    return create_model(name, __base__=base, __doc__=text, __module__=__name__, **section_fields)
 
 
 def _of(kind: Any, element: str, *names: str) -> dict[str, tuple[Any, None, str]]:
     return dict.fromkeys(names, (kind, None, f"As MuJoCo's attribute of `<{element}>`."))
 
 
-READS_THE_FILE = (
+RESERVED_ATTRIBUTES = (
     "angle", "assetdir", "autolimits", "coordinate", "eulerseq", "meshdir", "strippath", "texturedir",
 )  # fmt: skip
-"""Attributes of `<compiler>` that are not for the user: with another value the robot's file would mean
-something else, or its meshes would not be found."""
+"""Attributes of `<compiler>` that a user cannot set: they would change the meaning of the robot's file, or
+hide its meshes."""
 
 
 class _Compiler(_Sparse):
     @model_validator(mode="before")
     @classmethod
-    def _not_how_the_file_is_read(cls, value: Any) -> Any:
-        wrong = [name for name in READS_THE_FILE if isinstance(value, dict) and name in value]
+    def _check_reserved(cls, value: Any) -> Any:
+        wrong = [name for name in RESERVED_ATTRIBUTES if isinstance(value, dict) and name in value]
         if wrong:
             raise invalid(f"{', '.join(wrong)} would give the robot's own file another meaning: leave it out")
         return value
 
 
 DEFAULTS = {"timestep": 0.002, "integrator": "implicitfast"}
-"""Options that are always given."""
+"""Options that are always written."""
 
 FlagsSection = _section(
     "FlagsSection",
@@ -106,8 +106,8 @@ FlagsSection = _section(
 
 OptionSection = _section(
     "OptionSection",
-    "MuJoCo's `<option>`; what is not given is an MJCF source's, else MuJoCo's own. The first four are in "
-    "the robot's own file, since its stability depends on them, and so is what an MJCF source says.",
+    "MuJoCo's `<option>`; defaults are those of an MJCF source, otherwise MuJoCo's own. The first four keys, "
+    "and the options of an MJCF source, are in the robot's own file, since its stability depends on them.",
     {
         "timestep": (
             Positive,
@@ -117,8 +117,8 @@ OptionSection = _section(
         "integrator": (
             Literal["Euler", "RK4", "implicit", "implicitfast", "discrete"],
             None,
-            "How MuJoCo goes from one step to the next; `discrete` needs MuJoCo 4. null: as an MJCF source "
-            f"says, else {DEFAULTS['integrator']}.",
+            "Integrator, from one time step to the next; `discrete` needs MuJoCo 3.13. null: that of an MJCF "
+            f"source, else {DEFAULTS['integrator']}.",
         ),
         "cone": (Literal["pyramidal", "elliptic"], None, "Shape of the friction cones; null: MuJoCo's own."),
         "impratio": (
@@ -157,7 +157,7 @@ LengthRangeSection = _section(
 
 CompilerSection = _section(
     "CompilerSection",
-    "MuJoCo's `<compiler>`, but for what decides how the robot's own file is read.",
+    "MuJoCo's `<compiler>`, except attributes that decide how the robot's own file is read.",
     {
         **_of(Flag, "compiler", "alignfree", "balanceinertia", "discardvisual", "fitaabb", "fusestatic"),
         **_of(Flag, "compiler", "savecanonical", "savecompiled", "saveinertial", "usethread", "passthrough"),
@@ -175,5 +175,5 @@ CompilerSection = _section(
     _Compiler,
 )
 
-IN_THE_ROBOT = ("timestep", "integrator", "cone", "impratio")
-"""Attributes of `<option>` with which the robot's stability was judged: they stand in its own file."""
+ROBOT_FILE_OPTIONS = ("timestep", "integrator", "cone", "impratio")
+"""Attributes of `<option>` that affect stability: the robot's own file has them, not only the scene."""

@@ -1,4 +1,4 @@
-"""Configuration of the world around the robot: `ground` and `scene`."""
+"""Defines the configuration of the world around the robot: `ground` and `scene`."""
 
 from typing import Annotated, Any, Literal, Self
 
@@ -55,9 +55,9 @@ class PoseSection(Section):
 
     kind: Literal["touch", "given"] = "given"
     """touch: upright at the origin, with its lowest collider on the ground, at `home` and in each other
-    keyframe (of a fixed base, the lowest of what is fixed, and it stays where CAD has it where that is within
-    2 mm of the ground), and without a ground at the origin; where an MJCF source has a ground of its own, as
-    it has the robot there; given: as the other keys say."""
+    keyframe. For a fixed base only the colliders that are fixed count, and it stays where CAD has it if that
+    is within 2 mm of the ground. Without a ground the robot is at the origin; if an MJCF source has its own
+    ground, the robot is where the source has it. given: as the other keys say."""
 
     xyz: Annotated[Position, example([0, 0, 0.2])] = (0, 0, 0)
     """Position [m]."""
@@ -66,7 +66,7 @@ class PoseSection(Section):
     """Roll, pitch and yaw [rad]."""
 
     @model_validator(mode="after")
-    def _one_way(self) -> Self:
+    def _check_kind(self) -> Self:
         if self.kind == "touch" and (any(self.xyz) or any(self.rpy)):
             raise invalid("touch takes neither xyz nor rpy")
         return self
@@ -97,10 +97,10 @@ class LightSection(Section):
     """Whether it casts shadows."""
 
     cutoff: Annotated[Degrees, Field(gt=0, le=180)] = 45
-    """Of a spot: half angle of the cone [deg], as MuJoCo has it."""
+    """For a spot: half angle of the cone [deg], as in MuJoCo."""
 
     @model_validator(mode="after")
-    def _shines(self) -> Self:
+    def _check_direction(self) -> Self:
         if not any(self.direction):
             raise invalid("direction must not be 0 0 0")
         return self
@@ -119,16 +119,16 @@ class CameraSection(Section):
     """Roll, pitch and yaw [rad]."""
 
     look_at: Annotated[Position | None, example([0, 0, 0.2])] = None
-    """Of a camera in the world: the point [m] that it looks at, upright; then `rpy` says nothing."""
+    """For a camera in the world: the point [m] that it looks at, upright; `rpy` is then ignored."""
 
     fovy: Annotated[Degrees, Field(gt=0, lt=180)] = 45
-    """Vertical field of view [deg], as MuJoCo has it."""
+    """Vertical field of view [deg], as in MuJoCo."""
 
     resolution: tuple[Count, Count] = (640, 480)
     """Width and height of the image [pixels]."""
 
     @model_validator(mode="after")
-    def _looks_one_way(self) -> Self:
+    def _check_look_at(self) -> Self:
         if self.look_at is None:
             return self
         if self.frame is not None:
@@ -136,7 +136,7 @@ class CameraSection(Section):
         if any(self.rpy):
             raise invalid("look_at and rpy exclude each other")
         if self.look_at == self.xyz:
-            raise invalid("look_at must be another point than xyz")
+            raise invalid("look_at must differ from xyz")
         return self
 
 
@@ -176,20 +176,20 @@ class SceneSection(Section):
     lights: Annotated[
         dict[Text, LightChoice], example({"sun": "none", "lamp": {"kind": "spot", "xyz": [0, 0, 2]}})
     ] = Field(default_factory=dict)
-    """Lights, by name. `sun` is always there, unless it is none."""
+    """Lights, by name. `sun` is always there, unless `sun: none` removes it."""
 
     cameras: Annotated[
         dict[Text, CameraSection], example({"wrist": {"frame": "camera_mount", "fovy": 60}})
     ] = Field(default_factory=dict)
-    """Cameras, by name. One in the world is in `scene.xml`, one that a frame carries in the robot's file.
-    `overview`, which shows the whole robot, is always there."""
+    """Cameras, by name. A camera in the world is in `scene.xml`, a camera that a frame carries is in the
+    robot's file. `overview`, which shows the whole robot, is always there."""
 
     skybox: SkyChoice = SkySection()
     """The sky."""
 
     surroundings: Literal["keep", "drop"] = "keep"
-    """What an MJCF source has beside the robot: its ground, in place of ours, the things that lie around, the
-    lights and cameras of its world. keep: in `scene.xml`; drop: left out."""
+    """What an MJCF source has beside the robot: its ground, which replaces Linkwright's, other objects, and
+    the lights and cameras of its world. keep: in `scene.xml`; drop: left out."""
 
     compiler: CompilerSection = CompilerSection()
     """MuJoCo's `<compiler>`."""

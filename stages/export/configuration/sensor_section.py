@@ -1,4 +1,4 @@
-"""Configuration of `sensors`: what measures the robot, by name."""
+"""Defines the configuration `sensors`: the robot's sensors by name."""
 
 from __future__ import annotations
 
@@ -67,24 +67,24 @@ MEASURES: Mapping[str, Mapping[str, str]] = {
     },
     "camera": {"projection": "camprojection"},
 }
-"""Type → what it can measure → MuJoCo's element."""
+"""Type → measurement → MuJoCo's element."""
 
-UNLESS_SAID: Mapping[str, tuple[str, ...]] = {
+DEFAULT_MEASURES: Mapping[str, tuple[str, ...]] = {
     "joint": ("pos", "vel"),
     "imu": ("gyro", "accelerometer", "quat"),
     "frame": ("pos", "quat"),
 }
-"""What these types measure where `measure` is null; the others measure all they can."""
+"""Type → its measurements if `measure` is null; other types then have all their measurements."""
 
 ACCELERATIONS = ("linacc", "angacc")
-"""What MuJoCo measures in the world's axes only."""
+"""Measurements that MuJoCo only has in the axes of the world."""
 
-UNBOUNDED = ("quat", "xaxis", "yaxis", "zaxis")
-"""Directions, which no largest value bounds."""
+WITHOUT_CUTOFF = ("quat", "xaxis", "yaxis", "zaxis")
+"""Orientations, which have no largest value."""
 
 _ON_A_FRAME = ("frame", "xyz", "rpy")
 
-PARAMETERS: Mapping[str, tuple[str, ...]] = {
+FIELDS_OF_TYPE: Mapping[str, tuple[str, ...]] = {
     "joint": ("joints", "measure"),
     "actuator": ("actuators", "measure"),
     "imu": (*_ON_A_FRAME, "measure"),
@@ -96,17 +96,17 @@ PARAMETERS: Mapping[str, tuple[str, ...]] = {
     "frame": (*_ON_A_FRAME, "measure", "relative_to"),
     "camera": (*_ON_A_FRAME, "fovy", "resolution", "sees"),
 }
-"""Type → the fields that only some types have; every type has `noise` and `cutoff` too."""
+"""Type → its fields, in addition to `noise` and `cutoff`, which all types have."""
 
 
-MEASURED: Mapping[str, tuple[Measure, ...]] = {
+MEASURES_WITH_UNIT: Mapping[str, tuple[Measure, ...]] = {
     "joint.pos": ("angle", "length"),
     "joint.limit_pos": ("angle", "length"),
     "actuator.pos": ("angle", "length"),
     "rangefinder.distance": ("length",),
     "frame.pos": ("length",),
 }
-"""What is measured that may be typed with a unit."""
+"""Measurement → the kinds of units with which its values may be typed."""
 
 
 def _for_all(value: Any) -> Any:
@@ -135,7 +135,7 @@ ByMeasure = Annotated[
     dict[Text, _Amount],
     BeforeValidator(_for_all, json_schema_input_type=dict[Text, _Amount] | _Amount),
 ]
-"""What is measured, or a glob on it → a number; a number alone is for all."""
+"""Measurement, or a glob on its name → a number; a number alone applies to all."""
 
 Size = Annotated[
     tuple[PositiveLength, ...],
@@ -151,71 +151,74 @@ class SensorSection(Section):
 
     type: Annotated[SensorName, example("imu")]
     """joint: its value and more; actuator: its length, speed and force; imu: angular velocity, acceleration
-    and orientation; force, torque and force_torque: what the link above exerts on this one, at the frame;
-    touch: the force that presses on a link; rangefinder: the distance along z, -1 where there is nothing;
-    frame: its place and motion; camera: an image."""
+    and orientation; force, torque and force_torque: the force and torque that the parent link exerts on this
+    link, at the frame; touch: the contact force on a link; rangefinder: the distance along z, or -1 if there
+    is nothing; frame: its pose and motion; camera: an image."""
 
     joints: Annotated[Text | None, example("*knee*")] = None
-    """Of joint: a name or glob on dofs. null: all."""
+    """For joint: a name or glob on dofs. null: all."""
 
     actuators: Annotated[Text | None, example("*knee*")] = None
-    """Of actuator: a name or glob on actuators. null: all."""
+    """For actuator: a name or glob on actuators. null: all."""
 
     frame: Annotated[Text | None, example("imu_mount")] = None
-    """Of what is mounted: the frame or link of the robot that carries it. null: the one that has the name of
-    the sensor."""
+    """For mounted sensors: the frame or link of the robot that carries the sensor. null: the frame or link
+    with the sensor's name."""
 
     xyz: Annotated[Position, example([0, 0, 0.02])] = (0, 0, 0)
-    """Of what is mounted: position in the frame [m]."""
+    """For mounted sensors: position in the frame [m]."""
 
     rpy: Annotated[Turns, example([0, 1.57, 0])] = (0, 0, 0)
-    """Of what is mounted: roll, pitch and yaw in the frame [rad]. A rangefinder and a camera look along z."""
+    """For mounted sensors: roll, pitch and yaw in the frame [rad]. A rangefinder and a camera look along
+    z."""
 
     relative_to: Annotated[Text | None, example("torso")] = None
-    """Of frame: the frame or link against which and in whose axes it is measured. null: the world."""
+    """For frame: the frame or link relative to which, and in whose axes, it is measured. null: the world."""
 
     measure: Annotated[tuple[Text, ...] | None, example(["gyro", "accelerometer"])] = None
-    """What is measured, in this order. joint: pos, vel, actuator_force, limit_pos, limit_vel, limit_force;
+    """Measurements, in this order. joint: pos, vel, actuator_force, limit_pos, limit_vel, limit_force;
     actuator: pos, vel, force; imu: gyro, accelerometer, quat, velocimeter, magnetometer; frame: pos, quat,
-    xaxis, yaxis, zaxis, linvel, angvel, linacc, angacc. null: pos and vel; all; gyro, accelerometer and quat;
-    pos and quat. linacc includes gravity, as an accelerometer does: at rest it is 9.81 m/s² upwards."""
+    xaxis, yaxis, zaxis, linvel, angvel, linacc, angacc. null: for joint pos and vel; for actuator all; for
+    imu gyro, accelerometer and quat; for frame pos and quat. linacc includes gravity, as an accelerometer
+    does: at rest it is 9.81 m/s² upwards."""
 
     size: Annotated[Size | None, example([0.1, 0.06, 0.02])] = None
-    """Of touch: radius of a ball, or lengths of a box [m], around the frame, inside which contact counts.
-    null: a box around the colliders of the link."""
+    """For touch: radius of a ball, or lengths of a box [m], around the frame, in which contacts count. null:
+    a box around the colliders of the link."""
 
     fovy: Annotated[Annotated[Degrees, Field(gt=0, lt=180)], example(60)] = 45
-    """Of camera: vertical field of view [deg], as MuJoCo has it."""
+    """For camera: vertical field of view [deg], as in MuJoCo."""
 
     resolution: tuple[Count, Count] = (640, 480)
-    """Of camera: width and height of the image [pixels]."""
+    """For camera: width and height of the image [pixels]."""
 
     sees: Annotated[tuple[Text, ...], example(["tool"])] = ()
-    """Of camera: frames or links whose places in its image are measured [pixels]."""
+    """For camera: frames or links whose positions in its image are measured [pixels]."""
 
     noise: Annotated[ByMeasure | None, example({"gyro": 0.01, "accelerometer": 0.05})] = None
-    """Standard deviation, in the unit of what is measured: one for all, or by what is measured. MuJoCo only
-    holds it for those who read the model, and adds no noise (it did before 3.1.4). null: 0."""
+    """Standard deviation, in the unit of the measured quantity: a single value for all quantities, or a value
+    for each. MuJoCo only stores it for readers of the model, and adds no noise (it did before 3.1.4). null:
+    0."""
 
     cutoff: Annotated[ByMeasure | None, example({"accelerometer": 160})] = None
-    """Largest absolute value, in the unit of what is measured: one for all, or by what is measured; an
-    orientation has none. null: none."""
+    """Largest absolute value, in the unit of the measured quantity: a single value for all quantities, or a
+    value for each; orientations have no cutoff. null: no cutoff."""
 
     @model_validator(mode="after")
     def _of_the_type(self) -> Self:
-        allowed = (*PARAMETERS[self.type], "noise", "cutoff")
+        allowed = (*FIELDS_OF_TYPE[self.type], "noise", "cutoff")
         wrong = [name for name in sorted(self.model_fields_set) if name not in ("type", *allowed)]
         wrong = [name for name in wrong if getattr(self, name) != type(self).model_fields[name].default]
         if wrong:
             raise invalid(f"type {self.type} takes {', '.join(allowed)}; not {', '.join(wrong)}")
-        known = MEASURES[self.type]
+        measurable = MEASURES[self.type]
         for name in self.measured:
-            if name not in known:
-                raise invalid(f"type {self.type} measures {', '.join(known)}; not {name}")
+            if name not in measurable:
+                raise invalid(f"type {self.type} measures {', '.join(measurable)}; not {name}")
         if not self.measured:
-            raise invalid("measure must name something")
+            raise invalid("measure must name a quantity")
         if len(set(self.measured)) < len(self.measured):
-            raise invalid("measure must name each thing once")
+            raise invalid("measure must name each quantity once")
         if self.relative_to is not None and any(name in ACCELERATIONS for name in self.measured):
             raise invalid("linacc and angacc are in the axes of the world: they exclude relative_to")
         self._check_numbers()
@@ -226,36 +229,36 @@ class SensorSection(Section):
             for glob, value in (getattr(self, key) or {}).items():
                 names = [name for name in self.measured if fits(name, glob)]
                 if not names:
-                    raise invalid(f"{key} names {glob}, but measured are {', '.join(self.measured)}")
+                    raise invalid(f"{key} names {glob}, but the sensor measures {', '.join(self.measured)}")
                 for name in names if isinstance(value, TypedNumber) else ():
-                    if value.measure not in MEASURED.get(f"{self.type}.{name}", ()):
+                    if value.measure not in MEASURES_WITH_UNIT.get(f"{self.type}.{name}", ()):
                         raise invalid(f"{key}: {name} is no {value.measure}, as {value.typed!r} is")
         for name in self.cutoff or {}:
-            if name in UNBOUNDED:
-                raise invalid(f"cutoff does not go with {name}, a direction")
+            if name in WITHOUT_CUTOFF:
+                raise invalid(f"cutoff does not apply to {name}, which is a direction")
 
     @property
     def measured(self) -> tuple[str, ...]:
-        """What is measured, in its order."""
+        """The measurements, in order."""
         if self.measure is not None:
             return self.measure
-        return UNLESS_SAID.get(self.type, tuple(MEASURES[self.type]))
+        return DEFAULT_MEASURES.get(self.type, tuple(MEASURES[self.type]))
 
     def noise_of(self, measured: str) -> float:
-        """The standard deviation of one thing that is measured."""
+        """Returns the standard deviation of a measurement."""
         return float(self.typed("noise", measured))
 
     def cutoff_of(self, measured: str) -> float:
-        """The largest value of one thing that is measured; 0 for none."""
-        return 0.0 if measured in UNBOUNDED else float(self.typed("cutoff", measured))
+        """Returns the largest value of a measurement; 0 for no limit."""
+        return 0.0 if measured in WITHOUT_CUTOFF else float(self.typed("cutoff", measured))
 
     def typed(self, key: Literal["noise", "cutoff"], measured: str) -> float:
-        """A number of one thing that is measured, with the unit that it was typed with."""
+        """Returns a number for a measurement, with the unit that it was typed with."""
         return _last(getattr(self, key) or {}, measured)
 
 
 def _last(values: Mapping[str, float], measured: str) -> float:
-    """Of the entries that match, the last one's."""
+    """Returns the value of the last entry that matches."""
     return next((value for glob, value in reversed(list(values.items())) if fits(measured, glob)), 0.0)
 
 

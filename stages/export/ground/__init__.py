@@ -1,1 +1,1 @@
-"""Where a robot stands: how far it reaches, and what touches the ground."""
+"""The placement of a robot in the scene: its extents, and its contacts with the ground."""

@@ -1,4 +1,4 @@
-"""How far the shapes of a robot reach in a direction."""
+"""Measures how far the shapes of a robot reach in a direction."""
 
 from collections.abc import Iterable, Mapping
 
@@ -10,7 +10,7 @@ from linkwright.stages.robot.model.robot import Array, Primitive
 
 
 class Extents:
-    """The shapes of links, where these are at the poses `world_from_link`."""
+    """The extents of a robot's shapes, with its links at the poses `world_from_link` (4, 4)."""
 
     def __init__(self, geometry: Geometry, world_from_link: Mapping[str, Array]) -> None:
         self._geometry = geometry
@@ -20,18 +20,22 @@ class Extents:
         for shape in geometry.shapes:
             self._shapes.setdefault((shape.link, shape.role), []).append(shape)
 
-    def least(self, links: Iterable[str], role: Role, direction: Array) -> float:
-        """The least of direction · x [m] over all points x in the world of these links' shapes; infinite
-        where they have none. `direction` (3,), a unit vector in the world."""
+    def min_along(self, links: Iterable[str], role: Role, direction: Array) -> float:
+        """Returns the minimum of direction · x [m] over all points x of these links' shapes in the world;
+        infinite without shapes. `direction` (3,): a unit vector in the world."""
         return min(
-            (self._least(shape, direction) for link in links for shape in self._shapes.get((link, role), ())),
+            (
+                self._min_of_shape(shape, direction)
+                for link in links
+                for shape in self._shapes.get((link, role), ())
+            ),
             default=np.inf,
         )
 
-    def below(self, link: str, role: Role, direction: Array, limit: float) -> Array:
-        """The corners (n, 3) [m] of a link's shapes, in the world, with direction · x up to `limit`. Of what
-        is round the points are those that lie the furthest against the direction; of a disc that lies flat,
-        some of its rim."""
+    def points_below(self, link: str, role: Role, direction: Array, limit: float) -> Array:
+        """Returns the corners (n, 3) [m] of a link's shapes, in the world, with direction · x up to `limit`.
+        A round shape has the points that are the furthest against the direction, and a disc that lies flat
+        has points of its rim."""
         parts = [np.zeros((0, 3))]
         for shape in self._shapes.get((link, role), ()):
             pose = self._poses[link]
@@ -42,28 +46,29 @@ class Extents:
         return np.concatenate(parts)
 
     def box(self) -> tuple[Array, Array]:
-        """The lower and upper corner (3,) [m] of the box around everything; infinite without a shape."""
+        """Returns the lower and upper corner (3,) [m] of the box around all shapes; infinite without a
+        shape."""
         low, high = np.full(3, np.inf), np.full(3, -np.inf)
-        for shape in (shape for every in self._shapes.values() for shape in every):
-            own = self._box(shape)
-            low, high = np.minimum(low, own[0]), np.maximum(high, own[1])
+        for shape in (shape for shapes in self._shapes.values() for shape in shapes):
+            shape_box = self._box(shape)
+            low, high = np.minimum(low, shape_box[0]), np.maximum(high, shape_box[1])
         return low, high
 
     def _box(self, shape: Shape) -> tuple[Array, Array]:
         if shape.file is None:
-            ends = [self._least(shape, sign * axis) for sign in (1.0, -1.0) for axis in np.eye(3)]
+            ends = [self._min_of_shape(shape, sign * axis) for sign in (1.0, -1.0) for axis in np.eye(3)]
             return np.array(ends[:3]), -np.array(ends[3:])
         pose = self._poses[shape.link]
         points = self._mesh(shape.file) @ pose[:3, :3].T
         low, high = points.min(axis=0, initial=np.inf), points.max(axis=0, initial=-np.inf)
         return low + pose[:3, 3], high + pose[:3, 3]
 
-    def _least(self, shape: Shape, direction: Array) -> float:
+    def _min_of_shape(self, shape: Shape, direction: Array) -> float:
         world_from_link = self._poses[shape.link]
         along = world_from_link[:3, :3].T @ direction
         offset = float(direction @ world_from_link[:3, 3])
         if shape.primitive is not None:
-            return offset + _least_of_primitive(shape.primitive, along)
+            return offset + _min_of_primitive(shape.primitive, along)
         assert shape.file is not None
         return offset + float((self._mesh(shape.file) @ along).min(initial=np.inf))
 
@@ -73,26 +78,26 @@ class Extents:
         return self._points[file]
 
 
-def _least_of_primitive(shape: Primitive, direction: Array) -> float:
-    """The least of direction · x over a primitive's points, in the frame of its link."""
-    middle = float(direction @ shape.link_from_shape[:3, 3])
+def _min_of_primitive(shape: Primitive, direction: Array) -> float:
+    """Returns the minimum of direction · x over a primitive's points, in the frame of its link."""
+    center = float(direction @ shape.link_from_shape[:3, 3])
     along = shape.link_from_shape[:3, :3].T @ direction
     if shape.kind == "box":
-        return middle - float(np.abs(along) @ shape.size) / 2
+        return center - float(np.abs(along) @ shape.size) / 2
     radius = shape.size[0]
     if shape.kind == "sphere":
-        return middle - radius
+        return center - radius
     half = shape.size[1] / 2
-    wide = radius if shape.kind == "capsule" else radius * float(np.hypot(along[0], along[1]))
-    return middle - abs(float(along[2])) * half - wide
+    reach = radius if shape.kind == "capsule" else radius * float(np.hypot(along[0], along[1]))
+    return center - abs(float(along[2])) * half - reach
 
 
-RIM = 16
-"""The points of the rim of a cylinder."""
+RIM_POINTS = 16
+"""Number of points on each rim of a cylinder."""
 
 
 def _corners(shape: Primitive | None, direction: Array) -> Array:
-    """The points (n, 3) of a primitive, in the frame of its link, on which it can lie."""
+    """Returns the points (n, 3) of a primitive, in the frame of its link, on which it can lie."""
     assert shape is not None
     along = shape.link_from_shape[:3, :3].T @ direction
     if shape.kind == "box":
@@ -102,12 +107,13 @@ def _corners(shape: Primitive | None, direction: Array) -> Array:
     else:
         half = shape.size[1] / 2 if shape.kind == "capsule" else 0.0
         points = np.array([[0.0, 0.0, -half], [0.0, 0.0, half]]) - shape.size[0] * along
-    moved: Array = points @ shape.link_from_shape[:3, :3].T + shape.link_from_shape[:3, 3]
-    return moved
+    in_link: Array = points @ shape.link_from_shape[:3, :3].T + shape.link_from_shape[:3, 3]
+    return in_link
 
 
 def _rims(radius: float, length: float, along: Array) -> Array:
-    """The points of both rims of a cylinder, beginning with those that lie the furthest against `along`."""
-    angles = np.arctan2(-along[1], -along[0]) + 2 * np.pi * np.arange(RIM) / RIM
-    rim = radius * np.stack([np.cos(angles), np.sin(angles), np.zeros(RIM)], axis=1)
+    """Returns the points of both rims of a cylinder. Each rim begins with its furthest point against
+    `along`."""
+    angles = np.arctan2(-along[1], -along[0]) + 2 * np.pi * np.arange(RIM_POINTS) / RIM_POINTS
+    rim = radius * np.stack([np.cos(angles), np.sin(angles), np.zeros(RIM_POINTS)], axis=1)
     return np.concatenate([rim + np.array([0.0, 0.0, end]) for end in (-length / 2, length / 2)])

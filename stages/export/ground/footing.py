@@ -1,9 +1,10 @@
-"""Where a free robot stands at a pose: the points that touch the ground, and the weight that each carries."""
+"""Finds the points on which a free robot stands at a pose, and the weight that each of them carries."""
 
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+import scipy
 
 from linkwright.stages.export.ground.extents import Extents
 from linkwright.stages.robot.dynamics.statics import GroundSupport
@@ -15,19 +16,18 @@ from linkwright.stages.robot.motion.kinematics import link_poses
 if TYPE_CHECKING:
     from linkwright.stages.export.configuration.scene_section import GroundSection
 
-NEAR = 2e-3
-"""What is no further than this [m] above the ground touches it."""
+MAX_HEIGHT = 2e-3
+"""Largest height [m] above the ground of points that touch it."""
 
-CORNERS = 16
-"""The points of a link that touch the ground are represented by those that lie furthest in this many
-directions."""
+DIRECTIONS = 16
+"""Number of directions in the plane of the ground. The furthest point of a link in each of them represents
+all its points that touch the ground."""
 
-EXACT = 1e-6
-"""What a balance may be off, as a share of the weight times the size of the footing."""
+BALANCE_TOLERANCE = 1e-6
+"""Tolerance of a balance, as a share of the weight times the size of the footing."""
 
-_STRONG = 1e3
-"""How much more the balance counts than the sum of squares, which chooses among the ways to share a
-weight."""
+_BALANCE_WEIGHT = 1e3
+"""Weight of the balance relative to the sum of squares, which chooses among the ways to share a weight."""
 
 
 def supports(
@@ -38,10 +38,10 @@ def supports(
     q: Configuration,
     up: Array,
 ) -> tuple[GroundSupport, ...]:
-    """The points on which the robot stands at `q`, with its root link at `world_from_root`, where the forces
-    of the ground, all of them along `up` (3,) [m/s², in the root link's axes], balance its weight: of all
-    such forces those with the least sum of squares. Empty where the robot does not stand: nothing touches the
-    ground, or the centre of mass is not above the points that do."""
+    """Returns the points on which the robot stands at `q`, and the forces of the ground that balance its
+    weight. The forces are along `up` (3,) [m/s², in the root link's axes], and have the least sum of squares.
+    Returns () if the robot does not stand: nothing touches the ground, or the centre of mass is not above the
+    points that do. `world_from_root` (4, 4): the pose of the root link."""
     if ground.kind == "none" or not np.any(up):
         return ()
     contacts = list(touching(robot, geometry, world_from_root, ground, q))
@@ -58,34 +58,31 @@ def supports(
 
 
 def balanced(points: Array, center: Array, up: Array) -> Array:
-    """The share (n,) of a weight at `center` (3,) that each of the points (n, 3) carries, forces along `up`
-    (3,); all zero where no forces that only push balance it.
+    """Returns the share (n,) of a weight at `center` (3,) that each of the points (n, 3) carries, with forces
+    along `up` (3,); all zero if no forces that only push balance the weight.
 
-    The least sum of squares under the balance of forces and moments: non-negative least squares (Lawson and
-    Hanson, "Solving Least Squares Problems", chapter 23), in which the balance counts `_STRONG` times as
-    much, and then exactly by the points that it chooses.
+    The shares have the least sum of squares under the balance of forces and moments. Non-negative least
+    squares (Lawson and Hanson, "Solving Least Squares Problems", chapter 23), with the balance as rows of
+    weight `_BALANCE_WEIGHT`, choose the points; the exact shares of these points follow by the pseudoinverse.
     """
-    # Late: only robots that stand need it, and it takes a while to import.
-    from scipy.optimize import nnls
-
-    flat = (points - center) @ _across(up).T
-    rows = np.vstack([np.ones(len(flat)), flat.T / max(float(np.abs(flat).max()), 1e-9)])
-    wanted = np.array([1.0, 0.0, 0.0])
-    rough, _ = nnls(
-        np.vstack([_STRONG * rows, np.eye(len(flat))]),
-        np.concatenate([_STRONG * wanted, np.zeros(len(flat))]),
+    in_plane = (points - center) @ _plane_axes(up).T
+    rows = np.vstack([np.ones(len(in_plane)), in_plane.T / max(float(np.abs(in_plane).max()), 1e-9)])
+    balance = np.array([1.0, 0.0, 0.0])
+    approximate, _ = scipy.optimize.nnls(
+        np.vstack([_BALANCE_WEIGHT * rows, np.eye(len(in_plane))]),
+        np.concatenate([_BALANCE_WEIGHT * balance, np.zeros(len(in_plane))]),
     )
     # What is smaller is rounding, which differs between machines.
-    used = rough > 0.1 * EXACT
-    shares = np.zeros(len(flat))
-    shares[used] = np.linalg.pinv(rows[:, used]) @ wanted
-    off = np.abs(rows @ shares - wanted).max()
-    stands = off <= EXACT and shares.min() >= -EXACT
-    return np.maximum(shares, 0.0) if stands else np.zeros(len(flat))
+    used = approximate > 0.1 * BALANCE_TOLERANCE
+    shares = np.zeros(len(in_plane))
+    shares[used] = np.linalg.pinv(rows[:, used]) @ balance
+    error = np.abs(rows @ shares - balance).max()
+    stands = error <= BALANCE_TOLERANCE and shares.min() >= -BALANCE_TOLERANCE
+    return np.maximum(shares, 0.0) if stands else np.zeros(len(in_plane))
 
 
 def mass_and_center(robot: Robot, q: Configuration) -> tuple[float, Array]:
-    """The mass [kg] of the whole robot at `q`, and its centre (3,) [m] in the root link's axes."""
+    """Returns the robot's mass [kg], and its centre of mass (3,) [m] at `q` in the root link's axes."""
     poses = link_poses(robot, q)
     mass = sum(link.inertial.mass for link in robot.links)
     moment = sum(
@@ -98,30 +95,32 @@ def mass_and_center(robot: Robot, q: Configuration) -> tuple[float, Array]:
 def touching(
     robot: Robot, geometry: Geometry, world_from_root: Array, ground: "GroundSection", q: Configuration
 ) -> Iterator[tuple[str, Array]]:
-    """(link, point (3,) [m] in the root link's axes) of the colliders on the ground."""
+    """Yields (link, point (3,) [m] in the root link's axes) for the points of colliders that touch the
+    ground."""
     normal = rotation_from_rpy(ground.rpy)[:, 2]
     poses = link_poses(robot, q)
     extents = Extents(geometry, {link: world_from_root @ pose for link, pose in poses.items()})
     root_from_world = inverse(world_from_root)
-    limit = float(normal @ ground.xyz) + NEAR
+    limit = float(normal @ ground.xyz) + MAX_HEIGHT
     for link in robot.links:
-        low = extents.below(link.name, "collision", normal, limit)
-        for point in _corners(low, normal):
+        touching_points = extents.points_below(link.name, "collision", normal, limit)
+        for point in _furthest_points(touching_points, normal):
             yield link.name, (root_from_world @ np.append(point, 1.0))[:3]
 
 
-def _corners(points: Array, normal: Array) -> Sequence[Array]:
-    """Those of the points (n, 3) that lie furthest in `CORNERS` directions across the normal."""
+def _furthest_points(points: Array, normal: Array) -> Sequence[Array]:
+    """Returns the points of (n, 3) that are the furthest in `DIRECTIONS` directions perpendicular to the
+    normal."""
     if not len(points):
         return []
-    angles = 2 * np.pi * np.arange(CORNERS) / CORNERS
+    angles = 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
     directions = np.stack([np.cos(angles), np.sin(angles)])
-    chosen = np.unique((points @ _across(normal).T @ directions).argmax(axis=0))
-    return [points[index] for index in chosen]
+    furthest = np.unique((points @ _plane_axes(normal).T @ directions).argmax(axis=0))
+    return [points[index] for index in furthest]
 
 
-def _across(direction: Array) -> Array:
-    """Two unit vectors (2, 3) at right angles to a direction (3,) and to each other."""
-    first = np.cross(direction, np.eye(3)[np.abs(direction).argmin()])
-    second = np.cross(direction, first)
-    return np.stack([first / np.linalg.norm(first), second / np.linalg.norm(second)])
+def _plane_axes(direction: Array) -> Array:
+    """Returns two unit vectors (2, 3) perpendicular to a direction (3,) and to each other."""
+    x_axis = np.cross(direction, np.eye(3)[np.abs(direction).argmin()])
+    y_axis = np.cross(direction, x_axis)
+    return np.stack([x_axis / np.linalg.norm(x_axis), y_axis / np.linalg.norm(y_axis)])

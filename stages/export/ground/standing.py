@@ -1,4 +1,4 @@
-"""Where the scene puts the robot: on the ground, or where the configuration says."""
+"""Places the robot in the scene: on the ground, or at the configured pose."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -18,75 +18,82 @@ if TYPE_CHECKING:
     from linkwright.stages.export.configuration.scene_section import GroundSection
     from linkwright.stages.export.section import ExportSections
 
-STEEPEST = 0.1
-"""The least vertical part of the unit normal of a ground that a robot is put on."""
+MIN_NORMAL_Z = 0.1
+"""Smallest vertical part of the unit normal of a ground on which a robot is put."""
 
-BELOW = 5e-4
-"""How deep [m] a link of a fixed robot may be in the ground before it is reported."""
+MAX_DEPTH = 5e-4
+"""Largest depth [m] of a link in the ground that is not reported."""
 
-
-SLACK = 2e-3
-"""How far [m] the lowest collider of a fixed robot may be above or below the ground with the robot where CAD
-has it: a collider may be that much larger or smaller than the part."""
+MAX_GAP = 2e-3
+"""Largest distance [m] between the ground and the lowest collider of a fixed robot at which the robot keeps
+its pose in CAD: a collider may be that much larger or smaller than the part."""
 
 
 class Placed(Protocol):
-    """Gives the root link's pose (4, 4) with the dofs at these values, in the keyframe of this name."""
+    """Returns the root link's pose (4, 4) with the dofs at `values`, in the keyframe of this name."""
 
     def __call__(self, values: Configuration, keyframe: str = "") -> Array: ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stance:
-    """`world_from_root` (4, 4): the root link's pose at `home`. `low`, `high` (3,) [m]: the corners of the
-    box around the robot there, infinite where it has no shapes. `placed`: the root link's pose with the dofs
-    at other values, since a free robot with bent legs touches the ground with its root lower down, in the
-    keyframe of this name, "" for none."""
+class Placement:
+    """The pose of a robot in the scene."""
 
     world_from_root: Array
+    """The root link's pose (4, 4) at `home`."""
+
     low: Array
+    """The lower corner (3,) [m] of the box around the robot at `home`; infinite without shapes."""
+
     high: Array
+    """The upper corner (3,) [m] of that box."""
+
     placed: "Placed"
+    """Returns the root link's pose at other values of the dofs: a free robot with bent legs touches the
+    ground with its root lower down."""
+
     diagnostics: tuple[Diagnostic, ...] = ()
 
 
-def stand(robot: Robot, geometry: Geometry, keys: "ExportSections") -> Stance:
-    """Where the scene puts the robot, by the keys `scene.pose` and `ground`, or where an MJCF source has it
-    on a ground of its own.
+def stand(robot: Robot, geometry: Geometry, keys: "ExportSections") -> Placement:
+    """Returns the placement of the robot by the keys `scene.pose` and `ground`, or by an MJCF source with a
+    ground of its own.
 
-    ExportError where it is to touch a ground that is too steep; W-GROUND for each link that reaches into
-    the ground at `home`.
+    Raises ExportError if the robot should touch a ground that is too steep. Reports each link that reaches
+    into the ground at `home` (W-GROUND).
     """
     pose, ground = keys.scene.pose, keys.ground
-    given = from_parts(rotation_from_rpy(pose.rpy), np.array(pose.xyz))
-    in_keyframes = roots_in_source(robot) if pose.kind == "touch" and stands_in_source(robot, keys) else {}
-    given = in_keyframes.get("", given)
+    pose_of_root = from_parts(rotation_from_rpy(pose.rpy), np.array(pose.xyz))
+    source_poses = roots_in_source(robot) if pose.kind == "touch" and stands_in_source(robot, keys) else {}
+    pose_of_root = source_poses.get("", pose_of_root)
     touches = pose.kind == "touch" and ground.kind != "none"
 
     def height(extents: Extents) -> float:
         rise = _height(robot, extents, ground) if touches else 0.0
-        return 0.0 if robot.base.fixed and abs(rise) <= SLACK else rise
+        return 0.0 if robot.base.fixed and abs(rise) <= MAX_GAP else rise
 
-    at_home = home(robot)
-    extents = _extents(robot, geometry, given, at_home)
+    home_values = home(robot)
+    extents = _extents(robot, geometry, pose_of_root, home_values)
     rise = height(extents)
-    world_from_root = _risen(given, rise)
+    world_from_root = _raised(pose_of_root, rise)
 
     def placed(values: Configuration, keyframe: str = "") -> Array:
-        if in_keyframes:
-            return in_keyframes.get(keyframe, world_from_root)
-        same = all(values[dof.name] == at_home[dof.name] for dof in robot.dofs)
-        if same or not touches or robot.base.fixed:
+        if source_poses:
+            return source_poses.get(keyframe, world_from_root)
+        is_home = all(values[dof.name] == home_values[dof.name] for dof in robot.dofs)
+        if is_home or not touches or robot.base.fixed:
             return world_from_root
-        return _risen(given, height(_extents(robot, geometry, given, values)))
+        return _raised(pose_of_root, height(_extents(robot, geometry, pose_of_root, values)))
 
     low, high = (corner + np.array([0.0, 0.0, rise]) for corner in extents.box())
-    found = () if ground.kind == "none" else tuple(_below(robot, extents, ground, rise))
-    return Stance(world_from_root, low, high, placed, found)
+    diagnostics = (
+        () if ground.kind == "none" else tuple(_report_links_in_ground(robot, extents, ground, rise))
+    )
+    return Placement(world_from_root, low, high, placed, diagnostics)
 
 
 def stands_in_source(robot: Robot, keys: "ExportSections") -> bool:
-    """Whether the robot's MJCF source has a ground of its own, which the scene has too."""
+    """Returns whether the robot's MJCF source has a ground of its own that the scene keeps."""
     return robot.mjcf is not None and robot.mjcf.has_ground and keys.scene.surroundings == "keep"
 
 
@@ -95,10 +102,10 @@ def _extents(robot: Robot, geometry: Geometry, world_from_root: Array, values: C
     return Extents(geometry, {link: world_from_root @ pose for link, pose in poses.items()})
 
 
-def _risen(pose: Array, height: float) -> Array:
-    risen = pose.copy()
-    risen[2, 3] += height
-    return risen
+def _raised(pose: Array, height: float) -> Array:
+    raised = pose.copy()
+    raised[2, 3] += height
+    return raised
 
 
 def _normal(ground: "GroundSection") -> Array:
@@ -107,24 +114,24 @@ def _normal(ground: "GroundSection") -> Array:
 
 
 def _height(robot: Robot, extents: Extents, ground: "GroundSection") -> float:
-    """How far [m] the robot has to rise to touch the ground's plane; 0 without a shape that can."""
+    """Returns how far [m] the robot has to rise to touch the ground's plane; 0 without a shape that can."""
     normal = _normal(ground)
-    if normal[2] < STEEPEST:
-        msg = "the ground is too steep for a robot that is moved along the vertical to stand on"
+    if normal[2] < MIN_NORMAL_Z:
+        msg = "the ground is too steep: a robot that is lowered vertically cannot stand on it"
         raise ExportError(msg, "scene.pose", "give the pose: `scene: {pose: {xyz: [0, 0, 0.5]}}`")
     links = _standing_links(robot)
-    lowest = extents.least(links, "collision", normal)
+    lowest = extents.min_along(links, "collision", normal)
     if not np.isfinite(lowest):
-        lowest = extents.least(links, "visual", normal)
+        lowest = extents.min_along(links, "visual", normal)
     if not np.isfinite(lowest):
         return 0.0
-    # Single precision meshes know no nanometres, and the digits below differ between machines.
+    # Meshes of single precision are not exact to a nanometre, and smaller digits differ between machines.
     return round(float((normal @ ground.xyz - lowest) / normal[2]), 9)
 
 
 def _standing_links(robot: Robot) -> list[str]:
-    """The links that may touch the ground: all of a free robot; of a fixed one the root and all that is rigid
-    with it."""
+    """Returns the links that may touch the ground: all links of a free robot; the root of a fixed robot and
+    the links that are rigid with it."""
     if not robot.base.fixed:
         return [link.name for link in robot.links]
     rigid = {robot.root.name}
@@ -134,15 +141,17 @@ def _standing_links(robot: Robot) -> list[str]:
     return [link.name for link in robot.links if link.name in rigid]
 
 
-def _below(robot: Robot, extents: Extents, ground: "GroundSection", height: float) -> Iterator[Diagnostic]:
-    """W-GROUND for the links whose colliders are in the ground."""
+def _report_links_in_ground(
+    robot: Robot, extents: Extents, ground: "GroundSection", height: float
+) -> Iterator[Diagnostic]:
+    """Reports the links whose colliders are in the ground (W-GROUND)."""
     normal = _normal(ground)
-    # MuJoCo lets nothing collide with the ground that is fixed to the world as that is.
+    # Links that are fixed to the world, as the ground is, do not collide with it in MuJoCo.
     rigid = set(_standing_links(robot)) if robot.base.fixed else set()
-    for link in (one.name for one in robot.links if one.name not in rigid):
-        lowest = extents.least([link], "collision", normal)
+    for link in (body.name for body in robot.links if body.name not in rigid):
+        lowest = extents.min_along([link], "collision", normal)
         depth = float(normal @ ground.xyz - lowest - normal[2] * height)
-        if depth > BELOW:
+        if depth > MAX_DEPTH:
             yield Diagnostic(
                 "W-GROUND",
                 f"its collider is {1000 * depth:.3g} mm in the ground at home",

@@ -1,4 +1,4 @@
-"""The table of losses: what each format cannot express, or has otherwise, with the message and the hint."""
+"""Lists what each format cannot express or expresses differently, with the message and the hint."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -11,10 +11,10 @@ from linkwright.stages.export.writer import Case
 from linkwright.stages.robot.errors import Diagnostic
 
 LOSSES: tuple[Loss, ...] = (*JOINTS, *CONTACTS, *CONTROL)
-"""All losses, in the order in which a build reports those of a format."""
+"""All losses, in the order in which a build reports them for a format."""
 
 
 def losses(case: Case[Any]) -> Iterator[Diagnostic]:
-    """A diagnostic for each kind of loss that the robot has in its format."""
+    """Yields a diagnostic for each kind of loss that the robot has in the format of the case."""
     for loss in LOSSES:
         yield from loss.diagnostics(case)

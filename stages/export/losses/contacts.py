@@ -1,12 +1,12 @@
-"""What formats lose of contacts: properties, and pairs of links that do or do not collide."""
+"""Lists losses of contacts: properties, and pairs of links that do or do not collide."""
 
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from linkwright.stages.export.losses.loss import Loss
-from linkwright.stages.export.mjcf.contact.filters import CLASSES
-from linkwright.stages.export.sdf.contacts import BITS, LOW
-from linkwright.stages.export.urdf.srdf.disabled import MOST_LINKS
+from linkwright.stages.export.mjcf.contact.filters import MAX_CLASSES
+from linkwright.stages.export.sdf.contacts import DEFAULT_BITS, MASK_BITS
+from linkwright.stages.export.urdf.srdf.disabled import MAX_LINKS
 from linkwright.stages.export.writer import Case
 from linkwright.stages.robot.motion.adjacency import Pair
 from linkwright.stages.robot.text.globs import listed
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 
 def _properties(case: Case[Any]) -> Iterator[str]:
-    """The properties of contact that a format lacks, by link: SDF and USD have friction, and a SDF that of a
-    slide only."""
+    """Yields, by link, the contact properties that a format lacks. SDF and USD have friction; SDF has only
+    sliding friction."""
     lost = {}
     for shape in case.written.shapes.shapes:
         if shape.contact is not None and shape.role == "collision":
@@ -35,12 +35,12 @@ def _pairs(pairs: Iterable[Pair]) -> list[str]:
 
 
 def _touching_at_home(case: "Case[SrdfPlan]") -> list[str]:
-    apart = {pair for pair, _ in case.plan.disabled.pairs}
+    disabled = {pair for pair, _ in case.plan.disabled.pairs}
     touching = [(contact.link_a, contact.link_b) for contact in case.written.shapes.touching]
-    return _pairs(pair for pair in touching if pair not in apart)
+    return _pairs(pair for pair in touching if pair not in disabled)
 
 
-def _none_collide(case: Case[Any]) -> bool:
+def _no_self_contact(case: Case[Any]) -> bool:
     shapes = case.written.shapes
     return not shapes.self_contact and any(shape.role == "collision" for shape in shapes.shapes)
 
@@ -49,58 +49,58 @@ CONTACTS = (
     Loss(
         {"mjcf": "W-WIDE-EXCLUDE"},
         lambda case: _pairs(case.plan.wide),
-        f"MuJoCo tells {CLASSES} classes of colliders of the world apart, and more are needed, so these "
-        "links do not collide at all, where only some of their colliders should not: {}",
-        "links with fewer colliders, or others in contact.exclude, leave classes for these",
+        f"MuJoCo distinguishes {MAX_CLASSES} classes of the world's colliders, and more are needed, so these "
+        "links collide with nothing of the world, although only some colliders should be excluded: {}",
+        "use fewer colliders in `world`, or exclude other pairs in contact.exclude",
     ),
     Loss(
         {"urdf": "I-URDF-CONTACT"},
         _properties,
-        "URDF has no properties of contact, so these are left out: {}",
+        "URDF has no contact properties, so these are left out: {}",
         "use the MJCF",
         "; ".join,
     ),
     Loss(
         {"sdf": "I-SDF-CONTACT", "usd": "I-USD-CONTACT"},
         _properties,
-        "{format} has no such properties of contact, so these are left out: {}",
+        "{format} has no such contact properties, so these are left out: {}",
         "use the MJCF",
         "; ".join,
     ),
     Loss(
         {"sdf": "I-SDF-SELF"},
         lambda case: case.written.shapes.self_contact and not case.plan.contacts.collides,
-        f"{LOW} bits of a mask do not suffice for the pairs of links that must not collide, so the SDF's "
-        "links do not collide with each other at all",
+        f"{DEFAULT_BITS} bits of a mask do not suffice for the pairs of links that must not collide, so "
+        "the SDF's links do not collide with each other at all",
         "use the MJCF where they must",
     ),
     Loss(
         {"sdf": "I-SDF-SELF"},
         lambda case: _pairs(case.plan.contacts.lost),
-        f"{BITS} bits of a mask do not suffice to keep only those links from colliding that must not, so "
-        "these do not collide either: {}",
+        f"{MASK_BITS} bits of a mask do not suffice to exclude only the pairs of links that must not "
+        "collide, so these do not collide either: {}",
         "use the MJCF where they must",
         listed,
     ),
     Loss(
         {"srdf": "I-SRDF-SELF"},
-        _none_collide,
-        "the links do not collide with each other (contact.self: none), so it is not known which pairs "
-        "always or never touch: MoveIt checks all that no joint joins",
+        _no_self_contact,
+        "the links do not collide with each other (contact.self: none), so it is unknown which pairs always "
+        "or never touch: MoveIt checks all pairs that no joint connects",
         "contact.self=auto finds them",
     ),
     Loss(
         {"srdf": "I-SRDF-MANY"},
         lambda case: not case.plan.disabled.worked_out,
-        f"more than {MOST_LINKS} links collide, so it is not worked out which of them never meet: MoveIt "
-        "checks all pairs that no joint joins",
+        f"more than {MAX_LINKS} links collide, too many to find out which of them never meet: MoveIt checks "
+        "all pairs that no joint connects",
     ),
     Loss(
         {"srdf": "I-SRDF-PARTLY"},
         lambda case: _pairs(case.plan.disabled.partly),
-        "an SRDF knows only whole links, so these do not collide at all, where only some of their colliders "
-        "touch in every pose: {}",
-        "the MJCF leaves out single colliders",
+        "an SRDF can only exclude whole links, so these do not collide at all, although only some of their "
+        "colliders touch in every pose: {}",
+        "the MJCF excludes single colliders",
         "; ".join,
     ),
     Loss(

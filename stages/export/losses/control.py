@@ -1,4 +1,4 @@
-"""What formats lose of control: what drives, measures and plans, what ROS 2 commands, and names."""
+"""Lists losses of control: actuators, sensors, planning groups, commands of ROS 2, and names."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
@@ -17,18 +17,18 @@ def _mjcf_merged(case: Case[Any]) -> Iterator[str]:
         yield f"{link} into {case.written.as_mjcf.held[link][0]}"
 
 
-def _poses_beside_home(case: Case[Any]) -> list[str]:
+def _other_keyframes(case: Case[Any]) -> list[str]:
     return [keyframe.name for keyframe in case.robot.keyframes if keyframe.name != HOME]
 
 
 def _renamed(case: Case[Any]) -> list[str]:
-    return [f"the {kind} {name!r} is {written!r}" for kind, name, written in case.plan.names.changed]
+    return [f"the {kind} {name!r} is {new_name!r}" for kind, name, new_name in case.plan.names.changed]
 
 
 def _ros2_renamed(case: "Case[Ros2Plan]") -> Iterator[str]:
     for kind, names in case.plan.description.names.renamed.items():
-        for name, written in names.items():
-            yield f"the {kind[:-1]} {name!r} is {written!r}"
+        for name, new_name in names.items():
+            yield f"the {kind[:-1]} {name!r} is {new_name!r}"
 
 
 def _passive(case: "Case[Ros2Plan]") -> Iterator[str]:
@@ -48,7 +48,7 @@ CONTROL = (
         {"srdf": "I-SRDF-FREE"},
         free_joints,
         "no group moves a joint of six degrees of freedom, and no pose has its value: {}",
-        "MoveIt takes the poses of these links from what publishes their states",
+        "MoveIt takes the poses of these links from the node that publishes their states",
     ),
     Loss(
         {"srdf": "I-SRDF-LOOP"},
@@ -71,9 +71,9 @@ CONTROL = (
     Loss(
         {"sdf": "I-SDF-TORQUE"},
         lambda case: [sensor.name for sensor in case.plan.sensors.mounted if sensor.aside],
-        "SDF measures torques about the origin of the joint above, in the axes of the sensor, so these, "
-        "which are elsewhere on their links, measure others than in the MJCF: {}",
-        "the torque about the sensor is the SDF's less (sensor − joint) × force; forces are the same",
+        "SDF measures torques about the origin of the joint above, in the axes of the sensor, so these "
+        "sensors, which are elsewhere on their links, give other torques than in the MJCF: {}",
+        "subtract (sensor − joint) × force from the SDF's torque; forces are the same",
     ),
     Loss(
         {"sdf": "I-SDF-NAME"},
@@ -84,20 +84,20 @@ CONTROL = (
     Loss(
         {"usd": "I-USD-SENSOR"},
         lambda case: [sensor.name for sensor in case.plan.sensing.sensors],
-        "USD has no sensors but cameras, so these are left out: {}",
-        "their places are Xforms of the links: add the sensors of Isaac Sim or Newton there",
+        "USD has no sensors except cameras, so these are left out: {}",
+        "Xforms on the links mark their poses: add the sensors of Isaac Sim or Newton there",
     ),
     Loss(
         {"usd": "I-USD-KEYFRAME"},
-        _poses_beside_home,
+        _other_keyframes,
         "a USD has one pose, which is `home`, so these are left out: {}",
         "the MJCF has them as keyframes",
     ),
     Loss(
         {"usd": "I-USD-NAME"},
         _renamed,
-        "a name in a USD has letters of ASCII, digits and _ alone, and no digit first: {}",
-        "the prim shows the name as it was (displayName)",
+        "names in a USD consist of ASCII letters, digits and _, and do not begin with a digit: {}",
+        "the prim's display name is the original name (displayName)",
     ),
     Loss(
         {"ros2": "I-ROS2-NAME"},
@@ -109,14 +109,14 @@ CONTROL = (
     Loss(
         {"ros2": "I-ROS2-PASSIVE"},
         _passive,
-        "nothing drives these joints, so ros2_control has no command interface of them, and mock hardware "
+        "nothing drives these joints, so ros2_control has no command interface for them, and mock hardware "
         "leaves them at home: {}",
         "`actuators` says what drives a joint",
     ),
     Loss(
         {"ros2": "I-ROS2-FOLLOWER"},
         lambda case: case.plan.control.held_back,
-        "ros2_control commands no joints that follow others, so their actuators are left out: {}",
+        "ros2_control does not command joints that follow others, so their actuators are left out: {}",
         "command the joints that they follow",
     ),
     Loss(

@@ -1,11 +1,11 @@
-"""What formats lose of joints, their drives, and loops."""
+"""Lists losses of joints, their drives, and loops."""
 
 import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from linkwright.stages.export.losses.loss import Loss
-from linkwright.stages.export.urdf.lowering import lower, unset
+from linkwright.stages.export.urdf.lowering import lower, unset_limits
 from linkwright.stages.export.writer import Case
 from linkwright.stages.formats.numbers import number
 from linkwright.stages.formats.urdf.names import urdf_names, urdf_steps
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from linkwright.stages.export.sdf.model import SdfPlan
     from linkwright.stages.export.usd.model import UsdPlan
 
-_SPECKS = f"links of {number(NEXT_TO_NOTHING)} kg between them"
+_SMALL_LINKS = f"links of {number(NEXT_TO_NOTHING)} kg between them"
 
 
 def _urdf_chains(case: Case[Any]) -> Iterator[str]:
@@ -27,7 +27,8 @@ def _urdf_chains(case: Case[Any]) -> Iterator[str]:
 
 
 def _chains(case: Case[Any]) -> Iterator[str]:
-    """Joints of several degrees of freedom, and those of loops, for which a USD may have a general joint."""
+    """Yields the joints of several degrees of freedom, also in loops. A USD may have general joints
+    instead."""
     names = case.plan.names.joints
     general = {joint.name for joint in case.plan.joints if not joint.type} if case.format == "usd" else ()
     joints: list[Joint | Loop] = [*case.robot.joints, *case.robot.loops]
@@ -38,7 +39,7 @@ def _chains(case: Case[Any]) -> Iterator[str]:
 
 
 def _balls(case: Case[Any]) -> list[Dof]:
-    """An SDF has joints for those of loops, too."""
+    """Returns the dofs of ball joints, which in an SDF include those of loops."""
     loops = case.robot.loops if case.format == "sdf" else ()
     joints: list[Joint | Loop] = [*case.robot.joints, *loops]
     return [dof for joint in joints for dof in joint.dofs if dof.kind == "ball"]
@@ -66,9 +67,9 @@ def _mjcf_ball_zeros(case: Case[Any]) -> Iterator[str]:
 
 
 def _sdf_zeros(case: "Case[SdfPlan]") -> Iterator[str]:
-    held = {dof.name for joint in case.robot.joints if joint.type != "free" for dof in joint.dofs}
+    tree_dofs = {dof.name for joint in case.robot.joints if joint.type != "free" for dof in joint.dofs}
     for name, value in case.plan.lowered.moved.items():
-        if name in held:
+        if name in tree_dofs:
             turn = isinstance(value, tuple)
             yield f"{name} ({f'turned by {_angle(value):.4g} deg' if turn else f'{value:.6g}'})"
 
@@ -80,7 +81,7 @@ def _usd_ball_starts(case: "Case[UsdPlan]") -> Iterator[str]:
 
 
 def _angle(turn: Value) -> float:
-    """The angle of a quaternion [deg]."""
+    """Returns the angle of a quaternion [deg]."""
     assert isinstance(turn, tuple)
     return math.degrees(2.0 * math.atan2(math.hypot(*turn[1:]), abs(turn[0])))
 
@@ -95,7 +96,7 @@ def _armatures(case: Case[Any]) -> list[str]:
 
 def _unset(case: Case[Any]) -> Iterator[str]:
     for dof in case.robot.dofs:
-        if keys := unset(dof):
+        if keys := unset_limits(dof):
             yield f"{dof.name}: {', '.join(keys)}"
 
 
@@ -113,16 +114,18 @@ def _urdf_loops(case: Case[Any]) -> Iterator[str]:
     if form.closed:
         yield f"closed by <mimic> joints alone: {', '.join(form.closed)}"
     if form.mimics:
-        yield f"exact along the loops: {'; '.join(map(_line, form.mimics))}"
+        yield f"exact along the loops: {'; '.join(map(_equation, form.mimics))}"
     if names := [loop.name for loop in loops if loop.name not in form.closed]:
         yield f"open, with a frame on either side (<name>_a, <name>_b): {', '.join(names)}"
     inexact = [coupling for coupling in form.couplings if not coupling.exact]
-    if nearly := [f"{_line(coupling)}, off by up to {coupling.error:.2g}" for coupling in inexact]:
-        yield f"not linear, so the best line is no <mimic>: {'; '.join(nearly)}"
+    if approximations := [
+        f"{_equation(coupling)}, off by up to {coupling.error:.2g}" for coupling in inexact
+    ]:
+        yield f"not linear, so the best line is no <mimic>: {'; '.join(approximations)}"
 
 
-def _line(coupling: LinearCoupling) -> str:
-    """A coupling as an equation."""
+def _equation(coupling: LinearCoupling) -> str:
+    """Returns a coupling as an equation."""
     offset = coupling.offset
     shift = "" if abs(offset) < 1e-6 else f" {'-' if offset < 0 else '+'} {abs(offset):.6g}"
     return f"{coupling.follower} = {coupling.multiplier:.6g} {coupling.driver}{shift}"
@@ -135,9 +138,9 @@ def _mixed_relations(case: Case[Any]) -> Iterator[str]:
             yield relation.follower
 
 
-def _lesser_drives(case: "Case[UsdPlan]") -> list[str]:
+def _reduced_drives(case: "Case[UsdPlan]") -> list[str]:
     drives = case.plan.drives
-    return [*drives.left_out, *(f"{name} (without its {what})" for name, what in drives.less)]
+    return [*drives.left_out, *(f"{name} (without its {lack})" for name, lack in drives.less)]
 
 
 def _urdf_merged(case: Case[Any]) -> Iterator[str]:
@@ -150,23 +153,24 @@ JOINTS = (
     Loss(
         {"urdf": "I-URDF-LOWERED"},
         _urdf_chains,
-        f"a URDF joint has one degree of freedom, so each of these is several joints, with {_SPECKS}: {{}}",
+        "a URDF joint has one degree of freedom, so each of these becomes several joints, with "
+        f"{_SMALL_LINKS}: {{}}",
         "the MJCF needs no such links; robot.json lists them under lowered",
         "; ".join,
     ),
     Loss(
         {"sdf": "I-SDF-LOWERED", "usd": "I-USD-LOWERED"},
         _chains,
-        f"each of these is several joints in the {{format}}, with {_SPECKS}: {{}}",
+        f"each of these becomes several joints in the {{format}}, with {_SMALL_LINKS}: {{}}",
         "the MJCF needs no such links",
         "; ".join,
     ),
     Loss(
         {"usd": "I-USD-LOOP"},
         lambda case: [loop.name for loop in case.robot.loops],
-        "PhysX (Isaac Sim) holds loops by joints outside of its articulation, and not every loop: these "
-        "may jump at the start, or fly apart: {}",
-        "try it there with armature and damping on the joints; MuJoCo holds the loops of the MJCF",
+        "PhysX (Isaac Sim) closes loops by joints outside its articulation, which does not work for every "
+        "loop: these may jump at the start, or fly apart: {}",
+        "try it there with armature and damping on the joints; MuJoCo closes the loops of the MJCF",
     ),
     Loss(
         {"mjcf": "W-BALL-CONE"},
@@ -190,7 +194,7 @@ JOINTS = (
     Loss(
         {"sdf": "I-SDF-BALL"},
         _damped_balls,
-        "SDF has no damping, friction, effort and velocity of a ball joint, so these have none: {}",
+        "SDF has no damping, friction, effort and velocity for ball joints, so these joints lose theirs: {}",
         "use the MJCF where they matter",
     ),
     Loss(
@@ -202,23 +206,23 @@ JOINTS = (
     Loss(
         {"sdf": "I-SDF-ZERO"},
         _sdf_zeros,
-        "an SDF counts its joints from where its links stand, which is where the loops are closed, so these "
-        "joints are at 0 in the SDF at the value given here: {}",
-        "add it to a value of the SDF; limits and mimics are counted so already",
+        "an SDF counts joint values from the pose of its links, in which the loops are closed, so these "
+        "joints have the value 0 in the SDF at the value listed here: {}",
+        "add it to a value of the SDF; its limits and mimics include it already",
     ),
     Loss(
         {"usd": "I-USD-ZERO"},
         lambda case: case.plan.zeros,
-        "engines start ball joints at their zero, so the joints of these are there where the balls are at "
+        "engines start ball joints at their zero, so in the USD the zero of these balls is their pose at "
         "`home`: {}",
-        "robot.json has that pose (usd.zeros): a joint of the USD turns on from there",
+        "robot.json has that pose (usd.zeros): values of the USD's joints count from there",
     ),
     Loss(
         {"usd": "I-USD-START"},
         _usd_ball_starts,
-        "engines start ball joints at their zero, which is in the middle of the cone, so these do not begin "
+        "engines start ball joints at their zero, which is in the middle of the cone, so these do not start "
         "at `home`: {}",
-        "let the controller turn them, or give them no cone: `joints: {NAME: {limits: [null, null]}}`",
+        "let the controller turn them, or remove the cone: `joints: {NAME: {limits: [null, null]}}`",
     ),
     Loss(
         {"urdf": "I-URDF-FREE"},
@@ -231,32 +235,32 @@ JOINTS = (
         {"sdf": "I-SDF-MIMIC"},
         lambda case: [case.plan.names.joints[relation.follower] for relation in case.robot.relations],
         "readers before SDF 1.11 (Gazebo Harmonic) ignore <mimic>, so there these move freely: {}",
-        "use a Gazebo from Harmonic on with its engine bullet-featherstone, or the MJCF",
+        "use Gazebo Harmonic or newer with its engine bullet-featherstone, or the MJCF",
     ),
     Loss(
         {"usd": "I-USD-MIMIC"},
         _mixed_relations,
-        "Newton has no relation between a turn and a slide, so there these move freely, or wrongly where it "
-        "is given the attributes of PhysX: {}",
+        "Newton has no relation between a turn and a slide, so there these move freely, or wrongly if it "
+        "reads the attributes of PhysX: {}",
         "PhysX (Isaac Sim) has the relation; for Newton use the MJCF",
     ),
     Loss(
         {"usd": "I-USD-ACTUATOR"},
-        _lesser_drives,
-        "a drive of UsdPhysics is a spring and a damper with a largest force, so these are left out, or are "
-        "less than they were: {}",
+        _reduced_drives,
+        "a drive of UsdPhysics is a spring and a damper with a maximum force, so these actuators are left "
+        "out or reduced to that: {}",
         "do the rest in the controller, or use the MJCF",
     ),
     Loss(
         {"usd": "I-USD-GRAVITY"},
         lambda case: [link for link, _ in case.written.actuation.compensated],
-        "USD has no share of a link's weight that actuators hold, so these links have all of theirs: {}",
-        "let the controller hold it, or use the MJCF",
+        "USD cannot let actuators hold a share of a link's weight, so these links have their full weight: {}",
+        "compensate gravity in the controller, or use the MJCF",
     ),
     Loss(
         {"usd": "I-USD-BALL"},
         _ball_efforts,
-        "a ball joint of UsdPhysics has no largest torque, so these have none: {}",
+        "a ball joint of UsdPhysics has no maximum torque, so these joints lose theirs: {}",
         "enforce it in the controller: robot.json has it",
     ),
     Loss(

@@ -1,4 +1,4 @@
-"""A row of the table of losses."""
+"""Defines a row of the table of losses."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -10,25 +10,29 @@ from linkwright.stages.robot.errors import Diagnostic
 
 @dataclass(frozen=True)
 class Loss:
-    """A kind of thing that formats cannot express, or have otherwise.
-
-    `codes`: of the diagnostic, by format. `find`: the names of what is lost, or whether anything is. `text`:
-    the message, with `{}` where the names go and `{format}` where the format does; `join`: the names as text,
-    None where each has a diagnostic of its own.
-    """
+    """A feature that formats cannot express, or express differently."""
 
     codes: Mapping[str, str]
+    """Format → the code of the diagnostic."""
+
     find: Callable[[Case[Any]], Iterable[str] | bool]
+    """Returns the names of the lost things, or whether anything is lost."""
+
     text: str
+    """The message, with placeholders `{}` for the names and `{format}` for the format."""
+
     hint: str = ""
+
     join: Callable[[Iterable[str]], str] | None = ", ".join
+    """Joins the names for the message; None to report each name separately."""
 
     def diagnostics(self, case: Case[Any]) -> Iterator[Diagnostic]:
-        """Yields nothing for other formats, and where nothing is lost."""
+        """Yields the diagnostics of this loss; none if the format has no code for it, or if nothing is
+        lost."""
         if case.format not in self.codes:
             return
-        found = self.find(case)
-        names = [*found] if not isinstance(found, bool) else [""] * found
+        losses = self.find(case)
+        names = [*losses] if not isinstance(losses, bool) else [""] * losses
         if names and self.join is not None:
             names = [self.join(names)]
         text = self.text.replace("{format}", case.format.upper())

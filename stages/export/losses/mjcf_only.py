@@ -1,4 +1,4 @@
-"""What a robot has from its MJCF source and no other format can have."""
+"""Reports features of an MJCF source that no other format has."""
 
 from collections.abc import Collection, Iterator
 
@@ -7,39 +7,39 @@ from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.model.mjcf_extras import MjcfExtras, children_of
 from linkwright.stages.robot.text.globs import listed
 
-OTHERS = ("urdf", "sdf", "usd")
+OTHER_FORMATS = ("urdf", "sdf", "usd")
 
-SECTIONS = {
+WORDS_OF_SECTION = {
     "tendon": "tendons",
     "equality": "equalities",
-    "actuator": "actuators that are on no single joint",
-    "sensor": "sensors of what other formats lack",
+    "actuator": "actuators that do not drive a single joint",
+    "sensor": "sensors of quantities that other formats lack",
 }
-"""Section of an MJCF → what its elements are called, of those that the robot does not have itself."""
+"""Section of an MJCF → the name for its elements that are not part of the robot's model."""
 
 
 def mjcf_only(written: Written, formats: Collection[str]) -> Iterator[Diagnostic]:
-    """I-MJCF-ONLY. `formats`: those that are written."""
-    others = [name.upper() for name in OTHERS if name in formats]
-    found = dict(_lacking(written, written.extras)) if written.mjcf_form.extras is not None else {}
-    if others and found:
-        words = "; ".join(f"{what}: {listed(names)}" for what, names in found.items())
-        text = f"{', '.join(others)} cannot have what only an MJCF has: {words}"
+    """Reports features that the other formats lose (I-MJCF-ONLY). `formats`: the written formats."""
+    formats_without = [name.upper() for name in OTHER_FORMATS if name in formats]
+    features = dict(_features(written, written.extras)) if written.mjcf_form.extras is not None else {}
+    if formats_without and features:
+        words = "; ".join(f"{kind}: {listed(names)}" for kind, names in features.items())
+        text = f"{', '.join(formats_without)} cannot have what only an MJCF has: {words}"
         yield Diagnostic("I-MJCF-ONLY", text, written.robot.name, "use the MJCF where it matters")
 
 
-def _lacking(written: Written, extras: MjcfExtras) -> Iterator[tuple[str, list[str]]]:
-    """What it is, and the names."""
+def _features(written: Written, extras: MjcfExtras) -> Iterator[tuple[str, list[str]]]:
+    """Yields (kind, names) of each feature."""
     rows = {"springs": [dof.name for dof in written.robot.dofs if dof.spring is not None]}
     links = dict.fromkeys(shape.link for shape in written.shapes.shapes if shape.ellipsoid is not None)
-    rows["ellipsoids, of which the others have the hulls"] = [*links]
+    rows["ellipsoids (hulls in the others)"] = [*links]
     for section in (*extras.sections, *extras.scene):
-        if section.tag in SECTIONS:
+        if section.tag in WORDS_OF_SECTION:
             names = [element.name or element.tag for element in section.children]
-            rows[SECTIONS[section.tag]] = [*rows.get(SECTIONS[section.tag], ()), *names]
-    mounted = [one.element for one in extras.mounted if one.element.tag in ("camera", "light")]
+            rows[WORDS_OF_SECTION[section.tag]] = [*rows.get(WORDS_OF_SECTION[section.tag], ()), *names]
+    mounted = [mount.element for mount in extras.mounted if mount.element.tag in ("camera", "light")]
     rows["cameras and lights"] = [element.name or element.tag for element in mounted]
     rows["bodies beside the robot"] = [
         element.name or "body" for element in children_of(extras.scene, "worldbody") if element.tag == "body"
     ]
-    yield from ((what, names) for what, names in rows.items() if names)
+    yield from ((kind, names) for kind, names in rows.items() if names)

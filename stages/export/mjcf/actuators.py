@@ -1,4 +1,4 @@
-"""MJCF's actuators, by the shortcuts of MuJoCo's XML reference where they have one, and its sensors."""
+"""Writes the actuators of an MJCF, with the shortcuts of MuJoCo's XML reference, and its sensors."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -17,27 +17,28 @@ def write_actuation(
     sensors: Sequence[Sensor],
     extras: MjcfExtras,
 ) -> None:
-    """An element for each actuator, in the order of the dofs, and for each sensor, with the attributes of an
-    MJCF source."""
+    """Writes an element for each actuator, in the order of the dofs, and for each sensor, with the attributes
+    of an MJCF source."""
     if actuation.actuators:
         _write_actuators(root, actuation, extras.attributes_of("actuator"))
-    more = extras.attributes_of("sensor")
+    attributes_of = extras.attributes_of("sensor")
     if sensors:
-        above = element(root, "sensor")
-        for one in sensors:
+        section = element(root, "sensor")
+        for sensor in sensors:
             element(
-                above,
-                one.type,
-                name=one.name,
-                **_ends(one),
-                noise=number(one.noise) if one.noise else None,
-                cutoff=number(one.cutoff) if one.cutoff else None,
-                **more.get(one.name, {}),
+                section,
+                sensor.type,
+                name=sensor.name,
+                **_object_attributes(sensor),
+                noise=number(sensor.noise) if sensor.noise else None,
+                cutoff=number(sensor.cutoff) if sensor.cutoff else None,
+                **attributes_of.get(sensor.name, {}),
             )
 
 
-def _ends(sensor: Sensor) -> dict[str, str | None]:
-    """What a sensor is on: named by its kind, of a frame's sensor by two attributes."""
+def _object_attributes(sensor: Sensor) -> dict[str, str | None]:
+    """Returns the attributes that name the object of a sensor. Sensors of frames have separate attributes for
+    its kind and its name."""
     if not sensor.target:
         return {}
     if sensor.relative_to == "camera":
@@ -53,44 +54,49 @@ def _ends(sensor: Sensor) -> dict[str, str | None]:
 
 
 def _write_actuators(root: Element, actuation: Actuation, extras: Mapping[str, Mapping[str, str]]) -> None:
-    above = element(root, "actuator")
-    for one in actuation.actuators:
+    section = element(root, "actuator")
+    for actuator in actuation.actuators:
         element(
-            above,
-            one.type,
-            name=one.name,
-            joint=one.dof,
-            gear=None if one.gear == 1.0 else number(one.gear),
-            kp=_number(one.kp),
-            kv=_number(one.kv),
-            ctrlrange=_range(one.control),
-            forcerange=_range(one.force),
-            **{**dict(one.terms), **extras.get(one.name, {})},
+            section,
+            actuator.type,
+            name=actuator.name,
+            joint=actuator.dof,
+            gear=None if actuator.gear == 1.0 else number(actuator.gear),
+            kp=_number(actuator.kp),
+            kv=_number(actuator.kv),
+            ctrlrange=_range(actuator.control),
+            forcerange=_range(actuator.force),
+            **{**dict(actuator.terms), **extras.get(actuator.name, {})},
         )
 
 
 @dataclass(frozen=True, slots=True)
 class KeyedActuator:
-    """An actuator in a keyframe: its control and its states."""
+    """The control and the states of an actuator in a keyframe."""
 
     name: str
+
     control: float
+    """The value in `ctrl`."""
+
     states: tuple[float, ...]
+    """The values in `act`."""
 
 
-def drives(actuation: Actuation, keyframe: str, at: Configuration) -> Iterator[KeyedActuator]:
-    """The actuators in a keyframe with these values, as they hold the robot there."""
+def keyed_actuators(actuation: Actuation, keyframe: str, values: Configuration) -> Iterator[KeyedActuator]:
+    """Yields the actuators with the controls and states that hold the robot in a keyframe with these
+    values."""
     for actuator in actuation.actuators:
-        value, force = at[actuator.dof], actuator.force_at(keyframe)
+        value, force = values[actuator.dof], actuator.force_at(keyframe)
         assert not isinstance(value, tuple), "an actuator drives one turn or slide"
         control = control_at(actuator, value, force)
         yield KeyedActuator(actuator.name, control, state_at(actuator, value, force))
 
 
-def key_attributes(every: Sequence[KeyedActuator]) -> dict[str, str | None]:
-    """`act` and `ctrl` of a keyframe: no `act` where all states are 0, and no `ctrl` without actuators."""
-    states = [state for drive in every for state in drive.states]
-    ctrl = " ".join(number(drive.control, least=TURN) for drive in every)
+def key_attributes(actuators: Sequence[KeyedActuator]) -> dict[str, str | None]:
+    """Returns `act` and `ctrl` of a keyframe. `act` is None if all states are 0, `ctrl` without actuators."""
+    states = [state for actuator in actuators for state in actuator.states]
+    ctrl = " ".join(number(actuator.control, least=TURN) for actuator in actuators)
     act = " ".join(number(state, least=TURN) for state in states) if any(states) else None
     return {"act": act, "ctrl": ctrl or None}
 

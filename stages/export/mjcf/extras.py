@@ -1,4 +1,4 @@
-"""What an MJCF source alone has, as far as the MJCF that is written can carry it."""
+"""Selects the features of an MJCF source that the written MJCF can carry, and reports the others."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -16,52 +16,59 @@ from linkwright.stages.robot.text.globs import listed
 if TYPE_CHECKING:
     from linkwright.stages.export.section import ExportSections
 
-COUNTED = ("tendon", "equality", "actuator")
-"""Sections whose elements mean values of joints as the source counts them."""
+VALUE_SECTIONS = ("tendon", "equality", "actuator")
+"""Sections whose elements refer to joint values as the source counts them."""
 
 
 def extras_of(robot: Robot, geometry: Geometry, keys: "ExportSections") -> MjcfExtras | None:
-    """The extras without what names a thing that the robot has not, or a joint whose value counts otherwise;
-    without cameras and lights that the configuration gives under the same name, and without the scene where
-    the configuration leaves that out."""
+    """Returns the extras of an MJCF source that are kept; None without such a source.
+
+    Elements are left out if they name a thing that the robot does not have, or a joint whose value counts
+    differently. So are cameras and lights that the configuration replaces under the same name, and the scene
+    if the configuration drops it.
+    """
     extras = robot.mjcf
     if extras is None:
         return None
-    kept = keys.scene.surroundings == "keep"
-    if not kept:
+    keeps_scene = keys.scene.surroundings == "keep"
+    if not keeps_scene:
         extras = replace(extras, scene=(), scene_qpos=(), has_ground=False)
-    given = {("camera", name) for name in keys.scene.cameras} | {
+    replaced = {("camera", name) for name in keys.scene.cameras} | {
         ("light", name) for name in keys.scene.lights
     }
-    mounted = tuple(one for one in extras.mounted if (one.element.tag, one.element.name) not in given)
+    mounted = tuple(
+        mount for mount in extras.mounted if (mount.element.tag, mount.element.name) not in replaced
+    )
     names = _names(robot, geometry, replace(extras, mounted=mounted))
-    apart = _parted(geometry)
+    excluded_pairs = _excluded_pairs(geometry)
     recounted = {("joint", dof.name) for dof in robot.dofs if dof.in_mate != AS_THE_MATE}
-    unsure = not geometry.shapes
+    shapes_unknown = not geometry.shapes
 
-    def carried(section: MjcfElement) -> Iterator[MjcfElement]:
-        if section.tag == "contact" and not unsure and not geometry.by_source:
+    def kept_elements(section: MjcfElement) -> Iterator[MjcfElement]:
+        if section.tag == "contact" and not shapes_unknown and not geometry.by_source:
             return
         for element in section.children:
-            wanted = {pair for pair in element.named() if not (unsure and pair[0] == "geom")}
-            if element.tag == "pair" and frozenset(element.named()) in apart:
+            references = {pair for pair in element.named() if not (shapes_unknown and pair[0] == "geom")}
+            if element.tag == "pair" and frozenset(element.named()) in excluded_pairs:
                 continue
             if section.tag in ("asset", "worldbody"):
-                if (element.tag, element.name) not in given:
+                if (element.tag, element.name) not in replaced:
                     yield element
-            elif wanted <= names and not (section.tag in COUNTED and wanted & recounted):
+            elif references <= names and not (section.tag in VALUE_SECTIONS and references & recounted):
                 names.add((section.tag, element.name))
                 yield element
 
-    def whole(sections: tuple[MjcfElement, ...]) -> tuple[MjcfElement, ...]:
-        found = (replace(section, children=tuple(carried(section))) for section in sections)
-        return tuple(section for section in found if section.children)
+    def kept_sections(sections: tuple[MjcfElement, ...]) -> tuple[MjcfElement, ...]:
+        filtered = (replace(section, children=tuple(kept_elements(section))) for section in sections)
+        return tuple(section for section in filtered if section.children)
 
-    return replace(extras, mounted=mounted, sections=whole(extras.sections), scene=whole(extras.scene))
+    return replace(
+        extras, mounted=mounted, sections=kept_sections(extras.sections), scene=kept_sections(extras.scene)
+    )
 
 
-def _parted(geometry: Geometry) -> set[frozenset[tuple[str, str]]]:
-    """Pairs of geoms, as (kind, name), of links that the configuration excludes from contact."""
+def _excluded_pairs(geometry: Geometry) -> set[frozenset[tuple[str, str]]]:
+    """Returns the pairs of geoms, as (kind, name), of links that the configuration excludes from contact."""
     geoms: dict[str, list[tuple[str, str]]] = {}
     for shape in geometry.shapes:
         geoms.setdefault(shape.link, []).append(("geom", shape.form.name))
@@ -74,42 +81,43 @@ def _parted(geometry: Geometry) -> set[frozenset[tuple[str, str]]]:
 
 
 def _names(robot: Robot, geometry: Geometry, extras: MjcfExtras) -> set[tuple[str, str]]:
-    """(kind, name) of all that an element may name, but for other elements."""
+    """Returns (kind, name) of everything that an element may refer to, without other elements of the
+    extras."""
     names = {("body", "world"), *(("body", link.name) for link in robot.links)}
     names |= {("joint", dof.name) for dof in robot.dofs}
     names |= {("site", frame.name) for frame in robot.frames}
     names |= {("geom", shape.form.name) for shape in geometry.shapes}
     names |= {("actuator", actuator.name) for actuator in robot.actuators}
-    names |= {(one.element.tag, one.element.name) for one in extras.mounted}
+    names |= {(mount.element.tag, mount.element.name) for mount in extras.mounted}
     for section in extras.scene:
         if section.tag == "worldbody":
             names |= {(element.tag, element.name) for element in section.inside()}
     return names
 
 
-def lost(written: Written) -> Iterator[Diagnostic]:
-    """W-MJCF-LEFT: what the source has and the MJCF that is written has not."""
+def report_lost(written: Written) -> Iterator[Diagnostic]:
+    """Reports elements of the source that the written MJCF does not have (W-MJCF-LEFT)."""
     robot, extras = written.robot, written.mjcf_form.extras
     if robot.mjcf is None or extras is None:
         return
-    apart = _parted(written.shapes)
-    before, after = (
+    excluded_pairs = _excluded_pairs(written.shapes)
+    old_names, new_names = (
         [
             f"{section.tag} {element.name}".rstrip()
-            for section in (*one.sections, *one.scene)
+            for section in (*origin.sections, *origin.scene)
             for element in section.children
             if section.tag not in ("asset", "worldbody")
-            and not (element.tag == "pair" and frozenset(element.named()) in apart)
+            and not (element.tag == "pair" and frozenset(element.named()) in excluded_pairs)
         ]
-        for one in (robot.mjcf, extras)
+        for origin in (robot.mjcf, extras)
     )
-    gone = list(before)
-    for name in after:
-        gone.remove(name)
-    if gone:
+    lost_names = list(old_names)
+    for name in new_names:
+        lost_names.remove(name)
+    if lost_names:
         text = (
             "not carried over, since it names what the robot has not, or a joint whose value counts "
-            f"otherwise (zero, invert): {listed(gone)}"
+            f"otherwise (zero, invert): {listed(lost_names)}"
         )
         hint = "check frames.include, ignore, joints.*.zero and invert, contact.self and scene.surroundings"
         yield Diagnostic("W-MJCF-LEFT", text, f"{robot.name}.xml", hint)

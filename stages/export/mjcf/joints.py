@@ -1,4 +1,4 @@
-"""MJCF's joints: the dofs between a body and its parent.
+"""Writes the joints of an MJCF: the dofs between a body and its parent.
 
 A body's pose in the file is the one at qpos0. Its joints act one after the other, from parent to child,
 each given in the body's own frame at qpos0; `ref` makes a joint's value in `qpos` equal the dof's. A
@@ -14,8 +14,8 @@ from linkwright.stages.robot.model.robot import Array, Configuration, Dof, Robot
 from linkwright.stages.robot.motion.kinematics import chain
 from linkwright.stages.robot.text.names import free
 
-OPEN = "1e6"
-"""The open end of a one-sided limit: MuJoCo has no one-sided range."""
+UNBOUNDED_END = "1e6"
+"""Substitute for the missing end of a one-sided limit: MuJoCo has no one-sided range."""
 
 TYPES = {"turn": "hinge", "slide": "slide", "ball": "ball"}
 
@@ -31,27 +31,29 @@ def write_joints(
     body_from_link: Array = UNMOVED,
     extras: Mapping[str, Mapping[str, str]] = NO_EXTRAS,
 ) -> None:
-    """The `<joint>`s of a body whose link's pose in the parent is the chain of `dofs` at `start`.
-    `compensating`: the dofs whose actuators hold the weight that bodies compensate. `body_from_link` (4, 4);
-    `extras`: by dof, attributes of an MJCF source, which come before ours."""
+    """Writes the `<joint>`s of a body. The pose of its link in the parent is the chain of `dofs` at `start`.
+
+    `compensating`: the dofs whose actuators hold the weight that bodies compensate; `body_from_link` (4, 4);
+    `extras`: dof → attributes of an MJCF source, which override the attributes of the model.
+    """
     for index, dof in enumerate(dofs):
-        after = dofs[index + 1 :]
-        body_from_dof = body_from_link @ inverse(chain(after, start)) if after else body_from_link
+        later_dofs = dofs[index + 1 :]
+        body_from_dof = body_from_link @ inverse(chain(later_dofs, start)) if later_dofs else body_from_link
         if dof.kind == "free":
             element(body, "freejoint", name=dof.name)
         else:
-            own = _joint(dof, body_from_dof, start[dof.name], dof.name in compensating)
-            element(body, "joint", **{**own, **extras.get(dof.name, {})})
+            attributes = _joint(dof, body_from_dof, start[dof.name], dof.name in compensating)
+            element(body, "joint", **{**attributes, **extras.get(dof.name, {})})
 
 
 def _joint(dof: Dof, body_from_dof: Array, start: Value, compensating: bool) -> dict[str, str | None]:
-    """The attributes of a joint."""
+    """Returns the attributes of a joint."""
     dynamics, spring = dof.dynamics, dof.spring
     position = spaced(body_from_dof[:3, 3], least=LENGTH)
-    more: dict[str, str | None] = {}
+    scalar_attributes: dict[str, str | None] = {}
     if not isinstance(start, tuple):
         effort, ref = dynamics.effort, number(start, least=least_of(dof.kind))
-        more = {
+        scalar_attributes = {
             "axis": spaced(body_from_dof[:3, :3] @ dof.axis),
             "range": _range(dof),
             "ref": None if ref == "0" else ref,
@@ -61,15 +63,15 @@ def _joint(dof: Dof, body_from_dof: Array, start: Value, compensating: bool) -> 
         "name": dof.name,
         "type": TYPES[dof.kind],
         "pos": None if position == "0 0 0" else position,
-        "axis": more.get("axis"),
-        "range": more.get("range"),
-        "ref": more.get("ref"),
+        "axis": scalar_attributes.get("axis"),
+        "range": scalar_attributes.get("range"),
+        "ref": scalar_attributes.get("ref"),
         "stiffness": None if spring is None else number(spring.stiffness),
         "springref": number(spring.reference) if spring is not None and spring.reference else None,
         "damping": _number(dynamics.damping),
         "frictionloss": _number(dynamics.friction),
         "armature": _number(dynamics.armature),
-        "actuatorfrcrange": more.get("actuatorfrcrange"),
+        "actuatorfrcrange": scalar_attributes.get("actuatorfrcrange"),
         "actuatorgravcomp": "true" if compensating else None,
     }
 
@@ -84,29 +86,27 @@ def _range(dof: Dof) -> str | None:
         return None
     least = least_of(dof.kind)
     texts = spaced([end for end in (lower, upper) if end is not None], least=least).split()
-    return " ".join(["-" + OPEN] * (lower is None) + texts + [OPEN] * (upper is None))
+    return " ".join(["-" + UNBOUNDED_END] * (lower is None) + texts + [UNBOUNDED_END] * (upper is None))
 
 
 def qpos(dof: Dof, value: Value, start: Value, world_from_joint: Array) -> str:
-    """A dof's numbers in `qpos` at `value`, where qpos0 is `start`.
-
-    `world_from_joint` (4, 4): for a free joint, the frame that its value is relative to.
-    """
+    """Returns a dof's numbers in `qpos` at `value`. `start`: its value at qpos0; `world_from_joint` (4, 4):
+    for a free joint, the frame to which its value is relative."""
     if not isinstance(value, tuple):
         return number(value, least=least_of(dof.kind))
     pose = motion(dof.kind, dof.axis, value)
     if dof.kind == "free":
         return free_qpos(world_from_joint @ pose)
-    turned = motion(dof.kind, dof.axis, start)[:3, :3].T @ pose[:3, :3]
-    return spaced(quat_from_rotation(turned))
+    rotation = motion(dof.kind, dof.axis, start)[:3, :3].T @ pose[:3, :3]
+    return spaced(quat_from_rotation(rotation))
 
 
 def free_qpos(pose: Array) -> str:
-    """The seven numbers of a free joint at a pose (4, 4) in the world."""
+    """Returns the seven numbers of a free joint at a pose (4, 4) in the world."""
     return f"{spaced(pose[:3, 3], least=LENGTH)} {spaced(quat_from_rotation(pose[:3, :3]))}"
 
 
 def free_joint_name(robot: Robot) -> str:
-    """The name of the free joint of a floating base."""
+    """Returns the name of the free joint of a floating base."""
     loops = {dof.name for loop in robot.loops for dof in loop.dofs}
     return free(robot.base.joint or f"{robot.root.name}_free", {dof.name for dof in robot.dofs} | loops)

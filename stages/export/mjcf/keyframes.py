@@ -1,11 +1,11 @@
-"""Keyframes: the named poses of the robot, each where the scene puts it, and of what lies beside it there."""
+"""Writes keyframes: the named poses of the robot, placed in the scene, and the poses of its other objects."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from linkwright.stages.export.mjcf.actuators import KeyedActuator, drives, key_attributes
+from linkwright.stages.export.mjcf.actuators import KeyedActuator, key_attributes, keyed_actuators
 from linkwright.stages.export.mjcf.joints import free_joint_name, free_qpos, qpos
-from linkwright.stages.export.mjcf.sections import drives_of
+from linkwright.stages.export.mjcf.sections import keyed_actuators_of
 from linkwright.stages.formats.mjcf.joints import joints_in_order
 from linkwright.stages.formats.numbers import TURN, number
 from linkwright.stages.formats.xml import Element, element
@@ -18,37 +18,42 @@ if TYPE_CHECKING:
     from linkwright.stages.formats.written import Written
 
 
-def write_keyframes(root: Element, given: "WriterInput", model: Element | None = None) -> None:
-    """The keyframes, with the controls for which the actuators rest there. `model`: the robot's own, where
-    `root` is that of the scene."""
-    written = given.written
+def write_keyframes(root: Element, inputs: "WriterInput", model: Element | None = None) -> None:
+    """Writes the keyframes, with the controls at which the actuators rest. `root`: the root of the robot's
+    file, or of the scene; in the latter case `model` is the root of the robot's file."""
+    written = inputs.written
     robot, extras = written.as_mjcf.robot, written.extras
     joints = [node.get("name") for node, _ in joints_in_order(root if model is None else model)]
-    beside = {one.name: one.scene or extras.scene_qpos for one in extras.keyframes}
+    scene_qpos_by_name = {keyed.name: keyed.scene or extras.scene_qpos for keyed in extras.keyframes}
     if not joints and not extras.scene_qpos:
         return
     keyframe = element(root, "keyframe")
     for name, q in keyframes(robot).items():
-        texts = dict(_qpos(robot, q, written.start, given.standing.placed(q, name)))
+        texts = dict(_qpos(robot, q, written.start, inputs.standing.placed(q, name)))
         numbers = [texts[joint] for joint in joints]
         if model is not None:
-            numbers += [number(one, least=TURN) for one in beside.get(name, extras.scene_qpos)]
-        every = [*_driven(written, name, q), *(drives_of(extras.scene) if model is not None else ())]
-        element(keyframe, "key", name=name, qpos=" ".join(numbers), **key_attributes(every))
+            numbers += [
+                number(value, least=TURN) for value in scene_qpos_by_name.get(name, extras.scene_qpos)
+            ]
+        actuators = [
+            *_driven(written, name, q),
+            *(keyed_actuators_of(extras.scene) if model is not None else ()),
+        ]
+        element(keyframe, "key", name=name, qpos=" ".join(numbers), **key_attributes(actuators))
 
 
 def _driven(written: "Written", keyframe: str, q: Configuration) -> list[KeyedActuator]:
-    """The robot's actuators in the order of the file."""
+    """Returns the robot's actuators in the order of the file."""
     extras = written.extras
-    every = {one.name: one for one in drives(written.actuation, keyframe, q)}
-    every |= {one.name: one for one in drives_of(extras.sections)}
-    return [every[name] for name in extras.in_order("actuator", every)]
+    actuators = {drive.name: drive for drive in keyed_actuators(written.actuation, keyframe, q)}
+    actuators |= {drive.name: drive for drive in keyed_actuators_of(extras.sections)}
+    return [actuators[name] for name in extras.in_order("actuator", actuators)]
 
 
 def _qpos(
     robot: Robot, q: Configuration, start: Configuration, world_from_root: Array
 ) -> Iterator[tuple[str, str]]:
-    """(name, numbers) of every joint of the model at `q`."""
+    """Yields (name, numbers) for each joint of the model at `q`."""
     if not robot.base.fixed:
         yield free_joint_name(robot), free_qpos(world_from_root)
     chains = [(joint.parent_from_joint, joint.dofs) for joint in robot.joints]

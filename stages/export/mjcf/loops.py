@@ -1,8 +1,8 @@
-"""Loop closures in MJCF: sites on both links, equalities between the sites, and carriers.
+"""Writes loop closures in MJCF: sites on both links, equalities between the sites, and carriers.
 
 A hinge is closed by two points on its axis, a ball by one point, a rigid mate by a weld. Any other mate
-gets a carrier: a body on one link that moves by the mate's own dofs and is welded to the other link, of
-whose mass it has a share. MuJoCo scales a constraint by the inverse inertia of the bodies that it
+gets a carrier: a body on one link that moves by the mate's own dofs, is welded to the other link, and has a
+share of that link's mass. MuJoCo scales a constraint by the inverse inertia of the bodies that it
 constrains, so a carrier of almost no mass would leave the weld slack; with equal shares both bodies are
 stiff, and they move together as the whole link.
 
@@ -27,37 +27,44 @@ from linkwright.stages.robot.motion.loops import POINTWISE
 from linkwright.stages.robot.text.names import free
 
 Site = tuple[str, str, Array]
-"""The link (or carrier) that has the site, the site's name, and its pose (4, 4) on the link."""
+"""(link or carrier that has the site, name of the site, its pose (4, 4) on the link)."""
 
-POINTS = {"revolute": ("", "_axis"), "ball": ("",)}
-"""Types of loops that points close → the endings of the equalities' names."""
+SUFFIXES = {"revolute": ("", "_axis"), "ball": ("",)}
+"""Type of loop that is closed by points → the endings of its equalities' names."""
 
-STIFF = "0.9999 0.9999 0.001"
-"""`solimp`: the impedance that MuJoCo allows at most, whatever the violation."""
+MAX_IMPEDANCE = "0.9999 0.9999 0.001"
+"""`solimp` with MuJoCo's largest impedance, whatever the violation."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Carrier:
-    """A body below `parent` that moves by `dofs`, welded to the link `carried`, of which it has a share.
-
-    The carrier's frame is the loop's frame on `carried`.
-    """
+    """A body that moves by the dofs of a loop, is welded to a link, and has a share of the link's mass."""
 
     name: str
+
     loop: Loop
+
     parent: str
+    """The link to which the carrier is connected by `dofs`."""
+
     parent_from_joint: Array
+    """(4, 4)."""
+
     dofs: tuple[Dof, ...]
+
     carried: str
+    """The link to which the carrier is welded."""
+
     carried_from_carrier: Array
+    """(4, 4). The carrier's frame is the loop's frame on the link `carried`."""
 
     def pose(self, start: Configuration) -> Array:
-        """parent_from_carrier (4, 4) at the values `start`."""
+        """Returns parent_from_carrier (4, 4) at the values `start`."""
         return self.parent_from_joint @ chain(self.dofs, start)
 
 
 class Closures:
-    """The sites, carriers and equalities of a robot's loops; every name is unique in its kind."""
+    """The sites, carriers and equalities of a robot's loops. Names are unique in their kind."""
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
@@ -69,15 +76,15 @@ class Closures:
         self._sites: dict[str, tuple[Site, ...]] = {}
         self._sites_on: dict[str, list[Site]] = {}
         for loop in robot.loops:
-            named: list[Site] = []
+            sites: list[Site] = []
             for link, suffix, pose in self._ends(loop):
-                named.append((link, free(f"{loop.name}_{suffix}", taken), pose))
-                taken.add(named[-1][1])
-                self._sites_on.setdefault(link, []).append(named[-1])
-            self._sites[loop.name] = tuple(named)
+                sites.append((link, free(f"{loop.name}_{suffix}", taken), pose))
+                taken.add(sites[-1][1])
+                self._sites_on.setdefault(link, []).append(sites[-1])
+            self._sites[loop.name] = tuple(sites)
 
     def _ends(self, loop: Loop) -> Iterator[Site]:
-        """The sites of a loop: both of the first pair, then both of the second."""
+        """Yields the sites of a loop: both sites of the first pair, then both of the second pair."""
         carrier = self._carrier_of.get(loop.name)
         if carrier is not None:
             yield carrier.carried, "a", carrier.carried_from_carrier
@@ -90,44 +97,45 @@ class Closures:
             yield loop.link_b, "b_axis", _along_axis(loop.b_from_frame, loop)
 
     def write_sites(self, body: Element, link: str, body_from_link: Array) -> None:
-        """The sites on a link, or carrier, under its element."""
+        """Writes the sites on a link or carrier, under its element."""
         for _, name, pose in self._sites_on.get(link, ()):
             element(body, "site", name=name, **placement(body_from_link @ pose))
 
     def share(self, link: str, inertial: Inertial) -> Inertial:
-        """The share of a link's inertial that its own body has, and each of its carriers."""
+        """Returns the share of a link's inertial that its own body and each of its carriers get."""
         count = 1 + self._carried[link]
         if count == 1:
             return inertial
         return replace(inertial, mass=inertial.mass / count, inertia=frozen(inertial.inertia / count))
 
     def carries(self, carrier: Carrier) -> Inertial:
-        """A carrier's share, in its own frame."""
-        whole = self._inertials[carrier.carried]
-        return moved(self.share(carrier.carried, whole), inverse(carrier.carried_from_carrier))
+        """Returns a carrier's share of the inertial, in the frame of the carrier."""
+        inertial = self._inertials[carrier.carried]
+        return moved(self.share(carrier.carried, inertial), inverse(carrier.carried_from_carrier))
 
     def write_equalities(
         self, equality: Element, timestep: float, extras: Mapping[str, Mapping[str, str]]
     ) -> None:
-        """Two points meet in a `connect`, two frames in a `weld`. `extras`: by loop, what an MJCF source says
-        of its stiffness."""
+        """Writes a `connect` for each pair of points, and a `weld` for each pair of frames. `extras`: loop →
+        the attributes of its stiffness in an MJCF source."""
         taken = {loop.name for loop in self._robot.loops}
         taken |= {relation.name for relation in self._robot.relations}
         for loop in self._robot.loops:
             names = [name for _, name, _ in self._sites[loop.name]]
-            kind = "connect" if loop.type in POINTS else "weld"
-            for index, suffix in enumerate(POINTS.get(loop.type, ("",))):
+            kind = "connect" if loop.type in SUFFIXES else "weld"
+            for index, suffix in enumerate(SUFFIXES.get(loop.type, ("",))):
                 name = free(loop.name + suffix, taken) if suffix else loop.name
                 taken.add(name)
-                one, other = names[2 * index : 2 * index + 2]
-                stiff = {"solref": spaced(held(loop.solref, timestep)), "solimp": STIFF}
-                stiff = {**extras.get(loop.name, stiff)}
-                element(equality, kind, name=name, site1=one, site2=other, **stiff)
+                first, second = names[2 * index : 2 * index + 2]
+                stiffness = {"solref": spaced(stable_solref(loop.solref, timestep)), "solimp": MAX_IMPEDANCE}
+                stiffness = {**extras.get(loop.name, stiffness)}
+                element(equality, kind, name=name, site1=first, site2=second, **stiffness)
 
 
-def held(solref: tuple[float, float], timestep: float) -> tuple[float, float]:
-    """The time constant and damping ratio that a time step [s] can hold: no constraint is stiffer than two
-    steps (MuJoCo's documentation, "Solver parameters"). A stiffness and damping stay as they are."""
+def stable_solref(solref: tuple[float, float], timestep: float) -> tuple[float, float]:
+    """Returns the time constant and damping ratio that are stable with a time step [s]: the time constant is
+    at least two steps (MuJoCo's documentation, "Solver parameters"). A direct stiffness and damping
+    (negative) are not changed."""
     return (max(solref[0], 2.0 * timestep), solref[1]) if solref[0] > 0 else solref
 
 
@@ -139,8 +147,8 @@ def _carriers(robot: Robot) -> Iterator[Carrier]:
         name = free(f"{loop.name}_carrier", taken)
         taken.add(name)
         if loop.link_a in moving:
-            place, dofs = loop.b_from_frame, loop.dofs
-            yield Carrier(name, loop, loop.link_b, place, dofs, loop.link_a, loop.a_from_frame)
+            b_from_frame, dofs = loop.b_from_frame, loop.dofs
+            yield Carrier(name, loop, loop.link_b, b_from_frame, dofs, loop.link_a, loop.a_from_frame)
         else:
             # A fixed link may have no mass to share: the other link is carried, by the reversed chain.
             dofs = _reversed(loop.dofs)
@@ -148,7 +156,7 @@ def _carriers(robot: Robot) -> Iterator[Carrier]:
 
 
 def _moving(robot: Robot) -> set[str]:
-    """The links that can move against the world."""
+    """Returns the links that can move relative to the world."""
     if not robot.base.fixed:
         return {link.name for link in robot.links}
     moving: set[str] = set()
@@ -159,7 +167,7 @@ def _moving(robot: Robot) -> set[str]:
 
 
 def _reversed(dofs: tuple[Dof, ...]) -> tuple[Dof, ...]:
-    """The chain in the opposite direction: (Π O M)⁻¹ as a chain of dofs."""
+    """Returns the chain in the opposite direction: (Π O M)⁻¹ as a chain of dofs."""
     origins = [frozen(np.eye(4)), *(frozen(inverse(dof.origin)) for dof in dofs[:0:-1])]
     return tuple(
         replace(dof, axis=frozen(-dof.axis), origin=origin)
@@ -168,8 +176,8 @@ def _reversed(dofs: tuple[Dof, ...]) -> tuple[Dof, ...]:
 
 
 def _along_axis(pose: Array, loop: Loop) -> Array:
-    shifted = np.array(pose)
+    point = np.array(pose)
     (dof,) = loop.dofs
-    # The mate's own axis: the direction in which the user counts must not move the point.
-    shifted[:3, 3] += pose[:3, :3] @ dof.axis * dof.in_mate.sign * loop.lever
-    return shifted
+    # Along the axis of the mate: the sign with which the user counts must not move the point.
+    point[:3, 3] += pose[:3, :3] @ dof.axis * dof.in_mate.sign * loop.lever
+    return point

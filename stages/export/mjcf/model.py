@@ -1,21 +1,21 @@
-"""MJCF: the robot alone, as `<name>.xml` (the scene around it is another file).
+"""Writes the MJCF of the robot alone, `<name>.xml` (the scene around it is another file).
 
-Element and attribute rules are those of MuJoCo's XML reference. Every body has CAD's own
-`inertial`; geoms have no mass. Orientation is always `quat`.
+Elements and attributes follow MuJoCo's XML reference. Each body has the `inertial` of CAD; geoms have no
+mass. Orientation is always `quat`.
 """
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from linkwright.stages.export.configuration.mujoco_section import IN_THE_ROBOT
+from linkwright.stages.export.configuration.mujoco_section import ROBOT_FILE_OPTIONS
 from linkwright.stages.export.mjcf.actuators import write_actuation
 from linkwright.stages.export.mjcf.bodies import BodyWriter, stem
 from linkwright.stages.export.mjcf.contact.contacts import write_contacts
 from linkwright.stages.export.mjcf.contact.filters import Filters
 from linkwright.stages.export.mjcf.defaults.classes import write_classes
 from linkwright.stages.export.mjcf.keyframes import write_keyframes
-from linkwright.stages.export.mjcf.loops import STIFF, Closures, held
-from linkwright.stages.export.mjcf.sections import ordered, write_sections
+from linkwright.stages.export.mjcf.loops import MAX_IMPEDANCE, Closures, stable_solref
+from linkwright.stages.export.mjcf.sections import restore_source_order, write_sections
 from linkwright.stages.export.mjcf.sensing.cameras import carried_cameras, write_camera
 from linkwright.stages.export.mjcf.sensing.sites import write_mounted
 from linkwright.stages.export.mjcf.settings import text
@@ -31,37 +31,37 @@ if TYPE_CHECKING:
     from linkwright.stages.export.writer import WriterInput
 
 SOLREF = (0.005, 1.0)
-"""Of relations: time constant [s] and damping ratio; the same as the default of loops."""
+"""Time constant [s] and damping ratio of relations, the same as the default of loops."""
 
 
-def write_mjcf(given: "WriterInput", kept_apart: Filters) -> bytes:
-    """The model, whose qpos0 is the robot's `start` (values of the tree's dofs and of the loops' own).
-    `kept_apart`: by the links that have bodies."""
-    written, timestep = given.written, given.keys.scene.option.timestep
+def write_mjcf(inputs: "WriterInput", contact_filters: Filters) -> bytes:
+    """Returns the content of the file. Its qpos0 is the robot's `start`: values of the dofs of the tree and
+    of the loops. `contact_filters`: the contact filters of the links that have bodies."""
+    written, timestep = inputs.written, inputs.keys.scene.option.timestep
     robot, geometry, actuation = written.as_mjcf.robot, written.shapes, written.actuation
     root = element(None, "mujoco", model=robot.name)
     textures = "assets" if any(shape.texture for shape in geometry.shapes) else None
     element(root, "compiler", angle="radian", meshdir="assets", texturedir=textures, autolimits="true")
     extras = written.extras
-    _option(root, given.keys.scene.option, extras)
+    _option(root, inputs.keys.scene.option, extras)
     top = free(robot.name, {"main", "visual", "collision"})
     classes = _defaults(root, top, geometry.self_contact)
-    painted = _assets(root, geometry)
+    material_names = _assets(root, geometry)
     closures = Closures(robot)
     world = element(root, "worldbody")
-    place = given.standing.placed(written.start)
-    bodies = BodyWriter(world, written, place, painted, closures, kept_apart.bits)
+    world_from_root = inputs.standing.placed(written.start)
+    bodies = BodyWriter(world, written, world_from_root, material_names, closures, contact_filters.bits)
     bodies.write()
-    cameras = given.keys.scene.cameras
-    for link, every in carried_cameras(robot, cameras).items():
+    cameras = inputs.keys.scene.cameras
+    for link, frames in carried_cameras(robot, cameras).items():
         body, body_from_link = bodies.elements[link]
-        for name, link_from_frame in every:
+        for name, link_from_frame in frames:
             write_camera(body, name, cameras[name], body_from_link @ link_from_frame)
     write_mounted(bodies.elements, written.as_mjcf.held, written.sensing)
     bodies.write_mounted()
     for body in world.iterchildren("body"):
         body.set("childclass", top)
-    write_contacts(root, kept_apart, bodies.colliders, bodies.contacts)
+    write_contacts(root, contact_filters, bodies.colliders, bodies.contacts)
     _equalities(root, robot, written.start, closures, timestep)
     write_actuation(root, actuation, written.sensing.sensors, extras)
     motors = {
@@ -71,27 +71,28 @@ def write_mjcf(given: "WriterInput", kept_apart: Filters) -> bytes:
     }
     write_classes(root, classes, {top, "main", "visual", "collision"}, motors)
     write_sections(root, extras.sections)
-    ordered(root, extras)
+    restore_source_order(root, extras)
     if not extras.moves_in_scene:
-        write_keyframes(root, given)
+        write_keyframes(root, inputs)
     return to_bytes(root)
 
 
 def _option(root: Element, option: Any, extras: MjcfExtras) -> None:
-    """What the robot's stability was judged with, and what an MJCF source says; all else is the scene's."""
-    names = {*IN_THE_ROBOT, *dict(extras.option)}
-    own = element(
-        root, "option", **{name: text(one) for name, one in option.given().items() if name in names}
+    """Writes the options that affect stability, and those of an MJCF source. The scene has the others."""
+    names = {*ROBOT_FILE_OPTIONS, *dict(extras.option)}
+    option_element = element(
+        root, "option", **{name: text(value) for name, value in option.explicit().items() if name in names}
     )
-    flags = {name: one for name, one in option.flag.given().items() if name in dict(extras.flag)}
+    flags = {name: value for name, value in option.flag.explicit().items() if name in dict(extras.flag)}
     if flags:
-        element(own, "flag", **flags)
+        element(option_element, "flag", **flags)
 
 
 def _defaults(root: Element, top: str, self_contact: bool) -> Element:
-    """The robot's own class, with those of visual and collision geoms.
+    """Writes the robot's own class, with the classes of visual and collision geoms, and returns its element.
 
-    Bits: the robot meets the world (1), and itself only where it shall: else 1 & 2 = 0.
+    Bits: all colliders collide with the world (bit 1). They collide with each other only with `self_contact`:
+    otherwise `contype` 1 and `conaffinity` 2 have no bit in common.
     """
     robot = element(element(root, "default"), "default", class_=top)
     visual = element(robot, "default", class_="visual")
@@ -103,7 +104,7 @@ def _defaults(root: Element, top: str, self_contact: bool) -> Element:
 
 
 def _assets(root: Element, geometry: Geometry) -> dict[Paint, str]:
-    """Textures, materials and meshes; the names of the materials."""
+    """Writes textures, materials and meshes, and returns the names of the materials."""
     asset = element(root, "asset")
     names = materials(geometry)
     for texture in sorted({texture for _, texture in names if texture}):
@@ -111,46 +112,47 @@ def _assets(root: Element, geometry: Geometry) -> dict[Paint, str]:
     for (colour, texture), name in names.items():
         image = stem(texture) if texture else None
         element(asset, "material", name=name, texture=image, rgba=spaced(colour))
-    seen = {shape.file for shape in geometry.shapes if shape.role == "visual"}
+    visual_files = {shape.file for shape in geometry.shapes if shape.role == "visual"}
     files = (shape.file for shape in geometry.shapes if shape.ellipsoid is None)
     for file in dict.fromkeys(file for file in files if file is not None):
         # Geoms have no mass here, so the volume of a mesh does not matter; "shell" accepts open meshes.
-        element(asset, "mesh", file=file, inertia="shell" if file in seen else None)
+        element(asset, "mesh", file=file, inertia="shell" if file in visual_files else None)
     return names
 
 
 def _equalities(
     root: Element, robot: Robot, start: Configuration, closures: Closures, timestep: float
 ) -> None:
-    """Loops between sites, and relations between joints."""
+    """Writes loops as equalities of sites, and relations as equalities of joints."""
     if not robot.loops and not robot.relations:
         return
     equality = element(root, "equality")
     extras = (robot.mjcf or NO_EXTRAS).attributes_of("equality")
     closures.write_equalities(equality, timestep, extras)
     for relation in robot.relations:
-        stiff = {"solref": spaced(held(SOLREF, timestep)), "solimp": STIFF}
-        _relation(equality, relation, start, extras.get(relation.name), stiff)
+        stiffness = {"solref": spaced(stable_solref(SOLREF, timestep)), "solimp": MAX_IMPEDANCE}
+        _relation(equality, relation, start, extras.get(relation.name), stiffness)
 
 
 def _relation(
     equality: Element,
     relation: Relation,
     start: Configuration,
-    own: Mapping[str, str] | None,
-    stiff: Mapping[str, str],
+    source_attributes: Mapping[str, str] | None,
+    stiffness: Mapping[str, str],
 ) -> None:
-    """A relation as MuJoCo has it, relative to qpos0: y − y₀ = a₀ + a₁ (x − x₀). `own`: what an MJCF source
-    says of its stiffness; without, it is solved for |a₁| ≥ 1, and as `stiff`.
+    """Writes a relation in MuJoCo's form, relative to qpos0: y − y₀ = a₀ + a₁ (x − x₀). `source_attributes`:
+    the attributes of its stiffness in an MJCF source. Without these, the relation is solved for the joint for
+    which |a₁| ≥ 1, and has the attributes `stiffness`.
 
-    MuJoCo scales it by the inverse inertias of both joints, but not by a₁: with |a₁| < 1 a screw, or a
-    motor behind a gearbox, would slip under load.
+    MuJoCo scales the constraint by the inverse inertias of both joints, but not by a₁: with |a₁| < 1 a screw,
+    or a motor behind a gearbox, would slip under load.
     """
     y, x, factor, offset = relation.follower, relation.driver, relation.multiplier, relation.offset
-    if own is None and 0.0 < abs(factor) < 1.0:
+    if source_attributes is None and 0.0 < abs(factor) < 1.0:
         y, x, factor, offset = x, y, 1 / factor, -offset / factor
     constant = factor * _scalar(start[x]) + offset - _scalar(start[y])
-    # Where qpos0 satisfies the relation the constant is rounding noise on the joints' own scale.
+    # If qpos0 satisfies the relation, the constant is rounding noise on the scale of the joint values.
     scale = abs(_scalar(start[y]))
     element(
         equality,
@@ -159,7 +161,7 @@ def _relation(
         joint1=y,
         joint2=x,
         polycoef=f"{number(constant, scale, TURN)} {number(factor)} 0 0 0",
-        **(own or stiff),
+        **(source_attributes or stiffness),
     )
 
 

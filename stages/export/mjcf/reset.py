@@ -1,23 +1,23 @@
-"""What a plain reset does to servos: MuJoCo sets each control to 0, whatever qpos0 is, and MJCF has no
-other."""
+"""Reports servos that leave qpos0 after a plain reset: MuJoCo then sets each control to 0, whatever qpos0 is,
+and MJCF cannot change that."""
 
 from collections.abc import Iterator
 
 from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.errors import Diagnostic
 
-FAR = {"turn": 0.1, "slide": 0.01}
-"""How far [rad, m] a servo may go after a plain reset until that is reported."""
+MAX_MOTION = {"turn": 0.1, "slide": 0.01}
+"""Largest motion [rad, m] of a servo after a plain reset that is not reported."""
 
 
-def reset(written: Written) -> Iterator[Diagnostic]:
-    """I-RESET for servos that a control of 0, or what is nearest to it in their range, takes away from where
-    they are at qpos0."""
+def report_reset(written: Written) -> Iterator[Diagnostic]:
+    """Reports servos that leave their position at qpos0 with a control of 0, or the nearest control in their
+    range (I-RESET)."""
     leaving = list(_leaving(written))
     if leaving:
         yield Diagnostic(
             "I-RESET",
-            "mj_resetData sets each control to 0 whatever qpos0 is, so after it these servos leave qpos0: "
+            "mj_resetData sets every control to 0, whatever qpos0 is, so these servos then leave qpos0: "
             + ", ".join(leaving),
             f"{written.robot.name}.xml",
             'start at a keyframe: mj_resetDataKeyframe(model, data, model.key("home").id)',
@@ -32,5 +32,5 @@ def _leaving(written: Written) -> Iterator[str]:
             continue
         low, high = actuator.control or (0.0, 0.0)
         target = min(max(0.0, low), high) / actuator.gear
-        if abs(target - value) > FAR[kinds[actuator.dof]]:
+        if abs(target - value) > MAX_MOTION[kinds[actuator.dof]]:
             yield f"{actuator.name} (from {value:.3g} to {target:.3g})"

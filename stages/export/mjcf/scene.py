@@ -1,4 +1,4 @@
-"""scene.xml: the robot in a small world, with a floor, light and sky, ready for a viewer."""
+"""Writes scene.xml: the robot in a small world with a floor, light and sky, ready for a viewer."""
 
 from collections.abc import Collection, Mapping
 from pathlib import Path
@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from linkwright.stages.export.configuration.mujoco_section import IN_THE_ROBOT
+from linkwright.stages.export.configuration.mujoco_section import ROBOT_FILE_OPTIONS
 from linkwright.stages.export.mjcf.keyframes import write_keyframes
 from linkwright.stages.export.mjcf.placement import placement
 from linkwright.stages.export.mjcf.sections import write_sections
-from linkwright.stages.export.mjcf.sensing.cameras import overview, write_camera
+from linkwright.stages.export.mjcf.sensing.cameras import write_camera, write_overview
 from linkwright.stages.export.mjcf.settings import text
 from linkwright.stages.export.scene import ground_pose
 from linkwright.stages.formats.numbers import number, spaced
@@ -25,64 +25,73 @@ if TYPE_CHECKING:
 TEMPLATE = Path(__file__).with_name("scene.xml")
 
 FLOOR = ("asset/texture[@name='checker']", "asset/material[@name='checker']", "worldbody/geom[@name='floor']")
-"""The elements of the template that make the floor."""
+"""XPaths of the elements that make the floor in the template."""
 
-PLAIN = "0.5 0.5 0.5 1"
+PLAIN_COLOUR = "0.5 0.5 0.5 1"
 
 
-def write_scene(given: "WriterInput", model: bytes) -> bytes:
-    """The scene around `<robot>.xml`, which it includes and whose text is `model`."""
-    robot, keys, standing = given.written.robot.name, given.keys, given.standing
-    extras = given.written.extras
+def write_scene(inputs: "WriterInput", model: bytes) -> bytes:
+    """Returns the content of the scene around `<robot>.xml`, which the scene includes. `model`: the content
+    of that file."""
+    robot, keys, standing = inputs.written.robot.name, inputs.keys, inputs.standing
+    extras = inputs.written.extras
     root = parse(TEMPLATE.read_bytes())
     root.set("model", f"{robot}_scene")
     root.find("include").set("file", f"{robot}.xml")
     _settings(root, "compiler", keys.scene.compiler)
-    in_the_robot = {*IN_THE_ROBOT, *dict(extras.option), *dict(extras.flag)}
-    _settings(root, "option", keys.scene.option, in_the_robot)
+    robot_options = {*ROBOT_FILE_OPTIONS, *dict(extras.option), *dict(extras.flag)}
+    _settings(root, "option", keys.scene.option, robot_options)
     world = root.find("worldbody")
     _sky(root.find("asset"), keys.scene.skybox)
     _ground(root, keys.ground)
-    beside = {(node.tag, node.name) for section in extras.scene for node in section.inside()}
-    _lights(world, keys.scene.lights, any(tag == "light" for tag, _ in beside))
-    floor, geoms = world.find(f"geom[@name='{GROUND}']"), {name for tag, name in beside if tag == "geom"}
+    scene_elements = {(node.tag, node.name) for section in extras.scene for node in section.inside()}
+    _lights(world, keys.scene.lights, any(tag == "light" for tag, _ in scene_elements))
+    floor, geoms = (
+        world.find(f"geom[@name='{GROUND}']"),
+        {name for tag, name in scene_elements if tag == "geom"},
+    )
     if floor is not None:
         floor.set("name", free(GROUND, geoms))
     write_sections(root, extras.scene)
     if np.isfinite(standing.low).all():
-        middle, size = (standing.low + standing.high) / 2, standing.high - standing.low
+        center, size = (standing.low + standing.high) / 2, standing.high - standing.low
         extent = max(float(np.max(size)), 1e-3)
-        statistic = element(None, "statistic", center=spaced(_short(middle)), extent=number(_short(extent)))
+        statistic = element(
+            None, "statistic", center=spaced(_in_millimetres(center)), extent=number(_in_millimetres(extent))
+        )
         root.find("include").addnext(statistic)
-        if "overview" not in keys.scene.cameras and ("camera", "overview") not in beside:
-            overview(world, middle, float(np.linalg.norm(size)) / 2)
+        if "overview" not in keys.scene.cameras and ("camera", "overview") not in scene_elements:
+            write_overview(world, center, float(np.linalg.norm(size)) / 2)
     for name, camera in keys.scene.cameras.items():
         if camera.frame is None:
             write_camera(world, name, camera, np.eye(4))
     if extras.moves_in_scene:
-        write_keyframes(root, given, parse(model))
+        write_keyframes(root, inputs, parse(model))
     return to_bytes(root)
 
 
-def _short(value: Any) -> Any:
-    """Lengths [m] that need no more than millimetres."""
+def _in_millimetres(value: Any) -> Any:
+    """Returns lengths [m], rounded to millimetres."""
     return np.round(value, 3) + 0.0
 
 
-def _settings(root: Element, name: str, keys: Any, without: Collection[str] = ()) -> None:
-    """An element of MuJoCo's own attributes, and one for each section of them, where something is given."""
-    given = {key: text(value) for key, value in keys.given().items() if key not in without}
-    below = {
-        key: {attribute: value for attribute, value in section.given().items() if attribute not in without}
+def _settings(root: Element, name: str, keys: Any, excluded: Collection[str] = ()) -> None:
+    """Writes an element with the MuJoCo attributes that are set, and a child for each section; nothing if
+    none are set."""
+    attributes = {key: text(value) for key, value in keys.explicit().items() if key not in excluded}
+    sections = {
+        key: {
+            attribute: value for attribute, value in section.explicit().items() if attribute not in excluded
+        }
         for key, section in keys.sections().items()
     }
-    if not given and not any(below.values()):
+    if not attributes and not any(sections.values()):
         return
-    made = element(None, name, **given)
-    for key, values in below.items():
+    node = element(None, name, **attributes)
+    for key, values in sections.items():
         if values:
-            element(made, key, **{attribute: text(value) for attribute, value in values.items()})
-    root.find("include").addnext(made)
+            element(node, key, **{attribute: text(value) for attribute, value in values.items()})
+    root.find("include").addnext(node)
 
 
 def _sky(asset: Element, sky: "SkySection") -> None:
@@ -104,7 +113,7 @@ def _ground(root: Element, ground: "GroundSection") -> None:
         floor.getparent().remove(floor)
         return
     if ground.material == "plain":
-        floor.set("rgba", PLAIN)
+        floor.set("rgba", PLAIN_COLOUR)
     half = "0 0" if ground.size is None else spaced(np.array(ground.size) / 2)
     floor.set("size", f"{half} 0.05")
     floor.set("friction", spaced(ground.friction))
@@ -113,7 +122,8 @@ def _ground(root: Element, ground: "GroundSection") -> None:
 
 
 def _lights(world: Element, lights: Mapping[str, "LightSection"], lit: bool) -> None:
-    """The template's sun, unless it is given or the scene is `lit` without it, and the user's lights."""
+    """Writes the user's lights, and removes the template's sun if the user replaces it or the scene is `lit`
+    without it."""
     if "sun" in lights or lit:
         world.remove(world.find("light[@name='sun']"))
     for name, light in lights.items():

@@ -1,4 +1,4 @@
-"""The sections of an MJCF that its source alone fills: tendons, and what names them."""
+"""Writes the sections of an MJCF that only come from its source, such as tendons and their actuators."""
 
 from collections.abc import Iterable, Iterator
 
@@ -7,33 +7,33 @@ from linkwright.stages.export.mjcf.placement import write_element
 from linkwright.stages.formats.xml import Element, element
 from linkwright.stages.robot.model.mjcf_extras import MjcfElement, MjcfExtras, children_of
 
-STATES = {"none": 0, "integrator": 1, "filter": 1, "filterexact": 1, "muscle": 1}
-"""Numbers of states of an actuator by its dynamics; those of a user say how many."""
+STATES_OF_DYNAMICS = {"none": 0, "integrator": 1, "filter": 1, "filterexact": 1, "muscle": 1}
+"""`dyntype` of an actuator → the number of its states; `user` has the attribute `actdim` instead."""
 
 
 def write_sections(root: Element, sections: Iterable[MjcfElement]) -> None:
     """Adds elements to the sections of a model."""
     for section in sections:
-        above = root.find(section.tag)
-        if above is None:
-            above = element(root, section.tag)
-        for one in section.children:
-            write_element(above, one)
+        parent = root.find(section.tag)
+        if parent is None:
+            parent = element(root, section.tag)
+        for child in section.children:
+            write_element(parent, child)
 
 
-def ordered(root: Element, extras: MjcfExtras) -> None:
-    """Brings actuators and sensors in the order of the source."""
+def restore_source_order(root: Element, extras: MjcfExtras) -> None:
+    """Sorts actuators and sensors into the order of the source."""
     for tag, _ in extras.order:
-        above = root.find(tag)
-        if above is not None:
-            nodes = {node.get("name"): node for node in above}
+        parent = root.find(tag)
+        if parent is not None:
+            nodes = {node.get("name"): node for node in parent}
             for name in extras.in_order(tag, nodes):
-                above.append(nodes[name])
+                parent.append(nodes[name])
 
 
-def drives_of(sections: Iterable[MjcfElement]) -> Iterator[KeyedActuator]:
-    """The controls of the actuators in these sections, which are 0 in every keyframe, as their states are."""
+def keyed_actuators_of(sections: Iterable[MjcfElement]) -> Iterator[KeyedActuator]:
+    """Yields the actuators in these sections. Their controls and states are 0 in all keyframes."""
     for actuator in children_of(sections, "actuator"):
-        own = dict(actuator.attributes)
-        states = int(own.get("actdim", STATES.get(own.get("dyntype", "none"), 0)))
+        attributes = dict(actuator.attributes)
+        states = int(attributes.get("actdim", STATES_OF_DYNAMICS.get(attributes.get("dyntype", "none"), 0)))
         yield KeyedActuator(actuator.name, 0.0, (0.0,) * states)

@@ -1,4 +1,4 @@
-"""Values of MuJoCo's settings as attributes."""
+"""Formats the values of MuJoCo's settings as attributes."""
 
 from typing import Any
 
@@ -6,11 +6,11 @@ from linkwright.stages.formats.numbers import number
 
 
 def text(value: Any) -> str:
-    """A word, a switch, a number, or several."""
+    """Returns the text of a word, a switch, a number, or a sequence of these."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
         return value
     if isinstance(value, int):
         return str(value)
-    return number(value) if isinstance(value, float) else " ".join(text(one) for one in value)
+    return number(value) if isinstance(value, float) else " ".join(text(item) for item in value)

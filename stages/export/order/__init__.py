@@ -1,1 +1,1 @@
-"""The order of joints, actuators and sensors, as MuJoCo's arrays and the readers of a URDF have it."""
+"""The order of joints, actuators and sensors in MuJoCo's arrays and for the readers of a URDF."""

@@ -1,7 +1,8 @@
-"""The tables of an MJCF: where each joint, actuator and sensor is in MuJoCo's arrays."""
+"""Lists where each joint, actuator and sensor of an MJCF is in MuJoCo's arrays."""
 
 from collections.abc import Iterator, Mapping
 
+from linkwright.stages.formats.mjcf.controls import control_count
 from linkwright.stages.formats.mjcf.joints import joints_in_order
 from linkwright.stages.formats.robot_json.files import (
     MjcfActuatorRow,
@@ -15,14 +16,14 @@ from linkwright.stages.robot.model.actuation import Actuation, Actuator
 from linkwright.stages.robot.model.robot import Dof, Robot
 from linkwright.stages.robot.model.sensor_kinds import DIMENSIONS, LENGTHS, QUATERNION, unit_of
 
-SIZES = {"turn": (1, 1), "slide": (1, 1), "ball": (4, 3), "free": (7, 6)}
-"""Kind of dof → how many numbers it has in `qpos`, and in `qvel`."""
+QPOS_AND_QVEL_SIZES = {"turn": (1, 1), "slide": (1, 1), "ball": (4, 3), "free": (7, 6)}
+"""Kind of dof → number of its values in `qpos`, and in `qvel`."""
 
 KINDS = {"hinge": "turn", "slide": "slide", "ball": "ball", "free": "free"}
 """MJCF's type of joint → kind of dof."""
 
 UNITS = {"turn": "rad", "slide": "m", "ball": QUATERNION, "free": f"m, {QUATERNION}"}
-"""Kind of dof → unit of its numbers in `qpos`."""
+"""Kind of dof → unit of its values in `qpos`."""
 
 _CONTROL = {
     "motor": "force",
@@ -33,15 +34,12 @@ _CONTROL = {
     "damper": "share",
     "dcmotor": "voltage",
 }
-"""Type of actuator → what its control is."""
-
-_OF_PID = "pos vel"
-"""The controls of MuJoCo's pid unless it says which."""
+"""Type of actuator → the quantity of its control."""
 
 
 class MjcfOrder:
-    """The tables of one finished file. `mates`: dof → what CAD calls its mate; `urdf`: dof → its joints in
-    the URDF."""
+    """Builds the tables of a finished file. `mates`: dof → the name of its mate in CAD; `urdf`: dof → its
+    joints in the URDF."""
 
     def __init__(
         self,
@@ -54,9 +52,9 @@ class MjcfOrder:
         self._root = root
         self._mates = mates
         self._urdf = urdf
-        every = [*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs)]
-        self._dofs: dict[str, Dof] = {dof.name: dof for dof in every}
-        self._actuators = {one.name: one for one in actuation.actuators}
+        all_dofs = [*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs)]
+        self._dofs: dict[str, Dof] = {dof.name: dof for dof in all_dofs}
+        self._actuators = {actuator.name: actuator for actuator in actuation.actuators}
 
     def record(self) -> MjcfOrderRecord:
         return MjcfOrderRecord(tuple(self._joints()), tuple(self._driven()), tuple(self._sensors()))
@@ -65,90 +63,84 @@ class MjcfOrder:
         qpos = dof = 0
         for node, kind_of_mjcf in joints_in_order(self._root):
             name, kind = node.get("name"), KINDS[kind_of_mjcf]
-            numbers, speeds = SIZES[kind]
+            qpos_size, qvel_size = QPOS_AND_QVEL_SIZES[kind]
             yield MjcfJointRow(
                 name=name,
                 kind=kind,
                 unit=UNITS[kind],
-                qpos=(qpos, numbers),
-                dof=(dof, speeds),
+                qpos=(qpos, qpos_size),
+                dof=(dof, qvel_size),
                 urdf=tuple(self._urdf.get(name, ())),
                 cad=self._mates.get(name),
             )
-            qpos, dof = qpos + numbers, dof + speeds
+            qpos, dof = qpos + qpos_size, dof + qvel_size
 
     def _driven(self) -> Iterator[MjcfActuatorRow]:
         nodes = [node for section in self._root.iterchildren("actuator") for node in section]
         first = 0
         for node in (node for node in nodes if isinstance(node.tag, str)):
-            own = self._actuators.get(node.get("name"))
-            joint = node.get("joint") or (own.dof if own else None)
-            count = _controls(node, own)
+            actuator = self._actuators.get(node.get("name"))
+            joint = node.get("joint") or (actuator.dof if actuator else None)
+            inputs = node.get("input") or (dict(actuator.terms).get("input") if actuator else None)
+            count = control_count(str(node.tag), inputs)
             yield MjcfActuatorRow(
                 name=node.get("name"),
                 ctrl=(first, count),
                 type=node.tag,
                 joint=joint,
-                unit=self._unit_of_control(own) if own else None,
-                range=_range(node, own),
+                unit=self._unit_of_control(actuator) if actuator else None,
+                range=_range(node, actuator),
                 cad=self._mates.get(joint or ""),
             )
             first += count
 
-    def _unit_of_control(self, one: Actuator) -> str | None:
-        value, force = LENGTHS[one.moves(self._dofs[one.dof].kind)]
-        said = {"force": force, "value": value, "speed": f"{value}/s", "share": "-", "voltage": "V"}
-        return said.get(_CONTROL.get(one.type, ""))
+    def _unit_of_control(self, actuator: Actuator) -> str | None:
+        value, force = LENGTHS[actuator.moves(self._dofs[actuator.dof].kind)]
+        units = {"force": force, "value": value, "speed": f"{value}/s", "share": "-", "voltage": "V"}
+        return units.get(_CONTROL.get(actuator.type, ""))
 
     def _sensors(self) -> Iterator[MjcfSensorRow]:
         address: int | None = 0
         nodes = [node for section in self._root.iterchildren("sensor") for node in section]
         for index, node in enumerate(node for node in nodes if isinstance(node.tag, str)):
-            count = DIMENSIONS.get(node.tag) or (_whole(node.get("dim")) if node.tag == "user" else 0)
-            plain = node.tag != "rangefinder" or (node.get("site") and node.get("data") is None)
-            known = count if plain else 0
-            own = self._actuators.get(node.get("actuator") or "")
-            on = node.get("joint") or (own.dof if own else None)
-            dof = self._dofs.get(on or "")
+            count = DIMENSIONS.get(node.tag) or (_whole_number(node.get("dim")) if node.tag == "user" else 0)
+            fixed_size = node.tag != "rangefinder" or (node.get("site") and node.get("data") is None)
+            size = count if fixed_size else 0
+            actuator = self._actuators.get(node.get("actuator") or "")
+            measured_joint = node.get("joint") or (actuator.dof if actuator else None)
+            dof = self._dofs.get(measured_joint or "")
             kind = dof.kind if dof else ""
             yield MjcfSensorRow(
                 name=node.get("name"),
                 index=index,
                 type=node.tag,
-                on=_on(node),
+                on=_measured_object(node),
                 address=address,
-                dim=known or None,
-                unit=unit_of(node.tag, own.moves(kind) if own else kind),
-                cad=self._mates.get(on or ""),
+                dim=size or None,
+                unit=unit_of(node.tag, actuator.moves(kind) if actuator else kind),
+                cad=self._mates.get(measured_joint or ""),
             )
-            address = address + known if known and address is not None else None
+            address = address + size if size and address is not None else None
 
 
-def _controls(node: Element, own: Actuator | None) -> int:
-    """How many controls an actuator has: a pid one for each of its inputs."""
-    if node.tag != "pid":
-        return 1
-    said = node.get("input") or (dict(own.terms).get("input") if own else None)
-    return len((said or _OF_PID).split())
-
-
-def _range(node: Element, own: Actuator | None) -> tuple[float, ...] | None:
-    """The range of the control, as the file has it, else as the actuator, whose class may hold it."""
+def _range(node: Element, actuator: Actuator | None) -> tuple[float, ...] | None:
+    """Returns the range of the control from the file, or else from the actuator: a class may have the
+    range."""
     text = node.get("ctrlrange")
     if text is not None:
         try:
             return tuple(as_float(float(end)) for end in text.split())
         except ValueError:
             return None  # It does not compile.
-    return None if own is None or own.control is None else tuple(map(as_float, own.control))
+    return None if actuator is None or actuator.control is None else tuple(map(as_float, actuator.control))
 
 
-def _whole(text: str | None) -> int:
+def _whole_number(text: str | None) -> int:
     return int(text) if text is not None and text.isdecimal() else 0
 
 
-def _on(node: Element) -> str | None:
-    """What a sensor is on, by its name."""
+def _measured_object(node: Element) -> str | None:
+    """Returns the name of the object that a sensor measures."""
     for key in ("joint", "actuator", "site", "objname", "body", "camera", "tendon"):
         if node.get(key) is not None:
             return str(node.get(key))

@@ -1,4 +1,4 @@
-"""The table of a URDF: its joints that move, in the order of the file and in that of its tree."""
+"""Lists the moving joints of a URDF, in the order of the file and in the order of its tree."""
 
 from collections.abc import Iterator, Mapping
 
@@ -6,25 +6,25 @@ from linkwright.stages.formats.robot_json.files import UrdfJointRow
 from linkwright.stages.formats.xml import Element
 
 UNITS = {"revolute": "rad", "continuous": "rad", "prismatic": "m", "floating": "m, rad", "planar": "m, rad"}
-"""Type of joint → its unit; others do not move."""
+"""Type of joint → its unit; joints of other types do not move."""
 
 
 def urdf_rows(root: Element, dofs: Mapping[str, str], mates: Mapping[str, str]) -> Iterator[UrdfJointRow]:
-    """A row for each joint that moves, in the order of the file. `dofs`: joint → the robot's dof; `mates`:
-    dof → what CAD calls its mate.
+    """Yields a row for each moving joint, in the order of the file. `dofs`: joint → the robot's dof; `mates`:
+    dof → the name of its mate in CAD.
 
-    `tree`: its place in a walk down the tree, depth first and siblings by name: so urdfdom's readers find
-    them, such as Pinocchio, whose q and v are in this order.
+    The `tree` of a row is the position of the joint in a walk down the tree, depth first and siblings by
+    name. Readers that use urdfdom have this order, such as Pinocchio in q and v.
     """
     joints = [node for node in root.iterchildren("joint") if node.get("type") in UNITS]
-    places = {name: place for place, name in enumerate(_walked(root))}
+    positions = {name: position for position, name in enumerate(_tree_order(root))}
     for index, node in enumerate(joints):
         name, mimic = node.get("name"), node.find("mimic")
         dof = dofs.get(name)
         yield UrdfJointRow(
             name=name,
             index=index,
-            tree=places.get(name),
+            tree=positions.get(name),
             type=node.get("type"),
             unit=UNITS[node.get("type")],
             follows=None if mimic is None else mimic.get("joint"),
@@ -33,21 +33,21 @@ def urdf_rows(root: Element, dofs: Mapping[str, str], mates: Mapping[str, str]) 
         )
 
 
-def _walked(root: Element) -> Iterator[str]:
-    """The names of the joints that move, depth first, siblings by name."""
-    below: dict[str, list[tuple[str, str, bool]]] = {}
+def _tree_order(root: Element) -> Iterator[str]:
+    """Yields the names of the moving joints, depth first, siblings by name."""
+    children_of: dict[str, list[tuple[str, str, bool]]] = {}
     children = set()
     for node in root.iterchildren("joint"):
         ends = node.find("parent"), node.find("child")
         if None in ends:
             continue
         parent, child = (end.get("link") for end in ends)
-        below.setdefault(parent, []).append((node.get("name"), child, node.get("type") in UNITS))
+        children_of.setdefault(parent, []).append((node.get("name"), child, node.get("type") in UNITS))
         children.add(child)
     roots = [node.get("name") for node in root.iterchildren("link") if node.get("name") not in children]
-    waiting = [("", link, False) for link in reversed(roots)]
-    while waiting:
-        name, link, moves = waiting.pop()
+    stack = [("", link, False) for link in reversed(roots)]
+    while stack:
+        name, link, moves = stack.pop()
         if moves:
             yield name
-        waiting += sorted(below.get(link, ()), reverse=True)
+        stack += sorted(children_of.get(link, ()), reverse=True)

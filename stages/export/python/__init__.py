@@ -1,1 +1,1 @@
-"""A Python package that holds a robot's files."""
+"""A Python package with a robot's files."""

@@ -1,17 +1,17 @@
-"""The text files of a Python package: `pyproject.toml`, built by hatchling, which leaves nothing beside the
-sources, `README.md` and `__init__.py`.
+"""Writes the text files of a Python package: `pyproject.toml`, `README.md` and `__init__.py`.
 
-The constants have the names of those of robot_descriptions, whose loaders take a module that has them.
+hatchling builds the package, because it leaves no files next to the sources. The constants have the names
+that robot_descriptions uses, so that its loaders take the module.
 """
 
 import json
 from collections.abc import Collection
 from pathlib import Path
 
-from linkwright.stages.export.python.section import PythonFormatSection, module_of
+from linkwright.stages.export.python.section import PythonFormatSection, import_name
 from linkwright.stages.formats.templates import Templates
 
-OF_FILES = (
+PATH_CONSTANTS = (
     ("URDF_PATH", "{}.urdf"),
     ("SRDF_PATH", "{}.srdf"),
     ("MJCF_PATH", "{}.xml"),
@@ -20,11 +20,11 @@ OF_FILES = (
     ("USD_PATH", "{}.usda"),
     ("ROBOT_JSON_PATH", "robot.json"),
 )
-"""Constant → the file of a robot of a name."""
+"""(constant, path), where {} stands for the name of the robot."""
 
 
 def _text(value: str) -> str:
-    # A text of JSON is one of TOML and of Python, where it has no character by two escapes.
+    # JSON text is also valid TOML and Python, unless two escapes form one character: hence no ASCII escapes.
     return json.dumps(value, ensure_ascii=False)
 
 
@@ -34,10 +34,11 @@ _TEMPLATES = Templates(Path(__file__).with_name("templates"), {"text": _text})
 def text_files(
     package: str, robot: str, folder: str, keys: PythonFormatSection, paths: Collection[str]
 ) -> dict[str, bytes]:
-    """The files by path. `folder`: that of the robot's files, in the module's; `paths`: of these."""
-    module = module_of(package)
-    every = {name: path.format(robot) for name, path in OF_FILES}
-    constants = {name: path for name, path in every.items() if path in paths}
+    """Returns path → content. `folder`: the folder of the robot's files in the module's folder; `paths`:
+    their paths in it."""
+    module = import_name(package)
+    all_constants = {name: path.format(robot) for name, path in PATH_CONSTANTS}
+    constants = {name: path for name, path in all_constants.items() if path in paths}
     values = {
         "package": package,
         "module": module,

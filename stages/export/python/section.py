@@ -1,4 +1,4 @@
-"""Configuration of the Python package."""
+"""Defines the configuration of the Python package."""
 
 import keyword
 import re
@@ -10,39 +10,40 @@ from linkwright.stages.export.configuration.format_section import FormatSection
 from linkwright.stages.robot.section import Text, example, invalid
 
 
-def _as_package(name: str) -> str:
-    module = module_of(name)
-    # PEP 508, without what would be no name of a module.
+def _check_package(name: str) -> str:
+    module = import_name(name)
+    # The names of PEP 508 that also give a valid module name.
     if not re.fullmatch("[a-z][a-z0-9]*([._-][a-z0-9]+)*", name) or keyword.iskeyword(module):
-        raise invalid("must be the name of a package: a lower-case letter, then a-z, 0-9 and single - _ .")
+        raise invalid("must be a package name: a lower-case letter, then a-z, 0-9, and single - _ or .")
     return name
 
 
-def _as_version(text: str) -> str:
-    # PEP 440, without epochs and local versions, which no index takes.
+def _check_version(text: str) -> str:
+    # PEP 440, without epochs, and without local versions, which PyPI refuses.
     if not re.fullmatch(r"\d+(\.\d+)*((a|b|rc)\d+)?(\.post\d+)?(\.dev\d+)?", text, re.ASCII):
-        raise invalid("must be a version, as 1.0 or 1.2.0rc1")
+        raise invalid("must be a version such as 1.0 or 1.2.0rc1")
     return text
 
 
-def module_of(package: str) -> str:
-    """The name by which a package is imported."""
+def import_name(package: str) -> str:
+    """Returns the import name of a package."""
     return re.sub("[.-]", "_", package)
 
 
 class PythonFormatSection(FormatSection):
-    """The Python package."""
+    """Configuration of the Python package with the robot's files."""
 
     files = ("python/*",)
 
-    package: Annotated[Text, AfterValidator(_as_package), example("my-arm-description")] | None = None
-    """Its name for pip; it is imported by that with `_` for `-`. null: `<name>_description`."""
+    package: Annotated[Text, AfterValidator(_check_package), example("my-arm-description")] | None = None
+    """Name of the package for pip. Its import name has `_` in place of `-` and `.`. null:
+    `<name>_description`."""
 
-    version: Annotated[Text, AfterValidator(_as_version), example("1.0.0")] = "0.0.0"
-    """Its version."""
+    version: Annotated[Text, AfterValidator(_check_version), example("1.0.0")] = "0.0.0"
+    """Version of the package."""
 
     author: Annotated[Text, example("Ada Lovelace")] | None = None
-    """Who made the robot."""
+    """Author of the robot."""
 
     license: Annotated[Text, example("Apache-2.0")] | None = None
-    """Its license."""
+    """License of the package."""

@@ -1,4 +1,4 @@
-"""Writes all files of the format, from what the other modules of this room make of the robot."""
+"""Writes all files of the format ROS 2, and those of MoveIt's package."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -7,8 +7,15 @@ from linkwright.stages.export import VERSION
 from linkwright.stages.export.package_names import package_of
 from linkwright.stages.export.ros2.control import Control, Ros2Plan, control_of
 from linkwright.stages.export.ros2.controllers import Controller, controllers_of
-from linkwright.stages.export.ros2.description import Description, described
-from linkwright.stages.export.ros2.files import ALWAYS, CONTROLLED, MOVEIT, cmake_lists, filled, view_of
+from linkwright.stages.export.ros2.description import Description, description_of
+from linkwright.stages.export.ros2.files import (
+    CONTROL_PACKAGES,
+    LAUNCH_PACKAGES,
+    MOVEIT_PACKAGES,
+    cmake_lists,
+    fill_template,
+    view_of,
+)
 from linkwright.stages.export.ros2.moveit import Semantics, semantic_files, semantics_of
 from linkwright.stages.export.ros2.names import macro_of, moveit_package_of
 from linkwright.stages.export.ros2.section import Ros2FormatSection
@@ -21,99 +28,109 @@ from linkwright.stages.formats.xml import to_bytes
 from linkwright.stages.robot.text.names import free
 
 FOLDER = "ros2"
-"""Where the package lies in the output: a folder that can be a workspace's `src`."""
+"""Folder of the package in the output, which can be the folder `src` of a workspace."""
 
 
 @dataclass(frozen=True, slots=True)
-class Driven:
-    """How the robot is driven. `trajectories`: the joints of each controller that follows trajectories."""
+class ControllerPlan:
+    """The content of ros2_control, and the controllers of the robot."""
 
     control: Control
     controllers: tuple[Controller, ...]
+
     trajectories: Mapping[str, Sequence[str]]
+    """Name of each controller that follows trajectories → its joints."""
 
 
-def write(given: WriterInput) -> FormatFiles:
-    """Its files, with copies of the meshes, and those of MoveIt's package beside it."""
-    robot = given.written.robot
-    keys = given.keys.export.ros2 or Ros2FormatSection()
+def write(inputs: WriterInput) -> FormatFiles:
+    """Writes the files of the package, with copies of the meshes, and those of MoveIt's package beside it."""
+    robot = inputs.written.robot
+    keys = inputs.keys.export.ros2 or Ros2FormatSection()
     package = keys.package or package_of(robot.name)
-    description = described(given.files[f"{robot.name}.urdf"], package)
-    control = control_of(given.written, description)
-    semantics = semantics_of(given.files[f"{robot.name}.srdf"], description)
+    description = description_of(inputs.files[f"{robot.name}.urdf"], package)
+    control = control_of(inputs.written, description)
+    semantics = semantics_of(inputs.files[f"{robot.name}.srdf"], description)
     trajectories = trajectories_of(control.commanded("position"), semantics)
     controllers = controllers_of(control, trajectories)
-    driven = Driven(control, controllers, trajectories)
-    place = f"{FOLDER}/{package}"
-    beside = _beside(given, package, description, semantics, driven)
-    case = Case("ros2", given.written, robot, place, Ros2Plan(description, control, bool(beside)))
-    files = {f"{place}/{path}": data for path, data in _files(given, package, description, driven)}
-    files |= beside
+    controller_plan = ControllerPlan(control, controllers, trajectories)
+    folder = f"{FOLDER}/{package}"
+    moveit_files = _moveit_files(inputs, package, description, semantics, controller_plan)
+    case = Case("ros2", inputs.written, robot, folder, Ros2Plan(description, control, bool(moveit_files)))
+    files = {f"{folder}/{path}": data for path, data in _files(inputs, package, description, controller_plan)}
+    files |= moveit_files
     record = PackageRecord(package, VERSION, renamed=RenamedRecord.from_model(description.names))
     return FormatFiles(files, (case,), record={"ros2": record})
 
 
 def _files(
-    given: WriterInput, package: str, description: Description, driven: Driven
+    inputs: WriterInput, package: str, description: Description, controller_plan: ControllerPlan
 ) -> list[tuple[str, bytes]]:
-    """(path in the package, bytes)."""
-    name = given.written.robot.name
-    own = macro_of(name)
+    """Returns (path in the package, bytes) of each file except the manifests and MoveIt's package."""
+    name = inputs.written.robot.name
+    macro_name = macro_of(name)
     parts = f"{name}_macro.xacro", f"{name}.ros2_control.xacro"
-    joints = {str(one.get("name")) for one in description.root.iterchildren("joint")}
-    control, controllers = driven.control, driven.controllers
+    joints = {str(element.get("name")) for element in description.root.iterchildren("joint")}
+    control, controllers = controller_plan.control, controller_plan.controllers
     texts = {"package": package, "robot": name, "root": description.base}
-    # A parameter of ROS that is given as a whole number is no real one.
-    home = {one.name: float(number(one.home, least=1.0)) for one in control.joints if not one.follows}
+    # ROS would not accept a whole number for a real parameter.
+    home = {joint.name: float(number(joint.home, least=1.0)) for joint in control.joints if not joint.follows}
+    meshes = inputs.written.shapes.shown(meshes=False, whole=True).files
     files = [
-        (f"urdf/{parts[0]}", macro(description, own, free(f"{description.base}_mount", joints))),
-        (f"urdf/{parts[1]}", control_macro(control, own)),
-        (f"urdf/{name}.urdf.xacro", entry(name, description, control, own, parts)),
+        (f"urdf/{parts[0]}", macro(description, macro_name, free(f"{description.base}_mount", joints))),
+        (f"urdf/{parts[1]}", control_macro(control, macro_name)),
+        (f"urdf/{name}.urdf.xacro", entry(name, description, control, macro_name, parts)),
         (f"urdf/{name}.urdf", to_bytes(description.root)),
-        (f"rviz/{name}.rviz", filled("robot.rviz", root=description.base, **view_of(given.standing))),
-        ("launch/display.launch.py", filled("display.launch.py", **texts, home=home)),
-        *((f"meshes/{file}", data) for file, data in given.written.shapes.files.items()),
+        (f"rviz/{name}.rviz", fill_template("robot.rviz", root=description.base, **view_of(inputs.standing))),
+        ("launch/display.launch.py", fill_template("display.launch.py", **texts, home=home)),
+        *((f"meshes/{file}", data) for file, data in meshes.items()),
     ]
-    needs = [*ALWAYS]
+    needs = [*LAUNCH_PACKAGES]
     if controllers:
         driver = {"controllers": controllers, "plugin": control.plugin}
-        files.append(("config/controllers.yaml", filled("controllers.yaml", controllers=controllers)))
-        files.append(("launch/control.launch.py", filled("control.launch.py", **texts, **driver)))
-        needs += [*CONTROLLED, *(one.package for one in controllers)]
-    what = f"The robot {name}: URDF, meshes, ros2_control and launch files."
-    return files + _manifests(given, package, what, needs, [path for path, _ in files])
+        files.append(("config/controllers.yaml", fill_template("controllers.yaml", controllers=controllers)))
+        files.append(("launch/control.launch.py", fill_template("control.launch.py", **texts, **driver)))
+        needs += [*CONTROL_PACKAGES, *(controller.package for controller in controllers)]
+    about = f"The robot {name}: URDF, meshes, ros2_control and launch files."
+    return files + _manifests(inputs, package, about, needs, [path for path, _ in files])
 
 
 def _manifests(
-    given: WriterInput, package: str, what: str, needs: Sequence[str], paths: Sequence[str]
+    inputs: WriterInput, package: str, about: str, needs: Sequence[str], paths: Sequence[str]
 ) -> list[tuple[str, bytes]]:
-    """What makes a folder with files at these paths a package of ROS. `what`: its description; `needs`: the
-    packages that it runs with."""
+    """Returns the manifests that make a folder with files at these paths a package of ROS. `about`: its
+    description; `needs`: the packages that it needs at run time."""
 
-    keys, needs = given.keys.export.ros2 or Ros2FormatSection(), sorted(set(needs))
-    about = filled("package.xml", package=package, what=what, keys=keys, needs=needs)
-    return [("package.xml", about), ("CMakeLists.txt", cmake_lists(package, paths))]
+    keys, needs = inputs.keys.export.ros2 or Ros2FormatSection(), sorted(set(needs))
+    manifest = fill_template("package.xml", package=package, what=about, keys=keys, needs=needs)
+    return [("package.xml", manifest), ("CMakeLists.txt", cmake_lists(package, paths))]
 
 
-def _beside(
-    given: WriterInput, package: str, description: Description, semantics: Semantics, driven: Driven
+def _moveit_files(
+    inputs: WriterInput,
+    package: str,
+    description: Description,
+    semantics: Semantics,
+    controller_plan: ControllerPlan,
 ) -> dict[str, bytes]:
-    """The files of MoveIt's package by path: none where the configuration wants none, or nothing moves."""
-    name, keys = given.written.robot.name, given.keys.export.ros2 or Ros2FormatSection()
+    """Returns the files of MoveIt's package by path; none if the configuration wants none, or if nothing
+    moves."""
+    name, keys = inputs.written.robot.name, inputs.keys.export.ros2 or Ros2FormatSection()
     if not keys.moveit or not semantics.groups:
         return {}
-    own = moveit_package_of(package)
-    texts = {"package": own, "description": package, "robot": name, "root": description.base}
+    moveit_package = moveit_package_of(package)
+    texts = {"package": moveit_package, "description": package, "robot": name, "root": description.base}
     frame = semantics.world or description.base
     files = [
-        *semantic_files(name, semantics, description, driven.trajectories),
-        ("config/moveit.rviz", filled("moveit.rviz", frame=frame, group=semantics.groups[0])),
+        *semantic_files(name, semantics, description, controller_plan.trajectories),
+        ("config/moveit.rviz", fill_template("moveit.rviz", frame=frame, group=semantics.groups[0])),
         (
             "launch/moveit.launch.py",
-            filled("moveit.launch.py", **texts, world=semantics.world, driven=driven),
+            fill_template("moveit.launch.py", **texts, world=semantics.world, driven=controller_plan),
         ),
-        (".setup_assistant", filled("setup_assistant.yaml", **texts, keys=keys)),
+        (".setup_assistant", fill_template("setup_assistant.yaml", **texts, keys=keys)),
     ]
-    what = f"MoveIt for the robot {name}: groups, poses, kinematics, limits, controllers and a launch file."
-    files += _manifests(given, own, what, [*MOVEIT, package], [path for path, _ in files])
-    return {f"{FOLDER}/{own}/{path}": data for path, data in files}
+    about = f"MoveIt for the robot {name}: groups, poses, kinematics, limits, controllers and a launch file."
+    files += _manifests(
+        inputs, moveit_package, about, [*MOVEIT_PACKAGES, package], [path for path, _ in files]
+    )
+    return {f"{FOLDER}/{moveit_package}/{path}": data for path, data in files}

@@ -1,4 +1,4 @@
-"""What ros2_control commands and measures: interfaces of joints, sensors, and the hardware."""
+"""Determines the content of ros2_control: interfaces of joints, sensors, and the hardware."""
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
@@ -25,88 +25,112 @@ COMMANDS: Mapping[str, str] = {
     "intvelocity": "velocity",
     "motor": "effort",
 }
-"""Type of an actuator → what commands it; others are commanded by effort."""
+"""Type of an actuator → the interface that commands it."""
 
-OTHERS = "effort"
+DEFAULT_COMMAND = "effort"
+"""The interface that commands actuators of any other type."""
 
-ORDER = ("position", "velocity", "effort")
-"""The interfaces that controllers have."""
+COMMAND_ORDER = ("position", "velocity", "effort")
+"""Command interfaces that have controllers, in the order of the file."""
 
-FORCES = ("jointactuatorfrc", "actuatorfrc")
-"""MuJoCo's sensors of what ros2_control calls effort."""
+EFFORT_SENSORS = ("jointactuatorfrc", "actuatorfrc")
+"""MuJoCo's sensors of the quantity that ros2_control calls effort."""
 
-OF_JOINTS = (*FORCES, "jointpos", "jointvel", "actuatorpos", "actuatorvel")
-"""Those that are state interfaces of joints."""
+JOINT_SENSORS = (*EFFORT_SENSORS, "jointpos", "jointvel", "actuatorpos", "actuatorvel")
+"""MuJoCo's sensors of quantities that are state interfaces of joints."""
 
-IMU = ("gyro", "accelerometer", "framequat")
-LOAD = ("force", "torque")
+IMU_SENSORS = ("gyro", "accelerometer", "framequat")
+"""MuJoCo's sensors that an IMU combines."""
+
+LOAD_SENSORS = ("force", "torque")
+"""MuJoCo's sensors that a force-torque sensor combines."""
 
 INTERFACES: Mapping[str, tuple[str, ...]] = {
     "imu": (
-        *(f"orientation.{one}" for one in "xyzw"),
-        *(f"angular_velocity.{one}" for one in "xyz"),
-        *(f"linear_acceleration.{one}" for one in "xyz"),
+        *(f"orientation.{axis}" for axis in "xyzw"),
+        *(f"angular_velocity.{axis}" for axis in "xyz"),
+        *(f"linear_acceleration.{axis}" for axis in "xyz"),
     ),
-    "force_torque": (*(f"force.{one}" for one in "xyz"), *(f"torque.{one}" for one in "xyz")),
+    "force_torque": (*(f"force.{axis}" for axis in "xyz"), *(f"torque.{axis}" for axis in "xyz")),
 }
-"""Kind of a sensor → its state interfaces, those that its broadcaster asks for."""
+"""Kind of a sensor → its state interfaces, as its broadcaster expects them."""
 
 
 Parameters = tuple[tuple[str, str], ...]
 """(name, text) of each <param>."""
 
 JOINT = ""
-"""The place of a joint's own parameters among those of its interfaces."""
+"""Key of a joint's own parameters, among those of its interfaces."""
 
-_FOLLOWING = ("mimic", "multiplier")
-"""Parameters that the package makes of the URDF's <mimic>."""
+_MIMIC_PARAMETERS = ("mimic", "multiplier")
+"""Parameters that the package derives from the URDF's <mimic>."""
 
 
 @dataclass(frozen=True, slots=True)
 class ControlJoint:
-    """A joint: the interfaces that command it and that are measured, its value [rad or m] at `home`, and
-    (driver, multiplier as the URDF has it) where it follows another. `parameters`: of the source's
-    <ros2_control>, by command interface; those of the joint itself are under ""."""
+    """A joint of ros2_control."""
 
     name: str
+
     commands: tuple[str, ...]
+    """The interfaces that command it."""
+
     states: tuple[str, ...]
+    """The interfaces that measure it."""
+
     home: float
+    """Its value [rad or m] at `home`."""
+
     follows: tuple[str, str] | None
+    """(driver, multiplier as text in the URDF) of a joint that follows another."""
+
     parameters: Mapping[str, Parameters] = field(default_factory=dict)
+    """Command interface → its parameters in the source's <ros2_control>; "" → those of the joint itself."""
 
 
 @dataclass(frozen=True, slots=True)
 class ControlSensor:
-    """A sensor: `kind` is a key of `INTERFACES`, `frame` its link."""
+    """A sensor of ros2_control."""
 
     name: str
+
     kind: str
+    """A key of `INTERFACES`."""
+
     frame: str
+    """The link that it is on."""
 
 
 @dataclass(frozen=True, slots=True)
 class Control:
-    """What is commanded and measured. `plugin` and `parameters`: of the source's hardware, "" without.
-    `by_effort`: (joint, type) of actuators that no interface is made for; `held_back`: joints that follow
-    others and so cannot be commanded; `left_out`: the names of sensors without a counterpart."""
+    """The content of ros2_control: commands, measurements and the hardware."""
 
     joints: tuple[ControlJoint, ...]
     sensors: tuple[ControlSensor, ...]
+
     plugin: str = ""
+    """The plugin of the source's hardware; "" without such hardware."""
+
     parameters: Parameters = ()
+    """The parameters of the source's hardware."""
+
     by_effort: tuple[tuple[str, str], ...] = ()
+    """(joint, type) of each actuator without an interface of its own, which is commanded by effort."""
+
     held_back: tuple[str, ...] = ()
+    """The joints that follow others, and so cannot be commanded."""
+
     left_out: tuple[str, ...] = ()
+    """The names of sensors without a counterpart in ros2_control."""
 
     def commanded(self, interface: str) -> list[str]:
-        """The joints that have a command interface of this name."""
+        """Returns the joints that have a command interface of this name."""
         return [joint.name for joint in self.joints if interface in joint.commands]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ros2Plan:
-    """What the package describes and commands. `moveit`: whether MoveIt has a package beside it."""
+    """The description and the control of the package. `moveit`: whether MoveIt has a package beside it."""
 
     description: Description
     control: Control
@@ -114,63 +138,75 @@ class Ros2Plan:
 
 
 def control_of(written: Written, description: Description) -> Control:
-    """How ros2_control has the robot: every joint of the URDF that moves, and what drives it."""
-    own = description.root.findall("ros2_control")
+    """Returns the content of ros2_control: every moving joint of the URDF, with its interfaces."""
+    controls = description.root.findall("ros2_control")
     values = _values(written.robot, written.urdf_names)
-    given = _given(own)
-    former = {name: before for before, name in description.names.joints.items()}
-    driven: dict[str, list[str]] = defaultdict(list)
-    for one in written.actuation.actuators:
-        driven[one.dof].append(one.type)
-    measured = _measured(written.actuation, written.sensing)
+    source_parameters = _source_interfaces(controls)
+    urdf_names = {name: urdf_name for urdf_name, name in description.names.joints.items()}
+    actuator_types: dict[str, list[str]] = defaultdict(list)
+    for actuator in written.actuation.actuators:
+        actuator_types[actuator.dof].append(actuator.type)
+    measured_dofs = _measured_dofs(written.actuation, written.sensing)
     joints, by_effort, held_back = [], [], []
     for node in description.moving:
         name = str(node.get("name"))
-        before = former[name]
-        types = driven[before]
-        source = given.get(name, {})
-        wanted = {COMMANDS.get(one, OTHERS) for one in types} or {*source} - {JOINT}
+        urdf_name = urdf_names[name]
+        types = actuator_types[urdf_name]
+        parameters_of_joint = source_parameters.get(name, {})
+        interfaces = {COMMANDS.get(type_, DEFAULT_COMMAND) for type_ in types} or {*parameters_of_joint} - {
+            JOINT
+        }
         follows = _follows(node)
-        if wanted and follows:
+        if interfaces and follows:
             held_back.append(name)
-        by_effort += [(name, one) for one in types if one not in COMMANDS and not follows]
-        commands = () if follows else tuple(one for one in ORDER if one in wanted)
-        effort = "effort" in commands or before in measured
+        by_effort += [(name, type_) for type_ in types if type_ not in COMMANDS and not follows]
+        commands = (
+            () if follows else tuple(interface for interface in COMMAND_ORDER if interface in interfaces)
+        )
+        effort = "effort" in commands or urdf_name in measured_dofs
         states = ("position", "velocity", "effort") if effort else ("position", "velocity")
-        joints.append(ControlJoint(name, commands, states, values.get(before, 0.0), follows, source))
-    sensors, left_out = _sensors(written, description, [one.name for one in joints])
-    plugin, parameters = _hardware(own)
+        joints.append(
+            ControlJoint(name, commands, states, values.get(urdf_name, 0.0), follows, parameters_of_joint)
+        )
+    sensors, left_out = _sensors(written, description, [joint.name for joint in joints])
+    plugin, parameters = _hardware(controls)
     return Control(
         tuple(joints), sensors, plugin, parameters, tuple(by_effort), tuple(held_back), tuple(left_out)
     )
 
 
 def _values(robot: Robot, names: UrdfNames) -> dict[str, float]:
-    """The value of each joint of the URDF at `home`."""
-    found: dict[str, float] = {}
-    at = home(robot)
+    """Returns the value of each joint of the URDF at `home`."""
+    values: dict[str, float] = {}
+    home_values = home(robot)
     for dof in robot.dofs:
-        value = at[dof.name]
+        value = home_values[dof.name]
         if dof.kind == "ball":
-            turned = turns_from_rotation(motion("ball", dof.axis, value)[:3, :3])
-            found |= zip(names.turns[dof.name], turned, strict=True)
+            angles = turns_from_rotation(motion("ball", dof.axis, value)[:3, :3])
+            values |= zip(names.turns[dof.name], angles, strict=True)
         elif not isinstance(value, tuple):
-            found[dof.name] = value
-    return found
+            values[dof.name] = value
+    return values
 
 
-def _given(controls: Sequence[Element]) -> dict[str, dict[str, Parameters]]:
-    """Joint → its command interfaces with their parameters, and its own, in the URDF's <ros2_control>s."""
-    found: dict[str, dict[str, Parameters]] = {}
-    for joint in (one for control in controls for one in control.iterchildren("joint")):
-        own = found.setdefault(str(joint.get("name")), {})
-        own[JOINT] = tuple(pair for pair in _parameters(joint) if pair[0] not in _FOLLOWING)
-        own |= {str(one.get("name")): _parameters(one) for one in joint.iterchildren("command_interface")}
-    return found
+def _source_interfaces(controls: Sequence[Element]) -> dict[str, dict[str, Parameters]]:
+    """Returns, for each joint in the URDF's <ros2_control>, its command interfaces with their parameters, and
+    its own parameters."""
+    interfaces: dict[str, dict[str, Parameters]] = {}
+    for joint in (child for control in controls for child in control.iterchildren("joint")):
+        of_joint = interfaces.setdefault(str(joint.get("name")), {})
+        of_joint[JOINT] = tuple(pair for pair in _parameters(joint) if pair[0] not in _MIMIC_PARAMETERS)
+        of_joint |= {
+            str(child.get("name")): _parameters(child) for child in joint.iterchildren("command_interface")
+        }
+    return interfaces
 
 
 def _parameters(node: Element) -> Parameters:
-    return tuple((str(one.get("name")), (one.text or "").strip()) for one in node.iterchildren("param"))
+    return tuple(
+        (str(parameter.get("name")), (parameter.text or "").strip())
+        for parameter in node.iterchildren("param")
+    )
 
 
 def _follows(joint: Element) -> tuple[str, str] | None:
@@ -178,19 +214,19 @@ def _follows(joint: Element) -> tuple[str, str] | None:
     return None if mimic is None else (str(mimic.get("joint")), str(mimic.get("multiplier", "1")))
 
 
-def _measured(actuation: Actuation, sensing: Sensing) -> set[str]:
-    """The dofs whose effort a sensor measures."""
-    dofs = {one.name: one.dof for one in actuation.actuators}
+def _measured_dofs(actuation: Actuation, sensing: Sensing) -> set[str]:
+    """Returns the dofs whose effort a sensor measures."""
+    dofs = {actuator.name: actuator.dof for actuator in actuation.actuators}
     return {
-        dofs.get(one.name_of_target, "") if one.target == "actuator" else one.name_of_target
-        for one in sensing.sensors
-        if one.type in FORCES
+        dofs.get(sensor.name_of_target, "") if sensor.target == "actuator" else sensor.name_of_target
+        for sensor in sensing.sensors
+        if sensor.type in EFFORT_SENSORS
     }
 
 
 def _hardware(controls: Sequence[Element]) -> tuple[str, Parameters]:
-    """The plugin and the parameters of the first hardware that the URDF itself names."""
-    for hardware in (one for control in controls for one in control.iterchildren("hardware")):
+    """Returns the plugin and the parameters of the first hardware that the URDF itself names."""
+    for hardware in (child for control in controls for child in control.iterchildren("hardware")):
         plugin = (hardware.findtext("plugin") or "").strip()
         if plugin:
             return plugin, _parameters(hardware)
@@ -200,50 +236,57 @@ def _hardware(controls: Sequence[Element]) -> tuple[str, Parameters]:
 def _sensors(
     written: Written, description: Description, joints: Sequence[str]
 ) -> tuple[tuple[ControlSensor, ...], list[str]]:
-    """The sensors that have a broadcaster, and the names of those that have none."""
+    """Returns the sensors that have a broadcaster, and the names of the others."""
     frames, sensing = dict(_frames(written, description)), written.sensing
     groups: dict[tuple[str, str, str], list[Sensor]] = defaultdict(list)
     left_out = [camera.name for camera in sensing.cameras]
-    for one in sensing.sensors:
-        kind = "imu" if one.type in IMU else "force_torque" if one.type in LOAD else ""
-        if kind and one.target in ("site", "xbody") and one.name_of_target in frames and not one.relative_to:
-            groups[kind, one.target, one.name_of_target].append(one)
-        elif one.type not in OF_JOINTS:
-            left_out.append(one.name)
-    made = []
+    for sensor in sensing.sensors:
+        kind = "imu" if sensor.type in IMU_SENSORS else "force_torque" if sensor.type in LOAD_SENSORS else ""
+        if (
+            kind
+            and sensor.target in ("site", "xbody")
+            and sensor.name_of_target in frames
+            and not sensor.relative_to
+        ):
+            groups[kind, sensor.target, sensor.name_of_target].append(sensor)
+        elif sensor.type not in JOINT_SENSORS:
+            left_out.append(sensor.name)
+    found_sensors = []
     for (kind, _, place), measured in groups.items():
-        types = {one.type for one in measured}
+        types = {sensor.type for sensor in measured}
         if types == {"framequat"}:
-            # TF has the orientation of a frame.
-            left_out += [one.name for one in measured]
+            # TF already publishes the orientation of a frame.
+            left_out += [sensor.name for sensor in measured]
         else:
-            made.append((stem_of_names([one.name for one in measured]) or f"{place}_{kind}", kind, place))
-    taken = set(joints)
-    names = legal_names([name for name, _, _ in made], "sensor")
-    found = []
-    for name, kind, place in made:
-        own = free(names[name], taken)
-        taken.add(own)
-        found.append(ControlSensor(own, kind, frames[place]))
-    return tuple(found), left_out
+            found_sensors.append(
+                (stem_of_names([sensor.name for sensor in measured]) or f"{place}_{kind}", kind, place)
+            )
+    used_names = set(joints)
+    names = legal_names([name for name, _, _ in found_sensors], "sensor")
+    sensors = []
+    for name, kind, place in found_sensors:
+        unique_name = free(names[name], used_names)
+        used_names.add(unique_name)
+        sensors.append(ControlSensor(unique_name, kind, frames[place]))
+    return tuple(sensors), left_out
 
 
 def _frames(written: Written, description: Description) -> Iterator[tuple[str, str]]:
-    """(name of a site, frame or link, the link of the package that is there)."""
-    own = description.names.links
-    here = {link.name: link.name for link in written.as_urdf.robot.links}
-    here |= {
+    """Yields (name of a site, frame or link, the link of the package that is there)."""
+    package_links = description.names.links
+    link_by_name = {link.name: link.name for link in written.as_urdf.robot.links}
+    link_by_name |= {
         site.name: site.link
         for site in written.sensing.sites
-        if site.link in here and np.array_equal(site.link_from_site, np.eye(4))
+        if site.link in link_by_name and np.array_equal(site.link_from_site, np.eye(4))
     }
-    here |= written.urdf_names.frames
+    link_by_name |= written.urdf_names.frames
     # The user's own XML may have taken a link away.
-    yield from ((name, own[link]) for name, link in here.items() if link in own)
+    yield from ((name, package_links[link]) for name, link in link_by_name.items() if link in package_links)
 
 
 def stem_of_names(names: Sequence[str]) -> str:
-    """The one name, or what several have before their last "_"; "" where that differs."""
+    """Returns a single name itself; of several, the part before the last "_" that all share, or ""."""
     if len(names) == 1:
         return names[0]
     stems = {name.rpartition("_")[0] for name in names}

@@ -1,6 +1,6 @@
-"""The controllers of a robot.
+"""Chooses the controllers of a robot.
 
-Joints that are commanded by position follow trajectories; speeds and efforts are passed on.
+Joints that are commanded by position follow trajectories. Speeds and efforts are passed on.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -13,52 +13,55 @@ from linkwright.stages.robot.text.names import free
 BROADCASTERS = {"imu": "imu_sensor_broadcaster", "force_torque": "force_torque_sensor_broadcaster"}
 """Kind of a sensor → the package of its broadcaster."""
 
-CLASSES = {
+CLASS_BY_PACKAGE = {
     "joint_state_broadcaster": "joint_state_broadcaster/JointStateBroadcaster",
     "joint_trajectory_controller": "joint_trajectory_controller/JointTrajectoryController",
     "forward_command_controller": "forward_command_controller/ForwardCommandController",
     "imu_sensor_broadcaster": "imu_sensor_broadcaster/IMUSensorBroadcaster",
     "force_torque_sensor_broadcaster": "force_torque_sensor_broadcaster/ForceTorqueSensorBroadcaster",
 }
-"""Package → its controller."""
+"""Package → the class of its controller."""
 
 
 @dataclass(frozen=True, slots=True)
 class Controller:
-    """A controller of a `package`, with its `parameters`."""
+    """A controller of ros2_control."""
 
     name: str
+
     package: str
+    """The ROS package that has it."""
+
     parameters: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def kind(self) -> str:
-        """The class that the package registers."""
-        return CLASSES[self.package]
+        """Returns the class that the package registers."""
+        return CLASS_BY_PACKAGE[self.package]
 
 
 def controllers_of(control: Control, trajectories: Mapping[str, Sequence[str]]) -> tuple[Controller, ...]:
-    """What there is to start, in that order. `trajectories`: the joints of each controller that follows
-    trajectories, by its name."""
+    """Returns the controllers in the order in which they start. `trajectories`: name of each controller that
+    follows trajectories → its joints."""
     if not control.joints and not control.sensors:
         return ()
     return tuple(_controllers(control, trajectories))
 
 
 def _controllers(control: Control, trajectories: Mapping[str, Sequence[str]]) -> Iterator[Controller]:
-    taken = {*trajectories, "velocity_controller", "effort_controller"}
+    used_names = {*trajectories, "velocity_controller", "effort_controller"}
     if control.joints:
-        taken.add("joint_state_broadcaster")
+        used_names.add("joint_state_broadcaster")
         yield Controller("joint_state_broadcaster", "joint_state_broadcaster")
     for name, joints in trajectories.items():
-        following = {
+        parameters_of_trajectory = {
             "joints": joints,
             "command_interfaces": ["position"],
             "state_interfaces": ["position", "velocity"],
             # So that a planner can move a part of them.
             "allow_partial_joints_goal": True,
         }
-        yield Controller(name, "joint_trajectory_controller", following)
+        yield Controller(name, "joint_trajectory_controller", parameters_of_trajectory)
     by_position = control.commanded("position")
     for interface in ("velocity", "effort"):
         joints = [name for name in control.commanded(interface) if name not in by_position]
@@ -66,7 +69,7 @@ def _controllers(control: Control, trajectories: Mapping[str, Sequence[str]]) ->
             parameters = {"joints": joints, "interface_name": interface}
             yield Controller(f"{interface}_controller", "forward_command_controller", parameters)
     for sensor in control.sensors:
-        name = free(f"{sensor.name}_broadcaster", taken)
-        taken.add(name)
-        own = {"sensor_name": sensor.name, "frame_id": sensor.frame}
-        yield Controller(name, BROADCASTERS[sensor.kind], own)
+        name = free(f"{sensor.name}_broadcaster", used_names)
+        used_names.add(name)
+        parameters_of_sensor = {"sensor_name": sensor.name, "frame_id": sensor.frame}
+        yield Controller(name, BROADCASTERS[sensor.kind], parameters_of_sensor)

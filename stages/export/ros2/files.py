@@ -1,4 +1,4 @@
-"""The texts of a ROS 2 package, each from a template: launch files, parameters, `package.xml` and others."""
+"""Fills the templates of a ROS 2 package: launch files, parameters, `package.xml` and others."""
 
 import json
 from collections.abc import Iterable
@@ -11,9 +11,9 @@ from linkwright.stages.formats.templates import Templates, xml_text
 from linkwright.stages.robot.model.poses import inverse
 
 if TYPE_CHECKING:
-    from linkwright.stages.export.ground.standing import Stance
+    from linkwright.stages.export.ground.standing import Placement
 
-ALWAYS = (
+LAUNCH_PACKAGES = (
     "ament_index_python",
     "joint_state_publisher",
     "joint_state_publisher_gui",
@@ -23,12 +23,12 @@ ALWAYS = (
     "rviz2",
     "xacro",
 )
-"""What the launch files need."""
+"""Packages that the launch files need."""
 
-CONTROLLED = ("controller_manager", "hardware_interface", "python3-yaml")
-"""What ros2_control needs beside its controllers; mock hardware is part of hardware_interface."""
+CONTROL_PACKAGES = ("controller_manager", "hardware_interface", "python3-yaml")
+"""Packages that ros2_control needs beside its controllers; mock hardware is part of hardware_interface."""
 
-MOVEIT = (
+MOVEIT_PACKAGES = (
     "ament_index_python",
     "joint_state_publisher",
     "launch",
@@ -43,27 +43,27 @@ MOVEIT = (
     "rviz2",
     "tf2_ros",
 )
-"""What MoveIt's launch file needs."""
+"""Packages that MoveIt's launch file needs."""
 
-_SIZE = 1.0
-"""m: of a robot without shapes."""
+_DEFAULT_SIZE = 1.0
+"""Size [m] of a robot without shapes."""
 
 _TEMPLATES = Templates(
     Path(__file__).with_name("templates"), {"json": json.dumps, "xml": xml_text, "bool": bool}
 )
-"""JSON is YAML: a name in double quotes is a text there, whatever it is."""
+"""The templates. JSON is valid YAML, in which a name in double quotes is always a text."""
 
 
-def filled(name: str, /, **values: Any) -> bytes:
-    """The text of the template of this name."""
+def fill_template(name: str, /, **values: Any) -> bytes:
+    """Returns the text of the template of this name, filled with the values."""
     return _TEMPLATES.filled(name, **values).encode()
 
 
-def view_of(standing: "Stance") -> dict[str, float]:
-    """How RViz looks at the robot, in the frame of its root link: lengths of the grid, of frames and of the
-    distance, and the place in the middle [m]."""
+def view_of(standing: "Placement") -> dict[str, float]:
+    """Returns the view of RViz on the robot, in the frame of its root link: the lengths [m] of the grid, of
+    frames and of the distance, and the position [m] of its middle."""
     low, high = standing.low, standing.high
-    size, centre = _SIZE, np.zeros(3)
+    size, centre = _DEFAULT_SIZE, np.zeros(3)
     if np.isfinite(low).all() and np.isfinite(high).all():
         size = float(np.linalg.norm(high - low))
         centre = (inverse(standing.world_from_root) @ [*(low + high) / 2, 1.0])[:3]
@@ -77,8 +77,9 @@ def view_of(standing: "Stance") -> dict[str, float]:
 
 
 def cmake_lists(package: str, paths: Iterable[str]) -> bytes:
-    """Installs every file of the package, in its folder. `paths`: of these files, in the package."""
+    """Returns the file CMakeLists.txt, which installs every file of the package in its folder. `paths`: the
+    files' paths in the package."""
     paths = list(paths)
     single = sorted(path for path in paths if "/" not in path)
     folders = sorted({path.partition("/")[0] for path in paths if "/" in path})
-    return filled("CMakeLists.txt", package=package, single=single, folders=folders)
+    return fill_template("CMakeLists.txt", package=package, single=single, folders=folders)

@@ -1,7 +1,7 @@
-"""Names that ROS takes: of packages, links, joints and sensors.
+"""Makes names that ROS accepts: of packages, links, joints and sensors.
 
-Frames of TF and joints are named in topics and parameters, where a point, a slash or a space has a meaning of
-its own, and a name that begins with a digit is a number.
+Frames of TF and joints are named in topics and parameters. There a point, a slash or a space has a meaning,
+and a name that begins with a digit is a number.
 """
 
 from collections.abc import Iterable, Mapping
@@ -10,43 +10,48 @@ from dataclasses import dataclass
 from linkwright.stages.export.package_names import stem_of
 from linkwright.stages.robot.text.names import free, plain
 
-TAGS = frozenset(
+XACRO_TAGS = frozenset(
     {"arg", "attribute", "call", "element", "if", "include", "insert_block", "macro", "property", "unless"}
 )
-"""Elements of xacro: no macro can have these names."""
+"""Elements of xacro, whose names no macro can have."""
 
 
 @dataclass(frozen=True, slots=True)
 class RosNames:
-    """Names in the package by those in the URDF beside it."""
+    """The names in the package."""
 
     links: Mapping[str, str]
+    """Link in the robot's own URDF → its name in the package."""
+
     joints: Mapping[str, str]
+    """Joint in the robot's own URDF → its name in the package."""
 
     @property
     def renamed(self) -> dict[str, dict[str, str]]:
-        """What has another name in the package, by kind."""
-        every = {"links": self.links, "joints": self.joints}
+        """Returns the links and joints with another name in the package, by kind."""
+        names_by_kind = {"links": self.links, "joints": self.joints}
         return {
-            kind: {name: own for name, own in names.items() if name != own} for kind, names in every.items()
+            kind: {name: package_name for name, package_name in names.items() if name != package_name}
+            for kind, names in names_by_kind.items()
         }
 
 
 def ros_names(links: Iterable[str], joints: Iterable[str]) -> RosNames:
-    """Names stay where ROS takes them; the others give way to these."""
+    """Returns names for ROS. Names that ROS accepts stay, and the others are changed so that they differ from
+    these."""
     return RosNames(legal_names(links, "link"), legal_names(joints, "joint"))
 
 
 def legal_names(names: Iterable[str], kind: str) -> dict[str, str]:
-    """A legal name for each; `kind` stands before one that begins with a digit."""
-    every = list(names)
-    found = {name: name for name in every if _legal(name, kind) == name}
-    taken = set(found)
-    for name in every:
-        if name not in found:
-            found[name] = free(_legal(name, kind), taken)
-            taken.add(found[name])
-    return {name: found[name] for name in every}
+    """Returns a legal name for each name; `kind` is put before a leading digit."""
+    originals = list(names)
+    legal = {name: name for name in originals if _legal(name, kind) == name}
+    used_names = set(legal)
+    for name in originals:
+        if name not in legal:
+            legal[name] = free(_legal(name, kind), used_names)
+            used_names.add(legal[name])
+    return {name: legal[name] for name in originals}
 
 
 def _legal(name: str, kind: str) -> str:
@@ -55,11 +60,11 @@ def _legal(name: str, kind: str) -> str:
 
 
 def moveit_package_of(package: str) -> str:
-    """The name of MoveIt's package beside that of the description."""
+    """Returns the name of MoveIt's package beside that of the description."""
     return f"{package.removesuffix('_description')}_moveit_config"
 
 
 def macro_of(robot: str) -> str:
-    """The name of the xacro macro of a robot."""
+    """Returns the name of the xacro macro of a robot."""
     stem = stem_of(robot)
-    return f"{stem}_robot" if stem in TAGS else stem
+    return f"{stem}_robot" if stem in XACRO_TAGS else stem

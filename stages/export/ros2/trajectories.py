@@ -1,4 +1,4 @@
-"""Which joints follow trajectories together: those of an arm, of a gripper, and the others."""
+"""Groups the joints that follow trajectories together: those of each arm, of each gripper, and the others."""
 
 from collections.abc import Mapping, Sequence
 
@@ -6,66 +6,78 @@ from linkwright.stages.export.ros2.moveit import Semantics
 from linkwright.stages.robot.text.names import free
 
 TRAJECTORY = "joint_trajectory_controller"
-"""The name of the controller of the joints that are in no arm of several, and in no gripper."""
+"""Name of the controller of all joints that are in no gripper, and in no arm or in several arms."""
 
-_TAKEN = (TRAJECTORY, "velocity_controller", "effort_controller", "joint_state_broadcaster")
+_RESERVED = (TRAJECTORY, "velocity_controller", "effort_controller", "joint_state_broadcaster")
 
 
 def trajectories_of(joints: Sequence[str], semantics: Semantics) -> dict[str, tuple[str, ...]]:
-    """The joints of each controller that follows trajectories, by its name. `joints`: those that are
-    commanded by position, in the order of the URDF.
+    """Returns the joints of each controller that follows trajectories, by its name. `joints`: the joints that
+    are commanded by position, in the order of the URDF.
 
-    Each gripper has a controller, and so has each arm where there are several. A joint that several arms
-    share is with those of no arm.
+    Each gripper has a controller, and so has each arm if there are several. A joint that several arms share
+    is with the joints of no arm.
     """
-    taken, rest = {*_TAKEN}, [*joints]
+    used_names, remaining = {*_RESERVED}, [*joints]
     controllers: dict[str, tuple[str, ...]] = {}
     for group in semantics.grippers:
-        held = [joint for joint in rest if joint in semantics.joints[group]]
-        if held:
-            controllers[_name(group, taken)] = tuple(held)
-            rest = [joint for joint in rest if joint not in held]
-    arms = _arms(rest, semantics)
-    holders = {joint: [name for name, held in arms.items() if joint in held] for joint in rest}
-    own = {name: tuple(joint for joint in rest if holders[joint] == [name]) for name in arms}
-    shared = tuple(joint for joint in rest if len(holders[joint]) != 1)
-    whole = {name: held for name, held in own.items() if held}
-    if len(whole) < 2 and not shared:
-        shared, whole = tuple(rest), {}
+        members = [joint for joint in remaining if joint in semantics.joints[group]]
+        if members:
+            controllers[_name(group, used_names)] = tuple(members)
+            remaining = [joint for joint in remaining if joint not in members]
+    arms = _arms(remaining, semantics)
+    arms_by_joint = {
+        joint: [name for name, members in arms.items() if joint in members] for joint in remaining
+    }
+    joints_of_single_arm = {
+        name: tuple(joint for joint in remaining if arms_by_joint[joint] == [name]) for name in arms
+    }
+    shared = tuple(joint for joint in remaining if len(arms_by_joint[joint]) != 1)
+    arm_joints = {name: members for name, members in joints_of_single_arm.items() if members}
+    if len(arm_joints) < 2 and not shared:
+        shared, arm_joints = tuple(remaining), {}
     trajectories = {TRAJECTORY: shared} if shared else {}
-    trajectories |= {_name(name, taken): held for name, held in whole.items()}
+    trajectories |= {_name(name, used_names): members for name, members in arm_joints.items()}
     return trajectories | controllers
 
 
-def _name(group: str, taken: set[str]) -> str:
-    name = free(f"{group}_controller", taken)
-    taken.add(name)
+def _name(group: str, used_names: set[str]) -> str:
+    name = free(f"{group}_controller", used_names)
+    used_names.add(name)
     return name
 
 
 def _arms(joints: Sequence[str], semantics: Semantics) -> dict[str, frozenset[str]]:
-    """The groups that are arms, legs and the like, with those of these joints that they have.
+    """Returns the groups that are arms, legs and the like, with their joints among `joints`.
 
-    What carries an end effector is an arm, and groups within it or around it are none. Of the others, a group
-    that others make up is none, and neither is a group within another.
+    A group that carries an end effector is an arm, and groups within it or around it are not. Of the other
+    groups, those that consist of others, or are within another, are not arms either.
     """
     groups: dict[str, frozenset[str]] = {}
-    order = sorted(semantics.joints, key=lambda name: name not in semantics.arms)
-    for name in order:
-        held = frozenset(joints).intersection(semantics.joints[name])
-        if held and held not in groups.values():
-            groups[name] = held
-    arms = {name: held for name, held in groups.items() if name in semantics.arms}
-    others = {
-        name: held
-        for name, held in groups.items()
-        if name not in arms and not any(held < arm or held > arm for arm in arms.values())
+    names = sorted(semantics.joints, key=lambda name: name not in semantics.arms)
+    for name in names:
+        members = frozenset(joints).intersection(semantics.joints[name])
+        if members and members not in groups.values():
+            groups[name] = members
+    arms = {name: members for name, members in groups.items() if name in semantics.arms}
+    candidates = {
+        name: members
+        for name, members in groups.items()
+        if name not in arms and not any(members < arm or members > arm for arm in arms.values())
     }
-    simple = {name: held for name, held in others.items() if held != _made_up(held, others)}
-    outer = {name for name, held in simple.items() if not any(held < other for other in simple.values())}
-    return {name: groups[name] for name in semantics.joints if name in arms or name in outer}
+    undivided = {
+        name: members
+        for name, members in candidates.items()
+        if members != _joints_of_inner_groups(members, candidates)
+    }
+    outermost = {
+        name
+        for name, members in undivided.items()
+        if not any(members < other for other in undivided.values())
+    }
+    return {name: groups[name] for name in semantics.joints if name in arms or name in outermost}
 
 
-def _made_up(held: frozenset[str], groups: Mapping[str, frozenset[str]]) -> frozenset[str]:
-    """The joints of the groups within one."""
-    return frozenset(joint for other in groups.values() if other < held for joint in other)
+def _joints_of_inner_groups(members: frozenset[str], groups: Mapping[str, frozenset[str]]) -> frozenset[str]:
+    """Returns the joints of the groups within a group."""
+    return frozenset(joint for inner in groups.values() if inner < members for joint in inner)

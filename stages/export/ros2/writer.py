@@ -1,11 +1,11 @@
-"""A ROS 2 package: the folder that `colcon build` takes."""
+"""Declares the format ROS 2: a folder that `colcon build` accepts."""
 
 from linkwright.stages.export.ros2.section import Ros2FormatSection
 from linkwright.stages.export.writer import FormatFiles, WriterInput
 
 
 class Ros2Writer:
-    """`ros2/<package>/`, and MoveIt's package beside it."""
+    """The writer of `ros2/<package>/`, and of MoveIt's package beside it."""
 
     section = Ros2FormatSection
     reads: tuple[str, ...] = ("urdf",)
@@ -15,8 +15,8 @@ class Ros2Writer:
         "linkwright.stages.export.ros2.moveit",
     )
 
-    def write(self, given: WriterInput) -> FormatFiles:
+    def write(self, inputs: WriterInput) -> FormatFiles:
         # Late: the table of writers is read by builds that write nothing.
         from linkwright.stages.export.ros2.build import write
 
-        return write(given)
+        return write(inputs)

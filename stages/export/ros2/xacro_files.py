@@ -1,5 +1,5 @@
-"""The xacro files of a ROS 2 package: a macro of the robot, one of its ros2_control, and the file that robots
-are made from.
+"""Writes the xacro files of a ROS 2 package: a macro of the robot, one of its ros2_control, and the file that
+instantiates them.
 
 A macro puts its prefix before the names of all links, joints, materials and sensors, so that a cell may have
 the robot several times.
@@ -15,7 +15,7 @@ from linkwright.stages.formats.xml import Element, element, rooted, to_bytes
 XACRO = "http://www.ros.org/wiki/xacro"
 
 MOCK = "mock_components/GenericSystem"
-"""Hardware that has at once what it is commanded to have."""
+"""Hardware whose state is at once what it is commanded to be."""
 
 ARGUMENTS = (
     ("prefix", ""),
@@ -25,29 +25,29 @@ ARGUMENTS = (
     ("use_ros2_control", "true"),
     ("use_mock_hardware", "true"),
 )
-"""The arguments of the entry, with their defaults, but for that of the hardware's plugin."""
+"""(name, default) of each argument of the entry file, without the plugin of the hardware."""
 
 
 def macro(description: Description, name: str, mount: str) -> bytes:
-    """The robot as a macro. `mount`: the name of the joint that holds it, where it has a parent."""
-    plain, _ = without_control(description.root)
+    """Returns the robot as a macro. `mount`: the name of the joint that holds it if it has a parent."""
+    robot, _ = without_control(description.root)
     root = _document()
     body = element(root, _xacro("macro"), name=name, params="prefix:='' parent:='' xyz:='0 0 0' rpy:='0 0 0'")
     base = f"${{prefix}}{description.base}"
-    held = element(body, _xacro("if"), value=f"${{parent not in ('', prefix + '{description.base}')}}")
-    joint = element(held, "joint", name=f"${{prefix}}{mount}", type="fixed")
+    mounted = element(body, _xacro("if"), value=f"${{parent not in ('', prefix + '{description.base}')}}")
+    joint = element(mounted, "joint", name=f"${{prefix}}{mount}", type="fixed")
     element(joint, "parent", link="${parent}")
     element(joint, "child", link=base)
     element(joint, "origin", xyz="${xyz}", rpy="${rpy}")
-    _guard(plain)
-    for node, key, _ in list(references(plain)):
+    _guard(robot)
+    for node, key, _ in list(references(robot)):
         node.set(key, "${prefix}" + node.get(key))
-    body.extend(list(plain))
+    body.extend(list(robot))
     return to_bytes(root)
 
 
 def control_macro(control: Control, name: str) -> bytes:
-    """The ros2_control of the robot as a macro."""
+    """Returns the ros2_control of the robot as a macro."""
     root = _document()
     params = (
         f"name:='{name}' prefix:='' use_mock_hardware:=true hardware_plugin:='{_dollars(control.plugin)}'"
@@ -58,7 +58,7 @@ def control_macro(control: Control, name: str) -> bytes:
     for joint in control.joints:
         node = element(top, "joint", name=f"${{prefix}}{joint.name}")
         if joint.follows:
-            # ROS 2 Humble reads these, newer ones the <mimic> of the URDF.
+            # ROS 2 Humble reads these parameters; newer versions read the <mimic> of the URDF.
             driver, multiplier = joint.follows
             element(node, "param", name="mimic").text = f"${{prefix}}{driver}"
             element(node, "param", name="multiplier").text = multiplier
@@ -80,7 +80,8 @@ def control_macro(control: Control, name: str) -> bytes:
 
 
 def entry(robot: str, description: Description, control: Control, name: str, files: tuple[str, str]) -> bytes:
-    """The file that is expanded. `files`: those of the macros of the robot and of its ros2_control."""
+    """Returns the entry file, which a user expands. `files`: the file of the robot's macro, and that of its
+    ros2_control."""
     root = _document(name=robot)
     for argument, default in (*ARGUMENTS, ("hardware_plugin", control.plugin)):
         element(root, _xacro("arg"), name=argument, default=_dollars(default))
@@ -88,17 +89,19 @@ def entry(robot: str, description: Description, control: Control, name: str, fil
         element(root, _xacro("include"), filename=file)
     for argument in ("prefix", "parent"):
         element(root, _xacro("property"), name=argument, value=f"$(arg {argument})")
-    new = element(root, _xacro("if"), value=f"${{parent not in ('', prefix + '{description.base}')}}")
-    element(new, "link", name="${parent}")
+    parent_exists = element(
+        root, _xacro("if"), value=f"${{parent not in ('', prefix + '{description.base}')}}"
+    )
+    element(parent_exists, "link", name="${parent}")
     _call(root, name, ("prefix", "parent", "xyz", "rpy"))
     if control.joints or control.sensors:
-        used = element(root, _xacro("if"), value="$(arg use_ros2_control)")
-        _call(used, f"{name}_ros2_control", ("prefix", "use_mock_hardware", "hardware_plugin"))
+        has_control = element(root, _xacro("if"), value="$(arg use_ros2_control)")
+        _call(has_control, f"{name}_ros2_control", ("prefix", "use_mock_hardware", "hardware_plugin"))
     return to_bytes(root)
 
 
 def _call(above: Element, macro: str, arguments: Sequence[str]) -> None:
-    """The macro with the arguments of the file."""
+    """Writes a call of the macro with the arguments of the file."""
     node = element(above, _xacro(macro))
     for argument in arguments:
         node.set(argument, f"$(arg {argument})")
@@ -109,13 +112,13 @@ def _hardware(top: Element, control: Control) -> None:
     mock = element(hardware, _xacro("if"), value="${use_mock_hardware}")
     element(mock, "plugin").text = MOCK
     if control.commanded("velocity") and not control.commanded("effort"):
-        # Then speeds move the joints; but no controller of efforts may start.
+        # Then commands of speed move the joints, but no controller of efforts may start.
         element(mock, "param", name="calculate_dynamics").text = "true"
-    own = element(hardware, _xacro("unless"), value="${use_mock_hardware}")
+    real = element(hardware, _xacro("unless"), value="${use_mock_hardware}")
     text = "hardware_plugin:=... has to name a plugin where use_mock_hardware is false"
     plugin = f"${{hardware_plugin if hardware_plugin else xacro.fatal('{text}')}}"
-    element(own, "plugin").text = plugin
-    _add(own, control.parameters)
+    element(real, "plugin").text = plugin
+    _add(real, control.parameters)
 
 
 def _add(node: Element, parameters: Parameters) -> None:
@@ -132,7 +135,7 @@ def _xacro(tag: str) -> str:
 
 
 def _guard(root: Element) -> None:
-    """What looks like an expression of xacro stays as it is."""
+    """Escapes text that looks like an expression of xacro."""
     for node in root.iter():
         for key, value in node.attrib.items():
             node.set(key, _dollars(value))

@@ -1,13 +1,14 @@
 """SDF: links, joints, frames and sensors of a model for Gazebo, with loops as joints.
 
-- bodies: Links of an SDF: their inertia, what is seen of them, and what they collide with.
-- build: Writes all files of the format, from what the other modules of this room make of the robot.
-- contacts: Which colliders of an SDF collide, by `collide_bitmask`: two do whose masks have a bit in common.
-- joints: Joints of an SDF: their place, axis, limits and damping, and what they follow.
-- lowering: Lowering: joints and loops of several degrees of freedom as SDF joints of one each, with links of
-  next to no mass between them; and the pose in which the links of the SDF stand.
-- model: SDF 1.9: the model of a robot, in one file.
+- bodies: Writes the links of an SDF: inertials, visuals and colliders.
+- build: Writes all files of the format SDF.
+- contacts: Chooses masks (`collide_bitmask`) for colliders of an SDF: two collide if their masks have a bit
+  in common.
+- joints: Writes the joints of an SDF: pose, axis, limits, damping, and the joint that they follow.
+- lowering: Converts joints and loops of several degrees of freedom to chains of SDF joints and almost
+  massless links, and chooses the pose in which the links of the SDF stand.
+- model: Writes the model of a robot as SDF 1.9, in one file.
 - section: Configuration of the SDF writer.
-- sensors: Sensors of an SDF: on links those that are mounted, on joints those of their load.
-- writer: SDF: the model, and the file by which Gazebo finds it.
+- sensors: Writes the sensors of an SDF: force and torque sensors on joints, all others on links.
+- writer: Declares the format SDF: the model, and the file by which Gazebo finds it.
 """

@@ -1,4 +1,4 @@
-"""Links of an SDF: their inertia, what is seen of them, and what they collide with."""
+"""Writes the links of an SDF: inertials, visuals and colliders."""
 
 from collections.abc import Mapping, Sequence
 
@@ -16,7 +16,7 @@ from linkwright.stages.robot.model.robot import Array, Inertial, Primitive
 def write_link(
     model: Element, name: str, body: Inertial, carriers: Mapping[str, SdfJoint], lowered: SdfJoints
 ) -> Element:
-    """A link with its inertial, in the frame of the joint that carries it."""
+    """Writes a link with its inertial, in the frame of the joint that carries it."""
     node = element(model, "link", name=name)
     if name in carriers:
         write_pose(node, np.eye(4), carriers[name].name)
@@ -37,37 +37,37 @@ def write_colliders(
     link: str,
     shapes: Sequence[Shape],
     assets: str,
-    taken: set[str],
+    sibling_names: set[str],
     masks: Mapping[tuple[str, int], int],
 ) -> list[str]:
-    """The colliders of a link, and their names."""
+    """Writes the colliders of a link, and returns their names."""
     names = []
-    for count, (holder, shape) in enumerate(
-        zip(write_shapes(node, shapes, "collision", assets, taken), shapes, strict=True)
+    for index, (holder, shape) in enumerate(
+        zip(write_shapes(node, shapes, "collision", assets, sibling_names), shapes, strict=True)
     ):
-        _surface(holder, shape, masks.get((link, count)))
+        _surface(holder, shape, masks.get((link, index)))
         names.append(str(holder.get("name")))
     return names
 
 
 def write_shapes(
-    node: Element, shapes: Sequence[Shape], tag: str, assets: str, taken: set[str]
+    node: Element, shapes: Sequence[Shape], tag: str, assets: str, sibling_names: set[str]
 ) -> list[Element]:
-    """The elements of the shapes of one role."""
-    made = []
+    """Writes the shapes of a role, and returns their elements."""
+    holders = []
     for count, shape in enumerate(shapes, 1):
         name = f"{tag}_{count}"
-        taken.add(name)
+        sibling_names.add(name)
         holder = element(node, tag, name=name)
-        made.append(holder)
+        holders.append(holder)
         _geometry(holder, shape, assets)
         if tag == "visual":
             _material(holder, shape)
-    return made
+    return holders
 
 
 def _surface(holder: Element, shape: Shape, mask: int | None) -> None:
-    """The friction of a collider, and the bits of which it must share one with what it collides with."""
+    """Writes the friction of a collider, and its mask: it collides with what shares a bit of the mask."""
     friction = None if shape.contact is None else shape.contact.friction
     if friction is None and mask is None:
         return
@@ -100,19 +100,19 @@ def _primitive(above: Element, primitive: Primitive) -> None:
 
 
 def _material(holder: Element, shape: Shape) -> None:
-    """The colour; a mesh with an image has a material of its own."""
-    own = paint(shape)
-    if own is None or own[1]:
+    """Writes the colour of a shape, unless it is a mesh with an image, which has a material of its own."""
+    colour_and_image = paint(shape)
+    if colour_and_image is None or colour_and_image[1]:
         return
-    node, colour = element(holder, "material"), spaced(own[0])
+    node, colour = element(holder, "material"), spaced(colour_and_image[0])
     element(node, "ambient").text = colour
     element(node, "diffuse").text = colour
-    if own[0][3] < 1.0:
-        element(holder, "transparency").text = number(1.0 - own[0][3])
+    if colour_and_image[0][3] < 1.0:
+        element(holder, "transparency").text = number(1.0 - colour_and_image[0][3])
 
 
 def write_pose(above: Element, pose: Array, relative_to: str | None = None) -> None:
-    """A pose (4, 4) in the frame `relative_to`, by default that of the element around."""
-    place = spaced(pose[:3, 3], least=LENGTH)
-    turned = spaced(rpy_from_rotation(pose[:3, :3]), least=TURN)
-    element(above, "pose", relative_to=relative_to).text = f"{place} {turned}"
+    """Writes a pose (4, 4) in the frame `relative_to`, by default that of the element `above`."""
+    position = spaced(pose[:3, 3], least=LENGTH)
+    angles = spaced(rpy_from_rotation(pose[:3, :3]), least=TURN)
+    element(above, "pose", relative_to=relative_to).text = f"{position} {angles}"

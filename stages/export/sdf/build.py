@@ -1,4 +1,4 @@
-"""Writes all files of the format, from what the other modules of this room make of the robot."""
+"""Writes all files of the format SDF."""
 
 from linkwright.stages.export.sdf.contacts import sdf_contacts
 from linkwright.stages.export.sdf.lowering import lower
@@ -11,11 +11,11 @@ from linkwright.stages.formats.robot_json.values import as_value
 from linkwright.stages.formats.sdf.names import sdf_names
 
 
-def write(given: WriterInput) -> FormatFiles:
-    """The files of the format, with what they lose of the robot."""
-    written, plan = given.written, _plan(given)
+def write(inputs: WriterInput) -> FormatFiles:
+    """Writes the files of the format, and tells what they lose of the robot."""
+    written, plan = inputs.written, _plan(inputs)
     model, config = SdfFormatSection.paths(written.robot.name)
-    keys = given.keys.export.sdf or SdfFormatSection()
+    keys = inputs.keys.export.sdf or SdfFormatSection()
     files = {
         model: write_sdf(written.robot, written.shapes, keys, plan),
         config: write_config(written.robot.name),
@@ -25,25 +25,27 @@ def write(given: WriterInput) -> FormatFiles:
 
 
 def _record(plan: SdfPlan) -> FormatRecord:
-    """What robot.json tells of the SDF."""
+    """Returns the entry of the SDF in robot.json."""
     zeros = {name: as_value(value) for name, value in plan.lowered.moved.items()}
     return FormatRecord(RenamedRecord.from_model(plan.names), zeros)
 
 
-def _plan(given: WriterInput) -> SdfPlan:
-    robot, geometry = given.written.robot, given.written.shapes
+def _plan(inputs: WriterInput) -> SdfPlan:
+    robot, geometry = inputs.written.robot, inputs.written.shapes
     names = sdf_names(robot)
-    lowered = lower(robot, given.written.start, names)
-    # Engines leave out by themselves what a joint of their tree joins, but not what closes a loop.
-    link = {own: name for name, own in names.links.items()}
-    tree = [joint for joint in lowered.joints if joint.carries and {joint.parent, joint.child} <= link.keys()]
-    joined = {frozenset((link[joint.parent], link[joint.child])) for joint in tree}
-    held = [joint.child for joint in robot.joints if joint.type != "free"]
-    solid = sorted({shape.link for shape in geometry.shapes if shape.role == "collision"})
+    lowered = lower(robot, inputs.written.start, names)
+    # Engines exclude contact of links that a joint of their tree joins, but not of those that close a loop.
+    links = {sdf_name: name for name, sdf_name in names.links.items()}
+    tree = [
+        joint for joint in lowered.joints if joint.carries and {joint.parent, joint.child} <= links.keys()
+    ]
+    joined = {frozenset((links[joint.parent], links[joint.child])) for joint in tree}
+    jointed_links = [joint.child for joint in robot.joints if joint.type != "free"]
+    links_with_colliders = sorted({shape.link for shape in geometry.shapes if shape.role == "collision"})
     return SdfPlan(
         names,
         lowered,
-        sensors_of(robot, given.written.sensing, held, solid),
+        sensors_of(robot, inputs.written.sensing, jointed_links, links_with_colliders),
         sdf_contacts(geometry, joined),
-        given.standing.placed(lowered.stands),
+        inputs.standing.placed(lowered.stands),
     )

@@ -1,9 +1,9 @@
-"""Which colliders of an SDF collide, by `collide_bitmask`: two do whose masks have a bit in common.
+"""Chooses masks (`collide_bitmask`) for colliders of an SDF: two collide if their masks have a bit in common.
 
-That is how Gazebo reads it (gz-physics with DART), which knows 16 bits and leaves out links joined by a joint
-by itself. A collider without a mask collides with all; for Gazebo it has the low eight bits, so each mask has
-one of these. Colliders of which some must not collide are in sets of such as may, each two that must collide
-together in one of them: a set is a bit.
+Gazebo (gz-physics with DART) reads 16 bits of a mask, and by itself excludes links that a joint joins. A
+collider without a mask collides with all; for Gazebo it has the low eight bits, so each mask has one of these
+bits. If some colliders must not collide, their masks are made of sets of colliders, one bit for each set: no
+set has two that must not collide, and each two that must collide are together in a set.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -13,29 +13,38 @@ from itertools import product
 from linkwright.stages.robot.model.geometry import Exclude, Geometry
 from linkwright.stages.robot.motion.adjacency import Pair
 
-BITS, LOW = 16, 8
-"""The bits of a mask, and those that everything without a mask has."""
+MASK_BITS = 16
+"""Number of bits of a mask."""
+
+DEFAULT_BITS = 8
+"""Number of the low bits that a collider without a mask has."""
 
 Collider = tuple[str, int]
-"""A link, and a position among its collision shapes."""
+"""(link, index among its collision shapes)."""
 
 
 @dataclass(frozen=True, slots=True)
 class SdfContacts:
-    """`collides`: whether the links collide with each other; `masks`: of the colliders that do not collide
-    with all others; `lost`: pairs of links that do not collide though they should, as bits are lacking."""
+    """The contacts between the links of an SDF."""
 
     collides: bool
+    """Whether the links collide with each other."""
+
     masks: Mapping[Collider, int]
+    """The masks of the colliders that do not collide with all others."""
+
     lost: tuple[Pair, ...] = ()
+    """The pairs of links that should collide and do not, since the bits do not suffice."""
 
 
 def sdf_contacts(geometry: Geometry, joined: Collection[frozenset[str]]) -> SdfContacts:
-    """`joined`: the pairs of links that a joint of the SDF joins."""
-    apart = [one for one in geometry.excludes if frozenset((one.link_a, one.link_b)) not in joined]
-    if not geometry.self_contact or not apart:
+    """Returns the contacts of an SDF. `joined`: the pairs of links that a joint of the SDF joins."""
+    excludes = [
+        exclude for exclude in geometry.excludes if frozenset((exclude.link_a, exclude.link_b)) not in joined
+    ]
+    if not geometry.self_contact or not excludes:
         return SdfContacts(geometry.self_contact, {})
-    partners = _partners(geometry, apart)
+    partners = _partners(geometry, excludes)
     groups = _groups(partners)
     links = [colliders[0][0] for colliders in groups]
     number_of = {collider: number for number, colliders in enumerate(groups) for collider in colliders}
@@ -51,13 +60,13 @@ def sdf_contacts(geometry: Geometry, joined: Collection[frozenset[str]]) -> SdfC
         for number in range(len(groups))
     ]
     sets = _sets(foes, friends)
-    if len(set().union(*sets[:LOW])) < len(groups):
+    if len(set().union(*sets[:DEFAULT_BITS])) < len(groups):
         return SdfContacts(False, {})
     lost = [
-        (links[one], links[other])
-        for one, left in enumerate(friends)
+        (links[index], links[other])
+        for index, left in enumerate(friends)
         for other in sorted(left)
-        if one < other
+        if index < other
     ]
     masks = {
         collider: sum(1 << bit for bit, members in enumerate(sets) if number in members)
@@ -66,21 +75,21 @@ def sdf_contacts(geometry: Geometry, joined: Collection[frozenset[str]]) -> SdfC
     return SdfContacts(True, masks, tuple(dict.fromkeys(lost)))
 
 
-def _partners(geometry: Geometry, apart: Sequence[Exclude]) -> dict[Collider, set[Collider]]:
-    """Each collider that must not collide with some → these."""
+def _partners(geometry: Geometry, excludes: Sequence[Exclude]) -> dict[Collider, set[Collider]]:
+    """Returns the colliders with which each collider must not collide."""
     shapes = geometry.by_link()
     partners: dict[Collider, set[Collider]] = {}
-    for exclude in apart:
+    for exclude in excludes:
         a, b = exclude.link_a, exclude.link_b
-        every = product(*(range(len(shapes[link, "collision"])) for link in (a, b)))
-        for i, j in exclude.geoms or every:
+        all_pairs = product(*(range(len(shapes[link, "collision"])) for link in (a, b)))
+        for i, j in exclude.geoms or all_pairs:
             partners.setdefault((a, i), set()).add((b, j))
             partners.setdefault((b, j), set()).add((a, i))
     return partners
 
 
 def _groups(partners: Mapping[Collider, set[Collider]]) -> list[list[Collider]]:
-    """The colliders of one link that must not collide with the same ones, together."""
+    """Groups the colliders of a link that must not collide with the same colliders."""
     groups: dict[tuple[str, frozenset[Collider]], list[Collider]] = {}
     for collider in sorted(partners):
         groups.setdefault((collider[0], frozenset(partners[collider])), []).append(collider)
@@ -88,15 +97,17 @@ def _groups(partners: Mapping[Collider, set[Collider]]) -> list[list[Collider]]:
 
 
 def _sets(foes: Sequence[Collection[int]], friends: Sequence[set[int]]) -> list[set[int]]:
-    """At most as many sets of groups as there are bits, none with two foes: first those that together have
-    each group, then those that together have each two friends. Each grows by the group that adds the most of
-    these. Takes the friends that are together in a set out of `friends`."""
+    """Returns sets of groups, at most as many as a mask has bits, none with two foes. The first sets together
+    contain each group; the further ones unite each two friends. A set grows greedily, by the group that adds
+    most of these. Removes from `friends` the pairs that a set unites."""
     sets: list[set[int]] = []
-    alone = dict.fromkeys(range(len(foes)))
-    while len(sets) < BITS and (alone or any(friends)):
-        first = next(iter(alone)) if alone else next(one for one, left in enumerate(friends) if left)
+    unplaced = dict.fromkeys(range(len(foes)))
+    while len(sets) < MASK_BITS and (unplaced or any(friends)):
+        first = (
+            next(iter(unplaced)) if unplaced else next(number for number, left in enumerate(friends) if left)
+        )
         members: set[int] = set()
-        gains = {number: int(number in alone) for number in range(len(foes))}
+        gains = {number: int(number in unplaced) for number in range(len(foes))}
         best: int | None = first
         while best is not None:
             members.add(best)
@@ -109,6 +120,6 @@ def _sets(foes: Sequence[Collection[int]], friends: Sequence[set[int]]) -> list[
                 best = None
         sets.append(members)
         for number in members:
-            alone.pop(number, None)
+            unplaced.pop(number, None)
             friends[number] -= members
     return sets

@@ -1,4 +1,4 @@
-"""Joints of an SDF: their place, axis, limits and damping, and what they follow."""
+"""Writes the joints of an SDF: pose, axis, limits, damping, and the joint that they follow."""
 
 from linkwright.stages.export.sdf.bodies import write_pose
 from linkwright.stages.export.sdf.lowering import SdfJoint
@@ -7,7 +7,7 @@ from linkwright.stages.formats.xml import Element, element
 
 
 def write_joint(model: Element, joint: SdfJoint) -> Element:
-    """A joint with its place, and, unless it is fixed, its axis."""
+    """Writes a joint with its pose and, unless it is fixed, its axis."""
     node = element(model, "joint", name=joint.name, type=joint.type)
     write_pose(node, joint.place, joint.at)
     element(node, "parent").text = joint.parent
@@ -16,12 +16,12 @@ def write_joint(model: Element, joint: SdfJoint) -> Element:
         return node
     axis = element(node, "axis")
     element(axis, "xyz").text = spaced(joint.axis)
-    least = LENGTH if joint.type == "prismatic" else TURN
+    rounding_step = LENGTH if joint.type == "prismatic" else TURN
     limits, dynamics = joint.limits, joint.dynamics
     limit = element(axis, "limit")
     for key, end in (("lower", limits.lower), ("upper", limits.upper)):
         if end is not None:
-            element(limit, key).text = number(end, least=least)
+            element(limit, key).text = number(end, least=rounding_step)
     for key, bound in (("effort", dynamics.effort), ("velocity", dynamics.velocity)):
         if bound is not None:
             element(limit, key).text = number(bound)
@@ -32,6 +32,6 @@ def write_joint(model: Element, joint: SdfJoint) -> Element:
     if joint.follows is not None:
         mimic = element(axis, "mimic", joint=joint.follows.joint, axis="axis")
         element(mimic, "multiplier").text = number(joint.follows.multiplier)
-        element(mimic, "offset").text = number(joint.follows.offset, least=least)
+        element(mimic, "offset").text = number(joint.follows.offset, least=rounding_step)
         element(mimic, "reference").text = "0"
     return node

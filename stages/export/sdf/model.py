@@ -1,8 +1,8 @@
-"""SDF 1.9: the model of a robot, in one file.
+"""Writes the model of a robot as SDF 1.9, in one file.
 
-Element rules are those of sdformat's 1.9 specification; `<mimic>` is that of 1.11: sdformat 12 takes it
-as unknown in a file of 1.9, and reports errors for a file that says 1.11. A link stands in the frame of the
-joint that carries it.
+Element rules are those of sdformat's 1.9 specification, except `<mimic>`, which is that of 1.11: sdformat 12
+ignores it in a file of 1.9, and reports errors for a file of 1.11. A link stands in the frame of the joint
+that carries it.
 """
 
 from collections.abc import Sequence
@@ -22,22 +22,24 @@ from linkwright.stages.robot.model.robot import Array, Robot
 from linkwright.stages.robot.text.names import free
 
 VERSION = "1.9"
-"""The newest that Gazebo Fortress and Debian 12 read."""
+"""The newest version that Gazebo Fortress and Debian 12 read."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SdfPlan:
-    """How a robot is said in SDF. `world_from_root` (4, 4): where the model stands."""
+    """The parts of a robot in terms of SDF."""
 
     names: SdfNames
     lowered: SdfJoints
     sensors: Sensors
     contacts: SdfContacts
+
     world_from_root: Array
+    """The pose (4, 4) of the model."""
 
 
 def write_sdf(robot: Robot, geometry: Geometry, keys: SdfFormatSection, plan: SdfPlan) -> bytes:
-    """The robot as SDF, with the paths of meshes as `keys` choose."""
+    """Returns the robot as SDF, with the paths of meshes as `keys` choose."""
     names, lowered = plan.names, plan.lowered
     root = element(None, "sdf", version=VERSION)
     first = names.links[robot.root.name]
@@ -47,20 +49,20 @@ def write_sdf(robot: Robot, geometry: Geometry, keys: SdfFormatSection, plan: Sd
         element(model, "self_collide").text = "true"
     assets = "assets/" if keys.meshes == "relative" else f"model://{robot.name}/assets/"
     carriers = {joint.child: joint for joint in lowered.joints if joint.carries}
-    shapes = geometry.by_link()
+    shapes = geometry.with_whole_visuals.by_link()
     for link in robot.links:
-        own = names.links[link.name]
+        sdf_name = names.links[link.name]
         # SDF has no links without mass.
         body = link.inertial if link.inertial.mass > 0 else SPECK
-        node = write_link(model, own, body, carriers, lowered)
-        taken: set[str] = set()
-        write_shapes(node, shapes[link.name, "visual"], "visual", assets, taken)
+        node = write_link(model, sdf_name, body, carriers, lowered)
+        sibling_names: set[str] = set()
+        write_shapes(node, shapes[link.name, "visual"], "visual", assets, sibling_names)
         colliders = write_colliders(
-            node, link.name, shapes[link.name, "collision"], assets, taken, plan.contacts.masks
+            node, link.name, shapes[link.name, "collision"], assets, sibling_names, plan.contacts.masks
         )
-        for one in plan.sensors.mounted:
-            if one.link == link.name and not one.on_joint:
-                _mounted(node, one, taken, colliders)
+        for sensor in plan.sensors.mounted:
+            if sensor.link == link.name and not sensor.on_joint:
+                _write_mounted(node, sensor, sibling_names, colliders)
     for name in lowered.between:
         write_link(model, name, SPECK, carriers, lowered)
     if robot.base.fixed:
@@ -68,22 +70,22 @@ def write_sdf(robot: Robot, geometry: Geometry, keys: SdfFormatSection, plan: Sd
         element(base, "parent").text = "world"
         element(base, "child").text = first
     loads: dict[str, list[SdfSensor]] = {}
-    for one in plan.sensors.mounted:
-        if one.on_joint:
-            loads.setdefault(names.links[one.link], []).append(one)
+    for sensor in plan.sensors.mounted:
+        if sensor.on_joint:
+            loads.setdefault(names.links[sensor.link], []).append(sensor)
     for joint in lowered.joints:
-        made = write_joint(model, joint)
-        taken = set()
-        for one in loads.get(joint.child, ()) if joint.carries else ():
-            _mounted(made, one, taken, (), relative_to=joint.child)
+        node = write_joint(model, joint)
+        sibling_names = set()
+        for sensor in loads.get(joint.child, ()) if joint.carries else ():
+            _write_mounted(node, sensor, sibling_names, (), relative_to=joint.child)
     for frame in robot.frames:
-        made = element(model, "frame", name=names.frames[frame.name], attached_to=names.links[frame.link])
-        write_pose(made, frame.link_from_frame)
+        node = element(model, "frame", name=names.frames[frame.name], attached_to=names.links[frame.link])
+        write_pose(node, frame.link_from_frame)
     return to_bytes(root)
 
 
 def write_config(robot: str) -> bytes:
-    """`model.config`, by which Gazebo finds the SDF of a folder."""
+    """Returns the file `model.config`, by which Gazebo finds the SDF in a folder."""
     root = element(None, "model")
     element(root, "name").text = robot
     element(root, "version").text = "1.0"
@@ -92,11 +94,15 @@ def write_config(robot: str) -> bytes:
     return to_bytes(root)
 
 
-def _mounted(
-    above: Element, one: SdfSensor, taken: set[str], colliders: Sequence[str], relative_to: str | None = None
+def _write_mounted(
+    above: Element,
+    sensor: SdfSensor,
+    sibling_names: set[str],
+    colliders: Sequence[str],
+    relative_to: str | None = None,
 ) -> None:
-    """A sensor, whose name no sibling has."""
-    name = free(one.name, taken)
-    taken.add(name)
-    node = write_sensor(above, one, name, colliders)
-    write_pose(node, one.link_from_sensor, relative_to)
+    """Writes a sensor with its pose, under a name that no sibling has."""
+    name = free(sensor.name, sibling_names)
+    sibling_names.add(name)
+    node = write_sensor(above, sensor, name, colliders)
+    write_pose(node, sensor.link_from_sensor, relative_to)

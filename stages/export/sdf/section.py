@@ -11,5 +11,5 @@ class SdfFormatSection(FormatSection):
     files = ("<name>.sdf", "model.config")
 
     meshes: Literal["relative", "model"] = "relative"
-    """How the SDF names mesh files. relative: by paths relative to its own folder, wherever that lies; model:
+    """How the SDF names mesh files. relative: by paths relative to its own folder, wherever that is; model:
     as `model://<name>/assets/...`, for readers that look models up by the names of their folders."""

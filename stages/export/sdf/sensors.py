@@ -1,4 +1,4 @@
-"""Sensors of an SDF: on links those that are mounted, on joints those of their load."""
+"""Writes the sensors of an SDF: force and torque sensors on joints, all others on links."""
 
 import math
 from collections import defaultdict
@@ -14,7 +14,7 @@ from linkwright.stages.robot.model.robot import Array, Robot
 from linkwright.stages.robot.model.sensing import Sensing, Sensor, SensorCamera
 from linkwright.stages.robot.text.names import free
 
-KINDS: Mapping[str, str] = {
+SDF_TYPES: Mapping[str, str] = {
     "gyro": "imu",
     "accelerometer": "imu",
     "framequat": "imu",
@@ -24,25 +24,25 @@ KINDS: Mapping[str, str] = {
     "touch": "contact",
     "rangefinder": "gpu_lidar",
 }
-"""MuJoCo's element → SDF's type; those of one type on one place are one sensor."""
+"""MuJoCo's element → SDF's type. Elements of the same type and place become a single sensor."""
 
-LONGEST = 100.0
-"""How far [m] a rangefinder without `cutoff` sees: SDF demands an end."""
+DEFAULT_RANGE = 100.0
+"""Range [m] of a rangefinder without `cutoff`: SDF requires an upper end."""
 
-NEAREST = 1e-3
-"""From where on [m] it sees."""
+MIN_RANGE = 1e-3
+"""Smallest distance [m] that a rangefinder measures."""
 
-ASIDE = 1e-9
-"""Beyond this [m] from the origin of its joint a sensor counts as elsewhere."""
+ORIGIN_TOLERANCE = 1e-9
+"""Distance [m] from the origin of its joint beyond which a sensor counts as elsewhere."""
 
-_NOISY: Mapping[str, tuple[str, ...]] = {
+_NOISE_PATHS: Mapping[str, tuple[str, ...]] = {
     "gyro": ("angular_velocity",),
     "accelerometer": ("linear_acceleration",),
     "magnetometer": (),
     "force": ("force",),
     "torque": ("torque",),
 }
-"""MuJoCo's element → what SDF has the noise of its x, y and z in."""
+"""MuJoCo's element → the path of the SDF element that has the noise of its x, y and z."""
 
 _ALONG_Z = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
 """The rotation (3, 3) whose x axis, along which SDF's lidars look, is the z axis."""
@@ -53,108 +53,125 @@ _FROM_IMAGE = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SdfSensor:
-    """One sensor of the SDF: what it measures, and where (4, 4) on which link."""
+    """A sensor of the SDF."""
 
     name: str
     type: str
     link: str
+
     link_from_sensor: Array
+    """Its pose (4, 4) on the link."""
+
     measured: tuple[Sensor, ...]
+    """The robot's sensors that it combines."""
+
     camera: SensorCamera | None = None
+    """The robot's camera, for a sensor that is a camera."""
 
     @property
     def aside(self) -> bool:
-        """Whether it measures a torque and is not at the origin of its joint, about which SDF has torques."""
-        torque = any(one.type == "torque" for one in self.measured)
-        return torque and math.hypot(*self.link_from_sensor[:3, 3]) > ASIDE
+        """Tells whether the sensor measures a torque away from its joint's origin, about which SDF has
+        torques."""
+        torque = any(sensor.type == "torque" for sensor in self.measured)
+        return torque and math.hypot(*self.link_from_sensor[:3, 3]) > ORIGIN_TOLERANCE
 
     @property
     def on_joint(self) -> bool:
-        """Whether it belongs to the joint above its link."""
+        """Tells whether the sensor belongs to the joint above its link."""
         return self.type == "force_torque"
 
 
 @dataclass(frozen=True, slots=True)
 class Sensors:
-    """What is in the SDF, and the names of MuJoCo's sensors that are not."""
+    """The sensors of an SDF."""
 
     mounted: tuple[SdfSensor, ...]
+
     left_out: tuple[str, ...]
+    """The names of the robot's sensors that the SDF leaves out."""
 
 
-def sensors_of(robot: Robot, sensing: Sensing, held: Sequence[str], solid: Sequence[str]) -> Sensors:
-    """The sensors that SDF has. `held`: the links that a joint of the robot holds, whose load can be
-    measured; `solid`: those with colliders, that something can press on."""
+def sensors_of(
+    robot: Robot, sensing: Sensing, jointed_links: Sequence[str], links_with_colliders: Sequence[str]
+) -> Sensors:
+    """Returns the sensors that SDF can express. `jointed_links`: the links that a joint of the robot holds,
+    whose load can be measured; `links_with_colliders`: those on which something can press."""
     places = _places(robot, sensing)
     groups: dict[tuple[str, str, str], list[Sensor]] = defaultdict(list)
     left_out = []
-    for one in sensing.sensors:
-        type_ = KINDS.get(one.type)
-        place = places.get((one.target == "body", one.name_of_target)) if one.target else None
-        possible = type_ is not None and place is not None and not one.relative_to
+    for sensor in sensing.sensors:
+        type_ = SDF_TYPES.get(sensor.type)
+        place = places.get((sensor.target == "body", sensor.name_of_target)) if sensor.target else None
+        possible = type_ is not None and place is not None and not sensor.relative_to
         if possible and type_ == "force_torque":
-            possible = place is not None and place[0] in held
+            possible = place is not None and place[0] in jointed_links
         if possible and type_ == "contact":
-            possible = place is not None and place[0] in solid
+            possible = place is not None and place[0] in links_with_colliders
         if possible and type_ is not None:
-            groups[type_, one.target, one.name_of_target].append(one)
+            groups[type_, sensor.target, sensor.name_of_target].append(sensor)
         else:
-            left_out.append(one.name)
+            left_out.append(sensor.name)
     mounted = []
-    taken: set[str] = set()
+    used_names: set[str] = set()
     for (type_, target, name), measured in groups.items():
-        if {one.type for one in measured} == {"framequat"}:
-            # An orientation alone is that of a frame, which needs no imu.
-            left_out += [one.name for one in measured]
+        if {sensor.type for sensor in measured} == {"framequat"}:
+            # An orientation alone can be read from a frame, without an imu.
+            left_out += [sensor.name for sensor in measured]
             continue
         link, pose = places[target == "body", name]
         if type_ == "gpu_lidar":
             pose = pose @ from_parts(_ALONG_Z, np.zeros(3))
-        own = free(_common([one.name for one in measured]) or f"{name}_{type_}", taken)
-        taken.add(own)
-        mounted.append(SdfSensor(own, type_, link, pose, tuple(measured)))
+        unique_name = free(
+            _common_stem([sensor.name for sensor in measured]) or f"{name}_{type_}", used_names
+        )
+        used_names.add(unique_name)
+        mounted.append(SdfSensor(unique_name, type_, link, pose, tuple(measured)))
     for camera in sensing.cameras:
-        own = free(camera.name, taken)
-        taken.add(own)
-        turned = camera.link_from_camera @ from_parts(_FROM_IMAGE, np.zeros(3))
-        mounted.append(SdfSensor(own, "camera", camera.link, turned, (), camera))
+        unique_name = free(camera.name, used_names)
+        used_names.add(unique_name)
+        link_from_sensor = camera.link_from_camera @ from_parts(_FROM_IMAGE, np.zeros(3))
+        mounted.append(SdfSensor(unique_name, "camera", camera.link, link_from_sensor, (), camera))
     return Sensors(tuple(mounted), tuple(left_out))
 
 
-def write_sensor(above: Element, one: SdfSensor, name: str, colliders: Sequence[str]) -> Element:
-    """A sensor under its link or joint, without its pose. `colliders`: the names of its link's."""
-    node = element(above, "sensor", name=name, type=one.type)
+def write_sensor(above: Element, mounted: SdfSensor, name: str, colliders: Sequence[str]) -> Element:
+    """Writes a sensor under its link or joint, without its pose. `colliders`: the names of its link's
+    colliders."""
+    node = element(above, "sensor", name=name, type=mounted.type)
     element(node, "always_on").text = "true"
-    if one.type in ("imu", "magnetometer", "force_torque"):
-        inner = element(node, one.type)
-        if one.type == "force_torque":
+    if mounted.type in ("imu", "magnetometer", "force_torque"):
+        inner = element(node, mounted.type)
+        if mounted.type == "force_torque":
             element(inner, "frame").text = "sensor"
-            # As MuJoCo: what the link exerts on the one above.
+            # As in MuJoCo: the force that the link exerts on the link above.
             element(inner, "measure_direction").text = "child_to_parent"
-        for sensor in one.measured:
-            if sensor.noise and sensor.type in _NOISY:
-                _noise_of_axes(inner, _NOISY[sensor.type], sensor.noise)
-    elif one.type == "contact":
+        for sensor in mounted.measured:
+            if sensor.noise and sensor.type in _NOISE_PATHS:
+                _noise_of_axes(inner, _NOISE_PATHS[sensor.type], sensor.noise)
+    elif mounted.type == "contact":
         inner = element(node, "contact")
         for collider in colliders:
             element(inner, "collision").text = collider
-    elif one.type == "gpu_lidar":
-        _lidar(node, one.measured[0])
-    elif one.camera is not None:
-        _camera(node, one.camera)
+    elif mounted.type == "gpu_lidar":
+        _lidar(node, mounted.measured[0])
+    elif mounted.camera is not None:
+        _camera(node, mounted.camera)
     return node
 
 
 def _places(robot: Robot, sensing: Sensing) -> dict[tuple[bool, str], tuple[str, Array]]:
-    """(whether its centre of mass is meant, name) → link, with link_from_place (4, 4)."""
-    found = {(True, link.name): (link.name, from_parts(np.eye(3), link.inertial.com)) for link in robot.links}
-    found |= {(False, link.name): (link.name, np.eye(4)) for link in robot.links}
-    found |= {(False, frame.name): (frame.link, frame.link_from_frame) for frame in robot.frames}
-    return found | {(False, site.name): (site.link, site.link_from_site) for site in sensing.sites}
+    """Maps (whether the target is a centre of mass, name of the target) to its link and link_from_target (4,
+    4)."""
+    places = {
+        (True, link.name): (link.name, from_parts(np.eye(3), link.inertial.com)) for link in robot.links
+    }
+    places |= {(False, link.name): (link.name, np.eye(4)) for link in robot.links}
+    places |= {(False, frame.name): (frame.link, frame.link_from_frame) for frame in robot.frames}
+    return places | {(False, site.name): (site.link, site.link_from_site) for site in sensing.sites}
 
 
-def _common(names: Sequence[str]) -> str:
-    """The one name, or what several have before their last "_"; "" where that differs."""
+def _common_stem(names: Sequence[str]) -> str:
+    """Returns a single name itself; of several, the part before the last "_" that all share, or ""."""
     if len(names) == 1:
         return names[0]
     stems = {name.rpartition("_")[0] for name in names}
@@ -175,14 +192,14 @@ def _noise(above: Element, deviation: float) -> None:
 
 
 def _lidar(node: Element, sensor: Sensor) -> None:
-    """One ray."""
+    """Writes a lidar with a single ray."""
     lidar = element(node, "lidar")
     across = element(element(lidar, "scan"), "horizontal")
     for tag, text in (("samples", "1"), ("resolution", "1"), ("min_angle", "0"), ("max_angle", "0")):
         element(across, tag).text = text
     ends = element(lidar, "range")
-    element(ends, "min").text = number(NEAREST)
-    element(ends, "max").text = number(sensor.cutoff or LONGEST)
+    element(ends, "min").text = number(MIN_RANGE)
+    element(ends, "max").text = number(sensor.cutoff or DEFAULT_RANGE)
     if sensor.noise:
         noise = element(lidar, "noise")
         for tag, text in (("type", "gaussian"), ("mean", "0"), ("stddev", number(sensor.noise))):
@@ -192,6 +209,7 @@ def _lidar(node: Element, sensor: Sensor) -> None:
 def _camera(node: Element, camera: SensorCamera) -> None:
     inner = element(node, "camera")
     width, height = camera.resolution
+    # SDF has the horizontal angle of view, our cameras the vertical one.
     half = math.tan(math.radians(camera.fovy) / 2) * width / height
     element(inner, "horizontal_fov").text = number(2 * math.atan(half))
     image = element(inner, "image")

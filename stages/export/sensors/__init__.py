@@ -1,1 +1,1 @@
-"""What measures the robot: from the key `sensors` to sensors with their places."""
+"""Makes the robot's sensors, with their poses, from the key `sensors`."""

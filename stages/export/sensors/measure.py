@@ -1,9 +1,9 @@
-"""From the keys `sensors` and `actuators`, and the sensors that the source has, to what measures a robot."""
+"""Collects the sensors of a robot: those of the source, of the key `actuators`, and of the key `sensors`."""
 
 from collections.abc import Collection
 from typing import TYPE_CHECKING
 
-from linkwright.stages.export.sensors.mounted import Mounted
+from linkwright.stages.export.sensors.mounted import MountedSensors
 from linkwright.stages.export.sensors.of_dofs import actuator_sensors, encoders, joint_sensors
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.dynamics.measuring import measuring
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from linkwright.stages.export.section import ExportSections
 
 OVERVIEW = "overview"
-"""The camera that every scene has."""
+"""Name of the camera that every scene has."""
 
 
 def sensing_of(
@@ -29,38 +29,44 @@ def sensing_of(
     keys: "ExportSections",
     fused: Collection[str] = (),
 ) -> tuple[Sensing, tuple[Diagnostic, ...]]:
-    """What measures the robot: the sensors of the source, those of actuators, and those of the key, in this
-    order; and what is worth knowing about it. `fused`: the links without bodies of their own in the MJCF.
-    ExportError with all problems."""
+    """Returns the sensors of the source, of actuators, and of the key `sensors`, in this order, with
+    diagnostics. `fused`: the links without bodies of their own in the MJCF. Raises ExportError with all
+    problems."""
     log = Diagnostics(optional=keys.optional)
-    made = Mounted(robot, geometry, fused, {*keys.scene.cameras, OVERVIEW}, log)
-    found = [("", made.of_source(one)) for one in measuring(robot, actuation)]
-    found += encoders(actuation, keys.actuators, log)
+    mounted = MountedSensors(robot, geometry, fused, {*keys.scene.cameras, OVERVIEW}, log)
+    sensors = [("", mounted.of_source(source)) for source in measuring(robot, actuation)]
+    sensors += encoders(actuation, keys.actuators, log)
     for name, sensor in keys.sensors.items():
         where = f"sensors.{name}"
         if plain(name) != name:
             text = f"invalid name {name!r}: only letters without accents, digits and _ are allowed"
             log.report("E-SENSOR", text, where, f"for example {plain(name)}")
         elif sensor.type == "joint":
-            found += ((where, one) for one in joint_sensors(name, sensor, robot, log))
+            sensors += ((where, measured) for measured in joint_sensors(name, sensor, robot, log))
         elif sensor.type == "actuator":
-            found += ((where, one) for one in actuator_sensors(name, sensor, robot, actuation, log))
+            sensors += (
+                (where, measured) for measured in actuator_sensors(name, sensor, robot, actuation, log)
+            )
         else:
-            found += ((where, one) for one in made.sensors(name, sensor))
-    _check_names(found, log)
+            sensors += ((where, measured) for measured in mounted.sensors(name, sensor))
+    _check_names(sensors, log)
     if log.problems:
         msg = f"the sensors cannot be made: {count(len(log.problems), 'problem')}"
-        raise ExportError(msg, problems=sorted(log.problems, key=lambda one: (one.where, one.message)))
-    sensing = Sensing(tuple(one for _, one in found), tuple(made.sites), tuple(made.cameras))
+        raise ExportError(
+            msg, problems=sorted(log.problems, key=lambda problem: (problem.where, problem.message))
+        )
+    sensing = Sensing(
+        tuple(measured for _, measured in sensors), tuple(mounted.sites), tuple(mounted.cameras)
+    )
     return sensing, tuple(log.found)
 
 
-def _check_names(found: list[tuple[str, Sensor]], log: Diagnostics) -> None:
-    """E-SENSOR for each name that two sensors have."""
+def _check_names(sensors: list[tuple[str, Sensor]], log: Diagnostics) -> None:
+    """Reports each name that two sensors have (E-SENSOR)."""
     owners: dict[str, str] = {}
-    for where, one in found:
-        if one.name in owners:
-            other = owners[one.name] or "the source"
-            text = f"the sensor {one.name!r} is there already, from {other}"
+    for where, sensor in sensors:
+        if sensor.name in owners:
+            other = owners[sensor.name] or "the source"
+            text = f"the sensor {sensor.name!r} is there already, from {other}"
             log.report("E-SENSOR", text, where, "give this entry another name")
-        owners.setdefault(one.name, where)
+        owners.setdefault(sensor.name, where)

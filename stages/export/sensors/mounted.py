@@ -1,4 +1,4 @@
-"""Sensors and cameras that a frame or link carries."""
+"""Makes the sensors and cameras that a frame or link carries."""
 
 from collections.abc import Collection, Iterator
 from dataclasses import replace
@@ -20,29 +20,29 @@ if TYPE_CHECKING:
     from linkwright.stages.export.configuration.sensor_section import SensorSection
 
 WORLD = "world"
-"""The link that is the assembly's origin: a site has its name in the MJCF."""
+"""Name of the link at the assembly's origin, which is a site in the MJCF."""
 
-OF_LOOPS = ("a", "b", "a_axis", "b_axis")
-"""What the names of sites that close loops end with."""
+LOOP_SITE_SUFFIXES = ("a", "b", "a_axis", "b_axis")
+"""Suffixes of the names of sites that close loops."""
 
-MARGIN = 1e-3
-"""How far [m] the box in which contact is felt reaches beyond the colliders."""
+ZONE_MARGIN = 1e-3
+"""Margin [m] around the colliders, of the box in which contact is felt."""
 
-DIGITS = 4
-"""Its sides [m] are rounded to so many."""
+BOX_DIGITS = 4
+"""Decimal places [m] to which the sides of the box are rounded."""
 
 
-class Mounted:
-    """Makes the sensors that something carries, and collects their `sites` and `cameras`.
+class MountedSensors:
+    """A maker of sensors on frames and links, which collects their `sites` and `cameras`.
 
-    `fused`: links that are sites of bodies; `seen`: the names of cameras that are there already."""
+    `fused`: links that are sites of other bodies; `camera_names`: the names that cameras already have."""
 
     def __init__(
         self,
         robot: Robot,
         geometry: Geometry,
         fused: Collection[str],
-        seen: Collection[str],
+        camera_names: Collection[str],
         log: Diagnostics,
     ) -> None:
         self.sites: list[SensorSite] = []
@@ -51,21 +51,21 @@ class Mounted:
         self._has_shapes = robot.mjcf is not None
         self._mounts = mounts_of(robot)
         self._are_sites = {WORLD, *fused}
-        self._seen = set(seen)
+        self._camera_names = set(camera_names)
         self._taken = set(self._mounts)
-        self._taken |= {f"{loop.name}_{end}" for loop in robot.loops for end in OF_LOOPS}
+        self._taken |= {f"{loop.name}_{end}" for loop in robot.loops for end in LOOP_SITE_SUFFIXES}
         self._log = log
 
     def sensors(self, name: str, keys: "SensorSection") -> Iterator[Sensor]:
-        """The sensors of an entry; none where a name is wrong, which the log has."""
+        """Yields the sensors of an entry; nothing if a name is wrong, which the log reports."""
         mount = self._mount(keys.frame or name, f"sensors.{name}.frame")
         if mount is None:
             return
         if keys.type == "camera":
             yield from self._camera(name, keys, mount)
             return
-        on, of = self._on(name, keys, mount), self._reference(name, keys)
-        if on is None or of is None:
+        target, reference = self._on(name, keys, mount), self._reference(name, keys)
+        if target is None or reference is None:
             return
         several = len(MEASURES[keys.type]) > 1
         for measured in keys.measured:
@@ -73,15 +73,15 @@ class Mounted:
             yield Sensor(
                 f"{name}_{measured}" if several else name,
                 kind,
-                *on,
-                *of,
+                *target,
+                *reference,
                 noise=keys.noise_of(measured),
                 cutoff=keys.cutoff_of(measured),
             )
 
     def of_source(self, sensor: Sensor) -> Sensor:
-        """A sensor of the source, on a site of its own where that needs a shape: the sites of an MJCF source
-        have theirs."""
+        """Returns a sensor of the source, on a site of its own if it needs a shape. The sites of an MJCF
+        source have their shapes."""
         mount = self._mounts.get(sensor.name_of_target)
         if not sensor.shape or mount is None or self._has_shapes:
             return sensor
@@ -95,18 +95,18 @@ class Mounted:
         return self._mounts.get(name)
 
     def _reference(self, name: str, keys: "SensorSection") -> tuple[SensorTarget, str] | None:
-        """What the sensor is relative to; None where there is no such thing."""
+        """Returns the object that the sensor is relative to; None if it does not exist."""
         if keys.relative_to is None:
             return "", ""
         mount = self._mount(keys.relative_to, f"sensors.{name}.relative_to")
         return None if mount is None else self._end(mount)
 
     def _end(self, mount: Mount) -> tuple[SensorTarget, str]:
-        """A frame or link in MJCF's words: a site where there is one."""
+        """Returns a frame or link in MJCF's terms: its site if it has a site."""
         return "site" if mount.is_frame or mount.name in self._are_sites else "xbody", mount.name
 
     def _on(self, name: str, keys: "SensorSection", mount: Mount) -> tuple[SensorTarget, str] | None:
-        """What the sensor is on: what carries it, where that will do, else a site of its own."""
+        """Returns the object of the sensor: its mount if the type allows that, else a site of its own."""
         pose = mount.link_from_mount @ _offset(keys)
         if keys.type == "touch":
             return self._zone(name, keys, mount, pose)
@@ -124,15 +124,15 @@ class Mounted:
         shape: ZoneShape = "",
         size: tuple[float, ...] = (),
     ) -> tuple[SensorTarget, str]:
-        own = free(name, self._taken)
-        self._taken.add(own)
-        self.sites.append(SensorSite(own, mount.link, frozen(link_from_site), shape, size))
-        return "site", own
+        unique_name = free(name, self._taken)
+        self._taken.add(unique_name)
+        self.sites.append(SensorSite(unique_name, mount.link, frozen(link_from_site), shape, size))
+        return "site", unique_name
 
     def _zone(
         self, name: str, keys: "SensorSection", mount: Mount, link_from_site: Array
     ) -> tuple[SensorTarget, str] | None:
-        """The site inside which contact is felt; by default the box around the link's colliders."""
+        """Returns the site inside which contact is felt, by default the box around the link's colliders."""
         if keys.size is not None:
             shape: ZoneShape = "sphere" if len(keys.size) == 1 else "box"
             return self._site(name, mount, link_from_site, shape, keys.size)
@@ -144,26 +144,26 @@ class Mounted:
             text = f"{mount.link} has no collider, so nothing presses on it"
             self._log.report("E-SENSOR", text, f"sensors.{name}", "give the touch sensor a size")
             return None
-        low, high = np.round(low - MARGIN, DIGITS), np.round(high + MARGIN, DIGITS)
-        middle = link_from_site @ from_parts(np.eye(3), (low + high) / 2)
-        return self._site(name, mount, middle, "box", tuple(float(one) for one in high - low))
+        low, high = np.round(low - ZONE_MARGIN, BOX_DIGITS), np.round(high + ZONE_MARGIN, BOX_DIGITS)
+        box_pose = link_from_site @ from_parts(np.eye(3), (low + high) / 2)
+        return self._site(name, mount, box_pose, "box", tuple(float(side) for side in high - low))
 
     def _camera(self, name: str, keys: "SensorSection", mount: Mount) -> Iterator[Sensor]:
-        if name in self._seen:
+        if name in self._camera_names:
             text = f"there is a camera {name!r} already, in scene.cameras"
             self._log.report("E-SENSOR", text, f"sensors.{name}", "give this camera another name")
             return
         pose = frozen(mount.link_from_mount @ _offset(keys))
         self.cameras.append(SensorCamera(name, mount.link, pose, keys.fovy, keys.resolution))
-        for seen in keys.sees:
-            target = self._mount(seen, f"sensors.{name}.sees")
+        for target_name in keys.sees:
+            target = self._mount(target_name, f"sensors.{name}.sees")
             if target is None:
                 continue
             kind, site = self._end(target)
             if kind != "site":
-                _, site = self._site(f"{name}_{seen}", target, target.link_from_mount)
+                _, site = self._site(f"{name}_{target_name}", target, target.link_from_mount)
             yield Sensor(
-                f"{name}_{seen}",
+                f"{name}_{target_name}",
                 MEASURES["camera"]["projection"],
                 "site",
                 site,
@@ -175,5 +175,5 @@ class Mounted:
 
 
 def _offset(keys: "SensorSection") -> Array:
-    """mount_from_sensor (4, 4)."""
+    """Returns mount_from_sensor (4, 4)."""
     return from_parts(rotation_from_rpy(keys.rpy), np.array(keys.xyz))

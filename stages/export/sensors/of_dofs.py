@@ -1,4 +1,4 @@
-"""Sensors of dofs and of actuators, by name or glob."""
+"""Makes the sensors of dofs and of actuators, which entries name or match by a glob."""
 
 from collections.abc import Collection, Iterator, Mapping
 from typing import TYPE_CHECKING, Literal
@@ -15,13 +15,15 @@ if TYPE_CHECKING:
     from linkwright.stages.export.configuration.sensor_section import SensorSection
 
 OF_BALLS = {"pos": "ballquat", "vel": "ballangvel"}
-"""What is measured of a ball → MuJoCo's element."""
+"""Measured quantity → MuJoCo's element for a ball."""
 
 ENCODER = {"pos": "actuatorpos", "vel": "actuatorvel"}
+"""Measured quantity → MuJoCo's element for an actuator's encoder."""
 
 
 def joint_sensors(name: str, keys: "SensorSection", robot: Robot, log: Diagnostics) -> Iterator[Sensor]:
-    """The sensors of the dofs that an entry names, dof by dof. A glob leaves out what a dof does not have."""
+    """Yields the sensors of the dofs that an entry names, dof by dof. A glob skips quantities that a dof
+    lacks."""
     where, glob = f"sensors.{name}.joints", keys.joints or "*"
     dofs = [dof for dof in robot.dofs if fits(dof.name, glob)]
     if not dofs:
@@ -29,14 +31,14 @@ def joint_sensors(name: str, keys: "SensorSection", robot: Robot, log: Diagnosti
         return
     exact = [dof.name for dof in dofs] == [glob]
     for measured in keys.measured:
-        lacking = [why for dof in dofs if (why := _why_not(dof, measured))]
-        if len(lacking) == len(dofs):
-            first = f"{dofs[0].name} {lacking[0]}"
+        reasons = [reason for dof in dofs if (reason := _missing_reason(dof, measured))]
+        if len(reasons) == len(dofs):
+            first = f"{dofs[0].name} {reasons[0]}"
             text = first if exact else f"no joint that {glob!r} matches has {measured}: {first}"
             log.report("E-SENSOR", text, where, f"leave {measured} out of measure, or name another joint")
     for dof in dofs:
         for measured in keys.measured:
-            if _why_not(dof, measured):
+            if _missing_reason(dof, measured):
                 continue
             _check_units(measured, keys, dof, f"sensors.{name}", log)
             of_ball = measured in OF_BALLS and dof.kind == "ball"
@@ -51,15 +53,15 @@ def joint_sensors(name: str, keys: "SensorSection", robot: Robot, log: Diagnosti
 
 
 def _check_units(measured: str, keys: "SensorSection", dof: Dof, where: str, log: Diagnostics) -> None:
-    """E-SENSOR for a length where the dof turns, or an angle where it slides."""
+    """Reports a length for a dof that turns, and an angle for one that slides (E-SENSOR)."""
     names: tuple[Literal["noise", "cutoff"], ...] = ("noise", "cutoff")
     for key in names:
         if wrong := misfit(keys.typed(key, measured), dof.kind):
             log.report("E-SENSOR", f"{key} of {measured} of {dof.name}: {wrong}", where, as_typed(dof.kind))
 
 
-def _why_not(dof: Dof, measured: str) -> str:
-    """Why a dof lacks what is to be measured; "" if it has it."""
+def _missing_reason(dof: Dof, measured: str) -> str:
+    """Returns the reason why a dof lacks a quantity, in words; "" if it has the quantity."""
     if dof.kind == "free":
         return "moves freely: a sensor of type frame measures where its link is"
     if dof.kind == "ball":
@@ -70,7 +72,7 @@ def _why_not(dof: Dof, measured: str) -> str:
 
 
 def _report_dof(glob: str, where: str, robot: Robot, log: Diagnostics) -> None:
-    of_joint = [dof.name for one in robot.joints if fits(one.name, glob) for dof in one.dofs]
+    of_joint = [dof.name for joint in robot.joints if fits(joint.name, glob) for dof in joint.dofs]
     if of_joint:
         text = f"{glob!r} names a joint of several dofs (or several such joints), not one dof"
         log.report("E-GLOB", text, where, f"name one of its dofs: {', '.join(of_joint)}")
@@ -79,7 +81,7 @@ def _report_dof(glob: str, where: str, robot: Robot, log: Diagnostics) -> None:
 
 
 def report_unmatched(glob: str, kind: str, names: Collection[str], where: str, log: Diagnostics) -> None:
-    """E-GLOB where a glob matches none of the names of a kind of thing."""
+    """Reports a glob that matches none of the names of a kind of thing (E-GLOB)."""
     if not any(fits(name, glob) for name in names):
         log.unmatched(
             "E-GLOB", f"no {kind} matches {glob!r}", where, there_are(glob, {f"{kind}s": names}), glob
@@ -89,14 +91,14 @@ def report_unmatched(glob: str, kind: str, names: Collection[str], where: str, l
 def actuator_sensors(
     name: str, keys: "SensorSection", robot: Robot, actuation: Actuation, log: Diagnostics
 ) -> Iterator[Sensor]:
-    """The sensors of the actuators that an entry names, actuator by actuator."""
+    """Yields the sensors of the actuators that an entry names, actuator by actuator."""
     glob = keys.actuators or "*"
-    every = [one.name for one in actuation.actuators]
-    names = [one for one in every if fits(one, glob)]
-    report_unmatched(glob, "actuator", every, f"sensors.{name}.actuators", log)
+    all_names = [actuator.name for actuator in actuation.actuators]
+    names = [actuator_name for actuator_name in all_names if fits(actuator_name, glob)]
+    report_unmatched(glob, "actuator", all_names, f"sensors.{name}.actuators", log)
     exact = names == [glob]
     dofs = {dof.name: dof for dof in robot.dofs}
-    driven = {one.name: dofs[one.dof] for one in actuation.actuators}
+    driven = {actuator.name: dofs[actuator.dof] for actuator in actuation.actuators}
     for actuator in names:
         for measured in keys.measured:
             _check_units(measured, keys, driven[actuator], f"sensors.{name}", log)
@@ -113,24 +115,24 @@ def actuator_sensors(
 def encoders(
     actuation: Actuation, entries: Mapping[str, "ActuatorSection"], log: Diagnostics
 ) -> Iterator[tuple[str, Sensor]]:
-    """The sensors that the entries of `actuators` ask for, actuator by actuator, each with its key.
+    """Yields the sensors that the entries of `actuators` request, actuator by actuator, each with its key.
 
-    E-SENSOR for an entry that asks for nothing else, where nothing drives.
+    Reports an entry that requests only sensors for a dof that nothing drives (E-SENSOR).
     """
     for glob, keys in entries.items():
-        asked = keys.only_measures and (keys.encoder or keys.force) and glob != "*"
-        if asked and not any(fits(one.dof, glob) for one in actuation.actuators):
+        needs_actuator = keys.only_measures and (keys.encoder or keys.force) and glob != "*"
+        if needs_actuator and not any(fits(actuator.dof, glob) for actuator in actuation.actuators):
             text = f"nothing drives {glob!r}, so there is nothing to measure"
             log.report("E-SENSOR", text, f"actuators.{glob}", "give it a type or a motor too")
-    for one in actuation.actuators:
+    for actuator in actuation.actuators:
         for key, measures in (("encoder", ENCODER), ("force", {"force": "actuatorfrc"})):
-            said = [
+            requests = [
                 (glob, value)
                 for glob, keys in entries.items()
-                if fits(one.dof, glob)
+                if fits(actuator.dof, glob)
                 if (value := getattr(keys, key)) is not None
             ]
-            if said and said[-1][1]:
+            if requests and requests[-1][1]:
                 for measured, kind in measures.items():
-                    made = Sensor(f"{one.name}_{measured}", kind, "actuator", one.name)
-                    yield f"actuators.{said[-1][0]}.{key}", made
+                    sensor = Sensor(f"{actuator.name}_{measured}", kind, "actuator", actuator.name)
+                    yield f"actuators.{requests[-1][0]}.{key}", sensor

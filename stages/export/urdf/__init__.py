@@ -1,13 +1,12 @@
 """URDF: the tree of links and joints, in one file.
 
-- bodies: Links of a URDF: their inertia, what is seen of them, and what they collide with.
-- build: Writes all files of the format, from what the other modules of this room make of the robot.
-- form: The form of a robot's URDF, as the configuration wants it.
-- joints: Joints of a URDF: their place, axis, limits and damping.
-- lowering: Lowering: joints of several degrees of freedom as URDF joints of one each, with links of next to
-  no mass between them.
-- model: URDF: the tree of links and joints.
+- bodies: Writes the links of a URDF: inertials, visuals and colliders.
+- build: Writes all files of the format URDF.
+- form: Chooses the form of a robot's URDF from the configuration.
+- joints: Writes the joints of a URDF: pose, axis, limits and damping.
+- lowering: Converts joints of several degrees of freedom to chains of URDF joints and almost massless links.
+- model: Writes a robot as URDF: its tree of links and joints.
 - section: Configuration of the URDF writer.
-- unsupported: Reports what URDF cannot express: one diagnostic for each kind of loss.
-- writer: URDF: the tree of links and joints, in one file, and beside it the SRDF for MoveIt.
+- writer: Declares the format URDF: the tree of links and joints in one file, with the SRDF for MoveIt beside
+  it.
 """

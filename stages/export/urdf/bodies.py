@@ -1,4 +1,4 @@
-"""Links of a URDF: their inertia, what is seen of them, and what they collide with."""
+"""Writes the links of a URDF: inertials, visuals and colliders."""
 
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -13,7 +13,7 @@ from linkwright.stages.robot.model.robot import Array, Inertial, Primitive
 
 
 def write_link(root: Element, name: str, body: Inertial, shaped: bool) -> Element:
-    """A link with its inertial; `shaped`: whether it has shapes."""
+    """Writes a link with its inertial. `shaped`: whether the link has shapes."""
     node = element(root, "link", name=name)
     # MuJoCo would derive the mass of a link without an inertial from its shapes.
     if body.mass > 0 or shaped:
@@ -30,24 +30,26 @@ def write_shapes(
     node: Element,
     links: Sequence[tuple[str, Array]],
     shapes: Mapping[tuple[str, Role], Sequence[Shape]],
-    painted: Mapping[Paint, str],
+    material_names: Mapping[Paint, str],
     assets: str,
 ) -> None:
-    """The shapes of `links` at their places (4, 4) in the link of `node`."""
+    """Writes the shapes of `links`, each at its pose (4, 4) in the link of `node`."""
     roles: tuple[Role, ...] = ("visual", "collision")
     for role in roles:
-        for place, shape in ((at, one) for link, at in links for one in shapes[link, role]):
+        for link_pose, shape in (
+            (link_pose, member) for link, link_pose in links for member in shapes[link, role]
+        ):
             for pose, tag, attributes in _solids(shape, assets):
                 holder = element(node, role)
-                write_origin(holder, place @ pose)
+                write_origin(holder, link_pose @ pose)
                 element(element(holder, "geometry"), tag, **attributes)
-                own = paint(shape)
-                if own is not None:
-                    element(holder, "material", name=painted[own])
+                colour_and_image = paint(shape)
+                if colour_and_image is not None:
+                    element(holder, "material", name=material_names[colour_and_image])
 
 
 def _solids(shape: Shape, assets: str) -> Iterator[tuple[Array, str, dict[str, str]]]:
-    """The URDF geometries of a shape: link_from_solid (4, 4), element, attributes."""
+    """Yields the URDF geometries of a shape: link_from_solid (4, 4), tag, attributes."""
     if shape.primitive is None:
         yield np.eye(4), "mesh", {"filename": f"{assets}{shape.file}"}
     else:
@@ -65,12 +67,12 @@ def _primitive(primitive: Primitive) -> Iterator[tuple[Array, str, dict[str, str
         return
     yield pose, "cylinder", {**radius, "length": number(size[1])}
     if primitive.kind == "capsule":
-        # URDF has no capsule: a ball at either end makes one.
+        # URDF has no capsule: it becomes a cylinder with a ball at either end.
         for end in (-size[1] / 2, size[1] / 2):
             yield pose @ from_parts(np.eye(3), np.array([0.0, 0.0, end])), "sphere", radius
 
 
 def write_origin(parent: Element, pose: Array) -> None:
-    """A pose (4, 4) in the frame of the element around."""
+    """Writes a pose (4, 4) in the frame of the element `parent`."""
     rpy = rpy_from_rotation(pose[:3, :3])
     element(parent, "origin", xyz=spaced(pose[:3, 3], least=LENGTH), rpy=spaced(rpy, least=TURN))

@@ -1,4 +1,4 @@
-"""Writes all files of the format, from what the other modules of this room make of the robot."""
+"""Writes all files of the format URDF."""
 
 from linkwright.stages.export.urdf.model import write_urdf
 from linkwright.stages.export.urdf.section import UrdfFormatSection
@@ -6,13 +6,13 @@ from linkwright.stages.export.urdf.srdf import model as srdf
 from linkwright.stages.export.writer import Case, FormatFiles, WriterInput
 
 
-def write(given: WriterInput) -> FormatFiles:
-    """The files of the format, with what they lose of the robot."""
-    written = given.written
+def write(inputs: WriterInput) -> FormatFiles:
+    """Writes the files of the format, and tells what they lose of the robot."""
+    written = inputs.written
     urdf_path, srdf_path = UrdfFormatSection.paths(written.robot.name)
     plan = srdf.plan_of(written)
     files = {
-        urdf_path: write_urdf(written, given.keys.export.urdf),
+        urdf_path: write_urdf(written, inputs.keys.export.urdf),
         srdf_path: srdf.write_srdf(written.robot, plan),
     }
     cases = (

@@ -1,9 +1,9 @@
-"""The form of a robot's URDF, as the configuration wants it."""
+"""Chooses the form of a robot's URDF from the configuration."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from linkwright.stages.formats.urdf.as_written import form_with
+from linkwright.stages.formats.urdf.as_written import urdf_form
 from linkwright.stages.formats.urdf.form import UrdfForm
 from linkwright.stages.robot.model.actuation import Actuation
 from linkwright.stages.robot.model.robot import Robot
@@ -14,14 +14,16 @@ if TYPE_CHECKING:
 
 
 def form_of(robot: Robot, keys: "ExportSections", actuation: Actuation) -> UrdfForm:
-    """How the robot's URDF differs from the robot. What is driven rather drives others than follows them."""
+    """Returns the differences between the robot and its URDF. Driven dofs are preferred as drivers of
+    relations."""
     urdf = keys.export.urdf
-    driven = [one.dof for one in actuation.actuators]
-    driven += [one.joint for one in robot.transmissions]
-    form = form_with(robot, urdf is not None and urdf.fixed_joints == "merge", driven)
+    driven_dofs = [actuator.dof for actuator in actuation.actuators]
+    driven_dofs += [transmission.joint for transmission in robot.transmissions]
+    form = urdf_form(robot, urdf is not None and urdf.fixed_joints == "merge", driven_dofs)
     return form if urdf is None else replace(form, package=package_of(urdf, robot.name))
 
 
 def package_of(keys: "UrdfFormatSection", robot: str) -> str:
-    """The package by which the URDF of a robot of this name names its meshes; "" for paths."""
+    """Returns the package by which the URDF of a robot of this name refers to its meshes; "" for relative
+    paths."""
     return keys.package or robot if keys.meshes == "package" else ""

@@ -1,4 +1,4 @@
-"""Joints of a URDF: their place, axis, limits and damping."""
+"""Writes the joints of a URDF: pose, axis, limits and damping."""
 
 import math
 
@@ -8,14 +8,18 @@ from linkwright.stages.formats.numbers import LENGTH, TURN, number, numbers, spa
 from linkwright.stages.formats.xml import Element, element
 from linkwright.stages.robot.model.robot import Limits
 
-UNSET_EFFORT = 100.0
-UNSET_VELOCITY = 10.0
-UNSET_REACH = {"revolute": 2 * math.pi, "prismatic": 1.0}
-"""Defaults of limits that are not set [rad, m]: URDF requires a number."""
+DEFAULT_EFFORT = 100.0
+"""Effort [N m or N] of a joint without such a limit: URDF requires a number."""
+
+DEFAULT_VELOCITY = 10.0
+"""Velocity [rad/s or m/s] of a joint without such a limit: URDF requires a number."""
+
+DEFAULT_REACH = {"revolute": 2 * math.pi, "prismatic": 1.0}
+"""Type of a joint → distance [rad or m] of an end without a limit: URDF requires a number."""
 
 
 def write_joint(root: Element, joint: LoweredJoint) -> Element:
-    """A joint with its place, and, unless it is fixed, its axis and limits."""
+    """Writes a joint with its pose and, unless it is fixed, its axis and limits."""
     node = element(root, "joint", name=joint.name, type=joint.type)
     write_origin(node, joint.parent_from_joint)
     element(node, "parent", link=joint.parent)
@@ -30,8 +34,8 @@ def write_joint(root: Element, joint: LoweredJoint) -> Element:
         "limit",
         lower=low,
         upper=high,
-        effort=number(UNSET_EFFORT if dynamics.effort is None else dynamics.effort),
-        velocity=number(UNSET_VELOCITY if dynamics.velocity is None else dynamics.velocity),
+        effort=number(DEFAULT_EFFORT if dynamics.effort is None else dynamics.effort),
+        velocity=number(DEFAULT_VELOCITY if dynamics.velocity is None else dynamics.velocity),
     )
     if dynamics.damping is not None or dynamics.friction is not None:
         element(
@@ -44,13 +48,14 @@ def write_joint(root: Element, joint: LoweredJoint) -> Element:
 
 
 def _ends(kind: str, limits: Limits) -> list[str]:
-    """The texts of both ends of the range."""
+    """Returns the texts of both ends of the range."""
     return numbers(_range(kind, limits), least=LENGTH if kind == "prismatic" else TURN)
 
 
 def _range(kind: str, limits: Limits) -> tuple[float, float]:
-    """Both ends of the range; an open one lies a fixed reach away, beyond zero and the other end."""
-    reach = UNSET_REACH[kind]
+    """Returns both ends of the range. An open end is placed a fixed distance away, beyond zero and the other
+    end."""
+    reach = DEFAULT_REACH[kind]
     low, high = limits.lower, limits.upper
     if low is None:
         low = -reach if high is None else min(-reach, high - reach)

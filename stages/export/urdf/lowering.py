@@ -1,5 +1,4 @@
-"""Lowering: joints of several degrees of freedom as URDF joints of one each, with links of next to no mass
-between them."""
+"""Converts joints of several degrees of freedom to chains of URDF joints and almost massless links."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -15,34 +14,40 @@ UrdfJointType = Literal["fixed", "continuous", "revolute", "prismatic", "floatin
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LoweredJoint:
-    """One URDF joint. `parent_from_joint` (4, 4) is its origin; `axis` (3,) is None where it has none."""
+    """A joint of the URDF."""
 
     name: str
     type: UrdfJointType
     parent: str
     child: str
+
     parent_from_joint: Array
+    """Its origin (4, 4)."""
+
     axis: Array | None
+    """(3,); None for a joint without an axis."""
+
     limits: Limits
     dynamics: Dynamics
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lowered:
-    """A joint and the URDF joints that it becomes, from parent to child. `between`: the links added between
-    those."""
+    """A joint of the robot, and the URDF joints that it becomes."""
 
     joint: Joint
     joints: tuple[LoweredJoint, ...]
+    """The URDF joints, from parent to child."""
 
     @property
     def between(self) -> tuple[str, ...]:
+        """Returns the links added between the URDF joints."""
         return tuple(joint.child for joint in self.joints[:-1])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Move:
-    """A URDF joint without its place in the tree."""
+    """A URDF joint before it has its place in the tree."""
 
     name: str
     type: UrdfJointType
@@ -53,17 +58,18 @@ class _Move:
 
 
 def lower(robot: Robot, joints: Sequence[Joint] | None = None) -> tuple[Lowered, ...]:
-    """The URDF joints of each of `joints`, or of all of the robot's, in their order.
+    """Returns the URDF joints of each of `joints`, by default of all joints of the robot, in their order.
 
-    A turn or a slide is a joint of the dof's name; a ball is three turns `<name>_x`, `_y`, `_z`, about
-    x, then y, then z: R = Rx Ry Rz. Links between them are `<joint>_<n>`.
+    A turn or a slide becomes a joint of its dof's name. A ball becomes three turns `<name>_x`, `_y`, `_z`,
+    about x, then y, then z: R = Rx Ry Rz. Links between them are `<joint>_<n>`.
     """
     names = urdf_names(robot)
     return tuple(_lowered(joint, names) for joint in (robot.joints if joints is None else joints))
 
 
-def unset(dof: Dof) -> list[str]:
-    """Which of lower, upper, effort and velocity URDF requires of a dof and are not set."""
+def unset_limits(dof: Dof) -> list[str]:
+    """Returns the limits (lower, upper, effort, velocity) that URDF requires of a dof and that are not
+    set."""
     if dof.kind == "free":
         return []
     missing: list[str] = []
@@ -77,13 +83,13 @@ def unset(dof: Dof) -> list[str]:
 def _lowered(joint: Joint, names: UrdfNames) -> Lowered:
     places = [joint.parent, *names.between[joint.name], joint.child]
     joints = []
-    before = joint.parent_from_joint
+    pose = joint.parent_from_joint
     for move, parent, child in zip(_moves(joint, names), places, places[1:], strict=False):
-        origin = before @ move.origin
+        origin = pose @ move.origin
         joints.append(
             LoweredJoint(move.name, move.type, parent, child, origin, move.axis, move.limits, move.dynamics)
         )
-        before = np.eye(4)
+        pose = np.eye(4)
     return Lowered(joint, tuple(joints))
 
 
@@ -99,7 +105,7 @@ def _moves(joint: Joint, names: UrdfNames) -> Iterator[_Move]:
 
 
 def _turns(dof: Dof, names: tuple[str, str, str]) -> Iterator[_Move]:
-    """A ball as turns about x, y and z, without its cone."""
+    """Yields a ball as turns about x, y and z, without its cone."""
     origin = dof.origin
     for name, axis in zip(names, np.eye(3), strict=True):
         yield _Move(name, "continuous", origin, axis, Limits(), dof.dynamics)

@@ -1,4 +1,4 @@
-"""URDF: the tree of links and joints.
+"""Writes a robot as URDF: its tree of links and joints.
 
 Element rules are those of urdfdom's 1.0 format. A link's frame is its joint's; `rpy` is extrinsic
 xyz. `stages.export.losses` lists what is lost.
@@ -20,27 +20,34 @@ from linkwright.stages.robot.model.robot import Inertial, Robot
 
 
 def write_urdf(written: Written, keys: UrdfFormatSection | None = None) -> bytes:
-    """The robot as URDF, with paths and inertials as `keys` choose."""
+    """Returns the robot as URDF, with paths and inertials as `keys` choose."""
     keys = keys or UrdfFormatSection()
-    robot, held, geometry = written.as_urdf.robot, written.as_urdf.held, written.shapes
+    robot, holders, geometry = written.as_urdf.robot, written.as_urdf.held, written.shapes.with_whole_visuals
     assets = _assets_of(keys, robot.name)
     massless = SPECK if keys.frame_inertia == "tiny" else ZERO
     root = element(None, "robot", name=robot.name)
-    # MuJoCo would strip the mesh paths, fuse a fixed root away and drop the visuals.
+    # MuJoCo would strip the mesh paths, fuse a fixed root away and drop the visuals; it reads no GLB.
     mujoco = element(root, "mujoco")
-    element(mujoco, "compiler", strippath="false", fusestatic="false", discardvisual="false")
-    painted = _materials(root, geometry, assets)
-    solid = {held[shape.link][0] for shape in geometry.shapes}
+    discards_visuals = "true" if geometry.whole_visuals else "false"
+    element(mujoco, "compiler", strippath="false", fusestatic="false", discardvisual=discards_visuals)
+    material_names = _materials(root, geometry, assets)
+    links_with_shapes = {holders[shape.link][0] for shape in geometry.shapes}
     shapes = geometry.by_link()
-    on: dict[str, list[str]] = {}
-    for name, (holder, _) in held.items():
-        on.setdefault(holder, []).append(name)
+    links_by_holder: dict[str, list[str]] = {}
+    for name, (holder, _) in holders.items():
+        links_by_holder.setdefault(holder, []).append(name)
     for link in robot.links:
-        # A root called `world` is nothing, which no engine weighs.
+        # A root called `world` stands for the world, to which no engine gives a mass.
         weightless = link.inertial.mass == 0 and link.name != "world"
         inertial = massless if weightless else link.inertial
-        node = write_link(root, link.name, inertial, link.name in solid)
-        write_shapes(node, [(name, held[name][1]) for name in on[link.name]], shapes, painted, assets)
+        node = write_link(root, link.name, inertial, link.name in links_with_shapes)
+        write_shapes(
+            node,
+            [(name, holders[name][1]) for name in links_by_holder[link.name]],
+            shapes,
+            material_names,
+            assets,
+        )
     lowered = lower(robot)
     for item in lowered:
         for name in item.between:
@@ -65,7 +72,7 @@ def write_urdf(written: Written, keys: UrdfFormatSection | None = None) -> bytes
 
 
 def _assets_of(keys: UrdfFormatSection, robot: str) -> str:
-    """What the path of a mesh in a URDF begins with, for a robot of this name."""
+    """Returns the prefix of mesh paths in the URDF of a robot of this name."""
     package = package_of(keys, robot)
     return f"package://{package}/assets/" if package else "assets/"
 
@@ -81,7 +88,7 @@ def _materials(root: Element, geometry: Geometry, assets: str) -> dict[Paint, st
 
 
 def _frames(root: Element, robot: Robot, names: UrdfNames, massless: Inertial) -> None:
-    """Frames, and both sides of every loop, as links on fixed joints with the inertial `massless`."""
+    """Writes frames, and both sides of every loop, as links on fixed joints, with the inertial `massless`."""
     markers = [(names.frames[frame.name], frame.link, frame.link_from_frame) for frame in robot.frames]
     for loop in robot.loops:
         first, second = names.ends[loop.name]

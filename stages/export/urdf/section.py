@@ -28,8 +28,9 @@ class UrdfFormatSection(FormatSection):
 
     fixed_joints: Literal["keep", "merge"] = "keep"
     """Links on fixed joints. keep: they stay links; merge: each becomes part of its parent, with its mass,
-    inertia and shapes, but for what is fixed to a link `world`. Frames are links on fixed joints always."""
+    inertia and shapes, except for links that are fixed to a link `world`. Frames are always links on fixed
+    joints."""
 
     frame_inertia: Literal["none", "tiny"] = "none"
-    """The inertial of links without mass: of frames, and of both sides of a loop. none: they have none; tiny:
-    1e-12 kg and 1e-12 kg m², for readers that take 1 kg instead of none, as PyBullet does."""
+    """The inertial of links without mass: frames, and both sides of a loop. none: no inertial; tiny: 1e-12 kg
+    and 1e-12 kg m², for readers that assume 1 kg if there is no inertial, as PyBullet does."""

@@ -1,11 +1,11 @@
-"""URDF: the tree of links and joints, in one file, and beside it the SRDF for MoveIt."""
+"""Declares the format URDF: the tree of links and joints in one file, with the SRDF for MoveIt beside it."""
 
 from linkwright.stages.export.urdf.section import UrdfFormatSection
 from linkwright.stages.export.writer import FormatFiles, WriterInput
 
 
 class UrdfWriter:
-    """`<name>.urdf` and `<name>.srdf`."""
+    """The writer of `<name>.urdf` and `<name>.srdf`."""
 
     section = UrdfFormatSection
     reads: tuple[str, ...] = ()
@@ -14,8 +14,8 @@ class UrdfWriter:
         "linkwright.stages.export.urdf.srdf.model",
     )
 
-    def write(self, given: WriterInput) -> FormatFiles:
+    def write(self, inputs: WriterInput) -> FormatFiles:
         # Late: the table of writers is read by builds that write nothing.
         from linkwright.stages.export.urdf.build import write
 
-        return write(given)
+        return write(inputs)

@@ -1,14 +1,16 @@
 """USD: an articulation of UsdPhysics for Isaac Sim, Isaac Lab and Newton, with attributes of both engines.
 
-- bodies: Rigid bodies of a USD: where their links stand, and their mass properties in single precision.
-- build: Writes all files of the format, from what the other modules of this room make of the robot.
-- joint_prims: Joints of a USD as prims: frames, limits, and what `joint_facts` has.
-- joints: Joints and loops as joints of UsdPhysics: which type, and where their frames are on both bodies.
-- layer: Layers of USD, written prim by prim: the only module that imports `pxr`.
-- model: USD: the layer of a robot, as UsdPhysics has it (openusd.org, "Rigid Body Physics in USD"), with what
-  only PhysX or only Newton knows in their own attributes (`physx...`, `newton:...`; of joints PhysX's of both
-  its older and its newer schema).
+- actuator_prims: Writes the actuators of a USD as prims of MuJoCo's own schema.
+- bodies: Computes where the rigid bodies of a USD stand, and writes their mass properties in single
+  precision.
+- build: Writes all files of the format USD.
+- date: Reads the date for a USD's metadata from the environment.
+- joint_prims: Writes the joints of a USD as prims: frames, limits, and the attributes from `joint_facts`.
+- joints: Converts joints and loops to joints of UsdPhysics: their types, and their frames on both bodies.
+- layer: Writes layers of USD, prim by prim; the only module that imports `pxr`.
+- metadata: Makes SimReady's metadata: what a USD is, who made it, and how large and heavy it is.
+- model: Writes the layer of a robot in terms of UsdPhysics (openusd.org, "Rigid Body Physics in USD").
 - section: Configuration of the USD writer.
-- shapes: What a link looks like, as instances of meshes, and what it collides with.
-- writer: USD: the robot, and the meshes that it refers to.
+- shapes: Writes the visuals of a link, as instances of meshes, and its colliders.
+- writer: Declares the format USD: the robot, and the meshes that it refers to.
 """

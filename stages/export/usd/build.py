@@ -1,6 +1,7 @@
-"""Writes all files of the format, from what the other modules of this room make of the robot."""
+"""Writes all files of the format USD."""
 
-from linkwright.stages.export.usd.joints import usd_joints
+from linkwright.stages.export.usd.joints import added_links, usd_joints
+from linkwright.stages.export.usd.metadata import KEY, metadata
 from linkwright.stages.export.usd.model import UsdPlan, write_usd
 from linkwright.stages.export.usd.section import UsdFormatSection
 from linkwright.stages.export.usd.shapes import meshes_layer
@@ -9,41 +10,61 @@ from linkwright.stages.formats.robot_json.files import FormatRecord, RenamedReco
 from linkwright.stages.formats.usd.drives import drives_of
 from linkwright.stages.formats.usd.names import usd_names
 from linkwright.stages.formats.usd.zeros import ball_zeros
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.robot.motion.start_pose import home
+from linkwright.stages.show.preview.ask import thumbnail
+from linkwright.stages.show.preview.from_model import look_of_model
 
 
-def write(given: WriterInput) -> FormatFiles:
-    """The files of the format, with what they lose of the robot."""
-    robot, geometry, plan = given.written.robot, given.written.shapes, _plan(given)
-    keys = given.keys.export.usd or UsdFormatSection()
-    model, meshes = UsdFormatSection.paths(robot.name)
-    layer, places = meshes_layer(geometry)
-    files = {
-        model: write_usd(robot, geometry, plan, places, meshes).bytes(),
-        meshes: layer.bytes(keys.geometry),
-    }
-    case = Case("usd", given.written, robot, model, plan)
-    return FormatFiles(files, (case,), record=_record(plan))
+def write(inputs: WriterInput) -> FormatFiles:
+    """Writes the files of the format, and tells what they lose of the robot."""
+    robot, geometry, plan = inputs.written.robot, inputs.written.shapes, _plan(inputs)
+    keys = inputs.keys.export.usd or UsdFormatSection()
+    model, meshes_path, picture_path = UsdFormatSection.paths(robot.name)
+    meshes_file, meshes = meshes_layer(geometry, meshes_path)
+    layer = write_usd(robot, geometry, plan, meshes)
+    bodies = len(robot.links) + len(added_links(robot, plan.names, plan.joints))
+    size = inputs.standing.high - inputs.standing.low
+    layer.describe(KEY, metadata(robot, keys, bodies, size))
+    files = {model: layer.bytes(), meshes_path: meshes_file.bytes(keys.geometry)}
+    picture_or_reason = _picture(inputs)
+    diagnostics: tuple[Diagnostic, ...] = ()
+    if isinstance(picture_or_reason, bytes):
+        files[picture_path] = picture_or_reason
+    else:
+        text = f"no thumbnail, which the profiles of SimReady ask for: {picture_or_reason}"
+        diagnostics = (Diagnostic("I-USD-THUMBNAIL", text, model, "put a picture of 256 x 256 pixels there"),)
+    case = Case("usd", inputs.written, robot, model, plan)
+    return FormatFiles(files, (case,), diagnostics, _record(plan))
+
+
+def _picture(task: WriterInput) -> bytes | str:
+    """Returns a picture of the robot at `home`, or the reason why there is no picture."""
+    robot, world_from_root = task.written.robot, task.standing.world_from_root
+    poses = {link: world_from_root @ pose for link, pose in link_poses(robot, home(robot)).items()}
+    return thumbnail(look_of_model(robot, task.written.shapes, poses))
 
 
 def _record(plan: UsdPlan) -> dict[str, FormatRecord]:
-    """What `robot.json` tells of the USD: names and zeros that are not the robot's."""
+    """Returns the entry of the USD in `robot.json`: names and zeros that differ from the robot's."""
     renamed = RenamedRecord.from_model(plan.names) if any(plan.names.changed) else None
-    told = FormatRecord(renamed, plan.zeros or None)
-    return {} if told == FormatRecord() else {"usd": told}
+    record = FormatRecord(renamed, plan.zeros or None)
+    return {} if record == FormatRecord() else {"usd": record}
 
 
-def _plan(given: WriterInput) -> UsdPlan:
-    robot = given.written.robot
+def _plan(inputs: WriterInput) -> UsdPlan:
+    robot = inputs.written.robot
     names = usd_names(robot)
     at_home = home(robot)
     zeros = ball_zeros(robot, at_home)
     return UsdPlan(
         names,
         usd_joints(robot, names, zeros),
-        drives_of(robot, given.written.actuation, at_home),
-        given.written.sensing,
+        drives_of(robot, inputs.written.actuation, at_home),
+        inputs.written.actuation.actuators,
+        inputs.written.sensing,
         at_home,
         zeros,
-        given.standing.world_from_root,
+        inputs.standing.world_from_root,
     )

@@ -1,16 +1,16 @@
-"""Joints of a USD as prims: frames, limits, and what `joint_facts` has."""
+"""Writes the joints of a USD as prims: frames, limits, and the attributes from `joint_facts`."""
 
 from collections.abc import Mapping
 
 from linkwright.stages.export.usd.joints import UsdJoint
 from linkwright.stages.export.usd.layer import Prim
 from linkwright.stages.formats.numbers import LENGTH, TURN
-from linkwright.stages.formats.usd.joint_facts import DEGREES, JointFacts, resistance, units
+from linkwright.stages.formats.usd.joint_facts import DEGREES, MUJOCO, JointFacts, resistance, units
 from linkwright.stages.robot.model.robot import Array, Limits
 
 
 def write_joint(prim: Prim, joint: UsdJoint) -> None:
-    """What a joint is, without its bodies and frames."""
+    """Writes the type and limits of a joint, without its bodies and frames."""
     if joint.closes:
         prim.set("physics:excludeFromArticulation", "bool", True, uniform=True)
     if joint.dof is not None:
@@ -27,10 +27,13 @@ def write_joint(prim: Prim, joint: UsdJoint) -> None:
 
 
 def write_facts(prim: Prim, facts: JointFacts, joints: Mapping[str, Prim]) -> None:
-    """What a joint says of its dof. `joints`: by the dofs that facts name."""
+    """Writes facts about a joint. `joints`: dof → prim, for the dofs that the facts refer to."""
     prim.apply(*facts.schemas)
     for name, value in facts.numbers.items():
-        prim.number(name, value)
+        if name.startswith(MUJOCO):
+            prim.number(name, value, "double", uniform=True)
+        else:
+            prim.number(name, value)
     for name, word in facts.words.items():
         prim.token(name, word)
     for name, dof in facts.targets.items():
@@ -38,34 +41,34 @@ def write_facts(prim: Prim, facts: JointFacts, joints: Mapping[str, Prim]) -> No
 
 
 def write_frames(prim: Prim, first: Array, second: Array) -> None:
-    """Where a joint's frame is (4, 4) on both of its bodies."""
+    """Writes a joint's frame (4, 4) on both of its bodies."""
     for number, pose in ((0, first), (1, second)):
         prim.floats(f"physics:localPos{number}", "point3f", pose[:3, 3], LENGTH)
-        prim.turned(f"physics:localRot{number}", pose[:3, :3])
+        prim.rotation(f"physics:localRot{number}", pose[:3, :3])
 
 
 def _limits(prim: Prim, joint: UsdJoint) -> None:
     assert joint.dof is not None
-    scale, least = units(joint.dof)
+    scale, rounding_step = units(joint.dof)
     for key, end in (("lowerLimit", joint.limits.lower), ("upperLimit", joint.limits.upper)):
         if end is not None:
-            prim.number(f"physics:{key}", end * scale, least=least)
+            prim.number(f"physics:{key}", end * scale, least=rounding_step)
 
 
 def _locks(prim: Prim, joint: UsdJoint) -> None:
-    """What a general joint leaves free, within limits; the rest is locked, by a lower limit above the upper
-    one."""
-    freed = {f"{one.kind}{one.axis}": one for one in joint.free}
+    """Writes the limits of a general joint's free axes. The other axes are locked, by a lower limit above the
+    upper limit."""
+    free_axes = {f"{freedom.kind}{freedom.axis}": freedom for freedom in joint.free}
     for kind in ("trans", "rot"):
         for axis in "XYZ":
             name = f"{kind}{axis}"
-            limits = freed[name].limits if name in freed else None
+            limits = free_axes[name].limits if name in free_axes else None
             if limits == Limits():
                 continue
             prim.apply(f"PhysicsLimitAPI:{name}")
-            scale, least = (DEGREES, TURN * DEGREES) if kind == "rot" else (1.0, LENGTH)
+            scale, rounding_step = (DEGREES, TURN * DEGREES) if kind == "rot" else (1.0, LENGTH)
             ends = (1.0, -1.0) if limits is None else (limits.lower, limits.upper)
             for key, end in zip(("low", "high"), ends, strict=True):
                 if end is not None:
-                    own = end if limits is None else end * scale
-                    prim.number(f"limit:{name}:physics:{key}", own, least=least)
+                    limit = end if limits is None else end * scale
+                    prim.number(f"limit:{name}:physics:{key}", limit, least=rounding_step)

@@ -1,8 +1,8 @@
-"""Layers of USD, written prim by prim: the only module that imports `pxr`.
+"""Writes layers of USD, prim by prim; the only module that imports `pxr`.
 
-Schemas are named, not looked up, so that those of PhysX and Newton, which `usd-core` does not know, are
-written as any other. Numbers are as in the other formats: noise beside what is larger is 0, and no zero has a
-sign.
+Schemas are named, not looked up, so that schemas of PhysX and Newton, which `usd-core` does not know, are
+written like any other. Numbers are rounded as in the other formats: a number far below the largest of its
+vector becomes 0, and no zero has a sign.
 """
 
 import math
@@ -23,6 +23,8 @@ _TYPES: Mapping[str, Any] = {
     "asset": Sdf.ValueTypeNames.Asset,
     "bool": Sdf.ValueTypeNames.Bool,
     "color3f": Sdf.ValueTypeNames.Color3f,
+    "double[]": Sdf.ValueTypeNames.DoubleArray,
+    "normal3f[]": Sdf.ValueTypeNames.Normal3fArray,
     "color3f[]": Sdf.ValueTypeNames.Color3fArray,
     "double": Sdf.ValueTypeNames.Double,
     "double3": Sdf.ValueTypeNames.Double3,
@@ -47,7 +49,9 @@ _TYPES: Mapping[str, Any] = {
 _ARRAYS: Mapping[str, Any] = {
     "color3f[]": Vt.Vec3fArray,
     "float3[]": Vt.Vec3fArray,
+    "double[]": Vt.DoubleArray,
     "int[]": Vt.IntArray,
+    "normal3f[]": Vt.Vec3fArray,
     "point3f[]": Vt.Vec3fArray,
     "texCoord2f[]": Vt.Vec2fArray,
     "token[]": Vt.TokenArray,
@@ -62,66 +66,77 @@ class Prim:
 
     @property
     def path(self) -> str:
+        """Returns the path of the prim in its layer."""
         return str(self._spec.path)
 
     def child(self, name: str, kind: str = "", *schemas: str) -> "Prim":
-        """A new prim below this one, of the type `kind`, with these applied schemas."""
-        made = Prim(Sdf.PrimSpec(self._spec, name, Sdf.SpecifierDef, kind))
-        made.apply(*schemas)
-        return made
+        """Adds a prim of the type `kind` below this prim, with these applied schemas."""
+        prim = Prim(Sdf.PrimSpec(self._spec, name, Sdf.SpecifierDef, kind))
+        prim.apply(*schemas)
+        return prim
 
     def apply(self, *schemas: str) -> None:
-        """Applies schemas behind those that are."""
+        """Applies schemas after those that are applied already."""
         if schemas:
-            before = (
+            applied = (
                 self._spec.GetInfo("apiSchemas").prependedItems if self._spec.HasInfo("apiSchemas") else []
             )
-            listed = Sdf.TokenListOp()
-            listed.prependedItems = [*before, *schemas]
-            self._spec.SetInfo("apiSchemas", listed)
+            schema_list = Sdf.TokenListOp()
+            schema_list.prependedItems = [*applied, *schemas]
+            self._spec.SetInfo("apiSchemas", schema_list)
 
     def set(self, name: str, kind: str, value: Any, *, uniform: bool = False) -> None:
-        """A new attribute of a type of USD."""
+        """Adds an attribute of a type of USD."""
         vary = Sdf.VariabilityUniform if uniform else Sdf.VariabilityVarying
-        made = Sdf.AttributeSpec(self._spec, name, _TYPES[kind], vary)
+        attribute = Sdf.AttributeSpec(self._spec, name, _TYPES[kind], vary)
         if value is not None:
-            made.default = _ARRAYS[kind](value) if kind in _ARRAYS else value
+            attribute.default = _ARRAYS[kind](value) if kind in _ARRAYS else value
 
     def floats(self, name: str, kind: str, values: Iterable[float], least: float = 0.0) -> None:
-        """A new attribute of several numbers, with the values that their texts in other formats have."""
+        """Adds an attribute of several numbers, rounded as their texts in other formats."""
         self.set(name, kind, tuple(rounded(values, least)))
 
-    def number(self, name: str, value: float, kind: str = "float", least: float = 0.0) -> None:
-        """A new attribute that is a number."""
-        self.set(name, kind, float(number(value, least=least)))
+    def number(
+        self, name: str, value: float, kind: str = "float", least: float = 0.0, *, uniform: bool = False
+    ) -> None:
+        """Adds an attribute that is a number."""
+        self.set(name, kind, float(number(value, least=least)), uniform=uniform)
+
+    def doubles(self, name: str, values: Iterable[float]) -> None:
+        """Adds a uniform attribute of many numbers in double precision, rounded as their texts."""
+        self.set(name, "double[]", [float(number(value)) for value in values], uniform=True)
 
     def token(self, name: str, value: str) -> None:
-        """A new uniform attribute that is a word."""
+        """Adds a uniform attribute that is a word."""
         self.set(name, "token", value, uniform=True)
 
     def point_to(self, name: str, *targets: "Prim | str") -> None:
-        """A new relationship."""
-        made = Sdf.RelationshipSpec(self._spec, name, custom=False)
-        for one in targets:
-            made.targetPathList.Prepend(one.path if isinstance(one, Prim) else one)
+        """Adds a relationship."""
+        relationship = Sdf.RelationshipSpec(self._spec, name, custom=False)
+        for target in targets:
+            relationship.targetPathList.Prepend(target.path if isinstance(target, Prim) else target)
 
     def connect(self, name: str, kind: str, source: str) -> None:
-        """A new attribute that has its value from another."""
-        made = Sdf.AttributeSpec(self._spec, name, _TYPES[kind])
-        made.connectionPathList.Prepend(source)
+        """Adds an attribute that gets its value from another attribute."""
+        attribute = Sdf.AttributeSpec(self._spec, name, _TYPES[kind])
+        attribute.connectionPathList.Prepend(source)
 
     def refer(self, path: str, layer: str = "", *, instance: bool = False) -> None:
-        """Makes this prim what `path` is in a layer beside this one, maybe as an instance."""
+        """Makes this prim a reference to `path` in a layer beside this one, if requested as an instance."""
         self._spec.referenceList.Prepend(Sdf.Reference(layer, path))
         if instance:
             self._spec.instanceable = True
 
+    def hide(self) -> None:
+        """Makes the prim invisible, for every purpose of rendering."""
+        self.set("visibility", "token", "invisible")
+
     def call(self, name: str) -> None:
-        """The name that people see."""
+        """Sets the name that people see."""
         self._spec.SetInfo("displayName", name)
 
     def place(self, pose: Array, scale: Sequence[float] | None = None) -> None:
-        """Where it is in its parent (4, 4), in double precision, and how it is scaled along its axes."""
+        """Sets the prim's pose (4, 4) in its parent, in double precision, and its scale along its axes."""
         operations = ["xformOp:translate", "xformOp:orient"]
         self.floats("xformOp:translate", "double3", pose[:3, 3], LENGTH)
         w, *xyz = rounded(quat_from_rotation(pose[:3, :3]), TURN)
@@ -134,24 +149,26 @@ class Prim:
             operations.append("xformOp:scale")
         self.set("xformOpOrder", "token[]", operations, uniform=True)
 
-    def turned(self, name: str, rotation: Array) -> None:
-        """A new attribute that is a rotation (3, 3), as a quaternion in single precision."""
-        w, *xyz = rounded(quat_from_rotation(rotation), TURN)
+    def rotation(self, name: str, matrix: Array) -> None:
+        """Adds an attribute that is a rotation (3, 3), as a quaternion in single precision."""
+        w, *xyz = rounded(quat_from_rotation(matrix), TURN)
         self.set(name, "quatf", Gf.Quatf(w, Gf.Vec3f(*xyz)))
 
-    def interpolate(self, name: str, how: str) -> None:
-        """What the values of a primvar are for: such as each corner of each face (`faceVarying`)."""
-        self._spec.attributes[name].SetInfo("interpolation", how)
+    def interpolate(self, name: str, mode: str) -> None:
+        """Sets the interpolation of a primvar: a value for each corner of each face (`faceVarying`), or for
+        each face (`uniform`)."""
+        self._spec.attributes[name].SetInfo("interpolation", mode)
 
     def array(self, name: str, kind: str, values: npt.NDArray[Any]) -> None:
-        """A new attribute of many numbers, as they are."""
+        """Adds an attribute of many numbers, without rounding."""
         self.set(name, kind, None)
-        made = self._spec.attributes[name]
-        made.default = _ARRAYS[kind].FromNumpy(np.ascontiguousarray(values))
+        attribute = self._spec.attributes[name]
+        attribute.default = _ARRAYS[kind].FromNumpy(np.ascontiguousarray(values))
 
 
 class Layer:
-    """A layer whose first prim, of the type `kind`, is what it is used for: metres, kilograms, z upwards."""
+    """A layer with a first prim of the type `kind`, which is its default prim. Units are metres and
+    kilograms, with z up."""
 
     def __init__(self, name: str, kind: str) -> None:
         self._layer = Sdf.Layer.CreateAnonymous(".usda")
@@ -162,8 +179,15 @@ class Layer:
         self.root = Prim(Sdf.PrimSpec(self._layer, name, Sdf.SpecifierDef, kind))
         self.root._spec.SetInfo("kind", "component")
 
+    def describe(self, key: str, table: Mapping[str, str | int | float | tuple[float, ...]]) -> None:
+        """Sets a table of the layer's own data. A tuple of three numbers becomes a float3."""
+        values = {
+            name: Gf.Vec3f(*value) if isinstance(value, tuple) else value for name, value in table.items()
+        }
+        self._layer.customLayerData = {**self._layer.customLayerData, key: values}
+
     def bytes(self, encoding: Literal["binary", "text"] = "text") -> bytes:
-        """The file."""
+        """Returns the content of the layer's file."""
         if encoding == "text":
             return str(self._layer.ExportToString()).encode()
         with tempfile.TemporaryDirectory() as folder:
@@ -175,5 +199,5 @@ class Layer:
 
 
 def rounded(values: Iterable[float], least: float = 0.0) -> list[float]:
-    """The values that the texts of a vector have in other formats."""
+    """Returns the values of a vector, rounded as their texts in other formats."""
     return [float(text) for text in numbers(values, least=least)]

@@ -1,13 +1,15 @@
-"""What a link looks like, as instances of meshes, and what it collides with."""
+"""Writes the visuals of a link, as instances of meshes, and its colliders."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from hashlib import sha256
 
 import numpy as np
 
 from linkwright.stages.export.paints import Paint, materials, paint
 from linkwright.stages.export.usd.layer import Layer, Prim
-from linkwright.stages.formats.meshes.faces import MeshFaces, mesh_faces
+from linkwright.stages.formats.meshes.body_arrays import distinct
+from linkwright.stages.formats.meshes.faces import MeshFaces, mesh_faces, normals
 from linkwright.stages.formats.usd.colours import ROUGHNESS, linear
 from linkwright.stages.formats.usd.names import identifiers
 from linkwright.stages.robot.model.geometry import Geometry, Shape
@@ -15,27 +17,68 @@ from linkwright.stages.robot.model.robot import Array, Primitive
 from linkwright.stages.robot.text.names import free
 
 Friction = tuple[float, float, float]
-"""Sliding [-], torsional [m] and rolling [m]."""
+"""Coefficients of friction: sliding [-], torsional [m] and rolling [m]."""
 
-_KINDS = {"box": "Cube", "sphere": "Sphere", "cylinder": "Cylinder", "capsule": "Capsule"}
+_TYPES = {"box": "Cube", "sphere": "Sphere", "cylinder": "Cylinder", "capsule": "Capsule"}
+
+_POINT_DIGITS = 6
+"""Decimal places [m] to which two surfaces must agree to count as the same."""
+
+_NORMAL_DIGITS = 5
+"""Decimal places of normals, above the noise of points in single precision."""
+
+_COLLIDER_SCHEMAS = ("PhysicsCollisionAPI", "NewtonCollisionAPI", "MjcCollisionAPI")
+"""Schemas of a collider: of UsdPhysics, of Newton and of MuJoCo."""
 
 
-def meshes_layer(geometry: Geometry) -> tuple[Layer, dict[str, str]]:
-    """The layer of all meshes, each once, and their paths in it by the names of their files: of a prim that
-    holds the mesh, which is its child `mesh`."""
+@dataclass(frozen=True, slots=True, eq=False)
+class UsdMeshes:
+    """The meshes in a layer beside the robot's, by the names of their files."""
+
+    layer: str
+    """The path of the layer."""
+
+    paths: Mapping[str, str]
+    """File → path of the prim that holds its mesh as the child `mesh`."""
+
+    surfaces: Mapping[str, str]
+    """File → digest of its triangles, which is the same for meshes that agree to a micrometre."""
+
+
+def meshes_layer(geometry: Geometry, path: str) -> tuple[Layer, UsdMeshes]:
+    """Returns the layer of all meshes, each once. `path`: of the layer's file, from the robot's."""
     layer = Layer("meshes", "Scope")
     files = list(dict.fromkeys(shape.file for shape in geometry.shapes if shape.file is not None))
     names = identifiers(_stem(file) for file in files)
-    paths = {}
+    paths, surfaces = {}, {}
     for file in files:
         holder = layer.root.child(names[_stem(file)], "Xform")
-        _mesh(holder.child("mesh", "Mesh"), mesh_faces(file, geometry.files[file]))
+        faces = mesh_faces(file, geometry.files[file])
+        _mesh(holder.child("mesh", "Mesh"), faces)
         paths[file] = holder.path
-    return layer, paths
+        rounded_points = np.round(faces.points, _POINT_DIGITS) + 0.0
+        surfaces[file] = sha256(rounded_points.tobytes() + faces.triangles.tobytes()).hexdigest()
+    return layer, UsdMeshes(f"./{path}", paths, surfaces)
+
+
+class ShownMeshes:
+    """A register of the meshes that are shown at each pose of the standing robot."""
+
+    def __init__(self, meshes: UsdMeshes) -> None:
+        self._surfaces = meshes.surfaces
+        self._links: dict[tuple[str, bytes], set[str]] = {}
+
+    def add(self, file: str, link: str, world_from_link: Array) -> set[str]:
+        """Adds a mesh of a link. Returns the links that already show the same mesh in the same pose."""
+        key = self._surfaces[file], (np.round(world_from_link, _POINT_DIGITS) + 0.0).tobytes()
+        links = self._links.setdefault(key, set())
+        earlier_links = {*links}
+        links.add(link)
+        return earlier_links
 
 
 def _stem(file: str) -> str:
-    """The file's name without its extension."""
+    """Returns the file's name without its extension."""
     return file.rsplit(".", 1)[0]
 
 
@@ -47,46 +90,57 @@ def _mesh(prim: Prim, faces: MeshFaces) -> None:
     if len(faces.points):
         ends = np.array([faces.points.min(axis=0), faces.points.max(axis=0)], dtype=np.float32)
         prim.array("extent", "float3[]", ends)
+    # By index: most faces of a part from CAD share their normal with others.
+    directions, index = distinct(np.round(normals(faces), _NORMAL_DIGITS))
+    prim.array("primvars:normals", "normal3f[]", directions.astype(np.float32))
+    prim.array("primvars:normals:indices", "int[]", index.astype(np.int32))
+    prim.interpolate("primvars:normals", "uniform")
     if faces.texcoords is not None:
         prim.array("primvars:st", "texCoord2f[]", faces.texcoords.astype(np.float32).reshape(-1, 2))
         prim.interpolate("primvars:st", "faceVarying")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Looks:
-    """The materials of a robot: what is seen, and what rubs; each by the path of its prim."""
+class UsdMaterials:
+    """The materials of a robot, by the paths of their prims."""
 
-    seen: Mapping[Paint, str]
-    rubs: Mapping[Friction, str]
+    visual: Mapping[Paint, str]
+    """Colour and image → path."""
+
+    physical: Mapping[Friction, str]
+    """Friction → path."""
 
 
-def write_materials(above: Prim, geometry: Geometry) -> Looks:
-    """The materials of `geometry`, below a prim."""
+def write_materials(above: Prim, geometry: Geometry) -> UsdMaterials:
+    """Writes the materials of `geometry`, below a prim."""
     names = materials(geometry)
-    taken: set[str] = set(names.values())
-    own = identifiers(names.values())
-    seen = {one: _material(above.child(own[name], "Material"), one) for one, name in names.items()}
-    rubs = {}
-    for one in _frictions(geometry):
-        name = free("friction", taken)
-        taken.add(name)
-        made = above.child(name, "Material", "PhysicsMaterialAPI", "NewtonMaterialAPI")
+    used_names: set[str] = set(names.values())
+    identifier_of = identifiers(names.values())
+    visual = {
+        colour_and_image: _material(above.child(identifier_of[name], "Material"), colour_and_image)
+        for colour_and_image, name in names.items()
+    }
+    physical = {}
+    for friction in _frictions(geometry):
+        name = free("friction", used_names)
+        used_names.add(name)
+        prim = above.child(name, "Material", "PhysicsMaterialAPI", "NewtonMaterialAPI")
         for key in ("staticFriction", "dynamicFriction"):
-            made.number(f"physics:{key}", one[0])
-        for key, value in (("torsionalFriction", one[1]), ("rollingFriction", one[2])):
-            made.number(f"newton:{key}", value)
-        rubs[one] = made.path
-    return Looks(seen, rubs)
+            prim.number(f"physics:{key}", friction[0])
+        for key, value in (("torsionalFriction", friction[1]), ("rollingFriction", friction[2])):
+            prim.number(f"newton:{key}", value)
+        physical[friction] = prim.path
+    return UsdMaterials(visual, physical)
 
 
 def _frictions(geometry: Geometry) -> Iterator[Friction]:
-    """Those of colliders, each once."""
-    found = (shape.contact.friction for shape in geometry.shapes if shape.contact is not None)
-    yield from dict.fromkeys(one for one in found if one is not None)
+    """Yields the frictions of colliders, each once."""
+    frictions = (shape.contact.friction for shape in geometry.shapes if shape.contact is not None)
+    yield from dict.fromkeys(friction for friction in frictions if friction is not None)
 
 
-def _material(prim: Prim, own: Paint) -> str:
-    colour, texture = own
+def _material(prim: Prim, paint_of_material: Paint) -> str:
+    colour, texture = paint_of_material
     surface = prim.child("surface", "Shader")
     surface.token("info:id", "UsdPreviewSurface")
     if texture:
@@ -112,48 +166,71 @@ def _material(prim: Prim, own: Paint) -> str:
 
 
 def write_visuals(
-    above: Prim, shapes: Sequence[Shape], looks: Looks, meshes: Mapping[str, str], layer: str
+    above: Prim,
+    shapes: Sequence[Shape],
+    robot_materials: UsdMaterials,
+    meshes: UsdMeshes,
+    shown: ShownMeshes,
+    world_from_link: Array,
 ) -> None:
-    """The visual shapes of a link below a prim: an instance of its mesh each, or a primitive."""
+    """Writes the visual shapes of a link below a prim, each as an instance of its mesh or as a primitive.
+    Only a mesh that the link itself already shows there is made invisible: other links move away."""
     for count, shape in enumerate(shapes, 1):
         name = f"visual_{count}"
         if shape.primitive is None:
             assert shape.file is not None
-            made = above.child(name, "Xform")
-            made.refer(meshes[shape.file], layer, instance=True)
+            prim = above.child(name, "Xform")
+            prim.refer(meshes.paths[shape.file], meshes.layer, instance=True)
+            if shape.link in shown.add(shape.file, shape.link, world_from_link):
+                prim.hide()
         else:
-            made = _primitive(above, name, shape.primitive)
-        own = paint(shape)
-        if own is not None:
-            made.array("primvars:displayColor", "color3f[]", np.array([linear(own[0])], dtype=np.float32))
-            made.apply("MaterialBindingAPI")
-            made.point_to("material:binding", looks.seen[own])
+            prim = _primitive(above, name, shape.primitive)
+        colour_and_image = paint(shape)
+        if colour_and_image is not None:
+            prim.array(
+                "primvars:displayColor",
+                "color3f[]",
+                np.array([linear(colour_and_image[0])], dtype=np.float32),
+            )
+            prim.apply("MaterialBindingAPI")
+            prim.point_to("material:binding", robot_materials.visual[colour_and_image])
 
 
 def write_colliders(
-    above: Prim, shapes: Sequence[Shape], looks: Looks, meshes: Mapping[str, str], layer: str
+    above: Prim,
+    shapes: Sequence[Shape],
+    robot_materials: UsdMaterials,
+    meshes: UsdMeshes,
+    shown: ShownMeshes,
+    world_from_link: Array,
 ) -> list[Prim]:
-    """The colliders of a link below a prim, which are convex: primitives, and hulls of meshes."""
-    made = []
+    """Writes the colliders of a link below a prim, which are convex: primitives, and hulls of meshes. All
+    visuals come first: a collider is invisible if its mesh is already shown there, which changes no
+    contact."""
+    colliders = []
     for count, shape in enumerate(shapes, 1):
         name = f"collision_{count}"
         if shape.primitive is None:
             assert shape.file is not None
-            one = above.child(name, "Mesh", "PhysicsCollisionAPI", "PhysicsMeshCollisionAPI")
-            one.refer(f"{meshes[shape.file]}/mesh", layer)
-            one.token("physics:approximation", "convexHull")
+            collider = above.child(
+                name, "Mesh", *_COLLIDER_SCHEMAS, "PhysicsMeshCollisionAPI", "NewtonMeshCollisionAPI"
+            )
+            collider.refer(f"{meshes.paths[shape.file]}/mesh", meshes.layer)
+            if shown.add(shape.file, shape.link, world_from_link):
+                collider.hide()
+            collider.token("physics:approximation", "convexHull")
         else:
-            one = _primitive(above, name, shape.primitive)
-            one.apply("PhysicsCollisionAPI")
+            collider = _primitive(above, name, shape.primitive)
+            collider.apply(*_COLLIDER_SCHEMAS)
         if shape.contact is not None and shape.contact.friction is not None:
-            one.apply("MaterialBindingAPI")
-            one.point_to("material:binding:physics", looks.rubs[shape.contact.friction])
-        made.append(one)
-    return made
+            collider.apply("MaterialBindingAPI")
+            collider.point_to("material:binding:physics", robot_materials.physical[shape.contact.friction])
+        colliders.append(collider)
+    return colliders
 
 
 def _primitive(above: Prim, name: str, primitive: Primitive) -> Prim:
-    prim, size = above.child(name, _KINDS[primitive.kind]), primitive.size
+    prim, size = above.child(name, _TYPES[primitive.kind]), primitive.size
     if primitive.kind == "box":
         prim.number("size", 1.0, "double")
         _extent(prim, np.full(3, 0.5))

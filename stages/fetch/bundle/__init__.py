@@ -1,1 +1,1 @@
-"""A bundle as one zip file."""
+"""Reads and writes a bundle as a zip file."""

@@ -1,4 +1,4 @@
-"""A bundle as one zip file: `manifest.json` and `replies/<sha256>`.
+"""Reads and writes a bundle as a zip file: `manifest.json` and `replies/<sha256>`.
 
 A bundle may come from anyone, so it is not trusted: nothing is unpacked to disk, only the names that a bundle
 has are accepted, sizes are bounded before anything is inflated, no entry is inflated beyond its declared
@@ -14,15 +14,15 @@ the digest that is its name.
     definition     the digest of the assembly definition
     requests       {request: digest}: the path below /api/<api> with its query, and its reply
 
-That of a robot's own file has its kind ("urdf", "mjcf"), no api, the file's name as the document, the
+The manifest of a robot's own file has its kind ("urdf", "mjcf"), no api, the file's name as the document, the
 digest of its text or model as the definition, a request `mesh/<key>` for each mesh, whose body is in the
 compact form of triangles, a request `image/<sha256>` for each image that these name, a PNG, and `options`,
 {name: text}, for its reader.
 
 Recordings of other clients can be turned into bundles: the assembly definition, and of each part studio in it
 the mass properties, whole (`/partstudios/.../massproperties`) or of each part that is used
-(`/parts/.../partid/<id>/massproperties`); without `.../tessellatedfaces` the robot has no meshes. A
-request may hold any query: what a recording has is what there is. `pack` makes the zip.
+(`/parts/.../partid/<id>/massproperties`); without `.../tessellatedfaces` the robot has no meshes. A request
+may hold any query: a recording has only the replies that it has. `pack` makes the zip.
 """
 
 import io
@@ -56,12 +56,22 @@ _MANIFEST = "manifest.json"
 _DEFINITION = "the definition"
 _FOLDER = "replies/"
 _REPLY = re.compile(r"replies/([0-9a-f]{64})")
-_ENTRY = b"PK\x01\x02"  # what each entry of a zip's directory begins with
-_MOST_ENTRIES = 20_000
-_LARGEST_MANIFEST = 1 << 24
-_MOST_RATIO = 400
-_RATIO_MATTERS = 1 << 20
+_ENTRY = b"PK\x01\x02"  # the first bytes of each entry of a zip's directory
+_MAX_ENTRIES = 20_000
+"""Largest number of entries."""
+
+_MAX_MANIFEST = 1 << 24
+"""Largest size of manifest.json [bytes]."""
+
+_MAX_RATIO = 400
+"""Largest ratio of an entry's unpacked to its packed size."""
+
+_MIN_SIZE_FOR_RATIO = 1 << 20
+"""Unpacked size up to which the ratio is not checked [bytes]."""
+
 _EPOCH = (1980, 1, 1, 0, 0, 0)
+"""The time of every entry, so that the zip does not depend on when it is made."""
+
 _UNREADABLE = (
     zipfile.BadZipFile,
     zlib.error,
@@ -116,10 +126,10 @@ class _Manifest(BaseModel):
 
 
 def read(data: bytes, where: str) -> Recording:
-    """The recording in a zip's bytes; `where` names the file in messages.
+    """Returns the recording in a zip's bytes; `where` names the file in messages.
 
-    SourceError for every invalid file: not a zip, damaged, names that leave the folder,
-    links, too many or too large entries, wrong digests, missing entries, another format.
+    Raises SourceError for every invalid file: not a zip, damaged, names that leave the folder, links, too
+    many or too large entries, wrong digests, missing entries, another format.
     """
     entries = _entries(data, where)
     if _MANIFEST not in entries:
@@ -129,13 +139,13 @@ def read(data: bytes, where: str) -> Recording:
     for name, body in blobs.items():
         if sha256(body).hexdigest() != name:
             raise _refused(f"its reply {name} does not match its digest: the file was changed", where)
-    largest = source_class(manifest.kind).largest_reply
+    limit_of = source_class(manifest.kind).largest_reply
     for request, name in sorted({_DEFINITION: manifest.definition, **manifest.requests}.items()):
         if name not in blobs:
             raise _refused(f"it lacks the reply {name} ({request})", where)
-        most = largest(request)
-        if len(blobs[name]) > most:
-            why = f"its reply {name} ({request}) has {len(blobs[name])} bytes; at most {most} are read"
+        limit = limit_of(request)
+        if len(blobs[name]) > limit:
+            why = f"its reply {name} ({request}) has {len(blobs[name])} bytes; at most {limit} are read"
             raise _refused(why, where)
     return Recording(
         kind=manifest.kind,
@@ -150,7 +160,7 @@ def read(data: bytes, where: str) -> Recording:
 
 
 def is_bundle(file: Path) -> bool:
-    """Whether a file is a zip with the names of a bundle, whatever is in its entries."""
+    """Tells whether a file is a zip with the names of a bundle, whatever its entries hold."""
     try:
         with zipfile.ZipFile(file) as archive:
             names = set(archive.namelist())
@@ -160,7 +170,7 @@ def is_bundle(file: Path) -> bool:
 
 
 def pack(bundle: Bundle) -> bytes:
-    """The zip of a bundle: the same bundle gives the same bytes, with the same zlib."""
+    """Packs a bundle as a zip: the same bundle gives the same bytes, with the same zlib."""
     manifest = {
         "format": FORMAT,
         "kind": bundle.kind,
@@ -184,7 +194,7 @@ def pack(bundle: Bundle) -> bytes:
 
 
 def _own_fields(bundle: Bundle) -> dict[str, object]:
-    """The manifest's keys for one kind of bundle only; the `api` of a file is empty."""
+    """Returns the manifest's keys for this kind of bundle only; the `api` of a file is empty."""
     if isinstance(bundle, OnshapeBundle):
         later = {"definition_api": bundle.definition_api} if bundle.definition_api else {}
         return {"api": bundle.api, **later}
@@ -193,10 +203,11 @@ def _own_fields(bundle: Bundle) -> dict[str, object]:
 
 
 def _entries(data: bytes, where: str) -> dict[str, bytes]:
-    """The zip's entries by name; SourceError for a name or size that a bundle must not have."""
+    """Returns the zip's entries by name. Raises SourceError for a name or size that a bundle must not
+    have."""
     # The library makes an object of each entry before any can be counted.
-    if data.count(_ENTRY) > 2 * _MOST_ENTRIES:
-        raise _refused(f"it has more entries than the {_MOST_ENTRIES} that are read", where)
+    if data.count(_ENTRY) > 2 * _MAX_ENTRIES:
+        raise _refused(f"it has more entries than the {_MAX_ENTRIES} that are read", where)
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             infos = [info for info in archive.infolist() if info.filename != _FOLDER]
@@ -204,16 +215,16 @@ def _entries(data: bytes, where: str) -> dict[str, bytes]:
             _check_sizes(infos, where)
             return {info.filename: _inflated(archive, info) for info in infos}
     except _UNREADABLE as error:
-        what = "damaged" if zipfile.is_zipfile(io.BytesIO(data)) else "not a zip file"
-        raise _refused(f"it is {what} ({type(error).__name__}: {error})", where) from None
+        kind = "damaged" if zipfile.is_zipfile(io.BytesIO(data)) else "not a zip file"
+        raise _refused(f"it is {kind} ({type(error).__name__}: {error})", where) from None
 
 
 def _inflated(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> bytes:
-    """An entry's bytes, read in pieces: in one go the library would inflate everything before it checks the
-    size."""
+    """Returns an entry's bytes, read in pieces: in one go the library would inflate everything before it
+    checks the size."""
     with archive.open(info) as entry:
         body = entry.read(info.file_size)
-        # The check sum is compared where the end is met.
+        # The check sum is compared only when the end is read.
         if len(body) != info.file_size or entry.read(1):
             msg = f"{info.filename} does not have the size in its header"
             raise ValueError(msg)
@@ -221,9 +232,9 @@ def _inflated(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> bytes:
 
 
 def _check_names(infos: list[zipfile.ZipInfo], where: str) -> None:
-    if len(infos) > _MOST_ENTRIES:
-        raise _refused(f"it has {len(infos)} entries; at most {_MOST_ENTRIES} are read", where)
-    seen: set[str] = set()
+    if len(infos) > _MAX_ENTRIES:
+        raise _refused(f"it has {len(infos)} entries; at most {_MAX_ENTRIES} are read", where)
+    earlier_names: set[str] = set()
     for info in infos:
         name = info.orig_filename
         if name.startswith(("/", "\\")) or ":" in name or ".." in re.split(r"[/\\]", name):
@@ -237,9 +248,9 @@ def _check_names(infos: list[zipfile.ZipInfo], where: str) -> None:
         if info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
             # Other methods let a file of a few bytes ask for gigabytes of working memory.
             raise _refused(f"its entry {name!r} is packed by another method than deflate", where)
-        if name in seen:
+        if name in earlier_names:
             raise _refused(f"its entry {name!r} occurs twice", where)
-        seen.add(name)
+        earlier_names.add(name)
 
 
 def _check_sizes(infos: list[zipfile.ZipInfo], where: str) -> None:
@@ -247,10 +258,10 @@ def _check_sizes(infos: list[zipfile.ZipInfo], where: str) -> None:
     if total > LARGEST:
         raise _refused(f"it would unpack to {total} bytes; at most {LARGEST} are read", where)
     for info in infos:
-        if info.filename == _MANIFEST and info.file_size > _LARGEST_MANIFEST:
+        if info.filename == _MANIFEST and info.file_size > _MAX_MANIFEST:
             raise _refused(f"its manifest.json would unpack to {info.file_size} bytes", where)
-        bound = _MOST_RATIO * max(info.compress_size, 1)
-        if info.file_size > _RATIO_MATTERS and info.file_size > bound:
+        bound = _MAX_RATIO * max(info.compress_size, 1)
+        if info.file_size > _MIN_SIZE_FOR_RATIO and info.file_size > bound:
             raise _refused(f"its entry {info.filename!r} is compressed too strongly to be a reply", where)
 
 
@@ -261,18 +272,18 @@ def _manifest(body: bytes, where: str) -> _Manifest:
         raise _refused("its manifest.json is not JSON", where) from None
     if not isinstance(data, dict):
         raise _refused("its manifest.json is not a JSON object", where)
-    found = data.get("format")
-    if isinstance(found, int) and found > FORMAT:
-        msg = f"not readable as a bundle: it has format {found}, and this version reads {FORMAT}"
+    file_format = data.get("format")
+    if isinstance(file_format, int) and file_format > FORMAT:
+        msg = f"not readable as a bundle: it has format {file_format}, and this version reads {FORMAT}"
         raise SourceError(msg, where, "update linkwright")
     try:
         return _Manifest.model_validate(data)
     except ValidationError as error:
-        wrong = "; ".join(
+        faults = "; ".join(
             f"{'.'.join(str(step) for step in problem['loc'])}: {problem['msg']}"
             for problem in error.errors()[:3]
         )
-        raise _refused(f"its manifest.json is malformed ({wrong})", where) from None
+        raise _refused(f"its manifest.json is malformed ({faults})", where) from None
 
 
 def _refused(why: str, where: str) -> SourceError:

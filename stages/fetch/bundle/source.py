@@ -1,4 +1,4 @@
-"""The source `bundle`: the replies or files of an earlier fetch in one zip."""
+"""Defines the source `bundle`: the replies or files of an earlier fetch in one zip."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from linkwright.stages.robot.system import regular_files
 
 
 class BundleSource(FileSource):
-    """A zip file that `linkwright bundle` made."""
+    """A source that is a zip file made by `linkwright bundle`."""
 
-    wanted: ClassVar[str] = "a bundle is a zip file"
+    description: ClassVar[str] = "a bundle is a zip file"
     example: ClassVar[str] = "robots/arm.zip"
 
     advice: ClassVar[str] = "check source.path and its permissions"
-    """What to do where the file cannot be read."""
+    """The hint for a file that cannot be read."""
 
     def pinned(self, environ: Mapping[str, str]) -> dict[str, Any]:
         return {"kind": "recording", "sha256": sha256(self.content()).hexdigest()}
@@ -34,7 +34,7 @@ class BundleSource(FileSource):
         return Fetched(source_class(recording.kind).replay(recording, self.label()))
 
     def content(self) -> bytes:
-        """The bytes of the zip; SourceError where it cannot be read."""
+        """Returns the bytes of the zip. Raises SourceError if it cannot be read."""
         try:
             return self.read()
         except regular_files.FileTooLarge as error:
@@ -46,5 +46,5 @@ class BundleSource(FileSource):
             raise SourceError(msg, self.label(), self.advice) from error
 
     def read(self) -> bytes:
-        """The bytes of the zip; errors as the system raises them."""
+        """Returns the bytes of the zip. Raises the system's errors."""
         return regular_files.content(Path(self._keys.path), LARGEST)

@@ -1,1 +1,1 @@
-"""An MJCF on this computer, as MuJoCo compiles it, as a bundle."""
+"""Makes a bundle of an MJCF on this computer, as MuJoCo compiles it."""

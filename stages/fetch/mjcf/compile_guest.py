@@ -1,5 +1,5 @@
-"""Guest process in which MuJoCo reads and compiles an untrusted MJCF: some inputs crash its compiler,
-or exhaust time and memory."""
+"""Guest process in which MuJoCo reads and compiles an untrusted MJCF: some inputs crash its compiler, or
+exhaust time and memory."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from linkwright.stages.fetch.mjcf.compiled.model import convert
 from linkwright.stages.fetch.mjcf.compiled.textures import Textures
 from linkwright.stages.formats.mjcf import bounds as mjcf_bounds
 from linkwright.stages.mujoco.compile import NotCompiled, refusals, spec_of_mjcf
-from linkwright.stages.mujoco.warnings import listening
+from linkwright.stages.mujoco.warnings import collected_warnings
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.errors import SourceError
 
@@ -21,15 +21,17 @@ _HINT = "MuJoCo's own viewer gives the same error (python -m mujoco.viewer --mjc
 
 
 def answer(request: bytes) -> bytes:
-    """To {"path": a model's file, "texts": its files that may be XML}: a line of JSON with MuJoCo's
-    `warnings`, the length of the `model`, the `meshes` as [key, length] and the lengths of the `images`, and
-    after it all of these.
+    """Compiles a model and returns it as bytes.
 
-    SourceError where the file exceeds a size limit, or MuJoCo cannot compile it.
+    The request is {"path": a model's file, "texts": its files that may be XML}. The reply is a line of JSON
+    with MuJoCo's `warnings`, the length of the `model`, the `meshes` as [key, length] and the lengths of the
+    `images`; the bytes of the model, meshes and images follow.
+
+    Raises SourceError if the file exceeds a size limit, or MuJoCo cannot compile it.
     """
-    asked = json.loads(request)
-    path = Path(asked["path"])
-    mjcf_bounds.require(path, [Path(text) for text in asked["texts"]])
+    question = json.loads(request)
+    path = Path(question["path"])
+    mjcf_bounds.require(path, [Path(text) for text in question["texts"]])
     model, spec, warnings = _compiled(path)
     meshes, textures = Meshes(model), Textures(model)
     body = codec.dump(convert(model, spec, meshes, textures, path.name))
@@ -42,8 +44,8 @@ def answer(request: bytes) -> bytes:
 
 
 def _compiled(path: Path) -> tuple[mujoco.MjModel, mujoco.MjSpec, list[str]]:
-    """The model (visual geoms included), its spec, and MuJoCo's warnings."""
-    with listening() as heard:
+    """Returns the model (visual geoms included), its spec, and MuJoCo's warnings."""
+    with collected_warnings() as heard:
         try:
             with refusals():
                 spec = spec_of_mjcf(path)
@@ -58,7 +60,7 @@ def _compiled(path: Path) -> tuple[mujoco.MjModel, mujoco.MjSpec, list[str]]:
 
 
 def _in_one_line(text: str, path: Path) -> str:
-    """MuJoCo's message in one line, without the path of the model's folder."""
+    """Returns MuJoCo's message in one line, without the path of the model's folder."""
     for folder in (str(path.resolve().parent), str(path.absolute().parent), str(path.parent)):
         if len(folder) > 1:
             text = text.replace(f"{folder}/", "")

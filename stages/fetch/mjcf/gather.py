@@ -1,4 +1,4 @@
-"""The source `mjcf`: a model file, read and compiled by MuJoCo itself, as a bundle.
+"""Makes a bundle of a model file that MuJoCo itself reads and compiles.
 
 The bundle has the compiled model (`stages.formats.mjcf.model`), exact to the bit, and the triangles of each
 mesh and its textures, but no file of the model, so later stages do not depend on how MuJoCo finds and reads
@@ -16,7 +16,9 @@ from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from linkwright.stages.fetch.mjcf.files import survey
 from linkwright.stages.fetch.robot_file import IMAGE, MESH
+from linkwright.stages.formats import png, triangles
 from linkwright.stages.robot.bundle import FileBundle
 from linkwright.stages.robot.errors import Diagnostic, ProtocolError, SourceError
 from linkwright.stages.robot.system import guest
@@ -25,23 +27,23 @@ if TYPE_CHECKING:
     from linkwright.stages.fetch.mjcf.section import MjcfSourceSection
 
 READER = 4
-"""Raised with every change of the result for the same files."""
+"""The version of the reader. It grows with every change of the result for the same files."""
 
 MODEL = "model"
-"""The request that stands for the compiled model."""
+"""The request for the compiled model."""
 
 BOUNDS = guest.Bounds(seconds=120, memory=4 << 30, reply=1 << 30)
 """Limits of the guest process: MuJoCo takes half a minute for a model of 10,000 bodies."""
 
 _ENVIRON = {"MUJOCO_GL": "disable", "OPENBLAS_NUM_THREADS": "1"}
-"""Environment without rendering and threaded linear algebra: to initialise them takes as long as all else."""
+"""Environment without rendering and threaded linear algebra, whose start takes as long as the rest."""
 
 _KEY = re.compile(r"[A-Za-z0-9_-]{1,60}")
-_LONGEST, _MOST_WARNINGS = 500, 100
-"""Largest length of a reported warning of MuJoCo, and largest number of them."""
+_MAX_LENGTH, _MAX_WARNINGS = 500, 100
+"""Largest length of a reported warning of MuJoCo, and largest number of warnings."""
 
-_LOOK = "check that MuJoCo read the file as intended"
-_SMALLER = (
+_CHECK_HINT = "check that MuJoCo read the file as intended"
+_LIMITS_HINT = (
     "look for large counts or sizes, models in models, or a file that includes itself; "
     "MuJoCo's own viewer may show more (python -m mujoco.viewer --mjcf=...)"
 )
@@ -50,14 +52,12 @@ _SMALLER = (
 def gather(
     source: MjcfSourceSection, while_waiting: Callable[[], None] = lambda: None
 ) -> tuple[FileBundle, tuple[Diagnostic, ...]]:
-    """The bundle of an MJCF, and MuJoCo's warnings. `while_waiting` is called before MuJoCo begins.
+    """Makes the bundle of an MJCF; returns it with MuJoCo's warnings. `while_waiting` is called before MuJoCo
+    begins.
 
-    SourceError where the file is not an MJCF, a file is missing, or MuJoCo cannot compile it within its
+    Raises SourceError if the file is not an MJCF, a file is missing, or MuJoCo cannot compile it within its
     limits.
     """
-    # Late: an unchanged source is not read again.
-    from linkwright.stages.fetch.mjcf.files import survey
-
     path = Path(source.path)
     files = survey(path)
     request = {"path": str(path), "texts": [str(text) for text in files.texts]}
@@ -69,7 +69,7 @@ def gather(
         warnings, model, meshes, images = _read(reply)
     except guest.Ended as ended:
         msg = f"not readable as an MJCF: MuJoCo's compiler {ended}"
-        raise SourceError(msg, path.name, _SMALLER) from None
+        raise SourceError(msg, path.name, _LIMITS_HINT) from None
     definition = sha256(model).hexdigest()
     digests = {key: sha256(mesh).hexdigest() for key, mesh in meshes.items()}
     bundle = FileBundle(
@@ -83,14 +83,11 @@ def gather(
         },
         blobs={definition: model, **{digests[key]: mesh for key, mesh in meshes.items()}, **images},
     )
-    return bundle, tuple(Diagnostic("W-MJCF", text, path.name, _LOOK) for text in warnings)
+    return bundle, tuple(Diagnostic("W-MJCF", text, path.name, _CHECK_HINT) for text in warnings)
 
 
 def identity(source: MjcfSourceSection) -> dict[str, Any]:
-    """What identifies the source, by content, as plain data."""
-    # Late: an unchanged source is not read again.
-    from linkwright.stages.fetch.mjcf.files import survey
-
+    """Returns the identity of the source, by content, as plain data."""
     path = Path(source.path)
     return {
         "kind": "mjcf",
@@ -102,18 +99,15 @@ def identity(source: MjcfSourceSection) -> dict[str, Any]:
 
 
 def _read(reply: bytes) -> tuple[list[str], bytes, dict[str, bytes], dict[str, bytes]]:
-    """The warnings, the model, the meshes by key and the images by digest in the guest's reply; Ended where
-    the reply is invalid.
+    """Returns the warnings, the model, the meshes by key and the images by digest in the guest's reply.
+    Raises Ended if the reply is invalid.
 
-    The guest may run any code by then, so its reply is not trusted; the reader checks the model.
+    The guest may have run any code, so its reply is not trusted; the reader checks the model.
     """
-    # Late: an unchanged source is not read again.
-    from linkwright.stages.formats import png, triangles
-
     head, _, body = reply.partition(b"\n")
     try:
         header = json.loads(head)
-        warnings = [str(text)[:_LONGEST] for text in header["warnings"][:_MOST_WARNINGS]]
+        warnings = [str(text)[:_MAX_LENGTH] for text in header["warnings"][:_MAX_WARNINGS]]
         at = int(header["model"])
         model, meshes = body[:at], dict[str, bytes]()
         for key, length in header["meshes"]:

@@ -1,4 +1,4 @@
-"""The call budget: how many API calls a build may make (`source.max_calls`).
+"""Limits the number of API calls that a build, or a whole sweep, may make (`source.max_calls`).
 
 Onshape has a yearly quota of calls, so a build reports the number of calls before it makes them, and
 makes none where the user allows fewer.
@@ -13,25 +13,28 @@ from linkwright.stages.robot.text.plural import count
 
 
 class Budget:
-    """The calls that one build may make, repeated requests included. Safe to use from several threads.
+    """The calls that a build may make, repeated requests included. Safe to use from several threads.
 
-    A call takes its slot before it is made, so that concurrent calls cannot exceed the budget
-    together.
+    `before`: the calls that the sweep made before this build; None for a single build.
+
+    A call takes its slot before it is made, so that concurrent calls cannot exceed the budget together.
     """
 
-    def __init__(self, limit: int | None) -> None:
+    def __init__(self, limit: int | None, before: int | None = None) -> None:
         self.made = 0
         """Calls that count against the quota so far."""
         self._limit = limit
+        self._before = before
         self._open = 0
         self._lock = Lock()
 
     @contextmanager
     def slot(self, *, needed: bool = False) -> Iterator["CallSlot"]:
-        """A slot for one call; SourceError where none is left, unless the call must be made (`needed`)."""
+        """Yields a slot for a call. Raises SourceError if no call is left, unless the call must be made
+        (`needed`)."""
         with self._lock:
             if self._limit is not None and not needed:
-                allow(self._open + 1, self.made, self._limit)
+                allow(self._open + 1, self.made, self._limit, self._before)
             self._open += 1
         slot = CallSlot(self)
         try:
@@ -40,14 +43,14 @@ class Budget:
             slot.charge(0)
 
     def charge(self, calls: int) -> None:
-        """Returns a slot and counts what the call cost, in one step: no thread may see it counted twice."""
+        """Returns a slot and counts the cost of the call, in one step: no thread may see it counted twice."""
         with self._lock:
             self._open -= 1
             self.made += calls
 
 
 class CallSlot:
-    """One call's slot in a budget, charged once."""
+    """The slot of a call in a budget, charged once."""
 
     def __init__(self, budget: Budget) -> None:
         self._budget: Budget | None = budget
@@ -59,12 +62,15 @@ class CallSlot:
             budget.charge(calls)
 
 
-def allow(more: int, made: int, limit: int) -> None:
-    """SourceError where `more` calls besides those `made` would be more than `limit`."""
+def allow(more: int, made: int, limit: int, before: int | None = None) -> None:
+    """Raises SourceError if `more` calls besides those `made` would be more than `limit`. `before`: as in
+    `Budget`."""
+    spender = "build" if before is None else "sweep"
+    made += before or 0
     if made + more <= limit:
         return
     needs = f"made {count(made, 'call')} and needs {more} more" if made else f"needs {count(more, 'call')}"
-    msg = f"this build {needs}, but source.max_calls is {limit}"
+    msg = f"this {spender} {needs}, but source.max_calls is {limit}"
     kept = "; what was fetched is kept" if made else ""
     hint = f"set source.max_calls={made + more} or more{kept}"
     raise SourceError(msg, "source.max_calls", hint)

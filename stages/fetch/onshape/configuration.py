@@ -1,4 +1,4 @@
-"""The configuration of an assembly: checks the user's values and encodes them as Onshape does.
+"""Checks the user's values of an assembly's configuration and encodes them as Onshape does.
 
 The document lists its parameters, so all errors are reported at once, with the allowed values. The
 text is encoded here, since the server's own encoder would cost a call.
@@ -22,30 +22,35 @@ Kind = Literal["Enum", "Boolean", "Quantity", "String"]
 _KEY = "source.configuration"
 _KINDS: Mapping[str, Kind] = {kind.upper(): kind for kind in get_args(Kind)}
 _QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z°]*)\s*")
-_SLACK = 1e-9
-"""Relative: a bound is typed in one unit and met in another."""
+_BOUND_TOLERANCE = 1e-9
+"""Relative tolerance of bounds, which may be typed in another unit than the value."""
 
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """One parameter of a configuration.
-
-    `options`: id → label, of an Enum. `measure`: "LENGTH", "ANGLE", "INTEGER", "REAL", ... of a
-    Quantity, whose `least` and `most` are in `unit` ("" for plain numbers).
-    """
+    """A parameter of a configuration."""
 
     id: str
     name: str
     kind: Kind
     options: Mapping[str, str]
+    """Id → label, for an Enum."""
+
     measure: str = ""
+    """"LENGTH", "ANGLE", "INTEGER", "REAL", ..., for a Quantity."""
+
     unit: str = ""
+    """The unit of `least` and `most`; "" for plain numbers."""
+
     least: float | None = None
+    """Lower bound of a Quantity; None without a bound."""
+
     most: float | None = None
+    """Upper bound of a Quantity; None without a bound."""
 
     @property
     def allowed(self) -> str:
-        """The allowed values, in words."""
+        """Describes the allowed values in words."""
         match self.kind:
             case "Enum":
                 return ", ".join(dict.fromkeys(self.options.values()))
@@ -59,12 +64,13 @@ class Parameter:
                     for word, bound in (("from", self.least), ("to", self.most))
                     if bound is not None
                 ]
-                what = {"INTEGER": "a whole number", "REAL": "a number"}.get(self.measure)
-                return " ".join([what or f'a number with its unit, such as "10 {self.unit}"', *bounds])
+                expected = {"INTEGER": "a whole number", "REAL": "a number"}.get(self.measure)
+                return " ".join([expected or f'a number with its unit, such as "10 {self.unit}"', *bounds])
 
 
 def read(body: bytes) -> tuple[Parameter, ...]:
-    """The parameters in a reply; ProtocolError where it is not one. Unknown kinds take any text."""
+    """Returns the parameters in a reply. Raises ProtocolError for any other reply. Parameters of unknown
+    kinds take any text."""
     try:
         records = orjson.loads(body)["configurationParameters"]
         return tuple(_parameter(record.get("message", record)) for record in records)
@@ -76,32 +82,32 @@ def read(body: bytes) -> tuple[Parameter, ...]:
         raise ProtocolError(msg, hint="leave source.configuration out; the API may have changed") from None
 
 
-def encode(base: str, wanted: Mapping[str, Any], parameters: Sequence[Parameter]) -> str:
-    """Onshape's text for `wanted` (name or id → value) over `base`, the text in the address.
+def encode(base: str, settings: Mapping[str, Any], parameters: Sequence[Parameter]) -> str:
+    """Returns Onshape's text for `settings` (name or id → value) over `base`, the text in the address.
 
-    SourceError lists every parameter that does not exist or is given twice and every value that is
-    not allowed.
+    Raises SourceError with every parameter that does not exist or is given twice, and every value that is not
+    allowed.
     """
     log = Diagnostics()
-    given: dict[str, str] = {}
-    for name, value in wanted.items():
+    values_by_id: dict[str, str] = {}
+    for name, value in settings.items():
         place = f"{_KEY}.{name}"
         parameter = _find(name, place, parameters, log)
         if parameter is None:
             continue
-        if parameter.id in given:
+        if parameter.id in values_by_id:
             text = "the parameter is given twice, by name and by id"
             log.report("E-CONFIGURATION", text, place, "remove one of the two")
             continue
         try:
-            given[parameter.id] = _CHECKS[parameter.kind](parameter, value)
+            values_by_id[parameter.id] = _CHECKS[parameter.kind](parameter, value)
         except ValueError as error:
             log.report("E-CONFIGURATION", str(error), place, f"allowed: {parameter.allowed}")
     if log.problems:
         count = f"{len(log.problems)} problems" if len(log.problems) > 1 else "1 problem"
         msg = f"invalid configuration of the assembly: {count}"
         raise SourceError(msg, _KEY, problems=log.problems)
-    values = split(base) | {name: encoded(value) for name, value in given.items()}
+    values = split(base) | {name: encoded(value) for name, value in values_by_id.items()}
     # One order, whatever the order of the keys: the same configuration is the same request.
     rank = {parameter.id: index for index, parameter in enumerate(parameters)}
     return joined(dict(sorted(values.items(), key=lambda item: rank.get(item[0], len(rank)))))
@@ -110,7 +116,7 @@ def encode(base: str, wanted: Mapping[str, Any], parameters: Sequence[Parameter]
 def _parameter(record: Mapping[str, Any]) -> Parameter:
     kinds = str(record.get("parameterType") or "").upper()
     text = f"{record.get('btType') or ''}{record.get('typeName') or ''}"
-    kinds_named = (one for name, one in _KINDS.items() if name == kinds or f"Parameter{one}" in text)
+    kinds_named = (kind for name, kind in _KINDS.items() if name == kinds or f"Parameter{kind}" in text)
     options = [option.get("message", option) for option in record.get("options") or ()]
     bounds = record.get("rangeAndDefault") or {}
     bounds = bounds.get("message", bounds)
@@ -118,7 +124,9 @@ def _parameter(record: Mapping[str, Any]) -> Parameter:
         id=str(record["parameterId"]),
         name=str(record.get("parameterName") or record["parameterId"]),
         kind=next(kinds_named, "String"),
-        options={str(one["option"]): str(one.get("optionName") or one["option"]) for one in options},
+        options={
+            str(option["option"]): str(option.get("optionName") or option["option"]) for option in options
+        },
         measure=str(record.get("quantityType") or ""),
         unit=str(bounds.get("units") or ""),
         least=_bound(bounds.get("minValue")),
@@ -142,8 +150,8 @@ def _find(name: str, place: str, parameters: Sequence[Parameter], log: Diagnosti
             log.report("E-CONFIGURATION", msg, place, f"use the id: {ids}")
             return None
     names = [parameter.name for parameter in parameters]
-    near = did_you_mean(name, names)
-    hint = f"{near} " if near else ""
+    suggestion = did_you_mean(name, names)
+    hint = f"{suggestion} " if suggestion else ""
     hint += (
         f"it has: {', '.join(names)}"
         if names
@@ -188,7 +196,7 @@ def _string(parameter: Parameter, value: Any) -> str:
 
 
 def _quantity(parameter: Parameter, value: Any) -> str:
-    """A number in SI, or text of a number with its unit."""
+    """Returns a quantity as text: from a number in SI, or from text of a number with its unit."""
     if isinstance(value, bool):
         msg = f"must be a number (given {str(value).lower()})"
         raise ValueError(msg)
@@ -203,8 +211,8 @@ def _quantity(parameter: Parameter, value: Any) -> str:
         return _measured(parameter, measure, number, unit or SI[measure])
     if parameter.measure in ("INTEGER", "REAL"):
         if unit or (parameter.measure == "INTEGER" and number != int(number)):
-            what = "whole" if parameter.measure == "INTEGER" else "plain"
-            msg = f"must be a {what} number (given {value!r})"
+            kind = "whole" if parameter.measure == "INTEGER" else "plain"
+            msg = f"must be a {kind} number (given {value!r})"
             raise ValueError(msg)
         _within(parameter, number, 1.0, repr(value))
         return f"{number:.0f}" if parameter.measure == "INTEGER" else repr(number)
@@ -226,8 +234,8 @@ def _measured(parameter: Parameter, measure: Measure, number: float, unit: str) 
 
 
 def _within(parameter: Parameter, value: float, size: float, shown: str) -> None:
-    """ValueError where `value` (SI) is outside of the bounds, which are in units of `size` (SI)."""
-    slack = _SLACK * max(abs(value), size * 1e-6)
+    """Raises ValueError if `value` (SI) is outside of the bounds, which are in units of `size` (SI)."""
+    slack = _BOUND_TOLERANCE * max(abs(value), size * 1e-6)
     low = parameter.least is not None and value < parameter.least * size - slack
     high = parameter.most is not None and value > parameter.most * size + slack
     if low or high:

@@ -1,7 +1,7 @@
 """Chooses the configuration to build: that of the address, overridden by the user's values.
 
-The document's parameters are fetched once for each microversion and cached. Those of the last build
-tell which configuration to ask about in the one call that shows whether anything changed.
+The document's parameters are fetched once for each microversion and cached. Those of the last build determine
+the configuration in the single call that shows whether anything changed.
 """
 
 import time
@@ -17,46 +17,47 @@ from linkwright.stages.robot.errors import SourceError
 
 
 class Configured:
-    """The address with `wanted` (parameter → value) in its configuration."""
+    """The address with `settings` (parameter → value) in its configuration."""
 
-    def __init__(self, url: AssemblyUrl, wanted: Mapping[str, Any], client: CachedClient) -> None:
+    def __init__(self, url: AssemblyUrl, settings: Mapping[str, Any], client: CachedClient) -> None:
         self._url = url
-        self._wanted = wanted
+        self._settings = settings
         self._client = client
         self._subject = f"/documents/d/{url.document}/{url.pin}/e/{url.element}#configuration"
 
     def at(self, pin: str) -> AssemblyUrl:
-        """The address at a version or microversion; SourceError lists the invalid values."""
-        body = self._client.one(self._request(pin))
+        """Returns the address at a version or microversion. Raises SourceError with the invalid values."""
+        body = self._client.reply(self._request(pin))
         if not self._url.pinned:
             self._client.remember(self._subject, {"microversion": pin[2:]})
         return self._with(body)
 
     def now(self, *, force: bool) -> tuple[AssemblyUrl, str | None, str]:
-        """The address, the microversion last built (None at first) and the one its workspace is at.
+        """Returns the address, the microversion last built (None at first) and the present microversion of
+        its workspace.
 
-        One call where nothing changed, two for both parameters and definition the first time. Of
-        several builds that ask at the same time only the first makes the calls.
+        Makes one call if nothing changed, two for both parameters and definition the first time. Of several
+        builds that ask at the same time only the first makes the calls.
         """
         began = time.time()
-        with self._client.alone(self._subject):
-            known = self._known()
-            body = b"" if known else self._parameters()
-            url = known or self._with(body)
+        with self._client.lock(self._subject):
+            recalled = self._known()
+            body = b"" if recalled else self._parameters()
+            url = recalled or self._with(body)
             workspace = Workspace(url, self._client)
             then = workspace.last()
             microversion = workspace.current(force=force, began=began)
-            if not known:
+            if not recalled:
                 self._client.keep(self._request(f"m/{microversion}"), body)
             return self.at(f"m/{microversion}"), then, microversion
 
     def _parameters(self) -> bytes:
-        """The present parameters of the workspace, while no build has changed its variables."""
+        """Returns the present parameters of the workspace, while no build has changed its variables."""
         with self._client.undisturbed():
             return self._client.now(self._request(self._url.pin))
 
     def _known(self) -> AssemblyUrl | None:
-        """The address by the parameters of the last build, if they allow the wanted values."""
+        """Returns the address by the parameters of the last build, if they allow the values."""
         microversion = self._client.recall(self._subject).get("microversion")
         body = self._client.kept(self._request(f"m/{microversion}")) if microversion else None
         if body is None:
@@ -72,7 +73,7 @@ class Configured:
         parameters = configuration.read(body)
         return replace(
             self._url,
-            configuration=configuration.encode(self._url.configuration, self._wanted, parameters),
+            configuration=configuration.encode(self._url.configuration, self._settings, parameters),
         )
 
     def _request(self, pin: str) -> str:

@@ -1,4 +1,4 @@
-"""Reads from an assembly definition which assembly it is and which part studios it needs."""
+"""Reads the identity of an assembly and its part studios from the assembly definition."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -14,30 +14,29 @@ _Record = Mapping[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """An assembly definition, as far as fetch needs it.
-
-    `parts`: the part ids that the assembly uses of each part studio, keys and ids sorted; `solids`:
-    those of them that are listed as solid bodies, which have a mass and triangles for sure.
-    """
+    """An assembly definition, as far as fetch needs it."""
 
     document: str
     microversion: str
     element: str
     parts: Mapping[StudioKey, tuple[str, ...]]
+    """Part studio → the ids of its parts that the assembly uses; keys and ids sorted."""
+
     solids: Mapping[StudioKey, tuple[str, ...]]
+    """The same, only with parts listed as solid bodies, which certainly have a mass and triangles."""
 
 
 def read(body: bytes) -> Definition:
-    """The definition in a reply; ProtocolError where it is not one.
+    """Returns the definition in a reply. Raises ProtocolError for any other reply.
 
-    Suppressed instances, and sub-assemblies that only those use, need nothing.
+    Suppressed instances, and sub-assemblies that only suppressed instances use, need nothing.
     """
     try:
         data = orjson.loads(body)
         root = data["rootAssembly"]
-        used: dict[StudioKey, set[str]] = {}
+        used_parts: dict[StudioKey, set[str]] = {}
         for instance in _part_instances(root, data.get("subAssemblies") or ()):
-            used.setdefault(StudioKey.of(instance), set()).add(instance["partId"])
+            used_parts.setdefault(StudioKey.of(instance), set()).add(instance["partId"])
         solid = {
             (StudioKey.of(part), part.get("partId"))
             for part in data.get("parts") or ()
@@ -47,8 +46,11 @@ def read(body: bytes) -> Definition:
             document=_text(root, "documentId"),
             microversion=_text(root, "documentMicroversion"),
             element=_text(root, "elementId"),
-            parts={key: tuple(sorted(used[key])) for key in sorted(used)},
-            solids={key: tuple(sorted(p for p in used[key] if (key, p) in solid)) for key in sorted(used)},
+            parts={key: tuple(sorted(used_parts[key])) for key in sorted(used_parts)},
+            solids={
+                key: tuple(sorted(p for p in used_parts[key] if (key, p) in solid))
+                for key in sorted(used_parts)
+            },
         )
     except orjson.JSONDecodeError:
         msg = "the assembly definition is not JSON, or was cut short"
@@ -62,7 +64,7 @@ def read(body: bytes) -> Definition:
 
 
 def require_parts(definition: Definition) -> None:
-    """AssemblyError where the assembly has no part."""
+    """Raises AssemblyError if the assembly has no part."""
     if not definition.parts:
         msg = "the assembly is empty: it has no unsuppressed part"
         hint = "insert parts, or choose another tab or configuration"
@@ -73,26 +75,26 @@ _HINT = "check that the address is that of an assembly; if it is, the API has ch
 
 
 def assemblies(root: _Record, subs: Any) -> Iterator[_Record]:
-    """The root and, of its sub-assemblies, those that unsuppressed instances use."""
+    """Yields the root, and the sub-assemblies that unsuppressed instances use."""
     definitions = {StudioKey.of(sub): sub for sub in subs}
     waiting = [root]
-    seen = {StudioKey.of(root)}
+    earlier_keys = {StudioKey.of(root)}
     while waiting:
         record = waiting.pop()
         yield record
         for instance in record["instances"]:
             if instance.get("suppressed") or instance.get("type") != "Assembly":
                 continue
-            if (key := StudioKey.of(instance)) not in seen:
+            if (key := StudioKey.of(instance)) not in earlier_keys:
                 if key not in definitions:
                     msg = f"the definition does not describe the sub-assembly {instance.get('name')!r}"
                     raise ProtocolError(msg, hint=_HINT)
-                seen.add(key)
+                earlier_keys.add(key)
                 waiting.append(definitions[key])
 
 
 def _part_instances(root: _Record, subs: Any) -> Iterator[_Record]:
-    """The unsuppressed part instances of the root and of the sub-assemblies that it uses."""
+    """Yields the unsuppressed part instances of the root and of the sub-assemblies that it uses."""
     for record in assemblies(root, subs):
         for instance in record["instances"]:
             if instance.get("type") == "Part" and not instance.get("suppressed"):

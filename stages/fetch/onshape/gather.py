@@ -1,4 +1,4 @@
-"""From an assembly to its bundle: definition, then the part studios, then their replies.
+"""Makes the bundle of an assembly: definition, then the part studios, then their replies.
 
 All Onshape sources use it: the server, a bundle and the sample differ only in their `Answers`.
 """
@@ -24,69 +24,72 @@ class Reply:
 
 @dataclass(frozen=True, slots=True)
 class Needs:
-    """What a build needs of one part studio: `parts` are the ids used, sorted; `root` the document.
-
-    `solids`: those of the parts that are solid bodies by the definition.
-    """
+    """The needs of a build from a part studio."""
 
     studio: StudioKey
     parts: tuple[str, ...]
+    """The ids of the parts used, sorted."""
+
     root: str
+    """The id of the root assembly's document."""
+
     solids: tuple[str, ...] = ()
+    """The parts that are solid bodies by the definition."""
 
 
 @dataclass(frozen=True, slots=True)
 class StudioReplies:
-    """The replies about one part studio: one for its mass or one a part, and its triangles if any."""
+    """The replies about a part studio."""
 
     mass: tuple[Reply, ...]
+    """A reply for the whole studio, or a reply for each part."""
+
     triangles: Reply | None
+    """The reply with triangles; None without meshes."""
 
 
 @dataclass(frozen=True, slots=True)
 class LimitReplies:
-    """The replies about the limits of one assembly's mates; None where they cannot be fetched."""
+    """The replies about the limits of an assembly's mates; None if they cannot be fetched."""
 
     features: Reply | None
     variables: Reply | None = None
 
 
 class Answers(Protocol):
-    """The origin of replies: a server or a recording."""
+    """The interface of a source of replies: a server or a recording."""
 
     def versions(self) -> tuple[str, str]:
-        """The API versions of the definition (once it is fetched) and of all other replies."""
+        """Returns the API versions of the definition (once it is fetched) and of all other replies."""
         ...
 
     def definition(self) -> Reply:
-        """The assembly definition, under a request pinned to a version or microversion."""
+        """Returns the assembly definition, under a request pinned to a version or microversion."""
         ...
 
     def configuration(self) -> str:
-        """The configuration of the root assembly."""
+        """Returns the configuration of the root assembly."""
         ...
 
     def studios(self, needs: Sequence[Needs]) -> Sequence[StudioReplies]:
-        """The answers about part studios, in the order of `needs`."""
+        """Returns the replies about part studios, in the order of `needs`."""
         ...
 
     def features(self, owners: Sequence[Owner], root: str) -> Sequence[LimitReplies]:
-        """The replies about limits, in the order of `owners`; `root` is the root's document."""
+        """Returns the replies about limits, in the order of `owners`; `root` is the root's document."""
         ...
 
 
 def gather(answers: Answers) -> OnshapeBundle:
-    """The bundle of the assembly that `answers` is about.
+    """Makes the bundle of the assembly that `answers` is about.
 
-    AssemblyError where the assembly has no part; SourceError and its kinds where a reply is not
-    available or is invalid.
+    Raises AssemblyError if the assembly has no part; SourceError or a subclass if a reply is not available or
+    is invalid.
     """
     first = answers.definition()
     assembly = definition.read(first.body)
     definition.require_parts(assembly)
-    needs = [
-        Needs(key, parts, assembly.document, assembly.solids[key]) for key, parts in assembly.parts.items()
-    ]
+    needs = needs_of(assembly)
     replies = [first]
     studios = []
     for need, answer in zip(needs, answers.studios(needs), strict=True):
@@ -95,12 +98,12 @@ def gather(answers: Answers) -> OnshapeBundle:
         studios.append(Studio(need.studio, tuple(digest(reply.body) for reply in answer.mass), triangles))
     limits = []
     owners = features.owners(first.body)
-    for owner, found in zip(owners, answers.features(owners, assembly.document), strict=True):
-        if found.features is None:
+    for owner, limit_replies in zip(owners, answers.features(owners, assembly.document), strict=True):
+        if limit_replies.features is None:
             continue
-        replies += [found.features, *([found.variables] if found.variables else [])]
-        variables = digest(found.variables.body) if found.variables else None
-        limits.append(Features(owner.key, digest(found.features.body), variables))
+        replies += [limit_replies.features, *([limit_replies.variables] if limit_replies.variables else [])]
+        variables = digest(limit_replies.variables.body) if limit_replies.variables else None
+        limits.append(Features(owner.key, digest(limit_replies.features.body), variables))
     definition_api, api = answers.versions()
     return OnshapeBundle(
         kind="onshape",
@@ -120,8 +123,15 @@ def gather(answers: Answers) -> OnshapeBundle:
     )
 
 
+def needs_of(assembly: definition.Definition) -> list[Needs]:
+    """Returns the needs of a build from each part studio of an assembly."""
+    return [
+        Needs(key, parts, assembly.document, assembly.solids[key]) for key, parts in assembly.parts.items()
+    ]
+
+
 def digest(body: bytes) -> str:
-    """The name of a body: its SHA-256 in hex."""
+    """Returns the name of a body: its SHA-256 in hex."""
     return sha256(body).hexdigest()
 
 

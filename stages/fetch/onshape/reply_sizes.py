@@ -1,4 +1,4 @@
-"""Size limits of replies, by kind [bytes, decompressed].
+"""Lists the size limits of replies, by kind [bytes, decompressed].
 
 Each limit is many times the size in the largest documents, and small enough that a reply of that
 size fits in memory even if it consists of the shortest possible JSON values: as Python objects
@@ -11,10 +11,10 @@ from collections.abc import Sequence
 _MB = 1 << 20
 
 TRIANGLES = 1024 * _MB
-"""About 300 bytes a triangle: 3.5 million triangles in one part studio."""
+"""Limit of triangles: at about 300 bytes a triangle, 3.5 million triangles in a part studio."""
 
 DEFINITION = 64 * _MB
-"""Up to 1.5 kB an instance: 44,000 instances in one assembly."""
+"""Limit of definitions: at up to 1.5 kB an instance, 44,000 instances in an assembly."""
 
 _BY_PATH: Sequence[tuple[str, int]] = (
     # tessellated faces of a part studio
@@ -23,13 +23,13 @@ _BY_PATH: Sequence[tuple[str, int]] = (
     (r"/gltf$", 512 * _MB),
     # the definition of an assembly, in a bundle also without its request
     (r"^/assemblies/.*/e/[^/]+$|^[^/]", DEFINITION),
-    # the features of one assembly: about 3 kB a mate, 11,000 mates
+    # the features of an assembly: about 3 kB a mate, 11,000 mates
     (r"^/assemblies/.*/features$", 32 * _MB),
     # the mass properties of an assembly, as one body
     (r"^/assemblies/.*/massproperties$", 1 * _MB),
-    # those of the parts of a studio, or of one part: about 1.5 kB a part, 22,000 parts
+    # the mass properties of the parts of a studio, or of a part: about 1.5 kB a part, 22,000 parts
     (r"/massproperties$", 32 * _MB),
-    # which microversion a workspace is at: one id
+    # the present microversion of a workspace: a single id
     (r"/currentmicroversion$", 1 * _MB),
     # the tabs of a document: about 1 kB a tab, 16,000 tabs
     (r"^/documents/.*/elements$", 16 * _MB),
@@ -41,17 +41,18 @@ _BY_PATH: Sequence[tuple[str, int]] = (
 """Pattern of a request's path → the limit of its reply; the first match is used."""
 
 _ANY_OTHER = 16 * _MB
+"""Limit of all other replies."""
 
 REFUSAL = 64 * 1024
 """Largest part of an error reply that is read: its message is short."""
 
 
 def largest(request: str) -> int:
-    """The size limit of the reply to a request [bytes, decompressed]."""
+    """Returns the size limit of the reply to a request [bytes, decompressed]."""
     path = request.partition("?")[0]
     return next((bound for pattern, bound in _BY_PATH if re.search(pattern, path)), _ANY_OTHER)
 
 
 def in_words(size: int) -> str:
-    """A size limit in words: "64 MB"."""
+    """Returns a size limit in words: "64 MB"."""
     return f"{size // _MB} MB"

@@ -1,4 +1,4 @@
-"""The requests that a build makes, in one canonical form.
+"""Writes the requests that a build makes, in their canonical form.
 
 A request is the path below `/api/<version>` and its query with the keys in sorted order, percent-
 encoded: the same text is sent, cached and written in bundles. Ids hold `/` and `+`.
@@ -11,14 +11,14 @@ from urllib.parse import parse_qsl, quote
 from linkwright.stages.robot.bundle import StudioKey
 
 API = "v16"
-"""The API version that is asked: the shape of replies depends on it."""
+"""The API version of all requests except definitions: the form of replies depends on it."""
 
 DEFINITION_API = "v17"
-"""The version that is asked for assembly definitions: from here on they have the limits of mates. No
-request names its version, so what was kept of an earlier one stays good."""
+"""The API version of requests for assembly definitions: from this version on they have the limits of mates.
+Requests do not name their version, so replies that were cached at an earlier version stay valid."""
 
 JSON = "application/json;charset=UTF-8; qs=0.09"
-"""What is accepted unless a request has another form."""
+"""The accepted type of replies, except for glTF."""
 
 _GLTF = "model/gltf-binary;qs=0.08"
 
@@ -38,7 +38,7 @@ _QUALITY = {
 
 
 class Tessellation(Protocol):
-    """How fine the triangles are: `angle` [rad], `chord` [m], `max_facet_width` [m] or None."""
+    """The fineness of triangles: `angle` [rad], `chord` [m], `max_facet_width` [m] or None."""
 
     @property
     def angle(self) -> float: ...
@@ -49,7 +49,7 @@ class Tessellation(Protocol):
 
 
 def definition(document: str, pin: str, element: str, configuration: str) -> str:
-    """The assembly definition, at `pin` ("w/<id>", "v/<id>" or "m/<id>")."""
+    """Returns the request for the assembly definition, at `pin` ("w/<id>", "v/<id>" or "m/<id>")."""
     query = {
         "configuration": configuration,
         "includeMateConnectors": "true",
@@ -60,46 +60,48 @@ def definition(document: str, pin: str, element: str, configuration: str) -> str
 
 
 def current_microversion(document: str, workspace: str) -> str:
-    """Which microversion a workspace is at now; `workspace` is its id."""
+    """Returns the request for the present microversion of a workspace; `workspace` is its id."""
     pieces = [quote(piece, safe="") for piece in (document, workspace)]
     return "/documents/d/{}/w/{}/currentmicroversion".format(*pieces)
 
 
 def configuration_asked(request: str) -> str:
-    """The configuration that a request is about, decoded; empty for the default one."""
+    """Returns the configuration that a request is about, decoded; empty for the default configuration."""
     values = dict(parse_qsl(request.partition("?")[2], keep_blank_values=True))
-    found = values.get("configuration", "default")
-    return "" if found == "default" else found
+    values_text = values.get("configuration", "default")
+    return "" if values_text == "default" else values_text
 
 
 def elements(document: str, microversion: str) -> str:
-    """The tabs of a document at a microversion, each with a microversion of its own."""
+    """Returns the request for the tabs of a document at a microversion, each with a microversion of its
+    own."""
     pieces = [quote(piece, safe="") for piece in (document, microversion)]
     return "/documents/d/{}/m/{}/elements".format(*pieces)
 
 
 def assembly_mass_properties(document: str, pin: str, element: str, configuration: str) -> str:
-    """The mass properties of the whole assembly, at `pin`."""
+    """Returns the request for the mass properties of the whole assembly, at `pin`."""
     path = _element("assemblies", document, pin, element)
     return _request(f"{path}/massproperties", {"configuration": configuration})
 
 
 def configuration(document: str, pin: str, element: str) -> str:
-    """The configuration parameters of an element, at `pin`."""
+    """Returns the request for the configuration parameters of an element, at `pin`."""
     return _element("elements", document, pin, element) + "/configuration"
 
 
 def features(owner: StudioKey, root: str) -> str:
-    """The features of one assembly alone; `root` is the id of the root assembly's document."""
+    """Returns the request for the features of a single assembly; `root` is the id of the root assembly's
+    document."""
     path = _element("assemblies", owner.document, owner.pin, owner.element)
     return _request(path + "/features", _access(owner, root))
 
 
 def variables(owner: StudioKey, root: str) -> str:
-    """The variables that one element may use, values included.
+    """Returns the request for the variables that an element may use, values included.
 
-    The server takes only workspaces ("w/<id>") and versions as pins; at a microversion it is the
-    name under which the reply is kept.
+    The server takes only workspaces ("w/<id>") and versions as pins; with a microversion the request is only
+    the name under which the reply is cached.
     """
     path = _element("variables", owner.document, owner.pin, owner.element)
     query = {"includeValuesAndReferencedVariables": "true"} | _access(owner, root)
@@ -107,24 +109,26 @@ def variables(owner: StudioKey, root: str) -> str:
 
 
 def variable_studio(document: str, workspace: str, element: str) -> str:
-    """The variables of a variable studio, to read and to write; `workspace` is its id."""
+    """Returns the request for the variables of a variable studio, to read and to write; `workspace` is its
+    id."""
     return _element("variables", document, f"w/{workspace}", element) + "/variables"
 
 
 def tabs(document: str, workspace: str) -> str:
-    """The tabs of a workspace as they are now; `workspace` is its id."""
+    """Returns the request for the tabs of a workspace as they are now; `workspace` is its id."""
     pieces = [quote(piece, safe="") for piece in (document, workspace)]
     return "/documents/d/{}/w/{}/elements".format(*pieces)
 
 
 def mass_properties(studio: StudioKey, root: str) -> str:
-    """The mass properties of all parts of a studio; `root` is the id of the assembly's document."""
+    """Returns the request for the mass properties of all parts of a studio; `root` is the id of the
+    assembly's document."""
     query = {"massAsGroup": "false", "useMassPropertyOverrides": "true"} | _access(studio, root)
     return _request(_studio(studio) + "/massproperties", query)
 
 
 def tessellated_faces(studio: StudioKey, root: str, quality: Tessellation, parts: Iterable[str] = ()) -> str:
-    """The triangles of a studio's parts: of all, or of those that are named.
+    """Returns the request for the triangles of a studio's parts: of all, or of `parts` only.
 
     `root` is the id of the assembly's document.
     """
@@ -141,7 +145,7 @@ def tessellated_faces(studio: StudioKey, root: str, quality: Tessellation, parts
 
 
 def gltf(studio: StudioKey, root: str, quality: Tessellation, parts: Iterable[str] = ()) -> str:
-    """The same triangles as `tessellated_faces`, as glTF."""
+    """Returns the request for the same triangles as `tessellated_faces`, as glTF."""
     query = {
         "angleTolerance": repr(float(quality.angle)),
         "chordTolerance": repr(float(quality.chord)),
@@ -153,30 +157,30 @@ def gltf(studio: StudioKey, root: str, quality: Tessellation, parts: Iterable[st
 
 
 def recorded_faces(studio: StudioKey) -> str:
-    """The triangles of a studio in a recording, which has one quality: the one it was made with."""
+    """Returns the request for the triangles of a studio in a recording, which has a single quality."""
     return _request(_studio(studio) + "/tessellatedfaces", {"configuration": studio.configuration})
 
 
 def recorded_gltf(studio: StudioKey) -> str:
-    """The glTF of a studio in a recording."""
+    """Returns the request for the glTF of a studio in a recording."""
     return _request(_studio(studio) + "/gltf", {"configuration": studio.configuration})
 
 
 def part_mass_properties(studio: StudioKey, part: str) -> str:
-    """One part's mass properties, as other clients record them."""
+    """Returns the request for the mass properties of a part, as other clients record it."""
     path = _element("parts", studio.document, studio.pin, studio.element)
     query = {"configuration": studio.configuration}
     return _request(f"{path}/partid/{quote(part, safe='')}/massproperties", query)
 
 
 def subject(request: str) -> tuple[str, tuple[tuple[str, str], ...]]:
-    """The subject of a request: path and query without triangle quality, choice of parts and access.
+    """Returns the subject of a request: path and query without triangle quality, choice of parts and access.
 
     For recordings, which have only one quality.
     """
     path, _, query = request.partition("?")
     if path.startswith("/parts/"):
-        # Recorded part by part: clients send many different switches here, or none.
+        # Recordings are part by part: clients send many different switches here, or no switch.
         kept = {"configuration": dict(parse_qsl(query)).get("configuration", "default")}
     else:
         pairs = parse_qsl(query, keep_blank_values=True)
@@ -187,53 +191,58 @@ def subject(request: str) -> tuple[str, tuple[tuple[str, str], ...]]:
 
 
 def describe(request: str) -> str:
-    """A request in words, for messages: "the mass properties of part studio <id>"."""
+    """Describes a request in words, for messages: "the mass properties of part studio <id>"."""
     path = request.partition("?")[0]
     element = path.partition("/e/")[2].partition("/")[0]
     if path.startswith("/documents/"):
         document = path.split("/")[3]
-        what = "the tabs" if path.endswith("/elements") else "the current microversion"
-        return f"{what} of document {document}"
+        subject = "the tabs" if path.endswith("/elements") else "the current microversion"
+        return f"{subject} of document {document}"
     if is_assembly_mass(request):
         return f"the mass of assembly {element}"
-    for end, what in _BY_END.items():
+    for end, subject in _BY_END.items():
         if path.endswith(end):
-            return f"{what} {element}"
+            return f"{subject} {element}"
     if path.startswith("/assemblies/"):
         return f"the definition of assembly {element}"
-    what = "the mass properties" if path.endswith("/massproperties") else "the triangles"
-    return f"{what} of part studio {element}"
+    subject = "the mass properties" if path.endswith("/massproperties") else "the triangles"
+    return f"{subject} of part studio {element}"
 
 
 def api(request: str) -> str:
-    """The API version that a request is made at."""
+    """Returns the API version that a request is made at."""
     return DEFINITION_API if is_definition(request) else API
 
 
 def is_definition(request: str) -> bool:
+    """Tells whether a request is for an assembly definition."""
     path = request.partition("?")[0]
     return path.startswith("/assemblies/") and "/" not in path.partition("/e/")[2]
 
 
 def is_triangles(request: str) -> bool:
+    """Tells whether a request is for triangles."""
     return request.partition("?")[0].endswith("/tessellatedfaces")
 
 
 def is_gltf(request: str) -> bool:
+    """Tells whether a request is for triangles as glTF."""
     return request.partition("?")[0].endswith("/gltf")
 
 
 def accept(request: str) -> str:
-    """The Accept header of a request; the server refuses another form (406)."""
+    """Returns the Accept header of a request; the server refuses another form (406)."""
     return _GLTF if is_gltf(request) else JSON
 
 
 def is_features(request: str) -> bool:
+    """Tells whether a request is for the features of an assembly."""
     path = request.partition("?")[0]
     return path.startswith("/assemblies/") and path.endswith("/features")
 
 
 def is_assembly_mass(request: str) -> bool:
+    """Tells whether a request is for the mass properties of a whole assembly."""
     path = request.partition("?")[0]
     return path.startswith("/assemblies/") and path.endswith("/massproperties")
 

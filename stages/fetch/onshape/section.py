@@ -54,14 +54,16 @@ class OnshapeSourceSection(SourceSection):
     """Kind of the source; `source=KIND` chooses it."""
 
     url: Annotated[Address, example("https://cad.onshape.com/documents/.../w/.../e/...")]
-    """Address of the assembly, as the browser shows it: https and a host of onshape.com. One on this computer
-    counts on the command line, in Python, or where LINKWRIGHT_HOST names it: `http://127.0.0.1:PORT`."""
+    """Address of the assembly, as the browser shows it: https and a host of onshape.com. An address on this
+    computer counts only on the command line, in Python, or if LINKWRIGHT_HOST names it:
+    `http://127.0.0.1:PORT`."""
 
     configuration: Annotated[dict[Text, Setting], example({"leg_length": "0.25 m"})] = Field(
         default_factory=dict
     )
-    """Configuration of the assembly; overrides that of the address. Name or id of a parameter → an option by
-    label or id, true or false, text, or a quantity: text with a unit, or a number in SI units."""
+    """Configuration of the assembly; overrides the configuration in the address. Name or id of a parameter →
+    an option by label or id, true or false, text, or a quantity: text with a unit, or a number in SI
+    units."""
 
     variables: Annotated[dict[Text, Setting], example({"reach": "0.3 m"})] = Field(default_factory=dict)
     """Variables of the document's variable studios, set for the build and restored after it: name →
@@ -75,25 +77,26 @@ class OnshapeSourceSection(SourceSection):
     """How finely Onshape divides curved faces into triangles."""
 
     verify: Flag = True
-    """After an edit: compare the assembly's mass (one call) with the sum of its cached parts, and fetch the
-    parts again where they differ."""
+    """Whether a build after an edit compares the assembly's mass (one call) with the sum of its cached parts,
+    and fetches the parts again if they differ."""
 
     offline: Flag = False
-    """Make no API call: use the replies that earlier builds cached."""
+    """Whether the build makes no API call and uses the replies that earlier builds cached."""
 
     refresh: Flag = False
-    """Fetch everything again, also what is cached."""
+    """Whether everything is fetched again, even if it is cached."""
 
     max_calls: Count = 200
-    """Largest number of API calls of one build; a build that needs more ends before it makes them."""
+    """Largest number of API calls of one build, or of a whole sweep, which ends before it makes more
+    calls."""
 
     max_wait: NonNegative = 120
-    """Longest total wait for the server's rate limit in one build [s]; where the server asks for more, the
-    build ends and keeps what was fetched."""
+    """Longest total wait for the server's rate limit in one build [s]; if the server asks for a longer wait,
+    the build ends and keeps what was fetched."""
 
     stale: Flag = False
-    """Whether a build from the last fetched state counts as success where the yearly quota of calls is used
-    up. Else the robot is built from it too, but the exit status is 3."""
+    """Whether a build from the last fetched state counts as success if the yearly quota of calls is used up.
+    With false the robot is built from that state too, but the exit status is 3."""
 
     @field_validator("allow_write")
     @classmethod

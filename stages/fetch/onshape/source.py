@@ -1,12 +1,15 @@
-"""The source `onshape`: an assembly in an Onshape document."""
+"""Defines the source `onshape`: an assembly in an Onshape document."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from linkwright.stages.fetch.onshape import reply_sizes
-from linkwright.stages.fetch.source import FetchContext, Fetched, Source
+from linkwright.stages.fetch.onshape.api import credentials, network_settings
+from linkwright.stages.fetch.onshape.requests import API, definition
+from linkwright.stages.fetch.source import CallsAhead, FetchContext, Fetched, Source
 from linkwright.stages.robot.bundle import OnshapeBundle
 from linkwright.stages.robot.errors import ConfigError
 from linkwright.stages.robot.text.plural import count
@@ -18,10 +21,18 @@ if TYPE_CHECKING:
     from linkwright.stages.robot.errors import Diagnostic
 
 
+def _online() -> ModuleType:
+    # Late: an unchanged source is not read again.
+    from linkwright.stages.fetch.onshape.asking import online
+
+    return online
+
+
 class OnshapeSource(Source):
-    """An assembly, at a workspace, a version or a microversion."""
+    """A source that is an assembly, at a workspace, a version or a microversion."""
 
     recorded: ClassVar[bool] = True
+    remote: ClassVar[bool] = True
 
     def __init__(self, keys: OnshapeSourceSection) -> None:
         self._keys = keys
@@ -30,10 +41,10 @@ class OnshapeSource(Source):
         return self._keys.url.text
 
     def preflight(self, environ: Mapping[str, str]) -> None:
-        """ConfigError for contradicting keys, and where a call will be made and there is no API key.
+        """Raises ConfigError for contradicting keys, and if a call will be made and there is no API key.
 
-        An address pinned to a version or microversion may need no call, so its key is asked for later;
-        nothing needs one offline.
+        An address pinned to a version or microversion may need no call, so its key is required later; offline
+        no key is needed.
         """
         keys, url = self._keys, self._keys.url
         if keys.offline and keys.refresh:
@@ -45,17 +56,10 @@ class OnshapeSource(Source):
             hint = "give the address of a workspace (…/w/…), or set the variables in Onshape"
             raise ConfigError(msg, "source.variables", hint)
         if not url.pinned and not keys.offline:
-            # Late: an unchanged source is not read again.
-            from linkwright.stages.fetch.onshape.api import network_settings
-            from linkwright.stages.fetch.onshape.api.credentials import find
-
-            find(environ)
+            credentials.find(environ)
             network_settings.require(environ, proxies=not url.loopback)
 
     def pinned(self, environ: Mapping[str, str]) -> dict[str, Any] | None:
-        # Late: an unchanged source is not read again.
-        from linkwright.stages.fetch.onshape.requests import API, definition
-
         url, quality = self._keys.url, self._keys.tessellation
         if not url.pinned:
             return None
@@ -68,10 +72,12 @@ class OnshapeSource(Source):
         }
 
     def fetch(self, context: FetchContext) -> Fetched:
-        # Late: an unchanged source is not read again.
-        from linkwright.stages.fetch.onshape.asking.online import fetch
+        fetched: Fetched = _online().fetch(self._keys, context)
+        return fetched
 
-        return fetch(self._keys, context)
+    def ahead(self, context: FetchContext) -> CallsAhead:
+        ahead: CallsAhead = _online().ahead(self._keys, context)
+        return ahead
 
     @property
     def spends(self) -> bool:
@@ -86,9 +92,6 @@ class OnshapeSource(Source):
         return self._keys.refresh
 
     def remarks(self) -> tuple[Diagnostic, ...]:
-        # Late: an unchanged source is not read again.
-        from linkwright.stages.fetch.onshape.api import credentials
-
         return credentials.remarks()
 
     def describe(self) -> dict[str, str]:

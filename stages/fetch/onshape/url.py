@@ -1,4 +1,4 @@
-"""The address of an assembly, as the browser shows it."""
+"""Parses the address of an assembly, as the browser shows it."""
 
 import re
 from dataclasses import dataclass, field
@@ -19,28 +19,31 @@ _OWNERS = re.compile(r"([a-z0-9]([a-z0-9-]*[a-z0-9])?\.)*onshape\.com(:443)?")
 _BYTE = r"(25[0-5]|2[0-4]\d|1\d\d|[1-9]?\d)"
 _LOOPBACK = re.compile(rf"(localhost|127\.{_BYTE}\.{_BYTE}\.{_BYTE}|\[::1\])(:\d{{1,5}})?", re.ASCII)
 _NEVER = re.compile(r"[\s\\\x00-\x1f\x7f]")
-"""What libraries disagree about before the query of an address: some end the host there, some drop it."""
+"""Characters before the query of an address on which libraries disagree: some end the host there, some drop
+them."""
 
 
 @dataclass(frozen=True, slots=True)
 class AssemblyUrl:
-    """Where an assembly is.
-
-    `origin`: scheme and host, "https://cad.onshape.com"; `pin`: "w/<id>", "v/<id>" or "m/<id>";
-    `configuration`: Onshape's own text, decoded once, "default" where the address has none; `text`: the
-    address as it was typed.
-    """
+    """The address of an assembly."""
 
     origin: str
+    """Scheme and host: "https://cad.onshape.com"."""
+
     document: str
     pin: str
+    """"w/<id>", "v/<id>" or "m/<id>"."""
+
     element: str
     configuration: str
+    """Onshape's own text, decoded once; "default" if the address has none."""
+
     text: str = field(default="", compare=False)
+    """The address as the user typed it."""
 
     @property
     def pinned(self) -> bool:
-        """Whether what is there can never change (a version or a microversion)."""
+        """Whether the content can never change (a version or a microversion)."""
         return not self.pin.startswith("w/")
 
     @property
@@ -50,9 +53,9 @@ class AssemblyUrl:
 
 
 def parse(text: str) -> AssemblyUrl:
-    """The assembly that a browser's address names; ConfigError for anything else.
+    """Returns the assembly that a browser's address names. Raises ConfigError for anything else.
 
-    What only concerns the browser (`renderMode`, `uiState`, the fragment) is dropped.
+    The parts for the browser alone (`renderMode`, `uiState`, the fragment) are dropped.
     """
     parts = _split(text.strip())
     match = _PATH.fullmatch(parts.path)
@@ -72,7 +75,7 @@ def parse(text: str) -> AssemblyUrl:
 
 
 def split(text: str) -> SplitResult:
-    """The address in pieces; ValueError where libraries could disagree about its host."""
+    """Splits an address. Raises ValueError if libraries could disagree about its host."""
     if _NEVER.search(re.split(r"[?#]", text, maxsplit=1)[0]):
         msg = "white space, a control character or a backslash"
         raise ValueError(msg)
@@ -82,8 +85,8 @@ def split(text: str) -> SplitResult:
 
 
 def key_origin(parts: SplitResult) -> str:
-    """Scheme, host and port of an address where a key may be sent: a host of Onshape over https, or this
-    computer; "" for others."""
+    """Returns scheme, host and port of an address where a key may be sent: a host of Onshape over https, or
+    this computer; "" for other addresses."""
     host = parts.netloc
     if parts.scheme == "https" and is_owner(host):
         return _origin(parts)
@@ -91,12 +94,12 @@ def key_origin(parts: SplitResult) -> str:
 
 
 def is_owner(host: str) -> bool:
-    """Whether a host, as an address has it, is Onshape's."""
+    """Tells whether a host, as an address has it, is Onshape's."""
     return host.isascii() and bool(_OWNERS.fullmatch(host.lower()))
 
 
 def is_loopback(host: str) -> bool:
-    """Whether a host, with its port as an address has it, is this computer."""
+    """Tells whether a host, with its port as an address has it, is this computer."""
     return host.isascii() and bool(_LOOPBACK.fullmatch(host.lower()))
 
 
@@ -105,7 +108,7 @@ def _origin(parts: SplitResult) -> str:
 
 
 def _split(text: str) -> SplitResult:
-    """The address in pieces, once scheme and host are ones that may be sent a key."""
+    """Splits an address. Raises ConfigError unless its scheme and host may be sent a key."""
     try:
         parts = split(text)
     except ValueError:
@@ -115,7 +118,7 @@ def _split(text: str) -> SplitResult:
         msg = "expected an address that starts with https://"
         raise ConfigError(msg, "source.url", _hint())
     if "@" in parts.netloc:
-        # The address is not shown: what stands before the @ may be a key.
+        # The address is not shown: the text before the @ may be a key.
         msg = "the address must not contain a user name or password"
         raise ConfigError(msg, "source.url", "keys belong in ONSHAPE_ACCESS_KEY and ONSHAPE_SECRET_KEY")
     if key_origin(parts):
@@ -126,7 +129,7 @@ def _split(text: str) -> SplitResult:
 
 
 def _configuration(query: str) -> str:
-    """The value of `configuration`; a plus sign stays one, since Onshape writes spaces so."""
+    """Returns the value of `configuration`; plus signs stay, since Onshape encodes spaces as plus signs."""
     for item in query.split("&"):
         name, _, value = item.partition("=")
         if name == "configuration" and value:
@@ -135,8 +138,8 @@ def _configuration(query: str) -> str:
 
 
 def _refused(parts: SplitResult, why: str) -> ConfigError:
-    shown = f"{parts.scheme}://{parts.netloc}{parts.path}"
-    msg = f"{shown} is not the address of an Onshape assembly: {why}"
+    address = f"{parts.scheme}://{parts.netloc}{parts.path}"
+    msg = f"{address} is not the address of an Onshape assembly: {why}"
     return ConfigError(msg, "source.url", _hint())
 
 

@@ -1,7 +1,7 @@
 """Expands trusted xacro files with ROS's own `xacro` package, in a guest process.
 
-A xacro file is a program: its expressions can do what Python can. So only a file that is called .xacro
-is expanded, only with `source.trust`, and in a process that sees neither the environment nor a terminal.
+A xacro file is a program: its expressions can do what Python can. So only a file that ends in .xacro is
+expanded, only with `source.trust`, and in a process that sees neither the environment nor a terminal.
 """
 
 from __future__ import annotations
@@ -37,17 +37,21 @@ _HINTS = {
 """Words in an error of xacro → the hint."""
 
 _FIND = re.compile(r"\$\(\s*find\s+([^\s()$]+)\s*\)")
-_MOST_PACKAGES = 100
-_LONGEST = 500
+_MAX_PACKAGES = 100
+"""Largest number of packages whose folders are given to xacro."""
+
+_MAX_MESSAGE = 500
+"""Largest length of an error of xacro in a message."""
 
 
 def is_named(path: Path) -> bool:
-    """Whether a file is called .xacro."""
+    """Tells whether the name of a file ends in .xacro."""
     return path.suffix.lower() == ".xacro"
 
 
 def require(source: UrdfSourceSection) -> None:
-    """ConfigError where the source is a xacro file, and it is not trusted or the package is not there."""
+    """Raises ConfigError if the source is a xacro file, and the file is not trusted or the package `xacro` is
+    not installed."""
     if not is_named(Path(source.path)):
         return
     if not source.trust:
@@ -62,14 +66,14 @@ def require(source: UrdfSourceSection) -> None:
 def expanded(
     source: UrdfSourceSection, text: str, environ: Mapping[str, str], find: Callable[[str], Path | None]
 ) -> str:
-    """The URDF that the source's xacro file makes, of which `text` is the content. `find`: a package's
-    folder by its name.
+    """Returns the URDF that the source's xacro file, with the content `text`, makes. `find`: returns a
+    package's folder by its name.
 
-    ConfigError as `require`; SourceError where xacro cannot expand the file within its limits.
+    Raises the errors of `require`, and SourceError if xacro cannot expand the file within its limits.
     """
     require(source)
     path = Path(source.path).absolute()
-    packages = {name: find(name) for name in islice(dict.fromkeys(_FIND.findall(text)), _MOST_PACKAGES)}
+    packages = {name: find(name) for name in islice(dict.fromkeys(_FIND.findall(text)), _MAX_PACKAGES)}
     until = time.monotonic() + BOUNDS.seconds
     while True:
         request = {
@@ -77,22 +81,22 @@ def expanded(
             "args": {name: _text(value) for name, value in source.args.items()},
             "packages": {name: str(place) for name, place in packages.items() if place is not None},
         }
-        made, lacking, why = _asked(request, path.name, environ)
-        if lacking and len(packages) < _MOST_PACKAGES and lacking not in packages:
-            # The name is in a file that it includes, or is made up as it runs.
+        text_made, lacking, why = _guest_reply(request, path.name, environ)
+        if lacking and len(packages) < _MAX_PACKAGES and lacking not in packages:
+            # The name is in an included file, or is computed as the file is expanded.
             packages[lacking] = find(lacking)
             if packages[lacking] is not None and time.monotonic() < until:
                 continue
         if lacking:
             raise _refused(f"there is no package {lacking}", path.name, _PACKAGE % lacking)
         if why:
-            why = " ".join(why.replace(f"{path.parent}/", "").split())[:_LONGEST]
+            why = " ".join(why.replace(f"{path.parent}/", "").split())[:_MAX_MESSAGE]
             raise _refused(why, path.name, next((hint for words, hint in _HINTS.items() if words in why), ""))
-        return made
+        return text_made
 
 
-def _asked(request: Mapping[str, Any], where: str, environ: Mapping[str, str]) -> tuple[str, str, str]:
-    """The expanded text, or the missing package, or xacro's error."""
+def _guest_reply(request: Mapping[str, Any], where: str, environ: Mapping[str, str]) -> tuple[str, str, str]:
+    """Runs the guest; returns the expanded text, or the missing package, or xacro's error."""
     variables = {name: environ[name] for name in VARIABLES if name in environ}
     try:
         reply = guest.ask(
@@ -100,10 +104,10 @@ def _asked(request: Mapping[str, Any], where: str, environ: Mapping[str, str]) -
         )
     except guest.Ended as ended:
         raise _refused(f"it {ended}", where, f"look for an endless recursion, or {EXPAND}") from None
-    head, _, made = reply.partition(b"\n")
+    head, _, output = reply.partition(b"\n")
     try:
         answer = json.loads(head)
-        return made.decode(), str(answer["lacking"]), str(answer["refused"])
+        return output.decode(), str(answer["lacking"]), str(answer["refused"])
     except (ValueError, KeyError, TypeError, RecursionError):
         raise _refused("xacro's output is not text", where, f"check the file, or {EXPAND}") from None
 
@@ -113,5 +117,5 @@ def _refused(why: str, where: str, hint: str) -> SourceError:
 
 
 def _text(value: Any) -> str:
-    """A value as on xacro's command line."""
+    """Returns a value as it is written on xacro's command line."""
     return str(value).lower() if isinstance(value, bool) else str(value)

@@ -10,16 +10,19 @@ from xacro import substitution_args
 
 
 class _Lacking(Exception):
-    """A requested package is not among the given ones."""
+    """The error that a requested package is not among the given packages."""
 
 
 def answer(request: bytes) -> bytes:
-    """To {"path": the file, "args": its arguments, "packages": folders of packages by name}: a line
-    {"lacking": a package that is not among them, "refused": why there is no text}, and the text."""
-    asked = json.loads(request)
+    """Expands a xacro file; returns a line of JSON, and the text.
+
+    The request is {"path": the file, "args": its arguments, "packages": folders of packages by name}. The
+    line is {"lacking": a package that is not among them, "refused": why there is no text}.
+    """
+    question = json.loads(request)
     lacking: list[str] = []
     try:
-        text, why = _expanded(asked["path"], asked["args"], asked["packages"], lacking), ""
+        text, why = _expanded(question["path"], question["args"], question["packages"], lacking), ""
     except RecursionError:
         text, why = "", "its macros are nested too deeply, or call themselves"
     except Exception as error:

@@ -14,8 +14,8 @@ from urllib.parse import unquote
 from linkwright.stages.fetch.urdf.ros_packages import Packages
 from linkwright.stages.robot.system import regular_files
 
-_MOST_SEEN = 50_000
-"""Files below the robot's folder that are looked through for one that is not where it should be."""
+_MAX_SEARCHED = 50_000
+"""Largest number of files below the robot's folder that are searched for a misplaced file."""
 
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+)://")
 _DRIVE = re.compile(r"[A-Za-z]:[\\/]")
@@ -23,20 +23,20 @@ _DRIVE = re.compile(r"[A-Za-z]:[\\/]")
 
 @dataclass(frozen=True, slots=True)
 class MeshPlace:
-    """The file that a mesh's name refers to; None for none.
-
-    `searched`: it is not at the named path, but the only file of that name. `why`: the reason for None.
-    """
+    """The file that a mesh's name refers to, or None."""
 
     file: Path | None
     searched: bool = False
+    """Whether the file is not at the named path, but the only file of that name."""
+
     why: str = ""
+    """The reason why there is no file, or ""."""
 
 
 class MeshPlaces:
-    """Finds the files that a robot's file in `folder` names.
+    """Finder of the files that a robot's file in `folder` names.
 
-    `meshdir`: MuJoCo's, from the URDF's extension; "" for none.
+    `meshdir`: the folder of meshes in MuJoCo's extension of the URDF, or "".
     """
 
     def __init__(self, folder: Path, packages: Packages, meshdir: str) -> None:
@@ -45,6 +45,7 @@ class MeshPlaces:
         self._meshdir = meshdir
 
     def find(self, name: str) -> MeshPlace:
+        """Returns the place of the file that a name refers to."""
         scheme = _SCHEME.match(name)
         if scheme and scheme.group(1).lower() not in ("package", "model", "file"):
             return MeshPlace(None, why=f"{scheme.group(1)}:// is not supported: meshes are not downloaded")
@@ -57,33 +58,33 @@ class MeshPlaces:
         return self._search(name)
 
     def _meant(self, name: str) -> Iterator[Path]:
-        """The path that a name refers to."""
-        rest = re.sub(r"^(?:package|model|file)://", "", name, flags=re.IGNORECASE)
+        """Yields the paths that a name may refer to."""
+        path_text = re.sub(r"^(?:package|model|file)://", "", name, flags=re.IGNORECASE)
         if name.lower().startswith(("package://", "model://")):
-            package, _, inner = rest.partition("/")
+            package, _, inner = path_text.partition("/")
             place = self._packages.find(package) if package else self._folder
             if place is not None:
                 yield place / inner.lstrip("/")
         else:
-            yield self._folder / rest
+            yield self._folder / path_text
         if self._meshdir:
             # MuJoCo takes the folders off a name by default.
-            yield self._folder / self._meshdir / PurePosixPath(rest).name
-            yield self._folder / self._meshdir / rest.lstrip("/")
+            yield self._folder / self._meshdir / PurePosixPath(path_text).name
+            yield self._folder / self._meshdir / path_text.lstrip("/")
 
     def _search(self, name: str) -> MeshPlace:
-        """Searches a missing file: below a folder above, else by its name."""
+        """Searches a missing file: below a folder above, or else by its name."""
         steps = [step for step in re.sub(r"^\w+://", "", name).replace("\\", "/").split("/") if step]
         if not steps:
             return MeshPlace(None, why="it does not name a file")
         if ".." not in steps:
             inner = [steps, steps[1:]] if _SCHEME.match(name) else [steps]
-            for rest in ("/".join(one) for one in inner if one):
-                found = next(
-                    (place for place in self._packages.near(rest) if regular_files.is_file(place)), None
+            for path_text in ("/".join(tail) for tail in inner if tail):
+                file = next(
+                    (place for place in self._packages.near(path_text) if regular_files.is_file(place)), None
                 )
-                if found is not None:
-                    return MeshPlace(found, searched=True)
+                if file is not None:
+                    return MeshPlace(file, searched=True)
         alike = self._by_name.get(steps[-1].casefold(), [])
         if not alike:
             return MeshPlace(
@@ -92,34 +93,34 @@ class MeshPlaces:
         shared = [_shared_tail(steps, path.parts) for path in alike]
         best = [path for path, score in zip(alike, shared, strict=True) if score == max(shared)]
         if len(best) > 1:
-            named = ", ".join(sorted(_relative(path, self._packages.root) for path in best)[:3])
-            return MeshPlace(None, why=f"there is no such file, and several files have that name: {named}")
+            names = ", ".join(sorted(_relative(path, self._packages.root) for path in best)[:3])
+            return MeshPlace(None, why=f"there is no such file, and several files have that name: {names}")
         return MeshPlace(best[0], searched=True)
 
     @functools.cached_property
     def _by_name(self) -> Mapping[str, list[Path]]:
-        """The files below the robot's folder by name, however it is spelt."""
-        found: dict[str, list[Path]] = defaultdict(list)
-        seen = 0
+        """Returns the files below the robot's folder by name, without regard to upper and lower case."""
+        paths: dict[str, list[Path]] = defaultdict(list)
+        count = 0
         for folder, inner, files in os.walk(self._packages.root):
-            inner[:] = sorted(one for one in inner if not one.startswith("."))
+            inner[:] = sorted(folder_name for folder_name in inner if not folder_name.startswith("."))
             for file in sorted(files):
-                found[file.casefold()].append(Path(folder, file))
-            seen += len(files) + len(inner)
-            if seen > _MOST_SEEN:
+                paths[file.casefold()].append(Path(folder, file))
+            count += len(files) + len(inner)
+            if count > _MAX_SEARCHED:
                 break
-        return found
+        return paths
 
     def roots(self) -> list[Path]:
-        """The folders of the robot: its own, and those of the packages that it names."""
+        """Returns the folders of the robot: its own, and those of the packages that it names."""
         return [self._packages.root, *self._packages.found.values()]
 
     def shown(self, file: Path) -> str:
-        """A file as messages name it: without anything about this computer."""
+        """Returns the name of a file in messages, which reveals nothing of this computer."""
         return self.public(file) or file.name
 
     def public(self, file: Path) -> str:
-        """A file by a name that reveals nothing of this computer, "" where it has none."""
+        """Returns a name of a file that reveals nothing of this computer, or "" if it has none."""
         file = Path(os.path.normpath(file))
         if file.is_relative_to(self._packages.root):
             return Path(os.path.relpath(file, self._folder)).as_posix()
@@ -129,7 +130,7 @@ class MeshPlaces:
         return ""
 
     def is_private(self, name: str) -> bool:
-        """Whether a name reveals where on this computer a file is."""
+        """Tells whether a name reveals where on this computer a file is."""
         return name.lower().startswith("file://") or name.startswith("/") or bool(_DRIVE.match(name))
 
 
@@ -137,11 +138,11 @@ def _relative(path: Path, root: Path) -> str:
     return path.relative_to(root).as_posix()
 
 
-def _shared_tail(wanted: list[str], there: tuple[str, ...]) -> int:
-    """How many of the last steps of two paths agree: one in the same case more than one that is not."""
+def _shared_tail(named_steps: list[str], file_steps: tuple[str, ...]) -> int:
+    """Returns how well the last steps of two paths agree; a step in the same case counts twice."""
     score = 0
-    for one, other in zip(reversed(wanted), reversed(there), strict=False):
-        if one.casefold() != other.casefold():
+    for step, other_step in zip(reversed(named_steps), reversed(file_steps), strict=False):
+        if step.casefold() != other_step.casefold():
             break
-        score += 2 if one == other else 1
+        score += 2 if step == other_step else 1
     return score

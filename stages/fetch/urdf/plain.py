@@ -14,12 +14,13 @@ if TYPE_CHECKING:
 _MAYBE = re.compile(r"xacro|\$[{(]")
 _NAMED = re.compile(r"\{[^{}]*\bxacro/?\}|xacro:")
 _EXPRESSION = re.compile(r"(?<!\$)\$(?:\{[^}]*\}|\([^)]*\))")
-_LONGEST = 60
+_MAX_QUOTED = 60
+"""Largest length of an expression in a message."""
 
 
 def require(text: str, where: str) -> None:
-    """SourceError where xacro would change this text: such expressions are neither run nor read literally.
-    Elements for Gazebo are not read, and may contain anything."""
+    """Raises SourceError if xacro would change this text: xacro expressions are neither run nor read
+    literally. Elements for Gazebo are not read, and may contain anything."""
     if not _MAYBE.search(text):
         return
     # Late: an unchanged source is not read again.
@@ -29,29 +30,29 @@ def require(text: str, where: str) -> None:
         root = xml.parse(text.encode())
     except xml.Malformed:
         return  # the reader reports what is wrong with it
-    beside = {inner for outer in root.iterchildren("gazebo") for inner in outer.iter()}
+    gazebo_elements = {inner for outer in root.iterchildren("gazebo") for inner in outer.iter()}
     for element in root.iter():
-        found = "" if element in beside else _for_xacro(element)
-        if found:
-            msg = (
-                f"line {element.sourceline}: {found} is for xacro, and only a file called .xacro is expanded"
-            )
+        expression = "" if element in gazebo_elements else _for_xacro(element)
+        if expression:
+            line = f"line {element.sourceline}"
+            msg = f"{line}: {expression} is for xacro, and only a file called .xacro is expanded"
             name = f"{where.removesuffix('.urdf')}.urdf.xacro"
             hint = f"{EXPAND}; or rename it to {name} and, if you trust it, set source.trust=true"
             raise SourceError(msg, where, f"{hint} on the command line")
 
 
 def _for_xacro(element: Element) -> str:
-    """The first xacro expression in an element, its attributes or the texts in and behind it; "" for none."""
-    own = element.nsmap.get("xacro")
-    spaces = (_NAMED.match, lambda name: own is not None and name.startswith(f"{{{own}}}"))
+    """Returns the first xacro expression in an element, its attributes or the texts in and behind it; "" if
+    there is none."""
+    namespace = element.nsmap.get("xacro")
+    spaces = (_NAMED.match, lambda name: namespace is not None and name.startswith(f"{{{namespace}}}"))
     names = [element.tag, *element.keys()]
     for name in names:
         if any(of_xacro(name) for of_xacro in spaces):
             last = re.split(r"[}:]", name)[-1]
             return f"<xacro:{last}>" if name == element.tag else f'xacro:{last}="…"'
     for value in (*element.values(), element.text, element.tail):
-        found = _EXPRESSION.search(value or "")
-        if found:
-            return found.group()[:_LONGEST]
+        match = _EXPRESSION.search(value or "")
+        if match:
+            return match.group()[:_MAX_QUOTED]
     return ""

@@ -14,46 +14,48 @@ _NAME = re.compile(rb"<name>\s*([^<\s]+)\s*</name>")
 _OF_ROS = ("ROS_PACKAGE_PATH", "GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH")
 _AMENT = "AMENT_PREFIX_PATH"
 VARIABLES = (*_OF_ROS, _AMENT)
-"""ROS's own variables of the environment: the paths on which packages lie."""
+"""ROS's environment variables with the search paths of packages."""
 
 _LARGEST = 1 << 20
-"""Larger files are no package.xml [bytes]."""
+"""Largest size of a package.xml [bytes]."""
 
-_ABOVE = 6
-"""Folders above the file in which a package is looked for."""
+_MAX_FOLDERS_ABOVE = 6
+"""Number of folders above the file in which a package is searched."""
 
-_DEEP = 3
-"""Folders below an entry of ROS_PACKAGE_PATH in which a package is looked for."""
+_MAX_DEPTH = 3
+"""Depth below an entry of ROS_PACKAGE_PATH down to which a package is searched."""
 
 _INNER = ("urdf", "urdfs", "robot", "robots", "xacro", "description")
-"""What the folder of the URDF is called where the robot's own is the one above."""
+"""Names of the folder of a URDF whose parent is the robot's own folder."""
 
 
 class Packages:
-    """The folders of packages by name, seen from a robot's file in `folder`.
+    """Finder of the folders of packages by name, as seen from a robot's file in `folder`.
 
-    Asked in this order: the ones `given`; the package that the file lies in; ROS_PACKAGE_PATH;
-    AMENT_PREFIX_PATH; folders of that name above the file, and beside it or those.
+    The places are searched in this order: `configured`; the package of the file itself; ROS_PACKAGE_PATH;
+    AMENT_PREFIX_PATH; folders of that name among the folders above the file; and folders of that name next to
+    the file or next to the folders above it.
     """
 
-    def __init__(self, folder: Path, given: Mapping[str, Path], environ: Mapping[str, str]) -> None:
-        self._given = given
+    def __init__(self, folder: Path, configured: Mapping[str, Path], environ: Mapping[str, str]) -> None:
+        self._given = configured
         self._environ = environ
-        self._above = [folder, *folder.parents][: _ABOVE + 1]
+        self._above = [folder, *folder.parents][: _MAX_FOLDERS_ABOVE + 1]
         self.found: dict[str, Path] = {}
-        """Every package that was asked for and is there."""
+        """Every requested package that exists."""
 
     @functools.cached_property
     def root(self) -> Path:
-        """The folder of the package that the file lies in; without one, of the robot's files."""
+        """Returns the folder of the package of the file; without a package, the folder of the robot's
+        files."""
         package = next((place for place in self._above if (place / "package.xml").is_file()), None)
         if package is not None:
             return package
-        here = self._above[0]
-        return here.parent if here.name.lower() in _INNER and here.parent.name else here
+        folder = self._above[0]
+        return folder.parent if folder.name.lower() in _INNER and folder.parent.name else folder
 
     def find(self, name: str) -> Path | None:
-        """The package's folder; None where it is not found."""
+        """Returns the package's folder; None if it is not found."""
         if name not in self.found:
             place = next((place for place in self._places(name) if place.is_dir()), None)
             if place is None:
@@ -79,31 +81,34 @@ class Packages:
                 if entry.name == name or _called(entry) == name:
                     yield entry
                 yield entry / name
-                yield from (place for place in _below(entry, _DEEP) if _called(place) == name)
+                yield from (place for place in _below(entry, _MAX_DEPTH) if _called(place) == name)
 
     def _entries(self, variable: str) -> list[Path]:
         return [Path(entry) for entry in self._environ.get(variable, "").split(os.pathsep) if entry]
 
     def near(self, rest: str) -> Iterator[Path]:
-        """Where a file of a package may lie if the folders above the robot's file are that package."""
+        """Yields the possible paths of a package's file if the folders above the robot's file are that
+        package."""
         yield from (place / rest for place in self._above if place.parent != place)
 
 
 def _called(place: Path) -> str:
-    """The name in a folder's package.xml, "" without one."""
+    """Returns the name in a folder's package.xml, or ""."""
     try:
-        found = _NAME.search(regular_files.content(place / "package.xml", _LARGEST))
+        match = _NAME.search(regular_files.content(place / "package.xml", _LARGEST))
     except (OSError, regular_files.FileTooLarge):
         return ""
-    return found.group(1).decode("utf-8", "replace") if found else ""
+    return match.group(1).decode("utf-8", "replace") if match else ""
 
 
 def _below(folder: Path, deep: int) -> Iterator[Path]:
     try:
-        inner = sorted(one for one in folder.iterdir() if one.is_dir() and not one.name.startswith("."))
+        inner = sorted(
+            entry for entry in folder.iterdir() if entry.is_dir() and not entry.name.startswith(".")
+        )
     except OSError:
         return
-    for one in inner:
-        yield one
+    for subfolder in inner:
+        yield subfolder
         if deep > 1:
-            yield from _below(one, deep - 1)
+            yield from _below(subfolder, deep - 1)

@@ -26,16 +26,16 @@ class UrdfSourceSection(SourceSection):
 
     srdf: Annotated[Text, example("arm.srdf")] = "auto"
     """The SRDF of the robot, relative to the working directory: groups of joints, poses, pairs of links that
-    do not collide, end effectors, passive joints, and whether the base is fixed. auto: the file that ends in
-    .srdf and has the URDF's name, else that with the name of its robot, beside the URDF or in ../srdf, where
-    there is one; none: no SRDF is read."""
+    do not collide, end effectors, passive joints, and whether the base is fixed. auto: the file beside the
+    URDF or in ../srdf that has the URDF's name, else its robot's name, and ends in .srdf; none: no SRDF is
+    read."""
 
     args: Annotated[dict[Text, Setting], example({"prefix": "left_"})] = Field(default_factory=dict)
     """Arguments of the xacro file: name → value."""
 
     trust: Flag = False
-    """Whether a xacro file may be expanded. It is a program: allow it only for a file that you would run.
-    Counts only on the command line, or where LINKWRIGHT_TRUST names the robot's file."""
+    """Whether a xacro file may be expanded. A xacro file is a program: allow it only for a file that you
+    would run. Counts only on the command line, or if LINKWRIGHT_TRUST names the robot's file."""
 
     missing_meshes: Literal["refuse", "skip"] = "refuse"
     """Meshes that do not exist or cannot be read. refuse: an error; skip: build the robot without them."""

@@ -1,4 +1,4 @@
-"""The source `urdf`: a URDF, or a xacro file that makes one, and the meshes that it names."""
+"""Defines the source `urdf`: a URDF, or a xacro file that makes one, and the meshes that it names."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from linkwright.stages.fetch.robot_file import RobotFileSource
 from linkwright.stages.fetch.source import FetchContext, Fetched
+from linkwright.stages.fetch.urdf import expand, srdf_file
+from linkwright.stages.fetch.urdf.survey import identity
 from linkwright.stages.robot.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -15,17 +17,14 @@ if TYPE_CHECKING:
 
 
 class UrdfSource(RobotFileSource):
-    """A URDF or xacro file."""
+    """A source that is a URDF or xacro file."""
 
-    wanted: ClassVar[str] = "a URDF is a file"
+    description: ClassVar[str] = "a URDF is a file"
     example: ClassVar[str] = "robots/arm.urdf"
 
     _keys: UrdfSourceSection
 
     def preflight(self, environ: Mapping[str, str]) -> None:
-        # Late: an unchanged source is not read again.
-        from linkwright.stages.fetch.urdf import expand, srdf_file
-
         super().preflight(environ)
         for name, folder in self._keys.packages.items():
             if not Path(folder).is_dir():
@@ -35,14 +34,11 @@ class UrdfSource(RobotFileSource):
         srdf_file.require(self._keys)
 
     def pinned(self, environ: Mapping[str, str]) -> dict[str, Any]:
-        # Late: an unchanged source is not read again.
-        from linkwright.stages.fetch.urdf.survey import identity
-
         return identity(self._keys, environ)
 
     def fetch(self, context: FetchContext) -> Fetched:
         # Late: an unchanged source is not read again.
         from linkwright.stages.fetch.urdf.gather import gather
 
-        bundle, found = gather(self._keys, context.environ)
-        return Fetched(bundle, diagnostics=found)
+        bundle, diagnostics = gather(self._keys, context.environ)
+        return Fetched(bundle, diagnostics=diagnostics)

@@ -1,4 +1,5 @@
-"""Finds the SRDF of a URDF: the file that `source.srdf` names, else one of its name in the usual places."""
+"""Finds the SRDF of a URDF: the file that `source.srdf` names, or else a file of the robot's name in the
+usual places."""
 
 from __future__ import annotations
 
@@ -15,10 +16,10 @@ if TYPE_CHECKING:
     from linkwright.stages.fetch.urdf.section import UrdfSourceSection
 
 SRDF = "robot.srdf"
-"""The request that stands for the SRDF's text."""
+"""The request for the SRDF's text."""
 
 NAME = "srdf"
-"""The reader's option that has the SRDF's name."""
+"""The reader's option that holds the SRDF's name."""
 
 AUTO, NONE = "auto", "none"
 
@@ -27,33 +28,37 @@ _KEY = "source.srdf"
 _KIND = text.TextKind("an SRDF", _KEY, f"give an SRDF, or {_KEY}={NONE}")
 
 _FOLDER = "srdf"
-"""Where many packages have it, beside the folder of the URDF."""
+"""The folder of SRDFs in many packages, next to that of the URDF."""
 
 _ENDINGS = (".xacro", ".urdf")
 
 
 @dataclass(frozen=True, slots=True)
 class SrdfFile:
-    """An SRDF. `name`: as messages call it; `text`: in UTF-8; `why`: the reason why it is not read, "" where
-    it is."""
+    """An SRDF, or the reason why it is not read."""
 
     name: str
+    """The name of the file in messages."""
+
     text: bytes = b""
+    """The content in UTF-8."""
+
     why: str = ""
+    """The reason why the file is not read, or ""."""
 
     def unread(self, why: str) -> Diagnostic:
-        """W-SRDF: the build goes on without it."""
+        """Reports W-SRDF: the build goes on without the file."""
         hint = f"correct it, or build without it: {_KEY}={NONE}"
         return Diagnostic("W-SRDF", f"{why}: the robot is built without it", self.name, hint)
 
 
 def is_asked(source: UrdfSourceSection) -> bool:
-    """Whether the configuration names the file."""
+    """Tells whether the configuration names the file."""
     return source.srdf not in (AUTO, NONE)
 
 
 def require(source: UrdfSourceSection) -> None:
-    """ConfigError where the configuration names a file that is not there, or a xacro file."""
+    """Raises ConfigError if the configuration names a missing file, or a xacro file."""
     if not is_asked(source):
         return
     regular_files.require(source.srdf, _KEY, "an SRDF is a file", "robots/arm.srdf")
@@ -63,15 +68,15 @@ def require(source: UrdfSourceSection) -> None:
 
 
 def read(source: UrdfSourceSection, robot: str, folders: Mapping[str, str]) -> SrdfFile | None:
-    """The SRDF of a source; None without one. `robot`: the name of the robot in the URDF; `folders`: of this
-    computer, and what stands for them.
+    """Returns the SRDF of a source, or None.
 
-    SourceError where the configuration names it and it cannot be read.
+    `robot`: the name of the robot in the URDF; `folders`: folders of this computer → their replacements.
+    Raises SourceError if the configuration names the file and it cannot be read.
     """
-    found = _place(source, robot)
-    if found is None:
+    place = _place(source, robot)
+    if place is None:
         return None
-    path, name = found
+    path, name = place
     try:
         content = text.read(path, name, _KIND)
     except SourceError as error:
@@ -82,7 +87,7 @@ def read(source: UrdfSourceSection, robot: str, folders: Mapping[str, str]) -> S
 
 
 def _place(source: UrdfSourceSection, robot: str) -> tuple[Path, str] | None:
-    """The file, and its name in messages."""
+    """Returns the path of the file, and its name in messages."""
     if source.srdf == NONE:
         return None
     if is_asked(source):
@@ -94,11 +99,13 @@ def _place(source: UrdfSourceSection, robot: str) -> tuple[Path, str] | None:
         stem = stem[: -len(ending)] if stem.lower().endswith(ending) else stem
     names = [f"{name}.srdf" for name in (stem, robot) if name and Path(name).name == name]
     places = {
-        shown: folder / name
+        file_name: folder / name
         for name in names
-        for shown, folder in (
+        for file_name, folder in (
             (name, urdf.parent),
             (f"../{_FOLDER}/{name}", urdf.parent.parent / _FOLDER),
         )
     }
-    return next(((path, shown) for shown, path in places.items() if regular_files.is_file(path)), None)
+    return next(
+        ((path, file_name) for file_name, path in places.items() if regular_files.is_file(path)), None
+    )

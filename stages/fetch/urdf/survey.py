@@ -1,6 +1,6 @@
 """Lists the files of a robot without reading the robot: its text and the files that it names.
 
-Needs no array or XML library, as it shows whether a robot was built before.
+It needs no array or XML library, as it shows whether a robot was built before.
 """
 
 from __future__ import annotations
@@ -25,43 +25,46 @@ if TYPE_CHECKING:
     from linkwright.stages.fetch.urdf.section import UrdfSourceSection
 
 READER = 3
-"""Raised with every change of the result for the same files."""
+"""The version of the reader. It grows with every change of the result for the same files."""
 
 LARGEST_MESH = 1 << 29
-"""Larger mesh files are not read [bytes]."""
+"""Largest size of a mesh file that is read [bytes]."""
 
 LARGEST_ROBOT = 1 << 32
-"""The meshes of a robot have no more than this together [bytes]."""
+"""Largest total size of the meshes of a robot [bytes]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Survey:
-    """A robot's text after xacro, as UTF-8, its SRDF, and the places of the mesh files and of the images of
-    its materials, by the names that the text has for them."""
+    """The files of a robot."""
 
     document: str
+    """The name of the robot's file."""
+
     text: bytes
+    """The robot's text after xacro, in UTF-8."""
+
     srdf: SrdfFile | None
     places: Mapping[str, MeshPlace]
+    """The places of the mesh files and of the images of materials, by their names in the text."""
+
     files: MeshPlaces
 
     def digests(self) -> list[list[str]]:
-        """Of each name: where the file is, as messages name it, and the SHA-256 of all it holds.
+        """Returns, for each name, the place of the file in messages, and the SHA-256 of its content.
 
-        SourceError where the files are larger together than is read.
+        Raises SourceError if the files together are too large.
         """
         files = {place.file for place in self.places.values() if place.file is not None}
         if sum(_size(file) for file in files) > LARGEST_ROBOT:
             msg = f"its meshes have more than {LARGEST_ROBOT / 1e9:.3g} GB"
-            raise SourceError(
-                msg, self.document, "use coarser meshes: a simulation does not need so many triangles"
-            )
+            raise SourceError(msg, self.document, "use coarser meshes: a simulation needs fewer triangles")
         return [[name, *self._digest(self.places[name])] for name in sorted(self.places)]
 
     def microversion(self) -> str:
-        """The identity of the robot: the SHA-256 of all files read."""
-        beside = [] if self.srdf is None else [sha256(self.srdf.text).hexdigest()]
-        content = json.dumps([sha256(self.text).hexdigest(), *beside, self.digests()])
+        """Returns the identity of the robot: the SHA-256 of all files read."""
+        srdf_digest = [] if self.srdf is None else [sha256(self.srdf.text).hexdigest()]
+        content = json.dumps([sha256(self.text).hexdigest(), *srdf_digest, self.digests()])
         return sha256(content.encode()).hexdigest()
 
     def _digest(self, place: MeshPlace) -> tuple[str, str]:
@@ -71,36 +74,43 @@ class Survey:
 
 
 def survey(source: UrdfSourceSection, environ: Mapping[str, str]) -> Survey:
-    """ConfigError where xacro is needed, and is not installed or the file not trusted; SourceError where
-    the file is not readable as a URDF."""
+    """Surveys a source.
+
+    Raises ConfigError if xacro is needed, and is not installed or the file is not trusted; SourceError if the
+    file is not readable as a URDF.
+    """
     path = Path(source.path).absolute()
-    given = {name: Path(folder).absolute() for name, folder in source.packages.items()}
-    packages = Packages(path.parent, given, environ)
+    configured = {name: Path(folder).absolute() for name, folder in source.packages.items()}
+    packages = Packages(path.parent, configured, environ)
     content = text.read(path, path.name)
     if expand.is_named(path):
         content = text.uncommented(expand.expanded(source, content, environ, packages.find))
     else:
         plain.require(content, path.name)
     places = MeshPlaces(path.parent, packages, text.meshdir(content))
-    found = {name: places.find(name) for name in [*text.meshes(content), *text.images(content)]}
-    public = _public(found, places)
+    files = {name: places.find(name) for name in [*text.meshes(content), *text.images(content)]}
+    public = _public(files, places)
     folders = _folders(path.parent, packages)
     content = text.without(text.renamed(content, public), folders)
-    named = {public.get(name, name): place for name, place in found.items()}
+    places_by_name = {public.get(name, name): place for name, place in files.items()}
     return Survey(
-        path.name, content.encode(), srdf_file.read(source, text.robot_name(content), folders), named, places
+        path.name,
+        content.encode(),
+        srdf_file.read(source, text.robot_name(content), folders),
+        places_by_name,
+        places,
     )
 
 
 def identity(source: UrdfSourceSection, environ: Mapping[str, str]) -> dict[str, Any]:
-    """The permanent identity of the source, as plain data."""
-    seen = survey(source, environ)
+    """Returns the permanent identity of the source, as plain data."""
+    files = survey(source, environ)
     return {
         "kind": "urdf",
-        "document": seen.document,
-        "text": sha256(seen.text).hexdigest(),
-        "srdf": seen.srdf and [seen.srdf.name, sha256(seen.srdf.text).hexdigest(), seen.srdf.why],
-        "meshes": seen.digests(),
+        "document": files.document,
+        "text": sha256(files.text).hexdigest(),
+        "srdf": files.srdf and [files.srdf.name, sha256(files.srdf.text).hexdigest(), files.srdf.why],
+        "meshes": files.digests(),
         "bad_inertia": source.bad_inertia,
         "missing_meshes": source.missing_meshes,
         "reader": READER,
@@ -108,30 +118,30 @@ def identity(source: UrdfSourceSection, environ: Mapping[str, str]) -> dict[str,
     }
 
 
-def _public(found: Mapping[str, MeshPlace], places: MeshPlaces) -> dict[str, str]:
-    """Other names for those that reveal where on this computer a file is."""
+def _public(files: Mapping[str, MeshPlace], places: MeshPlaces) -> dict[str, str]:
+    """Returns replacements for names that reveal where on this computer a file is."""
     names: dict[str, str] = {}
     folders: dict[str, int] = {}
-    for name, place in found.items():
+    for name, place in files.items():
         if not places.is_private(name):
             continue
-        shown = places.public(place.file) if place.file and not place.searched else ""
-        if not shown:
+        public_name = places.public(place.file) if place.file and not place.searched else ""
+        if not public_name:
             parent, _, last = name.replace("\\", "/").rpartition("/")
-            shown = f"elsewhere/{folders.setdefault(parent, len(folders) + 1)}/{last}"
-        names[name] = shown
+            public_name = f"elsewhere/{folders.setdefault(parent, len(folders) + 1)}/{last}"
+        names[name] = public_name
     return names
 
 
 def _folders(folder: Path, packages: Packages) -> dict[str, str]:
-    """Folders of this computer that the text may name, and what stands for them."""
-    named = {str(place): f"package://{name}" for name, place in packages.found.items()}
-    own = {str(folder): ".", str(packages.root): ".", str(Path.home()): "~"}
-    return {place: name for place, name in {**own, **named}.items() if len(place) > 1}
+    """Returns the folders of this computer that the text may name → their replacements."""
+    package_folders = {str(place): f"package://{name}" for name, place in packages.found.items()}
+    own_folders = {str(folder): ".", str(packages.root): ".", str(Path.home()): "~"}
+    return {place: name for place, name in {**own_folders, **package_folders}.items() if len(place) > 1}
 
 
 def _size(file: Path) -> int:
-    """A file's size [bytes]; 0 where it is too large to be read, or is not there any more."""
+    """Returns a file's size [bytes]; 0 if it is too large to be read, or is gone."""
     try:
         size = file.stat().st_size
     except OSError:
@@ -140,7 +150,7 @@ def _size(file: Path) -> int:
 
 
 def _content_digest(file: Path, roots: Sequence[Path]) -> str:
-    """The SHA-256 of a file, and of the files that it names; its size where it is too large to be read."""
+    """Returns the SHA-256 of a file and of the files that it names, or the reason why it cannot be read."""
     try:
         if file.suffix.lower() not in NAMING_FILES:
             return regular_files.digest(file, LARGEST_MESH)
@@ -149,8 +159,8 @@ def _content_digest(file: Path, roots: Sequence[Path]) -> str:
         return "too large"
     except OSError as error:
         return error.strerror or type(error).__name__
-    whole, beside = sha256(data), companions(file, data, roots)
-    found = {name: content for name, content in beside.images.items() if isinstance(content, bytes)}
-    for name, content in sorted({**found, **beside.files}.items()):
-        whole.update(f"{name}\0{sha256(content).hexdigest()}".encode())
-    return whole.hexdigest()
+    digest, companion_files = sha256(data), companions(file, data, roots)
+    images = {name: content for name, content in companion_files.images.items() if isinstance(content, bytes)}
+    for name, content in sorted({**images, **companion_files.files}.items()):
+        digest.update(f"{name}\0{sha256(content).hexdigest()}".encode())
+    return digest.hexdigest()

@@ -1,4 +1,4 @@
-"""The text of a robot's file, as plain URDF that reveals nothing of this computer."""
+"""Reads the text of a robot's file, as plain URDF that reveals nothing of this computer."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from linkwright.stages.robot.errors import SourceError
 from linkwright.stages.robot.system import regular_files
 
 LARGEST = 1 << 24
-"""Larger files are not read as a robot [bytes]."""
+"""Largest size of a robot's file that is read [bytes]."""
 
 _MESH = re.compile(r"<mesh\b[^<]*")
 _TEXTURE = re.compile(r"<texture\b[^<]*")
@@ -35,20 +35,23 @@ _BOMS = (
 
 @dataclass(frozen=True, slots=True)
 class TextKind:
-    """What a text must be. `key`: the key that names its file; `hint`: what to give."""
+    """The expected kind of a text."""
 
     name: str
     key: str
+    """The key of the configuration that names the file."""
+
     hint: str
+    """The hint if the text is of another kind."""
 
 
 URDF = TextKind("a URDF", "source.path", "give a URDF, or a xacro file that ends in .xacro")
 
 
 def read(path: Path, where: str, kind: TextKind = URDF) -> str:
-    """The text of a file, without its comments but with all its lines; `where` names it in messages.
+    """Returns the text of a file, without its comments but with all its lines; `where` names it in messages.
 
-    SourceError where it cannot be read, or is not text.
+    Raises SourceError if it cannot be read, or is not text.
     """
     try:
         data = regular_files.content(path, LARGEST)
@@ -76,57 +79,57 @@ def _decoded(data: bytes, where: str, kind: TextKind) -> str:
 
 
 def uncommented(text: str) -> str:
-    """The text with its comments emptied: every line keeps its number."""
+    """Returns the text with its comments emptied: every line keeps its number."""
     pieces, end = list[str](), 0
     while (start := text.find("<!--", end)) >= 0:
-        after = text.find("-->", start + 4)
-        if after < 0:
+        comment_end = text.find("-->", start + 4)
+        if comment_end < 0:
             break
-        pieces += [text[end:start], "\n" * text.count("\n", start, after)]
-        end = after + 3
+        pieces += [text[end:start], "\n" * text.count("\n", start, comment_end)]
+        end = comment_end + 3
     return "".join([*pieces, text[end:]])
 
 
 def meshes(text: str) -> list[str]:
-    """The names of mesh files, in their order and once each. Needs no XML library."""
+    """Returns the names of mesh files, in order and once each, found without an XML library."""
     return _filenames(_MESH, text)
 
 
 def robot_name(text: str) -> str:
-    """The name of the robot, "" where the text has none."""
+    """Returns the name of the robot, or "" if it is missing."""
     element = _ROBOT.search(text)
-    found = _NAME.search(element.group()) if element else None
-    return _value(found) if found else ""
+    match = _NAME.search(element.group()) if element else None
+    return _value(match) if match else ""
 
 
 def images(text: str) -> list[str]:
-    """The names of the images of materials, in their order and once each."""
+    """Returns the names of the images of materials, in order and once each."""
     return [name for name in _filenames(_TEXTURE, text) if name]
 
 
 def meshdir(text: str) -> str:
-    """The folder of meshes that MuJoCo's extension names, "" for none."""
+    """Returns the folder of meshes that MuJoCo's extension names, or ""."""
     element = _COMPILER.search(text) if "<mujoco" in text else None
-    found = _MESHDIR.search(element.group()) if element else None
-    return _value(found) if found else ""
+    match = _MESHDIR.search(element.group()) if element else None
+    return _value(match) if match else ""
 
 
 def renamed(text: str, names: Mapping[str, str]) -> str:
-    """The text with mesh files and images renamed: `names` from old to new."""
+    """Returns the text with mesh files and images renamed: `names` from old to new."""
 
     def other(element: re.Match[str]) -> str:
-        written = element.group()
-        found = _FILENAME.search(written)
-        if found is None or _value(found) not in names:
-            return written
-        start, end = found.span(1 if found.group(1) is not None else 2)
-        return f"{written[:start]}{html.escape(names[_value(found)], quote=True)}{written[end:]}"
+        element_text = element.group()
+        match = _FILENAME.search(element_text)
+        if match is None or _value(match) not in names:
+            return element_text
+        start, end = match.span(1 if match.group(1) is not None else 2)
+        return f"{element_text[:start]}{html.escape(names[_value(match)], quote=True)}{element_text[end:]}"
 
     return _NAMING.sub(other, text) if names else text
 
 
 def without(text: str, folders: Mapping[str, str]) -> str:
-    """The text with absolute paths replaced as in `folders`; the longest first."""
+    """Returns the text with absolute paths replaced as in `folders`; the longest first."""
     for folder in sorted(folders, key=len, reverse=True):
         text = text.replace(f"{folder}/", f"{folders[folder]}/")
     return text
@@ -134,8 +137,8 @@ def without(text: str, folders: Mapping[str, str]) -> str:
 
 def _filenames(elements: re.Pattern[str], text: str) -> list[str]:
     values = (_FILENAME.search(element.group()) for element in elements.finditer(text))
-    return list(dict.fromkeys(_value(found) for found in values if found))
+    return list(dict.fromkeys(_value(match) for match in values if match))
 
 
-def _value(found: re.Match[str]) -> str:
-    return html.unescape(found.group(1) if found.group(1) is not None else found.group(2)).strip()
+def _value(match: re.Match[str]) -> str:
+    return html.unescape(match.group(1) if match.group(1) is not None else match.group(2)).strip()

@@ -1,6 +1,6 @@
-"""The points of the shapes that a COLLADA file (DAE) shows.
+"""Reads the points of the shapes that a COLLADA file (DAE) shows.
 
-Lengths are in metres by the file's unit; the axis that it calls "up" is not turned, as RViz and Pinocchio do.
+Lengths are in metres by the file's unit; the file's "up" axis is ignored, as in RViz and Pinocchio.
 """
 
 import math
@@ -15,11 +15,14 @@ from linkwright.stages.formats.xml import Element, tag
 
 Points = npt.NDArray[np.float64]
 
-_DEEPEST = 64
-_MOST_USES = 1 << 14
-"""Uses of shapes and nodes: nodes may name each other."""
+_MAX_DEPTH = 64
+"""Largest depth of nested nodes."""
 
-_MOST_OFFSET = 1000
+_MAX_USES = 1 << 14
+"""Largest number of uses of shapes and nodes: nodes may refer to each other."""
+
+_MAX_OFFSET = 1000
+"""Largest offset of an input of a face."""
 
 _FACES = frozenset(("triangles", "polylist", "polygons", "tristrips", "trifans"))
 
@@ -27,27 +30,28 @@ _UNSUPPORTED = frozenset(("instance_controller", "lookat", "skew"))
 
 
 def dae_points(data: bytes) -> Points:
-    """(n, 3) [m]: the points of all shapes of the scene. xml.Malformed where it is no XML, Damaged where it
-    is not whole, or has what is not supported (skins, skewed nodes)."""
+    """Returns the points (n, 3) [m] of all shapes of the scene. Raises xml.Malformed if the file is not XML;
+    Damaged if it is incomplete, or has unsupported elements (skins, skewed nodes)."""
     root = xml.parse(data, large=True)
     by_id = {element.get("id"): element for element in root.iter() if element.get("id")}
     unit = root.find("{*}asset/{*}unit")
     scale = 1.0 if unit is None else _numbers(unit.get("meter", "1"), 1)[0]
     scene = _named(root.find("{*}scene/{*}instance_visual_scene"), by_id)
-    uses = list(_uses(scene, np.eye(4), by_id, 0, [_MOST_USES]))
+    uses = list(_uses(scene, np.eye(4), by_id, 0, [_MAX_USES]))
     shapes = {id(shape): shape for shape, _ in uses}
-    own = {key: _mesh_points(shape, by_id) for key, shape in shapes.items()}
-    placed = [own[id(shape)] @ pose[:3, :3].T + pose[:3, 3] for shape, pose in uses]
-    found: Points = scale * np.concatenate([np.zeros((0, 3)), *placed])
-    return found
+    points_by_shape = {key: _mesh_points(shape, by_id) for key, shape in shapes.items()}
+    placed = [points_by_shape[id(shape)] @ pose[:3, :3].T + pose[:3, 3] for shape, pose in uses]
+    points: Points = scale * np.concatenate([np.zeros((0, 3)), *placed])
+    return points
 
 
 def _uses(
     node: Element, above: Points, by_id: Mapping[str, Element], depth: int, left: list[int]
 ) -> Iterator[tuple[Element, Points]]:
-    """The geometries below a node, each with scene_from_geometry (4, 4). `left`: how many uses may follow."""
+    """Yields the geometries below a node, each with scene_from_geometry (4, 4). `left`: the number of further
+    uses that are allowed, in a list of one number."""
     left[0] -= 1
-    if depth > _DEEPEST or left[0] < 0:
+    if depth > _MAX_DEPTH or left[0] < 0:
         msg = "its nodes are too many, or contain themselves"
         raise Damaged(msg)
     pose = above
@@ -67,7 +71,7 @@ def _uses(
 
 
 _MOVES: Mapping[str, int] = {"matrix": 16, "translate": 3, "rotate": 4, "scale": 3}
-"""Elements that move what is in a node, and how many numbers each has."""
+"""Elements that move the content of a node → the number of their values."""
 
 
 def _move(kind: str, element: Element) -> Points:
@@ -88,11 +92,11 @@ def _move(kind: str, element: Element) -> Points:
 
 
 def _mesh_points(geometry: Element, by_id: Mapping[str, Element]) -> Points:
-    """(n, 3): the points that its faces use, in its own frame and unit."""
-    found = [np.zeros((0, 3))]
+    """Returns the points (n, 3) that the faces of a geometry use, in its own frame and unit."""
+    points_of_faces = [np.zeros((0, 3))]
     for faces in (child for child in geometry.iterfind("{*}mesh/*") if _local(child) in _FACES):
-        inputs = {one.get("semantic"): one for one in faces.iterfind("{*}input")}
-        stride = 1 + max((_whole(one.get("offset", "0")) for one in inputs.values()), default=0)
+        inputs = {entry.get("semantic"): entry for entry in faces.iterfind("{*}input")}
+        stride = 1 + max((_whole(entry.get("offset", "0")) for entry in inputs.values()), default=0)
         vertices = _named(inputs.get("VERTEX"), by_id, "source")
         position = vertices.find("{*}input[@semantic='POSITION']")
         array = _named(position, by_id, "source").find("{*}float_array")
@@ -104,29 +108,29 @@ def _mesh_points(geometry: Element, by_id: Mapping[str, Element]) -> Points:
             if not ((numbers >= 0) & (numbers < len(points))).all():
                 msg = "a face has a point that does not exist"
                 raise Damaged(msg)
-            found.append(points[numbers.astype(np.int64)])
-    return np.concatenate(found)
+            points_of_faces.append(points[numbers.astype(np.int64)])
+    return np.concatenate(points_of_faces)
 
 
 def _local(element: Element) -> str:
-    """An element's tag without its namespace."""
+    """Returns an element's tag without its namespace."""
     return tag(element).rpartition("}")[2]
 
 
 def _whole(text: str) -> int:
-    """An offset, which is small."""
+    """Returns an offset, which is a small whole number."""
     (value,) = _numbers(text, 1)
-    if not 0 <= value <= _MOST_OFFSET:
+    if not 0 <= value <= _MAX_OFFSET:
         msg = "an offset is out of range"
         raise Damaged(msg)
     return int(value)
 
 
 def _named(element: Element | None, by_id: Mapping[str, Element], attribute: str = "url") -> Element:
-    """What an element names by its id."""
+    """Returns the element that another element refers to by its id."""
     name = "" if element is None else element.get(attribute, "").removeprefix("#")
     if name not in by_id:
-        msg = "it names what is not there"
+        msg = "it refers to an element that does not exist"
         raise Damaged(msg)
     return by_id[name]
 

@@ -1,27 +1,32 @@
-"""The surfaces of the mesh files that are written, by index: binary STL and Wavefront OBJ."""
+"""Reads the surfaces of the mesh files that are written, by index: binary STL and Wavefront OBJ."""
 
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
+from linkwright.stages.formats.meshes.body_arrays import distinct
 from linkwright.stages.formats.meshes.points import mesh_points
-from linkwright.stages.formats.triangles import distinct
+from linkwright.stages.formats.meshes.surface import Surface, unit
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MeshFaces:
-    """`points` (n, 3) [m]; `triangles` (m, 3), indices into them; `texcoords` (m, 3, 2): the (u, v) of each
-    corner, None where there are none."""
+    """The surface of a mesh file."""
 
     points: npt.NDArray[np.float64]
+    """(n, 3) [m]."""
+
     triangles: npt.NDArray[np.int64]
+    """(m, 3), indices into `points`."""
+
     texcoords: npt.NDArray[np.float64] | None = None
+    """(m, 3, 2): the (u, v) of each corner; None without a texture."""
 
 
 def mesh_corners(file: str, data: bytes) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64] | None]:
-    """The corners (m, 3, 3) of the triangles of a file of ours [m], and their texture coordinates (m, 3, 2),
-    None where there are none."""
+    """Returns the corners (m, 3, 3) of the triangles of a file of ours [m], and their texture coordinates (m,
+    3, 2), or None without a texture."""
     if file.endswith(".stl"):
         return mesh_points(file, data).reshape(-1, 3, 3), None
     faces = mesh_faces(file, data)
@@ -29,7 +34,7 @@ def mesh_corners(file: str, data: bytes) -> tuple[npt.NDArray[np.float64], npt.N
 
 
 def mesh_faces(file: str, data: bytes) -> MeshFaces:
-    """The surface of a file of ours; equal points of an STL are one."""
+    """Returns the surface of a file of ours; equal points of an STL are merged."""
     if file.endswith(".stl"):
         points, index = distinct(mesh_points(file, data))
         return MeshFaces(points, index.reshape(-1, 3))
@@ -42,3 +47,9 @@ def mesh_faces(file: str, data: bytes) -> MeshFaces:
         places = np.array([int(corner[1]) - 1 for corner in corners], dtype=np.int64)
         texcoords = pairs[places].reshape(-1, 3, 2)
     return MeshFaces(mesh_points(file, data), triangles, texcoords)
+
+
+def normals(faces: MeshFaces) -> npt.NDArray[np.float64]:
+    """Returns the unit normals (m, 3) of the triangles; along z for triangles without area."""
+    # −0 counts as 0.
+    return np.asarray(unit(Surface(faces.points, faces.triangles).normals()) + 0.0)

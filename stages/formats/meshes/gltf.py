@@ -1,4 +1,4 @@
-"""Triangles out of glTF 2 files, binary or as JSON with their buffers in them.
+"""Reads triangles from glTF 2 files, binary or as JSON with their buffers in them.
 
 A few bytes of such a file can claim any size, so every count, stride and offset is checked against the file's
 content before it is used. Images are not read.
@@ -17,29 +17,44 @@ import orjson
 
 from linkwright.stages.formats.colours import NEUTRAL
 from linkwright.stages.formats.damaged import Damaged
+from linkwright.stages.formats.meshes.gltf_conventions import is_own, shown
 from linkwright.stages.robot.errors import ProtocolError
 from linkwright.stages.robot.model.geometry import Colour
 
 MAGIC = b"glTF"
 
 _JSON, _BIN = 0x4E4F534A, 0x004E4942
+"""The types of a GLB's chunks."""
+
 _KINDS = {5121: "u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+"""glTF's code of a type of numbers → NumPy's."""
+
 _WIDTHS = {"SCALAR": 1, "VEC3": 3}
 _TRIANGLES = 4
-_DEEPEST = 64
-MOST_VALUES = 1 << 23
-"""Values in the JSON, by its brackets and commas; base64 has none of these."""
+"""glTF's code of a primitive that is a list of triangles."""
 
-_MOST_NUMBERS = 1 << 26
+_MAX_DEPTH = 64
+"""Largest depth of nested nodes."""
+
+MAX_VALUES = 1 << 23
+"""Largest number of values in the JSON, by its brackets and commas; base64 has none of these."""
+
+_MAX_NUMBERS = 1 << 26
+"""Largest number of points and indices in all nodes of any file."""
+
 _FREE_NUMBERS, _NUMBERS_A_BYTE = 1 << 22, 64
-"""Of points and indices in all nodes: meshes may be used several times, but a file that comes to more
-than 4 million of them comes to no more than 64 for each of its bytes."""
+"""Limits of the points and indices in all nodes. Meshes may be used several times, but beyond 4 million
+numbers a file may have at most 64 for each of its bytes."""
 
 _PRIMITIVE = 256
-"""What a primitive counts beside its numbers: it takes time, however few it has."""
+"""The count of a primitive besides its numbers: it takes time, even with few numbers."""
 
-_MOST_NODES = 1 << 16
-LARGEST_STRIDE = 252
+_MAX_NODES = 1 << 16
+"""Largest number of nodes of a scene."""
+
+MAX_STRIDE = 252
+"""Largest stride of a buffer that glTF allows [bytes]."""
+
 _HINT = "run the same command again; if it fails each time, the API has changed"
 
 _Array = npt.NDArray[np.float64]
@@ -48,20 +63,22 @@ _Record = Mapping[str, Any]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Node:
-    """A node with triangles: `points` (n, 3) in the scene's frame [m]; `corners` (m, 3) index them.
-
-    `colours`, and `which` (m,): each triangle's index in them.
-    """
+    """A node with triangles."""
 
     name: str
     points: _Array
+    """(n, 3) in the scene's frame [m]."""
+
     corners: npt.NDArray[np.int64]
+    """(m, 3), indices into `points`."""
+
     colours: tuple[Colour, ...]
     which: npt.NDArray[np.int64]
+    """(m,), each triangle's index in `colours`."""
 
 
 def read(reply: bytes) -> list[Node]:
-    """The nodes of a glTF file that have triangles; ProtocolError where it is malformed."""
+    """Returns the nodes of a glTF file that have triangles. Raises ProtocolError if it is malformed."""
     try:
         return list(_GltfFile(reply).nodes())
     except (
@@ -69,7 +86,7 @@ def read(reply: bytes) -> list[Node]:
         IndexError,
         KeyError,
         TypeError,
-        ValueError,  # those of base64 and of JSON too
+        ValueError,  # errors of base64 and of JSON are ValueErrors
         OverflowError,
         RecursionError,
         struct.error,
@@ -84,19 +101,20 @@ class _GltfFile:
 
     def __init__(self, data: bytes) -> None:
         text, self._chunk = chunks(data)
-        if values(text) > MOST_VALUES:
+        if value_count(text) > MAX_VALUES:
             msg = "its JSON is larger than the limit"
             raise ValueError(msg)
-        self._room = room(len(data))
+        self._room = number_budget(len(data))
         self._json = orjson.loads(text)
-        needed = self._json.get("extensionsRequired")
-        if needed:
-            msg = f"it needs the extensions {', '.join(map(str, needed))}"
+        extensions = self._json.get("extensionsRequired")
+        if extensions:
+            msg = f"it needs the extensions {', '.join(map(str, extensions))}"
             raise ValueError(msg)
         self._buffers = [self._buffer(record) for record in self._json.get("buffers") or ()]
 
     def nodes(self) -> Iterator[Node]:
-        """The nodes with meshes of the scene, in its order, each placed in the scene's frame."""
+        """Yields the nodes with meshes of the scene, in order, each placed in the scene's frame; in a file of
+        ours, in the frame of its link."""
         scenes, nodes = self._json.get("scenes") or (), self._json.get("nodes") or ()
         if scenes:
             roots = scenes[self._json.get("scene", 0)].get("nodes") or ()
@@ -107,18 +125,18 @@ class _GltfFile:
         met: set[int] = set()
         while waiting:
             index, parent, depth = waiting.pop()
-            if depth > _DEEPEST:
+            if depth > _MAX_DEPTH:
                 msg = "its nodes are nested too deeply"
                 raise ValueError(msg)
-            if len(met) > _MOST_NODES:
-                msg = f"it has more than {_MOST_NODES} nodes"
+            if len(met) > _MAX_NODES:
+                msg = f"it has more than {_MAX_NODES} nodes"
                 raise ValueError(msg)
             if index in met:
                 msg = f"node {index} has two parents"
                 raise ValueError(msg)
             met.add(index)
             record = nodes[index]
-            transform = parent @ _local(record)
+            transform = parent if is_own(self._json) else parent @ _local(record)
             if "mesh" in record:
                 yield self._node(record, transform)
             children = record.get("children") or ()
@@ -128,7 +146,7 @@ class _GltfFile:
         mesh = self._json["meshes"][record["mesh"]]
         points, corners, which = [np.empty((0, 3))], [np.empty((0, 3), np.int64)], []
         colours: list[Colour] = []
-        known = 0
+        point_count = 0
         for primitive in mesh["primitives"]:
             mode = primitive.get("mode", _TRIANGLES)
             if mode < _TRIANGLES:  # points and lines
@@ -138,47 +156,47 @@ class _GltfFile:
                 raise ValueError(msg)
             positions = self._accessor(primitive["attributes"]["POSITION"], "VEC3")
             self._take(positions.size + _PRIMITIVE)
-            own = positions.astype(np.float64)
+            local_points = positions.astype(np.float64)
             if "indices" in primitive:
                 indices = self._accessor(primitive["indices"], "SCALAR")
                 self._take(indices.size)
                 index = indices.astype(np.int64).ravel()
             else:
-                self._take(len(own))
-                index = np.arange(len(own), dtype=np.int64)
-            if len(index) and not 0 <= index.min() <= index.max() < len(own):
-                msg = f"an index lies outside of the {len(own)} points"
+                self._take(len(local_points))
+                index = np.arange(len(local_points), dtype=np.int64)
+            if len(index) and not 0 <= index.min() <= index.max() < len(local_points):
+                msg = f"an index lies outside of the {len(local_points)} points"
                 raise IndexError(msg)
-            points.append(own @ transform[:3, :3].T + transform[:3, 3])
-            corners.append(index.reshape(-1, 3) + known)
+            points.append(local_points @ transform[:3, :3].T + transform[:3, 3])
+            corners.append(index.reshape(-1, 3) + point_count)
             which.append(np.full(len(index) // 3, len(colours), dtype=np.int64))
             colours.append(self._colour(primitive))
-            known += len(own)
-        placed, turned = np.concatenate(points), np.concatenate(corners)
-        if not np.isfinite(placed).all():
+            point_count += len(local_points)
+        node_points, node_corners = np.concatenate(points), np.concatenate(corners)
+        if not np.isfinite(node_points).all():
             msg = "a coordinate is not a finite number"
             raise ValueError(msg)
         if np.linalg.det(transform[:3, :3]) < 0:
-            turned = turned[:, ::-1]
+            node_corners = node_corners[:, ::-1]
         faces = np.concatenate(which) if which else np.empty(0, dtype=np.int64)
-        return Node(str(record.get("name", "")), placed, turned, tuple(colours), faces)
+        return Node(str(record.get("name", "")), node_points, node_corners, tuple(colours), faces)
 
     def _colour(self, primitive: _Record) -> Colour:
         if "material" not in primitive:
             return NEUTRAL
         record = self._json["materials"][primitive["material"]].get("pbrMetallicRoughness") or {}
         red, green, blue, alpha = record.get("baseColorFactor") or (1.0, 1.0, 1.0, 1.0)
-        return (_shown(red), _shown(green), _shown(blue), round(min(max(float(alpha), 0.0), 1.0), 6))
+        return (shown(red), shown(green), shown(blue), round(min(max(float(alpha), 0.0), 1.0), 6))
 
     def _take(self, numbers: int) -> None:
-        """ValueError where so many more numbers exceed the limit for a file of this size."""
+        """Raises ValueError if these additional numbers exceed the limit for a file of this size."""
         self._room -= numbers
         if self._room < 0:
             msg = "its meshes are used too often"
             raise ValueError(msg)
 
     def _accessor(self, index: int, kind: str) -> npt.NDArray[Any]:
-        """(count, 1 or 3) numbers."""
+        """Returns the numbers (count, 1 or 3) of an accessor."""
         record = self._json["accessors"][index]
         if record["type"] != kind or "sparse" in record or "bufferView" not in record:
             msg = f"accessor {index} is not a plain {kind}"
@@ -188,7 +206,7 @@ class _GltfFile:
         width = _WIDTHS[kind]
         each = width * dtype.itemsize
         stride = natural(view, "byteStride", 0) or each
-        if not each <= stride <= LARGEST_STRIDE:
+        if not each <= stride <= MAX_STRIDE:
             msg = f"accessor {index} has a stride of {stride} bytes"
             raise ValueError(msg)
         buffer = self._buffers[natural(view, "buffer", 0)]
@@ -211,18 +229,18 @@ class _GltfFile:
         return base64.b64decode(content, validate=True)
 
 
-def room(size: int) -> int:
-    """How many numbers of points and indices the nodes of a file of this size [bytes] may come to."""
-    return min(max(_FREE_NUMBERS, _NUMBERS_A_BYTE * size), _MOST_NUMBERS)
+def number_budget(size: int) -> int:
+    """Returns the largest number of points and indices in all nodes of a file of this size [bytes]."""
+    return min(max(_FREE_NUMBERS, _NUMBERS_A_BYTE * size), _MAX_NUMBERS)
 
 
-def values(text: bytes) -> int:
-    """How many values a JSON text has, about, without reading it."""
+def value_count(text: bytes) -> int:
+    """Estimates the number of values of a JSON text, without parsing it."""
     return sum(map(text.count, (b",", b"[", b"{")))
 
 
 def natural(record: _Record, key: str, default: int | None = None) -> int:
-    """A number that counts something; KeyError where it is missing, Damaged for anything else."""
+    """Returns a number that counts something. Raises KeyError if it is missing, Damaged for anything else."""
     value = record[key] if default is None else record.get(key, default)
     if type(value) is not int or value < 0:
         msg = f"{key} is not a whole number of at least 0"
@@ -231,14 +249,14 @@ def natural(record: _Record, key: str, default: int | None = None) -> int:
 
 
 def chunks(data: bytes) -> tuple[bytes, bytes]:
-    """The JSON of a file and its binary chunk (empty where it has none)."""
+    """Returns the JSON of a file and its binary chunk (empty if it has none)."""
     if not data.startswith(MAGIC):
         return data, b""
     version, length = struct.unpack_from("<II", data, 4)
     if version != 2 or length != len(data):
         msg = f"it is of version {version} and has {len(data)} bytes where {length} are announced"
         raise ValueError(msg)
-    found: dict[int, bytes] = {}
+    chunk_by_kind: dict[int, bytes] = {}
     at = 12
     while at < length:
         size, kind = struct.unpack_from("<II", data, at)
@@ -246,13 +264,14 @@ def chunks(data: bytes) -> tuple[bytes, bytes]:
         if at + size > length:
             msg = "a chunk was cut short"
             raise ValueError(msg)
-        found.setdefault(kind, data[at : at + size])
+        chunk_by_kind.setdefault(kind, data[at : at + size])
         at += size
-    return found[_JSON], found.get(_BIN, b"")
+    return chunk_by_kind[_JSON], chunk_by_kind.get(_BIN, b"")
 
 
 def _local(record: _Record) -> _Array:
-    """The transform (4, 4) of a node in its parent: a matrix by columns, or parts."""
+    """Returns the transform (4, 4) of a node in its parent: from a matrix by columns, or from translation,
+    rotation and scale."""
     if "matrix" in record:
         return np.array(record["matrix"], dtype=np.float64).reshape(4, 4).T
     transform = np.eye(4)
@@ -267,9 +286,3 @@ def _local(record: _Record) -> _Array:
     transform[:3, :3] = turn * np.array(record.get("scale") or (1.0, 1.0, 1.0))
     transform[:3, 3] = record.get("translation") or (0.0, 0.0, 0.0)
     return transform
-
-
-def _shown(linear: float) -> float:
-    """A channel as screens show it (sRGB) of one in linear light, as glTF has it."""
-    value = min(max(float(linear), 0.0), 1.0)
-    return round(12.92 * value if value <= 0.0031308 else 1.055 * value ** (1 / 2.4) - 0.055, 6)

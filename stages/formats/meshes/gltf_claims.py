@@ -1,7 +1,7 @@
 """Checks the sizes that a glTF file claims against its content, before a library reads it.
 
 An accessor without a buffer is any number of zeros, a stride of 1 makes 64 bytes of each byte, a node with
-two parents counts twice, and a node that is its own child never ends.
+two parents counts twice, and reading a node that is its own child never ends.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,22 +11,30 @@ from urllib.parse import unquote
 import orjson
 
 from linkwright.stages.formats.damaged import Damaged
-from linkwright.stages.formats.meshes.gltf import LARGEST_STRIDE, MOST_VALUES, chunks, natural, room, values
+from linkwright.stages.formats.meshes.gltf import (
+    MAX_STRIDE,
+    MAX_VALUES,
+    chunks,
+    natural,
+    number_budget,
+    value_count,
+)
 
 _SIZES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 _PRIMITIVE = 256
+"""The count of a primitive besides its numbers, as in `gltf`."""
 
 _Record = Mapping[str, Any]
 
 
-def judge(data: bytes, companions: Mapping[str, bytes]) -> None:
-    """Damaged, or another error for an unknown structure, where a file claims more than it contains.
+def check_claims(data: bytes, companions: Mapping[str, bytes]) -> None:
+    """Raises Damaged, or another error for an unknown structure, if a file claims more than it contains.
 
     `companions`: the files that it names, as it names them.
     """
     text, chunk = chunks(data)
-    if values(text) > MOST_VALUES:
+    if value_count(text) > MAX_VALUES:
         msg = "its JSON is larger than the limit"
         raise Damaged(msg)
     root = orjson.loads(text)
@@ -40,11 +48,11 @@ def judge(data: bytes, companions: Mapping[str, bytes]) -> None:
     for index, accessor in enumerate(accessors):
         _require_within(index, accessor, views, len(data))
     _require_tree(root.get("nodes") or (), root.get("scenes") or ())
-    _require_few(root.get("nodes") or (), root.get("meshes") or (), accessors, room(len(data)))
+    _require_few(root.get("nodes") or (), root.get("meshes") or (), accessors, number_budget(len(data)))
 
 
 def _length(record: _Record, chunk: int, companions: Mapping[str, bytes]) -> int:
-    """The bytes that a buffer has at most; 0 where it is not there."""
+    """Returns the largest size of a buffer [bytes]; 0 if it is missing."""
     uri = record.get("uri")
     if uri is None:
         return chunk
@@ -57,12 +65,12 @@ def _require_within(index: int, accessor: _Record, views: Sequence[_Record], siz
     count = natural(accessor, "count")
     each = _SIZES[accessor["componentType"]] * _WIDTHS[accessor["type"]]
     if "bufferView" not in accessor:
-        # All zeros, but for what an extension or a list of exceptions says.
+        # All zeros, except the values that an extension or a list of exceptions gives.
         start, end, length = 0, count * each, size
     else:
         view = views[natural(accessor, "bufferView")]
         stride = natural(view, "byteStride", 0) or each
-        if not each <= stride <= LARGEST_STRIDE:
+        if not each <= stride <= MAX_STRIDE:
             msg = f"accessor {index} has a stride of {stride} bytes"
             raise Damaged(msg)
         start, length = natural(accessor, "byteOffset", 0), natural(view, "byteLength")
@@ -73,19 +81,21 @@ def _require_within(index: int, accessor: _Record, views: Sequence[_Record], siz
 
 
 def _require_tree(nodes: Sequence[_Record], scenes: Sequence[_Record]) -> None:
-    """ValueError where a node has two parents or, as the root of a scene, any."""
+    """Raises Damaged if a node has two parents, or the root of a scene has a parent."""
     children = [child for node in nodes for child in node.get("children") or ()]
     roots = {root for scene in scenes for root in scene.get("nodes") or ()}
     if len(set(children)) < len(children) or roots.intersection(children):
-        msg = "its nodes are no tree"
+        msg = "its nodes do not form a tree"
         raise Damaged(msg)
 
 
 def _require_few(
     nodes: Sequence[_Record], meshes: Sequence[_Record], accessors: Sequence[_Record], most: int
 ) -> None:
-    """ValueError where the meshes of all nodes come to more numbers than `most`."""
-    sizes = [sum(_numbers(one, accessors) for one in mesh.get("primitives") or ()) for mesh in meshes]
+    """Raises Damaged if the meshes of all nodes have more numbers than `most`."""
+    sizes = [
+        sum(_numbers(primitive, accessors) for primitive in mesh.get("primitives") or ()) for mesh in meshes
+    ]
     total = sum(sizes) + sum(sizes[natural(node, "mesh")] for node in nodes if "mesh" in node)
     if total > 2 * most:
         msg = "its meshes are used too often"
@@ -93,10 +103,10 @@ def _require_few(
 
 
 def _numbers(primitive: _Record, accessors: Sequence[_Record]) -> int:
-    """What a primitive takes: the numbers in its accessors, and what it costs however few these are."""
-    used = [
+    """Returns the cost of a primitive: the numbers in its accessors, and a constant."""
+    used_accessors = [
         *primitive.get("attributes", {}).values(),
         *([primitive["indices"]] if "indices" in primitive else []),
     ]
-    records = [accessors[one] for one in used]
+    records = [accessors[accessor] for accessor in used_accessors]
     return _PRIMITIVE + sum(int(record["count"]) * _WIDTHS[record["type"]] for record in records)

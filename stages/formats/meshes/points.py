@@ -1,4 +1,5 @@
-"""The points of the mesh files that are written: binary STL and Wavefront OBJ."""
+"""Writes binary STL, and reads the points of the mesh files that are written: binary STL and Wavefront
+OBJ."""
 
 import struct
 
@@ -8,11 +9,14 @@ import numpy.typing as npt
 STL_HEADER = 80
 """Length of a binary STL's header [bytes]; the number of triangles comes after it."""
 
+_HEADER = b"linkwright".ljust(STL_HEADER, b"\0")
+
 STL_FACE = np.dtype([("normal", "<f4", (3,)), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
 def is_binary_stl(data: bytes) -> bool:
-    """Whether the length of a file is that of a binary STL with as many triangles as it says."""
+    """Tells whether the length of a file is that of a binary STL with the number of triangles in its
+    header."""
     start = STL_HEADER + 4
     return (
         len(data) >= start
@@ -20,8 +24,19 @@ def is_binary_stl(data: bytes) -> bool:
     )
 
 
+def binary_stl(corners: npt.NDArray[np.float64], normals: npt.NDArray[np.float64] | None = None) -> bytes:
+    """Returns the binary STL of triangles (m, 3, 3), with normals (m, 3), which most readers compute
+    themselves; a triangle without area has the normal (0, 0, 0), as STL allows."""
+    faces = np.zeros(len(corners), dtype=STL_FACE)
+    if normals is not None:
+        lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+        faces["normal"] = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0) + 0.0
+    faces["corners"] = corners
+    return _HEADER + struct.pack("<I", len(faces)) + faces.tobytes()
+
+
 def mesh_points(file: str, data: bytes) -> npt.NDArray[np.float64]:
-    """(n, 3) [m]: the points of a file of ours; of an STL each corner of each triangle."""
+    """Returns the points (n, 3) [m] of a file of ours; of an STL, each corner of each triangle."""
     if file.endswith(".stl"):
         (count,) = struct.unpack_from("<I", data, STL_HEADER)
         faces = np.frombuffer(data, dtype=STL_FACE, count=count, offset=STL_HEADER + 4)

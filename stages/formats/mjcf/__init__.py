@@ -1,1 +1,1 @@
-"""An MJCF as a value: the model, its joints, its form, its bounds."""
+"""Defines an MJCF as a value: the model, its joints, its controls, its form, its bounds."""

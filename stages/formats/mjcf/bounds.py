@@ -1,4 +1,4 @@
-"""Size limits on an MJCF: counts by which a few bytes of XML would become a huge model."""
+"""Limits the size of an MJCF: the counts by which a few bytes of XML would become a huge model."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -13,20 +13,20 @@ from linkwright.stages.robot.system import regular_files
 LARGEST_TEXT = 1 << 25
 """Largest size of an XML file [bytes]: a model of 10,000 bodies has a tenth of that."""
 
-MOST_COPIES = 10_000
+MAX_COPIES = 10_000
 """Largest number of elements that <replicate>, <composite> and <flexcomp> may make."""
 
-MOST_COUNT = 10_000
+MAX_COUNT = 10_000
 """Largest value of an attribute that allocates memory."""
 
-MOST_CELLS = 1 << 26
+MAX_CELLS = 1 << 26
 """Largest number of pixels of an image, or of points of a height field."""
 
-MOST_BODIES = 20_000
+MAX_BODIES = 20_000
 """Largest number of bodies: MuJoCo's compiler takes a minute for these, and its time grows with the
 square."""
 
-MOST_LETTERS = 1000
+MAX_LETTERS = 1000
 """Largest length of a name."""
 
 _NAMES = ("name", "model", "prefix", "class")
@@ -36,8 +36,11 @@ _AREAS = {"hfield": ("nrow", "ncol"), "texture": ("width", "height")}
 
 
 def require(path: Path, texts: Iterable[Path]) -> None:
-    """SourceError where the XML of the model `path`, in `texts`, exceeds a limit. What only
-    several files, or MuJoCo's own parser, would show is left to the limits of the guest process."""
+    """Raises SourceError if the XML of the model `path`, in `texts`, exceeds a limit.
+
+    Excesses that show only across several files, or in MuJoCo's own parser, are left to the limits of the
+    guest process.
+    """
     for text in texts:
         try:
             root = xml.parse(regular_files.content(text, LARGEST_TEXT), large=True)
@@ -49,35 +52,35 @@ def require(path: Path, texts: Iterable[Path]) -> None:
 
 
 def _beyond(root: Element) -> Iterator[str]:
-    """Violations of the limits, such as "<size nkey> is 2000000000; at most 10000 is allowed"."""
+    """Yields violations of the limits, such as "<size nkey> is 2000000000; at most 10000 is allowed"."""
     copies: dict[Element, float] = {}
-    made = bodies = 0.0
+    copied = bodies = 0.0
     for element in root.iter():
         above = copies.get(element.getparent(), 1.0)
         copies[element] = above * (max(1.0, _product(element, "count")) if element.tag in _COPYING else 1.0)
-        made = max(made + (above if above > 1 else 0), copies[element] if copies[element] > 1 else 0)
+        copied = max(copied + (above if above > 1 else 0), copies[element] if copies[element] > 1 else 0)
         bodies += element.tag == "body"
-        if made > MOST_COPIES:
-            copying = ", ".join(f"<{one}>" for one in _COPYING)
-            yield f"its copies ({copying}) come to {made:.6g} elements; at most {MOST_COPIES} are allowed"
+        if copied > MAX_COPIES:
+            copying = ", ".join(f"<{name}>" for name in _COPYING)
+            yield f"its copies ({copying}) come to {copied:.6g} elements; at most {MAX_COPIES} are allowed"
             return
         yield from _large(element)
-    if bodies > MOST_BODIES:
-        yield f"it has {bodies:.0f} bodies; at most {MOST_BODIES} are allowed"
+    if bodies > MAX_BODIES:
+        yield f"it has {bodies:.0f} bodies; at most {MAX_BODIES} are allowed"
 
 
 def _large(element: Element) -> Iterator[str]:
-    """Violations of the limits in one element."""
+    """Yields violations of the limits in an element."""
     name = element.tag
     for key, value in element.items():
-        if _COUNTS.fullmatch(key) and _number(value) > MOST_COUNT:
-            yield f"<{name} {key}> is {_number(value):.12g}; at most {MOST_COUNT} is allowed"
-        if key in _NAMES and len(value) > MOST_LETTERS:
-            yield f"the {key} of a <{name}> has {len(value)} letters; at most {MOST_LETTERS} are allowed"
+        if _COUNTS.fullmatch(key) and _number(value) > MAX_COUNT:
+            yield f"<{name} {key}> is {_number(value):.12g}; at most {MAX_COUNT} is allowed"
+        if key in _NAMES and len(value) > MAX_LETTERS:
+            yield f"the {key} of a <{name}> has {len(value)} letters; at most {MAX_LETTERS} are allowed"
     if name in _AREAS:
         cells = prod(_product(element, key) for key in _AREAS[name])
-        if cells > MOST_CELLS:
-            yield f"<{name}> has {cells:.6g} points; at most {MOST_CELLS} are allowed"
+        if cells > MAX_CELLS:
+            yield f"<{name}> has {cells:.6g} points; at most {MAX_CELLS} are allowed"
 
 
 def _product(element: Element, key: str) -> float:
@@ -85,7 +88,7 @@ def _product(element: Element, key: str) -> float:
 
 
 def _number(text: str) -> float:
-    """A count; 1 where it is not a number (MuJoCo reports that)."""
+    """Returns a count; 1 if it is not a number (MuJoCo reports that)."""
     try:
         return float(text)
     except ValueError:

@@ -1,4 +1,4 @@
-"""How a robot's MJCF differs from the robot: for who writes and who checks one."""
+"""Defines how a robot's MJCF differs from the robot, as a value that writers and checks share."""
 
 from dataclasses import dataclass
 
@@ -7,9 +7,11 @@ from linkwright.stages.robot.model.mjcf_extras import MjcfExtras
 
 @dataclass(frozen=True, slots=True)
 class MjcfForm:
-    """`fused`: the links that have no body of their own. Each is a site of its name on the body above it,
-    which has its mass, its shapes and all that was on it. `extras`: what it has that no other format has, of
-    an MJCF source."""
+    """The choices that decide how a robot is written as an MJCF."""
 
     fused: tuple[str, ...] = ()
+    """The links without a body of their own. Each is a site of its name on the body above it, which has its
+    mass, its shapes and everything else on it."""
+
     extras: MjcfExtras | None = None
+    """The content of an MJCF source that no other format has."""

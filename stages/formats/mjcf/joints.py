@@ -1,4 +1,4 @@
-"""The joints of an MJCF in the order in which MuJoCo numbers them."""
+"""Lists the joints of an MJCF in the order in which MuJoCo numbers them."""
 
 from collections.abc import Iterator
 
@@ -9,14 +9,14 @@ JOINTS = ("joint", "freejoint")
 TYPES = ("hinge", "slide", "ball", "free")
 
 HINGE = "hinge"
-"""The type of a joint that says none."""
+"""The type of a joint without a `type`."""
 
 
 def joints_in_order(root: Element) -> Iterator[tuple[Element, str]]:
-    """Each joint of the finished model, with its type in MJCF's words.
+    """Yields each joint of the finished model, with its type in MJCF's words.
 
-    MuJoCo numbers bodies depth first, in the order of the file, and of each body the joints in theirs (its
-    documentation, "Computation", on the kinematic tree).
+    MuJoCo numbers bodies depth first, in the order of the file, and the joints of each body in file order
+    (its documentation, "Computation", on the kinematic tree).
     """
     types = _class_types(root)
     for world in root.iterchildren("worldbody"):
@@ -26,20 +26,20 @@ def joints_in_order(root: Element) -> Iterator[tuple[Element, str]]:
             body, inherited = waiting.pop()
             inherited = body.get("childclass", inherited)
             below: list[tuple[Element, str]] = []
-            for node, own in _inside(body, inherited):
+            for node, node_class in _inside(body, inherited):
                 if node.tag == "freejoint":
                     yield node, "free"
                 elif node.tag == "joint":
-                    kind = node.get("type") or types.get(node.get("class", own), HINGE)
-                    # What MuJoCo has no word for does not compile, which the validate stage says.
+                    kind = node.get("type") or types.get(node.get("class", node_class), HINGE)
+                    # Types unknown to MuJoCo do not compile, which the validate stage reports.
                     yield node, kind if kind in TYPES else HINGE
                 else:
-                    below.append((node, own))
+                    below.append((node, node_class))
             waiting += reversed(below)
 
 
 def _inside(body: Element, inherited: str) -> Iterator[tuple[Element, str]]:
-    """The joints and bodies of a body with the class that they inherit; a <frame> is no body."""
+    """Yields the joints and bodies of a body with the class that they inherit; a <frame> is not a body."""
     for node in body.iterchildren(*JOINTS, "body", "frame"):
         if node.tag == "frame":
             yield from _inside(node, node.get("childclass", inherited))
@@ -48,14 +48,14 @@ def _inside(body: Element, inherited: str) -> Iterator[tuple[Element, str]]:
 
 
 def _class_types(root: Element) -> dict[str, str]:
-    """By class that gives joints a type, or is inside one that does: that type."""
-    found: dict[str, str] = {}
+    """Returns the type of joints by class, for classes that set a type or inherit it."""
+    type_by_class: dict[str, str] = {}
     for section in root.iterchildren("default"):
         waiting = [(section, HINGE)]
         while waiting:
             node, inherited = waiting.pop()
-            own = node.find("joint")
-            kind = inherited if own is None else own.get("type", inherited)
-            found[node.get("class", "main")] = kind
+            joint = node.find("joint")
+            kind = inherited if joint is None else joint.get("type", inherited)
+            type_by_class[node.get("class", "main")] = kind
             waiting += [(below, kind) for below in node.iterchildren("default")]
-    return found
+    return type_by_class

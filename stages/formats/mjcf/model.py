@@ -1,4 +1,4 @@
-"""An MJCF as a value, as MuJoCo compiled it.
+"""Defines the values of an MJCF, as MuJoCo compiled it.
 
 Everything is as compiled: defaults, includes, angles, inertias from geoms and sizes from meshes are
 resolved. Poses are (4, 4) float64 transforms at qpos0, named by their frames; SI units, radians. Bodies
@@ -20,37 +20,47 @@ MjcfGeomKind = Literal["box", "sphere", "cylinder", "capsule", "mesh"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MjcfJoint:
-    """A joint of a body: with its `anchor` (3,) p, its `axis` (3,) and `ref` q₀ it takes the body's frame
-    by T(p) M(axis, q − q₀) T(−p). `axis` is a unit vector, zero for a ball or free motion. `attributes`: what
-    the file says of it beside that."""
+    """A joint of a body: it moves the body's frame by T(p) M(axis, q − q₀) T(−p)."""
 
     name: str
     type: MjcfJointType
     anchor: Array
+    """p (3,) [m]."""
+
     axis: Array
+    """Unit vector (3,), zero for a ball or free motion."""
+
     ref: float
+    """q₀ [rad or m]."""
+
     limits: Limits
     dynamics: Dynamics
     spring: Spring | None = None
     attributes: Attributes = ()
+    """The other attributes in the file."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MjcfGeom:
-    """A shape of a body. `size` [m] as in `model.Primitive`, () for a mesh, whose triangles are `mesh`.
-
-    `collides`: whether any other geom may touch it; `seen`: whether it is looked at. `form`: its name, and
-    what the file says of it beside its shape; an ellipsoid is a mesh here.
-    """
+    """A shape of a body."""
 
     form: GeomForm
+    """The name, and the other properties in the file; an ellipsoid is a mesh here."""
+
     kind: MjcfGeomKind
     size: tuple[float, ...]
+    """[m], as in `model.Primitive`; () for a mesh."""
+
     mesh: MeshRef | None
+    """The triangles of a mesh, otherwise None."""
+
     body_from_geom: Array
     colour: Colour | None
     collides: bool
+    """Whether any other geom may touch it."""
+
     seen: bool
+    """Whether it is visible."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,33 +82,44 @@ class MjcfPlaced:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MjcfBody:
-    """A body: its `joints` act one after the other. `inertial` in the body's frame, None without mass;
-    `axes` (3, 3): those of its inertia there, in the file's order."""
+    """A body."""
 
     name: str
     parent: int
     parent_from_body: Array
     inertial: Inertial | None
+    """In the body's frame; None without mass."""
+
     joints: tuple[MjcfJoint, ...]
+    """The joints, which act one after the other."""
+
     geoms: tuple[MjcfGeom, ...]
     sites: tuple[MjcfSite, ...]
     axes: Array | None = None
+    """The axes of the inertia (3, 3) in the body's frame, in the file's order."""
+
     attributes: Attributes = ()
     mounted: tuple[MjcfPlaced, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MjcfClosure:
-    """An equality that holds two frames together, `a_from_frame` on the first of `bodies` and
-    `b_from_frame` on the second: a connect their origins, a weld all of them. `sites`: the names of the
-    two sites that it names, "" where it names bodies."""
+    """An equality that holds two frames together: a connect holds their origins, a weld the whole frames."""
 
     name: str
     type: Literal["connect", "weld"]
     bodies: tuple[int, int]
+    """The bodies of the two frames."""
+
     sites: tuple[str, str]
+    """The names of the two sites that it names; "" if it names bodies."""
+
     a_from_frame: Array
+    """The frame on the first body."""
+
     b_from_frame: Array
+    """The frame on the second body."""
+
     attributes: Attributes = ()
 
 
@@ -116,7 +137,7 @@ class MjcfRelation:
 
 @dataclass(frozen=True, slots=True)
 class MjcfActuator:
-    """An actuator of a hinge or slide, as `actuation.Actuator`."""
+    """An actuator of a hinge or slide, as in `actuation.Actuator`."""
 
     name: str
     joint: int
@@ -132,7 +153,8 @@ class MjcfActuator:
 
 @dataclass(frozen=True, slots=True)
 class MjcfSensorEnd:
-    """What a sensor is on: a joint, actuator, site, body or xbody by its number; "" and -1 for nothing."""
+    """The object of a sensor: a joint, actuator, site, body or xbody by its number; "" and -1 without an
+    object."""
 
     kind: str
     number: int
@@ -140,7 +162,7 @@ class MjcfSensorEnd:
 
 @dataclass(frozen=True, slots=True)
 class MjcfSensor:
-    """A sensor, as `sensing.Sensor`."""
+    """A sensor, as in `sensing.Sensor`."""
 
     name: str
     type: str
@@ -155,30 +177,38 @@ class MjcfSensor:
 
 @dataclass(frozen=True, slots=True)
 class MjcfNamedPose:
-    """A keyframe: (joint, value) [rad or m] of every hinge and slide, and the balls and free joints that are
-    elsewhere than at qpos0, all by their numbers. `floating`: (joint, numbers in `qpos`) of free joints;
-    `scene`: the numbers in `qpos` of what is in the scene beside the robot."""
+    """A keyframe. Joints are referred to by their numbers."""
 
     name: str
     values: tuple[tuple[int, float], ...]
+    """(joint, value) [rad or m] of every hinge and slide."""
+
     moved: tuple[int, ...] = ()
+    """The balls and free joints that are not at qpos0."""
+
     floating: tuple[tuple[int, tuple[float, ...]], ...] = ()
+    """(joint, numbers in `qpos`) of free joints."""
+
     scene: tuple[float, ...] = ()
+    """The numbers in `qpos` of the objects of the scene around the robot."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mjcf:
-    """A model's robot. `bodies[0]` is the world; a body's parent comes before it, and the joints are counted
-    from 0 through the bodies, as are the sites. `diagnostics`: what is left out. `extras`: what only an MJCF
-    says, but for what is at the bodies, joints and other things here; in the order of actuators and sensors
-    there, "" stands for the next of those here that has no name."""
+    """The robot of a model. Joints are counted from 0 through the bodies, and so are sites."""
 
     name: str
     bodies: tuple[MjcfBody, ...]
+    """The world first; a body's parent comes before it."""
+
     closures: tuple[MjcfClosure, ...]
     relations: tuple[MjcfRelation, ...]
     diagnostics: tuple[Diagnostic, ...]
+    """The elements left out."""
+
     actuators: tuple[MjcfActuator, ...] = ()
     sensors: tuple[MjcfSensor, ...] = ()
     keyframes: tuple[MjcfNamedPose, ...] = ()
     extras: MjcfExtras = NO_EXTRAS
+    """The content that only an MJCF has, except that of the bodies, joints and other things here. In its
+    order of actuators and sensors, "" is the next of these that has no name."""

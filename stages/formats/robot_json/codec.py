@@ -1,4 +1,4 @@
-"""Records as JSON and back: the class of a record is the schema of its table.
+"""Converts records to JSON and back: the class of a record is the schema of its table.
 
 A field's key is its name, unless a `Key` says otherwise. A field with a default is left out where it has that
 value, and may be missing or null where the table is read. Keys that no field has are not read.
@@ -15,36 +15,42 @@ from typing import Annotated, Any, Generic, Literal, Self, TypeVar, Union, cast,
 T = TypeVar("T")
 
 Names = Mapping[str, Collection[str]]
-"""Kind of thing → the names that there are of it: what a field refers to must be one of these."""
+"""Kind of thing → the existing names: a field that refers to such a thing must have one of these."""
 
 
 class RobotJsonError(Exception):
-    """robot.json does not say what it must. The message names the field."""
+    """The error that robot.json lacks required content, or has invalid content. Its message names the
+    field."""
 
     def __init__(self, message: str, place: str | None = None) -> None:
         super().__init__(message if place is None else f"{place or 'the file'}: {message}")
         self._message, self._place = message, place
 
     def within(self, step: str) -> "RobotJsonError":
-        """The same error, seen from the table or list that has the field."""
+        """Returns the same error, as seen from the table or list that contains the field."""
         place = self._place or ""
         return RobotJsonError(self._message, f"{step}{'' if place[:1] in ('', '[') else '.'}{place}")
 
 
-def refused(expected: str, found: Any) -> RobotJsonError:
-    shown = "nothing" if found is None else repr(found)
-    shown = shown if len(shown) <= 60 else f"{shown[:57]}..."
-    return RobotJsonError(f"expected {expected}, found {shown}", "")
+def refused(expected: str, value: Any) -> RobotJsonError:
+    """Returns the error for a value that is not as expected."""
+    value_text = "nothing" if value is None else repr(value)
+    value_text = value_text if len(value_text) <= 60 else f"{value_text[:57]}..."
+    return RobotJsonError(f"expected {expected}, found {value_text}", "")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Form:
-    """How the values of a type are in JSON. `write`: from the value to plain data; `read`: back again, with
-    RobotJsonError for what is none; `schema`: JSON Schema of the data."""
+    """The conversion between a type's values and JSON."""
 
     write: Callable[[Any], Any]
+    """Converts a value to plain data."""
+
     read: Callable[[Any, Names], Any]
+    """Converts plain data to a value; raises RobotJsonError for invalid data."""
+
     schema: Mapping[str, Any]
+    """The JSON Schema of the data."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,37 +64,39 @@ INLINE = object()
 """Marks a field whose own fields are in the table in its place."""
 
 UNREAD = object()
-"""Marks a field that only others read: it follows from the rest."""
+"""Marks a field that only other programs read: it follows from the rest."""
 
 
 class JsonRecord(Generic[T]):
-    """A table of robot.json: what it says of a value of the model, T."""
+    """A table of robot.json about a value of the model, T."""
 
     @classmethod
     def from_model(cls, value: Any, **more: Any) -> Self:
-        """The record of a value, whose attributes have the names of the fields; `more`: other fields. What
-        the value does not have keeps its default."""
+        """Returns the record of a value, whose attributes have the names of the fields.
+
+        `more`: other fields. Fields that the value lacks keep their defaults.
+        """
         names = [entry.name for entry in entries_of(cast(Any, cls)) if entry.name not in more]
         return cls(**{name: getattr(value, name) for name in names if hasattr(value, name)}, **more)
 
     def to_model(self, **more: Any) -> T:
-        """The value of the record; `more`: attributes that no field has."""
+        """Returns the value of the record; `more`: attributes that no field has."""
         kind, names = _in_model(cast(Any, type(self)))
-        own = {name: modelled(getattr(self, name)) for name in names if name not in more}
-        made: T = kind(**own, **more)
-        return made
+        attributes = {name: modelled(getattr(self, name)) for name in names if name not in more}
+        value: T = kind(**attributes, **more)
+        return value
 
 
 @cache
 def _in_model(record: Any) -> tuple[Any, tuple[str, ...]]:
-    """The class of the model that a record is of, and the names that both have."""
+    """Returns the class of the model behind a record, and the names that both have."""
     kind = get_args(record.__orig_bases__[0])[0]
-    own = {entry.name for entry in entries_of(record)}
-    return kind, tuple(field.name for field in fields(kind) if field.name in own)
+    names = {entry.name for entry in entries_of(record)}
+    return kind, tuple(field.name for field in fields(kind) if field.name in names)
 
 
 class PairRecord(JsonRecord[tuple[Any, ...]]):
-    """What the model has as a tuple."""
+    """A table of robot.json for a tuple of the model."""
 
     @classmethod
     def from_model(cls, value: Any, **more: Any) -> Self:
@@ -99,62 +107,66 @@ class PairRecord(JsonRecord[tuple[Any, ...]]):
 
 
 def modelled(value: Any) -> Any:
-    """The values of records, also in tuples; everything else as it is."""
+    """Converts records to the model's values, also in tuples; returns everything else unchanged."""
     if isinstance(value, tuple):
         return tuple(map(modelled, value))
     return value.to_model() if isinstance(value, JsonRecord) else value
 
 
 def write(record: Any) -> dict[str, Any]:
-    """The record as plain data."""
+    """Returns the record as plain data."""
     table: dict[str, Any] = form_of(cast(Any, type(record))).write(record)
     return table
 
 
 def read(kind: type[T], data: Any, names: Names) -> T:
-    """The record that plain data are. RobotJsonError where they are none."""
+    """Returns the record in plain data. Raises RobotJsonError for invalid data."""
     record: T = form_of(cast(Any, kind)).read(data, names)
     return record
 
 
 @dataclass(frozen=True, slots=True)
 class FieldEntry:
-    """A field of a record. `kind`: its annotated type; `default`: MISSING where it is always there."""
+    """A field of a record."""
 
     name: str
     key: str
     kind: Any
+    """The annotated type."""
+
     form: Form
     default: Any
+    """The default; MISSING if the field is always there."""
+
     inline: bool
     unread: bool
 
 
 @cache
 def entries_of(kind: Any) -> tuple[FieldEntry, ...]:
-    """The fields of a record. A class of the model that is one itself leaves nothing out."""
+    """Returns the fields of a record. A class of the model that is a record itself leaves nothing out."""
     hints = typing.get_type_hints(kind, include_extras=True)
-    found = []
+    entries = []
     for field in fields(kind):
-        own = hints[field.name]
-        marks = get_args(own)[1:] if get_origin(own) is Annotated else ()
+        hint = hints[field.name]
+        marks = get_args(hint)[1:] if get_origin(hint) is Annotated else ()
         key = next((mark.name for mark in marks if isinstance(mark, Key)), field.name)
         default = field.default if issubclass(kind, JsonRecord) else MISSING
         flags = INLINE in marks, UNREAD in marks
-        found.append(FieldEntry(field.name, key, own, form_of(own), default, *flags))
-    return tuple(found)
+        entries.append(FieldEntry(field.name, key, hint, form_of(hint), default, *flags))
+    return tuple(entries)
 
 
 @cache
 def form_of(kind: Any) -> Form:
-    """How the values of an annotated type are in JSON."""
+    """Returns the form of an annotated type's values in JSON."""
     origin, inside = get_origin(kind), get_args(kind)
     if origin is Annotated:
         return next((mark for mark in reversed(inside) if isinstance(mark, Form)), None) or form_of(inside[0])
     if origin is Literal:
         return _one_of(*inside)
     if origin in (Union, UnionType):
-        return _or_null(form_of(next(one for one in inside if one is not NoneType)))
+        return _or_null(form_of(next(option for option in inside if option is not NoneType)))
     if origin is tuple:
         return _several(form_of(inside[0]), None if inside[-1] is ... else len(inside))
     if origin is not None and issubclass(origin, Mapping):
@@ -163,7 +175,7 @@ def form_of(kind: Any) -> Form:
 
 
 def _plain(kinds: Any, expected: str, schema: str) -> Form:
-    """What JSON has itself."""
+    """Returns the form of a type that JSON has itself."""
 
     def read(data: Any, names: Names) -> Any:
         if not isinstance(data, kinds) or (isinstance(data, bool) and kinds is not bool):
@@ -192,7 +204,7 @@ _LIST, _TABLE = _plain(list, "a list", "array"), _plain(Mapping, "a table", "obj
 
 
 def refers_to(kind: str) -> Form:
-    """The name of a thing of this kind."""
+    """Returns the form of a name of a thing of this kind."""
 
     def read(data: Any, names: Names) -> str:
         text: str = _PLAIN[str].read(data, names)
@@ -222,20 +234,20 @@ def _or_null(form: Form) -> Form:
 
 
 def _several(form: Form, count: int | None) -> Form:
-    """A list; where its length is not fixed, a missing one has nothing in it."""
+    """Returns the form of a list; a missing list is empty if its length is not fixed."""
 
     def read(data: Any, names: Names) -> tuple[Any, ...]:
         if data is None and count is None:
             return ()
-        items, found = _LIST.read(data, names), list[Any]()
+        items, values = _LIST.read(data, names), list[Any]()
         if count not in (None, len(items)):
             raise refused(f"{count} values", data)
         try:
             for item in items:
-                found.append(form.read(item, names))
+                values.append(form.read(item, names))
         except RobotJsonError as error:
-            raise error.within(f"[{len(found)}]") from None
-        return tuple(found)
+            raise error.within(f"[{len(values)}]") from None
+        return tuple(values)
 
     length = {} if count is None else {"minItems": count, "maxItems": count}
     schema = {"type": "array", "items": form.schema, **length}
@@ -243,16 +255,16 @@ def _several(form: Form, count: int | None) -> Form:
 
 
 def table_of(form: Form, make: Callable[[dict[str, Any]], Any] = dict) -> Form:
-    """Values by names of the robot's; `make`: the mapping as the model has it."""
+    """Returns the form of a table by names of the robot; `make`: makes the model's mapping."""
 
     def read(data: Any, names: Names) -> Any:
-        found: dict[str, Any] = {}
+        values: dict[str, Any] = {}
         for key, item in _TABLE.read(data, names).items():
             try:
-                found[key] = form.read(item, names)
+                values[key] = form.read(item, names)
             except RobotJsonError as error:
                 raise error.within(key) from None
-        return make(found)
+        return make(values)
 
     schema = {"type": "object", "additionalProperties": form.schema}
     return Form(lambda value: {key: form.write(item) for key, item in dict(value).items()}, read, schema)
@@ -263,26 +275,26 @@ def _record(kind: type) -> Form:
         record = value if isinstance(value, kind) else kind.from_model(value)  # type: ignore[attr-defined]
         table: dict[str, Any] = {}
         for entry in entries_of(kind):
-            found = getattr(record, entry.name)
+            value_of_field = getattr(record, entry.name)
             if entry.inline:
-                table |= entry.form.write(found)
-            elif entry.default is MISSING or found != entry.default:
-                table[entry.key] = entry.form.write(found)
+                table |= entry.form.write(value_of_field)
+            elif entry.default is MISSING or value_of_field != entry.default:
+                table[entry.key] = entry.form.write(value_of_field)
         return table
 
     def read(data: Any, names: Names) -> Any:
         _TABLE.read(data, names)
-        found: dict[str, Any] = {}
+        values: dict[str, Any] = {}
         for entry in entries_of(kind):
             if entry.unread:
-                found[entry.name] = None
+                values[entry.name] = None
             elif entry.inline:
-                found[entry.name] = entry.form.read(data, names)
+                values[entry.name] = entry.form.read(data, names)
             elif data.get(entry.key) is not None or entry.default is MISSING:
                 try:
-                    found[entry.name] = entry.form.read(data.get(entry.key), names)
+                    values[entry.name] = entry.form.read(data.get(entry.key), names)
                 except RobotJsonError as error:
                     raise error.within(entry.key) from None
-        return kind(**found)
+        return kind(**values)
 
     return Form(write, read, {"$ref": f"#/$defs/{kind.__name__}"})

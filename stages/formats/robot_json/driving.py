@@ -1,4 +1,4 @@
-"""What drives and measures the robot of a robot.json."""
+"""Defines the actuators and sensors of robot.json."""
 
 from dataclasses import dataclass
 from typing import Annotated, Any
@@ -29,26 +29,27 @@ from linkwright.stages.robot.model.sensing import (
 
 @dataclass(frozen=True, kw_only=True)
 class ActuatorRecord(JsonRecord[Actuator]):
-    """What drives a degree of freedom.
+    """An actuator of a degree of freedom.
 
     name: unique among actuators.
     dof: the degree of freedom that it drives.
-    type: MuJoCo's; general has all its parameters in `terms`.
+    type: the type in MuJoCo; general has all its parameters in `terms`.
     gear: length of the actuator per value of the degree of freedom.
-    kp: a servo's stiffness [N m/rad or N/m]; null for none.
-    kv: a servo's damping [N m s/rad or N s/m]; null for none.
+    kp: a servo's stiffness [N m/rad or N/m]; null for other actuators.
+    kv: a servo's damping [N m s/rad or N s/m]; null for other actuators.
     terms: MJCF's other attributes.
     control: the lowest and the highest control, in the unit of the type; null without limits.
     force: the lowest and the highest force at the actuator [N m or N]; null without limits.
     home: the control at the keyframe `home`.
-    load: the largest force at the degree of freedom by the robot's weight, over its range [N m or N]; null
-        where it is unknown.
-    home_load: that at `home` [N m or N]; null where it is unknown.
+    load: the largest force at the degree of freedom by the robot's weight, over its range [N m or N]; null if
+        it is unknown.
+    home_load: the force at the degree of freedom by the robot's weight at `home` [N m or N]; null if it is
+        unknown.
     holds: keyframe that needs one → the force at the degree of freedom, with its sign, that holds the robot
         there [N m or N].
     sag: how far the robot's weight moves the servo's degree of freedom from a target at `home` [rad or m].
     estimated: the values that Linkwright chose.
-    motor: a motor of the library; missing for none.
+    motor: a motor of the library; missing without a motor.
     provenance: parameter of the motor → where its value comes from.
     """
 
@@ -77,7 +78,7 @@ class ArmatureRecord(JsonRecord[Armature]):
 
     dof: the degree of freedom.
     value: the inertia [kg m² or kg].
-    reason: why, in words.
+    reason: the reason, in words.
     """
 
     dof: DofName
@@ -90,7 +91,7 @@ class CompensatedRecord(PairRecord):
     """A link whose weight actuators carry.
 
     link: the link.
-    share: of its weight.
+    share: the share of the link's weight.
     """
 
     link: LinkName
@@ -99,12 +100,12 @@ class CompensatedRecord(PairRecord):
 
 @dataclass(frozen=True)
 class ActuationRecord(JsonRecord[Actuation]):
-    """What drives the robot.
+    """The actuators of the robot, and the values that belong to them.
 
     actuators: actuators in the order of the degrees of freedom.
     armatures: inertias that Linkwright adds.
     compensated: the links whose weight actuators carry.
-    compensating: the degrees of freedom whose actuators carry it.
+    compensating: the degrees of freedom whose actuators carry the weight of `compensated` links.
     """
 
     actuators: tuple[ActuatorRecord, ...] = ()
@@ -115,10 +116,10 @@ class ActuationRecord(JsonRecord[Actuation]):
 
 @dataclass(frozen=True)
 class SensorEndRecord(PairRecord):
-    """What a sensor is on, or measures in the frame of.
+    """The object that a sensor is on, or in whose frame it measures.
 
-    kind: what has the name; body is a link's centre of mass, xbody its frame.
-    name: of a degree of freedom, an actuator, a frame, a link or a camera.
+    kind: the kind of object; body is a link's centre of mass, xbody its frame.
+    name: the name of a degree of freedom, an actuator, a frame, a link or a camera.
     """
 
     kind: SensorTarget
@@ -130,13 +131,14 @@ class SensorRecord(JsonRecord[Sensor]):
     """A sensor.
 
     name: unique among sensors.
-    type: MJCF's.
-    on: null for the whole model.
-    relative_to: of a sensor of a frame in another, and of one in the image of a camera; null for others.
+    type: the type in MJCF.
+    on: the object of the sensor; null for the whole model.
+    relative_to: the frame in which a sensor measures another frame, or the camera in whose image it measures;
+        null for other sensors.
     noise: standard deviation, in the unit of the sensor.
-    cutoff: the largest value, in the unit of the sensor; 0 for none.
-    shape: that in which contact is felt, of a sensor of the source.
-    size: of that shape [m], as of `sensor_sites`.
+    cutoff: the largest value, in the unit of the sensor; 0 without a limit.
+    shape: the shape in which a sensor of the source feels contact.
+    size: the size of that shape [m], as in `sensor_sites`.
     """
 
     name: str
@@ -164,12 +166,12 @@ class SensorRecord(JsonRecord[Sensor]):
 
 @dataclass(frozen=True)
 class SensorSiteRecord(JsonRecord[SensorSite]):
-    """A place on a link that is there for sensors alone.
+    """A place on a link that only sensors use.
 
     name: unique among sites.
     link: the link that has it.
-    pose: where it is in the link.
-    shape: that in which contact is felt; null for a point.
+    pose: its pose in the link.
+    shape: the shape in which contact is felt; null for a point.
     size: of the shape [m]: the radius of a sphere; the radius and the length of a cylinder or capsule; the
         lengths along x, y and z of a box or ellipsoid; null for a point.
     """
@@ -194,7 +196,7 @@ class SensorCameraRecord(JsonRecord[SensorCamera]):
 
     name: unique among cameras.
     link: the link that has it.
-    pose: where it is in the link.
+    pose: its pose in the link.
     fovy: its vertical field of view [deg].
     resolution: width and height [pixels].
     """
@@ -208,10 +210,10 @@ class SensorCameraRecord(JsonRecord[SensorCamera]):
 
 @dataclass(frozen=True)
 class SensingRecord(JsonRecord[Sensing]):
-    """What measures the robot.
+    """The sensors and cameras of the robot.
 
     sensors: sensors in the order of MuJoCo's `sensordata`.
-    sensor_sites: places on links that are there for sensors alone.
+    sensor_sites: places on links that only sensors use.
     cameras: cameras that the robot carries.
     """
 

@@ -1,4 +1,4 @@
-"""What a robot.json says of the robot's other files: their order, their names, and packages of them."""
+"""Defines the tables of robot.json about the robot's other files: their order, names and packages."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,11 +11,11 @@ from linkwright.stages.robot.motion.linear_coupling import LinearCoupling
 
 @dataclass(frozen=True)
 class LoweredRecord(JsonRecord[None]):
-    """A joint that is several joints in the URDF.
+    """A joint of the robot that is several joints in the URDF.
 
     joint: the joint.
-    joints: those that stand for it, from parent to child.
-    links: those between them.
+    joints: the joints that represent it, from parent to child.
+    links: the links between them.
     """
 
     joint: str
@@ -30,10 +30,10 @@ class CouplingRecord(JsonRecord[LinearCoupling]):
     follower: the degree of freedom that follows.
     driver: the degree of freedom that is followed.
     multiplier: factor of the driver's value.
-    offset: what is added [rad or m].
-    range: the driver's values between which that was found [rad or m].
-    error: how far the follower is off at most where the driver is in the range [rad or m].
-    mimic: whether that is exact, and so in the URDF.
+    offset: the value that is added [rad or m].
+    range: the driver's values between which the coupling was measured [rad or m].
+    error: the largest error of the follower while the driver is in the range [rad or m].
+    mimic: whether the coupling is exact, and therefore in the URDF.
     """
 
     follower: DofName
@@ -46,7 +46,8 @@ class CouplingRecord(JsonRecord[LinearCoupling]):
 
     @classmethod
     def from_model(cls, value: LinearCoupling, **more: Any) -> "CouplingRecord":
-        """An exact one with the numbers of its <mimic>; those of another one are fitted."""
+        """Returns the record of a coupling: an exact coupling has the numbers of its <mimic>, others rounded
+        ones."""
         numbers = (
             {}
             if value.exact
@@ -61,11 +62,11 @@ class CouplingRecord(JsonRecord[LinearCoupling]):
 
 @dataclass(frozen=True)
 class HeldRecord(JsonRecord[None]):
-    """A link that is part of another in a format.
+    """A link that is merged into another link in a format.
 
     link: the link.
-    into: the link that it is part of.
-    pose: where it is in that.
+    into: the link that contains it.
+    pose: its pose in that link.
     """
 
     link: LinkName
@@ -77,7 +78,7 @@ class HeldRecord(JsonRecord[None]):
 class UrdfRecord(JsonRecord[None]):
     """How the URDF names its meshes.
 
-    package: the package that has them.
+    package: the package that contains the meshes.
     """
 
     package: str
@@ -87,13 +88,13 @@ class UrdfRecord(JsonRecord[None]):
 class MjcfJointRow(JsonRecord[None]):
     """A joint of the MJCF.
 
-    name: null for none.
-    kind: that of its degree of freedom.
-    unit: of its numbers in `qpos`.
-    qpos: its first number in MuJoCo's array, and how many it has.
-    dof: its first number in MuJoCo's array `qvel`, and how many it has.
-    urdf: the joints of the URDF that stand for it, from parent to child.
-    cad: what CAD calls its mate; null for none.
+    name: the name; null without a name.
+    kind: the kind of its degree of freedom.
+    unit: the unit of its numbers in `qpos`.
+    qpos: the index of its first number in MuJoCo's array, and the number of its numbers.
+    dof: the index of its first number in MuJoCo's array `qvel`, and the number of its numbers.
+    urdf: the joints of the URDF that represent it, from parent to child.
+    cad: the name of its mate in CAD; null without a mate.
     """
 
     name: str | None
@@ -109,13 +110,13 @@ class MjcfJointRow(JsonRecord[None]):
 class MjcfActuatorRow(JsonRecord[None]):
     """An actuator of the MJCF.
 
-    name: null for none.
-    ctrl: its first number in MuJoCo's array, and how many it has.
+    name: the name; null without a name.
+    ctrl: the index of its first number in MuJoCo's array, and the number of its numbers.
     type: its tag.
-    joint: the joint that it drives; null for none.
-    unit: of its control; null where it is unknown.
-    range: of its control; null where it has none, or the file has none that compiles.
-    cad: what CAD calls the joint's mate; null for none.
+    joint: the joint that it drives; null without a joint.
+    unit: the unit of its control; null if it is unknown.
+    range: the range of its control; null if it has no range, or the file does not compile.
+    cad: the name of the joint's mate in CAD; null without a mate.
     """
 
     name: str | None
@@ -131,14 +132,15 @@ class MjcfActuatorRow(JsonRecord[None]):
 class MjcfSensorRow(JsonRecord[None]):
     """A sensor of the MJCF.
 
-    name: null for none.
-    index: its place among the sensors.
+    name: the name; null without a name.
+    index: its index among the sensors.
     type: its tag.
-    on: what it is on; null for nothing.
-    address: its first number in `sensordata`; null after a sensor whose numbers are not known.
-    dim: how many numbers it has; null where that is not known.
-    unit: of its numbers; null where it is not known.
-    cad: what CAD calls the mate of its joint; null for none.
+    on: the element that it measures; null without an element.
+    address: the index of its first number in `sensordata`; null after a sensor with an unknown number of
+        values.
+    dim: the number of its values; null if it is unknown.
+    unit: the unit of its numbers; null if it is unknown.
+    cad: the name of the mate of its joint in CAD; null without a mate.
     """
 
     name: str | None
@@ -153,11 +155,11 @@ class MjcfSensorRow(JsonRecord[None]):
 
 @dataclass(frozen=True)
 class MjcfOrderRecord(JsonRecord[None]):
-    """What is in the MJCF, in its order.
+    """Elements of the MJCF, in its order.
 
-    joints: those of the robot, and those of the user's own XML.
-    actuators: likewise.
-    sensors: likewise.
+    joints: the joints of the robot, and the joints of the user's own XML.
+    actuators: the actuators of the robot, and the actuators of the user's own XML.
+    sensors: the sensors of the robot, and the sensors of the user's own XML.
     """
 
     joints: tuple[MjcfJointRow, ...]
@@ -170,14 +172,14 @@ class UrdfJointRow(JsonRecord[None]):
     """A joint of the URDF that moves.
 
     name: its name.
-    index: its place among those that move in the file.
-    tree: its place among those that move in a walk down the tree, depth first and siblings by name, as
-        Pinocchio has them; null where the walk does not reach it.
-    type: that of the URDF.
-    unit: of its value.
-    follows: the joint that it mimics; null for none.
-    dof: the robot's degree of freedom; null for none.
-    cad: what CAD calls its mate; null for none.
+    index: its index among the moving joints of the file.
+    tree: its index among the moving joints in a walk down the tree, depth first and siblings by name, as in
+        Pinocchio; null if the walk does not reach it.
+    type: the type in the URDF.
+    unit: the unit of its value.
+    follows: the joint that it mimics; null without a mimic.
+    dof: the robot's degree of freedom; null if it has none.
+    cad: the name of its mate in CAD; null without a mate.
     """
 
     name: str | None
@@ -192,9 +194,9 @@ class UrdfJointRow(JsonRecord[None]):
 
 @dataclass(frozen=True)
 class UrdfOrderRecord(JsonRecord[None]):
-    """What is in the URDF, in its order.
+    """Elements of the URDF, in its order.
 
-    joints: those that move.
+    joints: joints that move.
     """
 
     joints: tuple[UrdfJointRow, ...]
@@ -204,8 +206,8 @@ class UrdfOrderRecord(JsonRecord[None]):
 class OrderRecord(JsonRecord[None]):
     """The order of things in the files.
 
-    mjcf: present where an MJCF is written.
-    urdf: present where a URDF is written.
+    mjcf: present if an MJCF is written.
+    urdf: present if a URDF is written.
     """
 
     mjcf: MjcfOrderRecord | None = None
@@ -213,11 +215,43 @@ class OrderRecord(JsonRecord[None]):
 
 
 @dataclass(frozen=True)
-class SrdfRecord(JsonRecord[None]):
-    """What only the SRDF says.
+class VariedRecord(JsonRecord[None]):
+    """A quantity that varies.
 
-    never: link of the URDF → the later ones that it never meets.
-    end_effectors: their names.
+    quantity: its name: the link, joint or actuator, and the quantity.
+    origin: where its value comes from.
+    share: the share of the value by which it varies in both directions.
+    """
+
+    quantity: str
+    origin: str
+    share: float
+
+
+@dataclass(frozen=True)
+class VariantsRecord(JsonRecord[None]):
+    """Robots that differ slightly from the robot, as arrays over the fields of the MJCF's model.
+
+    file: the file with the arrays.
+    n: the number of variants.
+    seed: the seed of the random numbers.
+    fields: MuJoCo's fields that vary.
+    varied: the quantities that vary, and by how much.
+    """
+
+    file: str
+    n: int
+    seed: int
+    fields: tuple[str, ...]
+    varied: tuple[VariedRecord, ...]
+
+
+@dataclass(frozen=True)
+class SrdfRecord(JsonRecord[None]):
+    """Content that only the SRDF has.
+
+    never: link of the URDF → the later links that it never meets.
+    end_effectors: the names of the end effectors.
     """
 
     never: Mapping[str, tuple[str, ...]]
@@ -226,11 +260,12 @@ class SrdfRecord(JsonRecord[None]):
 
 @dataclass(frozen=True)
 class RenamedRecord(JsonRecord[None]):
-    """The robot's names → those in the format, where these differ; in ROS 2, the URDF's names.
+    """Names of the robot → names in the format, if they differ; in ROS 2, the names of the URDF → names in
+    ROS 2.
 
-    links: of links.
-    joints: of joints, by their degrees of freedom, also of loops.
-    frames: of frames, in an SDF.
+    links: names of links.
+    joints: names of joints, by their degrees of freedom, also of loops.
+    frames: names of frames, in an SDF.
     """
 
     links: Mapping[str, str]
@@ -239,18 +274,18 @@ class RenamedRecord(JsonRecord[None]):
 
     @classmethod
     def from_model(cls, value: Any, **more: Any) -> "RenamedRecord":
-        """Of all names of a format by the robot's."""
+        """Returns the record of the names of a format, by the robot's names."""
         kinds = [kind for kind in ("links", "joints", "frames") if hasattr(value, kind)]
         return cls(**{kind: _changed(getattr(value, kind)) for kind in kinds})
 
 
 def _changed(names: Mapping[str, str]) -> dict[str, str]:
-    return {name: own for name, own in names.items() if name != own}
+    return {name: format_name for name, format_name in names.items() if name != format_name}
 
 
 @dataclass(frozen=True)
 class FormatRecord(JsonRecord[None]):
-    """What a format has otherwise than the robot.
+    """Differences between a format and the robot.
 
     renamed: names that are not the robot's.
     zeros: degree of freedom → its value where its joint of the format is at 0, unless that is 0. A ball's
@@ -267,7 +302,7 @@ class PackageRecord(JsonRecord[None]):
 
     package: its name.
     writer: the version of its writer; missing in an older build.
-    folder: that of the robot's files in it; missing where it has no copies of them.
+    folder: the folder in it with the robot's files; missing if it has no copies of them.
     renamed: names that are not the URDF's, in ROS 2.
     """
 

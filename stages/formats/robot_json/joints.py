@@ -1,4 +1,4 @@
-"""Joints, loops, relations and frames of robot.json."""
+"""Defines the joints, loops, relations and frames of robot.json."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -45,7 +45,7 @@ class MateRecord(JsonRecord[model.MateRef]):
 
 @dataclass(frozen=True)
 class DynamicsRecord(JsonRecord[model.Dynamics]):
-    """What moves and resists a degree of freedom; null is unset.
+    """Forces and inertia of a degree of freedom; null is unset.
 
     damping: force per speed [N m s/rad or N s/m].
     friction: force of dry friction [N m or N].
@@ -79,7 +79,7 @@ class SpringRecord(JsonRecord[model.Spring]):
     """A spring of an MJCF source.
 
     stiffness: force per displacement [N m/rad or N/m].
-    reference: the value at which it is slack [rad or m].
+    reference: the value at which the spring is slack [rad or m].
     """
 
     stiffness: Number
@@ -88,9 +88,9 @@ class SpringRecord(JsonRecord[model.Spring]):
 
 @dataclass(frozen=True)
 class BallZeroRecord(JsonRecord[None]):
-    """Where q = 0 of a ball is, as its chain's quaternion (w, x, y, z).
+    """The orientation of a ball at q = 0, as its chain's quaternion (w, x, y, z).
 
-    urdf: its mate's zero.
+    urdf: the zero of its mate.
     mjcf: its pose at qpos0, since an MJCF has no `ref` for it.
     """
 
@@ -106,17 +106,18 @@ class DofRecord(JsonRecord[model.Dof]):
     name: unique among the degrees of freedom of all joints and loops; the only one of a joint has its name.
     kind: a turn about the axis, a slide along it, a ball, or free motion.
     axis: a unit vector in its own frame; null for a ball and for free motion.
-    origin: its own frame in that which the one before it moves; null where they are the same.
-    limits: the lowest and the highest value, each null where there is none; a ball's second is the half angle
-        of the cone that its z axis stays in.
-    saved: the value in the pose that was saved in CAD: that of the chain, from parent to child.
+    origin: its own frame, in the frame that the previous degree of freedom moves; null if the two are the
+        same.
+    limits: the lowest and the highest value, each null without a limit; for a ball the second is the half
+        angle of the cone in which its z axis stays.
+    saved: the value in the pose that was saved in CAD, counted along the chain from parent to child.
     mate: the way back to the mate's own value.
     spring: present where an MJCF source has a spring.
     mate_quat: a ball's saved value as the mate has it: the inverse where the joint runs backwards.
     unset: the quantities for which the URDF has a default, since it demands numbers. Not of a loop.
     provenance: limit or quantity → where it comes from: given (by the configuration), source (by CAD or the
         file), estimated, a motor with where its value comes from, or unset.
-    estimated: what Linkwright chose, of a joint.
+    estimated: the values of a joint that Linkwright chose.
     qpos0: the value in a fresh simulation of the MJCF. Not of a loop.
     zero: where a ball's q = 0 is, by format.
     """
@@ -148,15 +149,15 @@ class DofRecord(JsonRecord[model.Dof]):
         return super().from_model(value, axis=axis, origin=origin, limits=tuple(ends), **more)
 
     def to_model(self, **more: Any) -> model.Dof:
-        # What is written of an axis is one up to its last digit.
+        # A written axis has unit length only up to its last digit.
         axis = np.zeros(3) if self.axis is None else self.axis / (np.linalg.norm(self.axis) or 1.0)
         named = {"lower": "limits", "upper": "limits"}
-        given = [named.get(key, key) for key, origin in self.provenance.items() if origin == "given"]
+        configured = [named.get(key, key) for key, origin in self.provenance.items() if origin == "given"]
         return super().to_model(
             axis=model.frozen(axis),
             origin=UNMOVED if self.origin is None else self.origin.to_model(),
             limits=model.Limits(*self.limits),
-            given=tuple(dict.fromkeys(given)),
+            given=tuple(dict.fromkeys(configured)),
         )
 
 
@@ -165,13 +166,13 @@ class JointRecord(JsonRecord[model.Joint]):
     """A parent link, a child link and the degrees of freedom between them.
 
     name: unique among joints.
-    type: that of its mate; compound is any other chain of degrees of freedom.
+    type: the type of its mate; compound is any other chain of degrees of freedom.
     parent: the link that carries it.
     child: the link that it moves.
-    origin: where its frame is in the parent before its degrees of freedom move it.
-    backwards: whether it runs from the mate's first entity to its second.
-    dofs: from parent to child, each in the frame that the one before it moves.
-    cad: null where CAD does not have the joint.
+    origin: its frame in the parent, before its degrees of freedom move it.
+    backwards: whether the joint runs from the mate's first entity to its second.
+    dofs: from parent to child, each in the frame that the previous degree of freedom moves.
+    cad: the mate; null if CAD does not have the joint.
     """
 
     name: str
@@ -189,18 +190,18 @@ class LoopRecord(JsonRecord[model.Loop]):
     """A mate that closes a loop of joints.
 
     name: unique among loops and relations.
-    type: that of its mate.
+    type: the type of its mate.
     link_a: the link of its first frame.
     link_b: the link of its second frame.
     frame_a: its first frame in that link.
     frame_b: its second frame in that link, from which its degrees of freedom lead to the first.
     urdf: the links of the URDF that are its first and its second frame.
     mimic: whether <mimic> joints alone close it in the URDF.
-    dofs: those of the mate.
-    residual: how far it is open in the saved pose [m, rad].
-    lever: a length on its own scale [m].
-    solref: MuJoCo's, of its constraints.
-    cad: null where CAD does not have it.
+    dofs: the degrees of freedom of the mate.
+    residual: the gap of the loop in the saved pose [m, rad].
+    lever: a length at the scale of the loop [m].
+    solref: MuJoCo's `solref` of its constraints.
+    cad: the mate; null if CAD does not have it.
     """
 
     name: str
@@ -229,7 +230,7 @@ class RelationRecord(JsonRecord[model.Relation]):
     follower: the degree of freedom that follows.
     driver: the degree of freedom that is followed.
     multiplier: factor of the driver's value.
-    offset: what is added [rad or m].
+    offset: the value that is added [rad or m].
     """
 
     name: str
@@ -241,9 +242,9 @@ class RelationRecord(JsonRecord[model.Relation]):
 
 @dataclass(frozen=True)
 class NameRecord(JsonRecord[None]):
-    """What CAD calls it.
+    """The name of an element in CAD.
 
-    name: as it is typed there.
+    name: the name as it is typed in CAD.
     """
 
     name: str
@@ -255,10 +256,10 @@ class FrameRecord(JsonRecord[model.Frame]):
 
     name: unique among frames.
     link: the link that has it.
-    urdf: the link of the URDF that it is.
-    joint: the fixed joint that holds it in the source, where that has a name.
-    pose: where it is in the link.
-    cad: the mate connector that it is; null for none.
+    urdf: the link of the URDF that represents it.
+    joint: the fixed joint that holds it in the source, if that joint has a name.
+    pose: its pose in the link.
+    cad: its mate connector; null without a mate connector.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Links of robot.json: mass properties, CAD's parts, and the user's own shapes."""
+"""Defines the links of robot.json: mass properties, CAD's parts, and the user's own shapes."""
 
 from dataclasses import dataclass, replace
 from typing import Annotated, Any
@@ -18,7 +18,7 @@ from linkwright.stages.formats.robot_json.values import (
 from linkwright.stages.robot.model import robot as model
 
 MIRROR = np.diag([1.0, 1.0, -1.0, 1.0])
-"""What takes the right-handed pose that is written of a mirrored part to its own (4, 4)."""
+"""The transform from the right-handed pose that is written for a mirrored part to its own (4, 4)."""
 
 
 @dataclass(frozen=True)
@@ -43,14 +43,14 @@ class PartRecord(JsonRecord[model.Part]):
     path: the ids of its instances, from the root.
     part: its id in the document.
     volume: volume [m³].
-    pose: where it is in its link; of one that is mirrored, with the quat of R · diag(1, 1, -1), R the
+    pose: its pose in its link; for a mirrored part, with the quat of R · diag(1, 1, -1), where R is the
         orthogonal matrix of its left-handed pose.
     mirrored: whether its pose is left-handed.
-    world: where its occurrence is in the assembly, likewise.
-    visual: whether its shape is seen.
+    world: the pose of its occurrence in the assembly, written in the same way.
+    visual: whether its shape is visible.
     collision: whether its shape collides.
     standard: whether it is standard content, such as a screw.
-    estimated: whether its mass is, from its volume.
+    estimated: whether its mass is estimated, from its volume.
     """
 
     name: str
@@ -72,7 +72,7 @@ class PartRecord(JsonRecord[model.Part]):
         return super().from_model(_flipped(value) if mirrored else value, mirrored=mirrored)
 
     def to_model(self, **more: Any) -> model.Part:
-        """Its mesh is not known."""
+        """Returns the part, without its mesh, which is not known."""
         part = super().to_model(mesh=None)
         return _flipped(part) if self.mirrored else part
 
@@ -86,12 +86,12 @@ def _flipped(part: model.Part) -> model.Part:
 
 @dataclass(frozen=True)
 class PrimitiveRecord(JsonRecord[model.Primitive]):
-    """A shape that is no mesh.
+    """A shape that is not a mesh.
 
-    kind: an ellipsoid is one in the MJCF alone.
-    size: of a box or ellipsoid its lengths along x, y and z; of a sphere its radius; of a cylinder or capsule
-        its radius and its length along z, the caps of a capsule beyond that [m].
-    pose: where it is in its link.
+    kind: an ellipsoid is an ellipsoid only in the MJCF.
+    size: for a box or ellipsoid the lengths along x, y and z; for a sphere the radius; for a cylinder or
+        capsule the radius and the length along z, without the caps of a capsule [m].
+    pose: its pose in its link.
     """
 
     kind: model.PrimitiveKind
@@ -104,7 +104,7 @@ class LinkShapeRecord(PrimitiveRecord):
     """A shape of the user's own.
 
     colour: red, green, blue and alpha in 0..1; null for neutral grey.
-    visual: whether it is seen.
+    visual: whether it is visible.
     collision: whether it collides.
     """
 
@@ -128,10 +128,10 @@ class LinkRecord(JsonRecord[model.Link]):
     """A rigid body, whose frame is that of its joint.
 
     name: unique among links.
-    given: whether the mass properties are the user's, or the least that engines take, and not the sum of the
-        parts.
-    cad: null where CAD does not have the link.
-    parts: the occurrences of parts that it is made of.
+    given: whether the mass properties are the user's, or the minimum that engines accept, instead of the sum
+        of the parts.
+    cad: the occurrence in CAD; null if CAD does not have the link.
+    parts: the occurrences of its parts.
     shapes: shapes of the user's own.
     """
 
@@ -148,5 +148,5 @@ class LinkRecord(JsonRecord[model.Link]):
         return super().from_model(value, given=value.given is not None, cad=cad)
 
     def to_model(self, **more: Any) -> model.Link:
-        given = self.inertial.to_model() if self.given else None
-        return super().to_model(given=given, path=self.cad.path if self.cad else ())
+        inertial = self.inertial.to_model() if self.given else None
+        return super().to_model(given=inertial, path=self.cad.path if self.cad else ())

@@ -1,4 +1,4 @@
-"""What only an MJCF has, in a robot.json."""
+"""Defines the extras of an MJCF in robot.json."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -22,8 +22,8 @@ class MjcfElementRecord(JsonRecord[mjcf_extras.MjcfElement]):
     """An element.
 
     tag: its tag.
-    attributes: those that name nothing.
-    names: attribute → the kind and the name of what it names.
+    attributes: the attributes that refer to no element.
+    names: attribute → the kind and the name of the element that it refers to.
     children: the elements in it.
     """
 
@@ -35,10 +35,10 @@ class MjcfElementRecord(JsonRecord[mjcf_extras.MjcfElement]):
 
 @dataclass(frozen=True)
 class MjcfBodyRecord(JsonRecord[mjcf_extras.MjcfBodyFrame]):
-    """Where the source's body of a link is.
+    """The pose of the source's body of a link.
 
     link: the link.
-    pose: where the body is in it.
+    pose: the pose of the body in the link.
     inertial_axes: the axes of its inertia, in the order of the source; null for a body without mass.
     """
 
@@ -49,12 +49,12 @@ class MjcfBodyRecord(JsonRecord[mjcf_extras.MjcfBodyFrame]):
 
 @dataclass(frozen=True)
 class MjcfAttributesRecord(JsonRecord[mjcf_extras.MjcfAttributes]):
-    """Attributes of a thing that the robot has itself.
+    """Attributes of an element that the robot has itself.
 
     kind: joint (by the name of its degree of freedom), freejoint (of the floating root, by its link), body
         (of its link), site (of its frame), equality (of its loop or relation), actuator or sensor.
-    name: of the thing.
-    attributes: those that no other format has.
+    name: the name of the element.
+    attributes: the attributes that no other format has.
     """
 
     kind: str
@@ -67,7 +67,7 @@ class MjcfMountedRecord(JsonRecord[mjcf_extras.MjcfMounted]):
     """An element on the body of a link.
 
     link: the link.
-    pose: where it is in the body.
+    pose: the pose of the element in the body.
     element: the element.
     """
 
@@ -78,11 +78,11 @@ class MjcfMountedRecord(JsonRecord[mjcf_extras.MjcfMounted]):
 
 @dataclass(frozen=True)
 class MjcfKeyframeRecord(JsonRecord[mjcf_extras.MjcfKeyframe]):
-    """What a keyframe has beside the values of turns and slides.
+    """The values of a keyframe other than those of turns and slides.
 
-    name: of the keyframe.
-    root: position and quaternion of a floating root; empty for none.
-    scene: the numbers in `qpos` of what moves in the scene.
+    name: the name of the keyframe.
+    root: position and quaternion of a floating root; empty for a fixed root.
+    scene: the numbers in `qpos` of the moving bodies of the scene.
     """
 
     name: str
@@ -92,17 +92,17 @@ class MjcfKeyframeRecord(JsonRecord[mjcf_extras.MjcfKeyframe]):
 
 @dataclass(frozen=True)
 class MjcfRecord(JsonRecord[mjcf_extras.MjcfExtras]):
-    """What an MJCF source has that no other format has.
+    """Content of an MJCF source that no other format has.
 
-    bodies: where its bodies are on the links.
-    attributes: those of joints, sites and other things that the robot has itself.
+    bodies: the poses of its bodies on the links.
+    attributes: attributes of joints, sites and other elements that the robot has itself.
     mounted: elements on the bodies of links.
     sections: elements in a section, such as tendons, that name things of the robot alone.
-    order: section → the names of all in it, in the source's order.
-    scene: the sections of what is in the scene beside the robot.
-    scene_qpos: the numbers in `qpos0` of what moves in the scene.
-    keyframes: what they have beside the values of turns and slides.
-    has_ground: whether the scene has something to stand on.
+    order: section → the names of all its elements, in the source's order.
+    scene: the sections of the elements in the scene around the robot.
+    scene_qpos: the numbers in `qpos0` of moving bodies in the scene.
+    keyframes: the values of keyframes other than those of turns and slides.
+    has_ground: whether the scene has a ground to stand on.
     option: attribute of MuJoCo's element → its value.
     flag: attribute of MuJoCo's element → its value.
     """

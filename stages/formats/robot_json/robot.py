@@ -1,4 +1,4 @@
-"""The whole of a robot.json: the model in no simulator's format, with its origins in CAD."""
+"""Defines the whole of a robot.json: the model in no simulator's format, with its origins in CAD."""
 
 from dataclasses import dataclass
 from typing import Annotated, Any
@@ -14,6 +14,7 @@ from linkwright.stages.formats.robot_json.files import (
     PackageRecord,
     SrdfRecord,
     UrdfRecord,
+    VariantsRecord,
 )
 from linkwright.stages.formats.robot_json.joints import FrameRecord, JointRecord, LoopRecord, RelationRecord
 from linkwright.stages.formats.robot_json.links import LinkRecord
@@ -24,6 +25,7 @@ from linkwright.stages.formats.robot_json.shapes import (
     ExcludeRecord,
     ShapeRecord,
     TouchRecord,
+    WholeVisualRecord,
 )
 from linkwright.stages.formats.robot_json.values import Number, PoseRecord
 from linkwright.stages.robot.model import robot as model
@@ -36,9 +38,9 @@ from linkwright.stages.robot.model.semantics import NOTHING_MORE, RobotSemantics
 class BaseRecord(JsonRecord[model.Base]):
     """Whether the root link is fixed to the world.
 
-    fixed: whether it is.
-    reason: why, in words.
-    joint: the joint by which it floats in the MJCF; null for a fixed one.
+    fixed: whether the root link is fixed.
+    reason: the reason, in words.
+    joint: the joint by which the root link floats in the MJCF; null for a fixed root link.
     """
 
     fixed: bool
@@ -51,10 +53,10 @@ class BaseRecord(JsonRecord[model.Base]):
 
 @dataclass(frozen=True)
 class RedundantRecord(PairRecord):
-    """A loop of which conditions follow from others.
+    """A loop with conditions that follow from other conditions.
 
     loop: the loop.
-    conditions: how many of them.
+    conditions: the number of redundant conditions.
     """
 
     loop: str
@@ -66,9 +68,9 @@ class MobilityRecord(JsonRecord[model.Mobility]):
     """How the mechanism can move.
 
     coordinates: degrees of freedom of the tree of joints.
-    gruebler: these less the conditions of relations and loops, counted as if all were independent.
-    dof: the same by the rank of the conditions at the saved pose.
-    redundant: the loops of which conditions follow from others.
+    gruebler: `coordinates` minus the conditions of relations and loops, counted as if all were independent.
+    dof: degrees of freedom by the rank of the conditions at the saved pose.
+    redundant: loops with conditions that follow from other conditions.
     """
 
     coordinates: int
@@ -84,42 +86,45 @@ class RobotRecord(JsonRecord[model.Robot]):
     format: the kind of file.
     version: the version of that kind.
     name: name of the robot.
-    source: the document.
+    source: the document that the robot comes from.
     root: the root link.
-    root_pose: where the root link is in the assembly.
+    root_pose: the pose of the root link in the assembly.
     base: whether the root link is fixed to the world.
-    mass: mass of all links [kg].
+    total_mass: mass of all links [kg].
     mobility: how the mechanism can move.
     links: rigid bodies in the order of the tree: a parent before its children, the root first.
     joints: joints in the order of the tree.
     relations: degrees of freedom that follow others.
     loops: mates that close loops of joints.
     frames: named frames on links.
-    lowered: the joints that are several joints in the URDF.
-    couplings: what closed loops make follow what.
-    urdf: present where the URDF names its meshes by a package.
-    merged: the links that are part of others in the URDF.
+    lowered: joints that become several joints in the URDF.
+    couplings: degrees of freedom that follow others because of closed loops.
+    urdf: present if the URDF names its meshes by a package.
+    merged: links that are merged into other links in the URDF.
     fused: the links that are sites in the MJCF.
-    mjcf: present where the source was an MJCF: what no other format has.
-    transmissions: present where the source names what drives the joints.
-    keyframes: named poses beside `cad`, which is `saved` of each degree of freedom.
-    semantics: present where the source has an SRDF: what that says besides, by the robot's names.
+    mjcf: present if the source was an MJCF: its content that no other format has.
+    transmissions: present if the source has transmissions or drives of the joints.
+    keyframes: named poses besides `cad`, which is `saved` of each degree of freedom.
+    semantics: present if the source has an SRDF: its further statements, by the robot's names.
     order: the order of the joints, actuators and sensors in each file.
-    shapes: what is seen and what collides, by link. Missing, as the four keys after it, where a build ends
+    shapes: visual shapes and colliders, by link. This key and the four after it are missing if a build ends
         before its shapes are made.
-    colliders: what they are made as, and why.
-    self_contact: whether the links collide with each other, but for `excludes`.
+    colliders: how the colliders are made, and why.
+    self_contact: whether the links collide with each other, except the pairs of `excludes`.
     excludes: pairs of links that do not collide.
     touching: other pairs that touch at `home`.
-    scene: where the files put the robot. Missing as `shapes` are.
-    amendments: what the keys `elements` and `attributes` added to the files and set in them.
-    surplus: how much a file has after the robot's own by that.
-    files: the paths of the robot's other files, but for those of a Python package, which are copies.
-    srdf: present where an SRDF is written.
-    sdf: present where an SDF is written.
-    usd: present where a USD is written that has something otherwise than the robot.
-    ros2: present where a package for ROS 2 is written.
-    python: present where a Python package is written.
+    whole_visuals: the GLB of each link, which the URDF and the SDF show in the place of its visual meshes.
+        Missing if they show the meshes.
+    scene: the pose of the robot in the files. Missing if `shapes` are missing.
+    amendments: the changes that the keys `elements` and `attributes` made to the files.
+    surplus: the number of elements that these keys added to a file, after the robot's own.
+    files: the paths of the robot's other files, except the files of a Python package, which are copies.
+    srdf: present if an SRDF is written.
+    sdf: present if an SDF is written.
+    usd: present if a USD is written that differs from the robot.
+    ros2: present if a package for ROS 2 is written.
+    python: present if a Python package is written.
+    variants: present if variants for learning are written.
     """
 
     format: str
@@ -129,7 +134,7 @@ class RobotRecord(JsonRecord[model.Robot]):
     root: Annotated[str, UNREAD]
     world_from_root: Annotated[PoseRecord, Key("root_pose")]
     base: BaseRecord
-    mass: Annotated[Number, UNREAD]
+    total_mass: Annotated[Number, UNREAD]
     mobility: MobilityRecord
     links: tuple[LinkRecord, ...]
     joints: tuple[JointRecord, ...]
@@ -153,6 +158,7 @@ class RobotRecord(JsonRecord[model.Robot]):
     self_contact: bool | None = None
     excludes: tuple[ExcludeRecord, ...] | None = None
     touching: tuple[TouchRecord, ...] | None = None
+    whole_visuals: tuple[WholeVisualRecord, ...] = ()
     scene: SceneRecord | None = None
     amendments: tuple[Amendment, ...] = ()
     surplus: tuple[Surplus, ...] = ()
@@ -162,15 +168,17 @@ class RobotRecord(JsonRecord[model.Robot]):
     usd: Annotated[FormatRecord | None, UNREAD] = None
     ros2: PackageRecord | None = None
     python: PackageRecord | None = None
+    variants: Annotated[VariantsRecord | None, UNREAD] = None
 
     def to_model(self, **more: Any) -> model.Robot:
-        """Of the keyframes, those with values that the user gives: the others are worked out."""
-        given = tuple(keyframe.to_model() for keyframe in self.keyframes if keyframe.given)
-        return super().to_model(keyframes=given)
+        """Returns the robot, with only those keyframes that have the user's values: the others are
+        computed."""
+        user_keyframes = tuple(keyframe.to_model() for keyframe in self.keyframes if keyframe.given)
+        return super().to_model(keyframes=user_keyframes)
 
     @property
     def geometry(self) -> Geometry | None:
-        """The shapes, without the files of the meshes; None where a build ended before it made them."""
+        """Returns the shapes, without the files of the meshes; None if a build ended before it made them."""
         if self.shapes is None:
             return None
         return Geometry(
@@ -179,4 +187,5 @@ class RobotRecord(JsonRecord[model.Robot]):
             self_contact=bool(self.self_contact),
             excludes=modelled(self.excludes or ()),
             touching=modelled(self.touching or ()),
+            whole_visuals=modelled(self.whole_visuals),
         )

@@ -1,4 +1,4 @@
-"""The scene, the keyframes and the SRDF of a robot.json."""
+"""Defines the scene, the keyframes and the SRDF of a robot.json."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ from linkwright.stages.robot.model.scene import Ground, Scene
 class GroundRecord(JsonRecord[Ground]):
     """A plane, whose z axis points out of it.
 
-    pose: where it is in the world.
+    pose: its pose in the world.
     friction: MuJoCo's sliding [-], torsional [m] and rolling [m] friction.
     """
 
@@ -31,13 +31,13 @@ class GroundRecord(JsonRecord[Ground]):
 
 @dataclass(frozen=True)
 class SceneRecord(JsonRecord[Scene]):
-    """Where the files put the robot.
+    """The pose of the robot in the files.
 
     pose: the pose of its root in the world at qpos0.
     keyframes: keyframe → the pose of its root in the world.
-    ground: null for none.
-    option: attribute of MuJoCo's element → its value; all else is MuJoCo's default.
-    flag: attribute of MuJoCo's element → its value; all else is MuJoCo's default.
+    ground: the ground; null without a ground.
+    option: attribute of MuJoCo's element → its value; other attributes have MuJoCo's defaults.
+    flag: attribute of MuJoCo's element → its value; other attributes have MuJoCo's defaults.
     """
 
     world_from_root: Pose

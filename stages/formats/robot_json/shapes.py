@@ -1,4 +1,4 @@
-"""The shapes of a robot.json, without the files of the meshes, and which of them touch."""
+"""Defines the shapes of robot.json, without the files of the meshes, and their contacts."""
 
 from dataclasses import dataclass
 from typing import Annotated, Any
@@ -12,18 +12,18 @@ from linkwright.stages.robot.model.geometry import Exclude, ExcludeReason, Role,
 
 @dataclass(frozen=True)
 class ContactRecord(JsonRecord[ContactProperties]):
-    """MuJoCo's properties in contact, in its words and units, as far as they are given.
+    """MuJoCo's contact properties that are set, in its names and units.
 
     friction: sliding [-], torsional [m] and rolling [m].
     condim: the dimension of the contact.
     solref: stiffness and damping of the contact's constraint.
     solimp: impedance of the contact's constraint.
     margin: distance at which a contact begins [m].
-    priority: of two geoms, that of the higher has its way.
+    priority: of two geoms, the properties of the geom with the higher priority count.
     solmix: the weight in the mixture with the other geom.
-    gap: distance within the margin that has no force [m].
-    contype: bits of what it is.
-    conaffinity: bits of what it collides with.
+    gap: distance within the margin at which a contact has no force yet [m].
+    contype: bits of the geom's kind.
+    conaffinity: bits of the kinds that the geom collides with.
     """
 
     friction: Annotated[tuple[float, float, float] | None, each_of(3)] = None
@@ -40,10 +40,10 @@ class ContactRecord(JsonRecord[ContactProperties]):
 
 @dataclass(frozen=True)
 class GeomRecord(JsonRecord[GeomForm]):
-    """How an MJCF source has a shape.
+    """A shape's geom in an MJCF source.
 
-    name: of its geom; "" for none.
-    attributes: what no other format has, as MJCF's text.
+    name: the name of the geom, or "".
+    attributes: the attributes that no other format has, as MJCF's text.
     """
 
     name: str
@@ -52,24 +52,25 @@ class GeomRecord(JsonRecord[GeomForm]):
 
 @dataclass(frozen=True, kw_only=True)
 class ShapeRecord(JsonRecord[Shape]):
-    """What is seen, or what collides: a mesh or a primitive.
+    """A visual shape or a collider: a mesh or a primitive.
 
     link: the link that has it.
-    role: whether it is seen or collides.
-    number: counts those of a link and a role, in the order in which all files have them.
+    role: visual or collision.
+    number: its index among the shapes of its link and role, in the order of all files.
     file: the mesh, in the frame of the link; null for a primitive.
-    primitive: null for a mesh.
-    colour: red, green, blue and alpha in 0..1; null for neutral grey, and where it only collides.
-    texture: the image of a mesh with texture coordinates; null for none.
-    vertices: of a mesh, else 0.
-    faces: of a mesh, else 0.
+    primitive: the primitive; null for a mesh.
+    colour: red, green, blue and alpha in 0..1; null for neutral grey, and for a shape that only collides.
+    texture: the image of a mesh with texture coordinates; null without an image.
+    vertices: the number of vertices of a mesh, otherwise 0.
+    faces: the number of triangles of a mesh, otherwise 0.
     area: surface [m²].
-    volume: volume [m³]; 0 where a mesh is not closed.
-    contact: what is given of MuJoCo's properties in contact; null for nothing.
-    collider: which of its link's colliders it is, or is a piece of; null for none.
-    bounds: of a mesh, the least x, y and z and the largest [m].
-    geom: present where an MJCF source names it, or has attributes of it that no other format has.
-    ellipsoid: what it is in the MJCF, where all other formats have a mesh.
+    volume: volume [m³]; 0 if a mesh is not closed.
+    contact: MuJoCo's contact properties that are set; null if nothing is set.
+    collider: the number of the link's collider that it is, or is a piece of; null if there is no such
+        collider.
+    bounds: the smallest x, y and z of a mesh, and the largest [m]; null for a primitive.
+    geom: present if an MJCF source names the geom, or has attributes of it that no other format has.
+    ellipsoid: its ellipsoid in the MJCF, if all other formats have a mesh.
     """
 
     link: LinkName
@@ -100,14 +101,39 @@ class ShapeRecord(JsonRecord[Shape]):
 
 
 @dataclass(frozen=True)
+class WholeVisualRecord(JsonRecord[Shape]):
+    """All visual meshes of a link in one file.
+
+    link: the link that has them.
+    file: a GLB with their colours and images.
+    vertices: the number of vertices of all meshes.
+    faces: the number of triangles of all meshes.
+    area: surface [m²].
+    volume: volume of the closed meshes [m³].
+    bounds: the smallest x, y and z, and the largest [m], in the frame of the link.
+    """
+
+    link: LinkName
+    file: str
+    vertices: int
+    faces: int
+    area: Short
+    volume: Short
+    bounds: Bounds
+
+    def to_model(self, **more: Any) -> Shape:
+        return super().to_model(role="visual", colour=None)
+
+
+@dataclass(frozen=True)
 class ColliderRecord(JsonRecord[None]):
-    """How some parts of a link collide.
+    """The collider of some parts of a link.
 
     link: the link.
-    number: counts those of a link.
+    number: its index among the colliders of its link.
     parts: the parts, by their names in CAD.
-    made: what they collide as: a kind of primitive, hull, pieces, spheres, raw or none.
-    reason: why, of a collider by contact; else "".
+    made: the kind of collider: a kind of primitive, hull, pieces, spheres, raw or none.
+    reason: the reason, for a collider by contact; otherwise "".
     """
 
     link: LinkName
@@ -121,12 +147,12 @@ class ColliderRecord(JsonRecord[None]):
 class ExcludeRecord(JsonRecord[Exclude]):
     """Two links that do not collide, or only some of their colliders.
 
-    link_a: the first, in the order of the links.
-    link_b: the second.
+    link_a: the first link, in the order of the links.
+    link_b: the second link.
     reason: Adjacent: a joint or a rigid connection between them; Always: they touch in whatever pose; Source:
         the source says so; User: the configuration does.
-    depth: how deep what does not collide is in each other at `home` [m].
-    geoms: only these pairs of their colliders, by their numbers; empty for all.
+    depth: the depth by which the colliders that do not collide overlap at `home` [m].
+    geoms: the pairs of colliders that do not collide, by their numbers; empty for all pairs.
     """
 
     link_a: LinkName
@@ -140,9 +166,9 @@ class ExcludeRecord(JsonRecord[Exclude]):
 class TouchRecord(JsonRecord[Touch]):
     """Two links that may collide, and touch at `home`.
 
-    link_a: the first, in the order of the links.
-    link_b: the second.
-    depth: how deep they are in each other there [m].
+    link_a: the first link, in the order of the links.
+    link_b: the second link.
+    depth: the depth by which they overlap at `home` [m].
     """
 
     link_a: LinkName

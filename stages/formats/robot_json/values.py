@@ -1,4 +1,4 @@
-"""Numbers, values and poses in robot.json."""
+"""Converts numbers, values and poses in robot.json."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -24,23 +24,24 @@ from linkwright.stages.robot.model.scene import Setting
 
 
 def as_float(value: float, least: float = 0.0) -> float:
+    """Returns a number as short as the formatter makes it."""
     return float(number(value, least=least))
 
 
 def as_floats(values: Iterable[float], least: float = 0.0) -> Any:
-    """Nested lists of the array's shape, each number as short as the formatter makes it."""
+    """Returns nested lists of the array's shape, each number as short as the formatter makes it."""
     array = np.asarray(values, dtype=float)
     return np.array([float(text) for text in numbers(array, least=least)]).reshape(array.shape).tolist()
 
 
 def as_value(value: Value) -> Any:
-    """A dof's value: a number, or a list of them."""
+    """Returns a dof's value: a number, or a list of numbers."""
     return as_floats(np.array(value), TURN)
 
 
 def short(value: float) -> float:
-    """To six digits: what is computed from many poses differs in the last ones between machines; below 1e-9
-    all of them do."""
+    """Rounds a value to six digits: results from many poses differ in later digits between machines. Values
+    below 1e-9 differ in all digits, and become 0."""
     return float(f"{value:.6g}") if abs(value) > 1e-9 else 0.0
 
 
@@ -56,7 +57,7 @@ def _number(write: Callable[[float], float]) -> Form:
 
 
 def _list(data: Any, *counts: int) -> tuple[float, ...]:
-    """A list of numbers, as many as one of `counts`; of any length without."""
+    """Returns a list of numbers, whose length is one of `counts`, or any length without counts."""
     if not isinstance(data, list) or (counts and len(data) not in counts):
         raise refused(f"{' or '.join(map(str, counts))} numbers".lstrip(), data)
     return tuple(_finite(item, {}) for item in data)
@@ -88,10 +89,10 @@ def _tensor(write: Callable[[Array], Any]) -> Form:
 
 
 def _read_quat(data: Any, names: Names) -> Array:
-    found = frozen(_list(data, 4))
-    if not np.linalg.norm(found) > 0.0:
+    quat = frozen(_list(data, 4))
+    if not np.linalg.norm(quat) > 0.0:
         raise refused("a quaternion", data)
-    return found
+    return quat
 
 
 def _read_ends(data: Any, names: Names) -> tuple[float | None, ...]:
@@ -121,8 +122,8 @@ def _setting(write: Callable[[float], float]) -> Form:
 
 
 def pairs_of(form: Form) -> Form:
-    """A table that the model has as pairs of a name and a value."""
-    return table_of(form, lambda found: tuple(found.items()))
+    """Returns the form of a table that the model has as pairs of a name and a value."""
+    return table_of(form, lambda pairs: tuple(pairs.items()))
 
 
 _DOF_VALUE = Form(as_value, _read_value, {"anyOf": [{"type": "number"}, _numbers(_kept, 4, 7).schema]})
@@ -130,10 +131,10 @@ _PAIRS = form_of(Mapping[str, tuple[str, str]])
 
 Number = Annotated[float, _number(as_float)]
 Turned = Annotated[float, _number(partial(as_float, least=TURN))]
-"""[rad], or of unit length."""
+"""A number in [rad], or of unit length."""
 
 Short = Annotated[float, _number(short)]
-"""To six digits."""
+"""A number in six digits."""
 
 Vector = Annotated[Array, _vector()]
 Place = Annotated[Array, _vector(LENGTH)]
@@ -157,11 +158,11 @@ Sizes = Annotated[tuple[float, ...], _numbers(as_floats)]
 Bounds = Annotated[tuple[float, ...], _numbers(_each(short), 6)]
 ExactNumbers = Annotated[tuple[float, ...], _numbers(list)]
 RootValue = Annotated[tuple[float, ...], _numbers(list, 0, 7)]
-"""Position and quaternion of a floating root; nothing of a fixed one."""
+"""Position and quaternion of a floating root; empty for a fixed root."""
 
 
 def each_of(count: int) -> Form:
-    """So many numbers, each as short as it can be."""
+    """Returns the form of `count` numbers, each as short as possible."""
     return _numbers(_each(as_float), count)
 
 
@@ -174,7 +175,7 @@ NamePairs = Annotated[
         _PAIRS.schema,
     ),
 ]
-"""Attribute → the kind and the name of what it names."""
+"""Attribute → the kind and the name of the thing that it names."""
 
 TextsPairs = Annotated[tuple[tuple[str, tuple[str, ...]], ...], pairs_of(form_of(tuple[str, ...]))]
 ExactValue = Annotated[float | tuple[float, ...], replace(_DOF_VALUE, write=_kept)]
@@ -207,7 +208,7 @@ class PoseRecord(JsonRecord[Array]):
 
 
 Pose = Annotated[PoseRecord, Key("pose")]
-"""A pose that is so named in robot.json, and by its frames in the model."""
+"""A pose with the key `pose` in robot.json; the model's name says its frames."""
 
 PosePairs = Annotated[tuple[tuple[str, Array], ...], pairs_of(form_of(PoseRecord))]
-"""Poses by the names of what has them."""
+"""Poses by names."""

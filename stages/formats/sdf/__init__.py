@@ -1,1 +1,1 @@
-"""SDF text as values, and the names that a robot's things have in it."""
+"""Reads SDF text as values, and chooses the names that a robot's things have in it."""

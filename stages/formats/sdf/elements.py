@@ -1,4 +1,4 @@
-"""The elements of an SDF as numbers, words and poses."""
+"""Reads the elements of an SDF as numbers, words and poses."""
 
 import numpy as np
 
@@ -8,50 +8,51 @@ from linkwright.stages.robot.model.robot import Array
 
 
 class SdfError(ValueError):
-    """The text is no SDF that is read here."""
+    """The error that a text is not an SDF that is read here."""
 
 
 def pose_of(node: Element | None) -> Array:
-    """The (4, 4) pose of an element; the identity without one."""
+    """Returns the pose (4, 4) in an element; the identity without an element."""
     if node is None:
         return np.eye(4)
     if set(node.attrib) - {"relative_to"}:
-        raise SdfError("of the attributes of a pose only relative_to is read")
+        raise SdfError("relative_to is the only attribute of a pose that is read")
     x, y, z, *rpy = numbers(node, 6)
     return from_parts(rotation_from_rpy((rpy[0], rpy[1], rpy[2])), np.array([x, y, z]))
 
 
-def needed(above: Element, path: str) -> Element:
-    """What an element must have. SdfError where it has none."""
-    found = above.find(path)
-    if found is None:
+def required_element(above: Element, path: str) -> Element:
+    """Returns an element that another element must have. Raises SdfError if it is missing."""
+    element = above.find(path)
+    if element is None:
         raise SdfError(f"{above.tag} {above.get('name') or ''} has no <{path}>")
-    return found
+    return element
 
 
 def numbers(node: Element, count: int) -> list[float]:
-    """So many numbers. SdfError where the text is anything else."""
+    """Returns the numbers of an element, `count` of them. Raises SdfError for any other text."""
     try:
-        found = [float(text) for text in (node.text or "").split()]
+        values = [float(text) for text in (node.text or "").split()]
     except ValueError:
-        found = []
-    if len(found) != count or not np.isfinite(found).all():
+        values = []
+    if len(values) != count or not np.isfinite(values).all():
         raise SdfError(f"<{node.tag}> is not {count} numbers: {node.text!r}")
-    return found
+    return values
 
 
 def number(above: Element, path: str) -> float:
-    """The number that an element must have."""
-    return numbers(needed(above, path), 1)[0]
+    """Returns the number that an element must have."""
+    return numbers(required_element(above, path), 1)[0]
 
 
 def bound(above: Element, path: str) -> float | None:
-    """The number that an element may have."""
+    """Returns the number that an element may have, or None."""
     return None if above.find(path) is None else number(above, path)
 
 
 def truth(above: Element, path: str, unless: bool) -> bool:
-    """Whether an element says yes; `unless`: what holds without it. SdfError for other words."""
+    """Tells whether an element says yes; `unless`: the value without the element. Raises SdfError for other
+    words."""
     node = above.find(path)
     if node is None:
         return unless

@@ -1,4 +1,4 @@
-"""An SDF as a reader has it: poses in the model's frame, as the file's links stand."""
+"""Defines the values of an SDF: poses in the model's frame, as in the file."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,22 +9,30 @@ from linkwright.stages.robot.model.robot import Array, Dynamics, Inertial, Limit
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SdfLink:
-    """A link. `model_from_link` (4, 4); `inertial` in the link's axes. `falls`: whether gravity pulls it;
-    `forced`: whether forces move it; `self_collides`: whether it collides with other links of its model."""
+    """A link."""
 
     name: str
     model_from_link: Array
+    """(4, 4)."""
+
     inertial: Inertial
+    """In the link's axes."""
+
     visuals: tuple[SdfShape, ...]
     collisions: tuple[SdfShape, ...]
     falls: bool
+    """Whether gravity pulls the link."""
+
     forced: bool
+    """Whether forces move the link."""
+
     self_collides: bool
+    """Whether the link collides with other links of its model."""
 
 
 @dataclass(frozen=True, slots=True)
 class SdfMimic:
-    """value = multiplier · (value of `joint` − reference) + offset."""
+    """A mimic: value = multiplier · (value of `joint` − reference) + offset."""
 
     joint: str
     multiplier: float
@@ -34,15 +42,20 @@ class SdfMimic:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ReadJoint:
-    """A joint between two links; its parent may be `world`. `model_from_joint` (4, 4); `axis` (3,) in the
-    joint's frame, None where it has none."""
+    """A joint between two links."""
 
     name: str
     type: str
     parent: str
+    """A link, or `world`."""
+
     child: str
     model_from_joint: Array
+    """(4, 4)."""
+
     axis: Array | None
+    """(3,) in the joint's frame; None without an axis."""
+
     limits: Limits
     dynamics: Dynamics
     mimic: SdfMimic | None
@@ -50,23 +63,29 @@ class ReadJoint:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SdfFrame:
-    """A frame. `link`: that it moves with; `model_from_frame` (4, 4)."""
+    """A frame."""
 
     name: str
     link: str
+    """The link that the frame moves with."""
+
     model_from_frame: Array
+    """(4, 4)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SdfModel:
-    """The only model of a file. Names are unique over `links`, `joints` and `frames`; `root`: the link whose
-    pose is the model's, unless the file says otherwise. `world_from_model` (4, 4); `self_collides`: whether
-    its links collide with each other."""
+    """The only model of a file. Names are unique over `links`, `joints` and `frames`."""
 
     name: str
     root: str
+    """The link whose pose is the model's, unless the file says otherwise."""
+
     links: Mapping[str, SdfLink]
     joints: Mapping[str, ReadJoint]
     frames: Mapping[str, SdfFrame]
     world_from_model: Array
+    """(4, 4)."""
+
     self_collides: bool
+    """Whether the links collide with each other."""

@@ -1,4 +1,4 @@
-"""The names of a robot's things in an SDF, where links, joints and frames share one space of names."""
+"""Chooses the names of a robot's things in an SDF, where links, joints and frames share a namespace."""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -8,71 +8,80 @@ from linkwright.stages.robot.model.robot import Joint, Loop, Robot
 from linkwright.stages.robot.text.names import free
 
 ROOT_OF_ALL = "world"
-"""A link of this name is the origin of the assembly; to an SDF it is what is outside of the model."""
+"""The name of a link that is the origin of the assembly; in an SDF it is the world outside of the model."""
 
 
 @dataclass(frozen=True, slots=True)
 class SdfNames:
-    """Names in the SDF by those in the robot.
-
-    `joints`: of dofs, and of joints and loops without any; of those of loops too. `between`: the links
-    between the dofs of a joint or loop. `base`: the joint that holds the root link of a fixed robot.
-    """
+    """Names in the robot → names in the SDF."""
 
     links: Mapping[str, str]
     joints: Mapping[str, str]
+    """Names of the dofs of joints and loops; of joints and loops without dofs, their own names."""
+
     frames: Mapping[str, str]
     between: Mapping[str, tuple[str, ...]]
+    """Joint or loop → the links between its dofs."""
+
     base: str
+    """The joint that holds the root link of a fixed robot."""
 
     @property
     def changed(self) -> Iterator[tuple[str, str, str]]:
-        """What has another name in the SDF: its kind, its name, and that in the SDF."""
+        """Yields the things with another name in the SDF: kind, name, and name in the SDF."""
         for kind, names in (("link", self.links), ("joint", self.joints), ("frame", self.frames)):
-            yield from ((kind, name, own) for name, own in names.items() if name != own)
+            yield from ((kind, name, sdf_name) for name, sdf_name in names.items() if name != sdf_name)
 
 
 def sdf_names(robot: Robot) -> SdfNames:
-    """A link keeps its name, a joint does unless a link has it, a frame unless a link or joint has it; names
-    that are made up give way to all that are not."""
+    """Chooses the names in the SDF.
+
+    A link keeps its name, a joint does unless a link has it, a frame does unless a link or joint has it;
+    generated names give way to all others.
+    """
     chains: list[Joint | Loop] = [*robot.joints, *robot.loops]
     links = [link.name for link in robot.links]
-    joints = [name for one in chains for name in _joints_of(one)]
+    joints = [name for chain in chains for name in _joints_of(chain)]
     frames = [frame.name for frame in robot.frames]
-    every = {*map(_allowed, (*links, *joints, *frames)), ROOT_OF_ALL}
-    taken = {ROOT_OF_ALL}
+    all_names = {*map(_allowed, (*links, *joints, *frames)), ROOT_OF_ALL}
+    used_names = {ROOT_OF_ALL}
 
     def named(names: list[str], kind: str) -> dict[str, str]:
-        found = {}
+        names_by_robot = {}
         for name in names:
-            own = _allowed(name)
-            if own in taken:
-                own = free(f"{own}_{kind}", every)
-                every.add(own)
-            taken.add(own)
-            found[name] = own
-        return found
+            sdf_name = _allowed(name)
+            if sdf_name in used_names:
+                sdf_name = free(f"{sdf_name}_{kind}", all_names)
+                all_names.add(sdf_name)
+            used_names.add(sdf_name)
+            names_by_robot[name] = sdf_name
+        return names_by_robot
 
-    own_links, own_joints, own_frames = named(links, "link"), named(joints, "joint"), named(frames, "frame")
-    every |= taken
+    link_names, joint_names, frame_names = (
+        named(links, "link"),
+        named(joints, "joint"),
+        named(frames, "frame"),
+    )
+    all_names |= used_names
     between = {}
-    for one in chains:
-        made = []
-        for count in range(1, len(one.dofs)):
-            made.append(free(f"{_allowed(one.name)}_{count}", every))
-            every.add(made[-1])
-        between[one.name] = tuple(made)
-    base = free(f"{own_links[robot.root.name]}_fixed", every)
-    return SdfNames(own_links, own_joints, own_frames, between, base)
+    for chain in chains:
+        links_between = []
+        for count in range(1, len(chain.dofs)):
+            links_between.append(free(f"{_allowed(chain.name)}_{count}", all_names))
+            all_names.add(links_between[-1])
+        between[chain.name] = tuple(links_between)
+    base = free(f"{link_names[robot.root.name]}_fixed", all_names)
+    return SdfNames(link_names, joint_names, frame_names, between, base)
 
 
-def _joints_of(one: Joint | Loop) -> list[str]:
-    """What becomes a joint of the SDF: each dof, or the joint itself where it has none."""
-    return [dof.name for dof in one.dofs] or [one.name]
+def _joints_of(chain: Joint | Loop) -> list[str]:
+    """Returns the names of the SDF's joints for a joint or loop: those of its dofs, or its own without
+    dofs."""
+    return [dof.name for dof in chain.dofs] or [chain.name]
 
 
 def _allowed(name: str) -> str:
-    """The name as SDF allows it: `::` stands between names of scopes, and `__name__` is reserved."""
+    """Returns the name as SDF allows it: `::` separates the names of scopes, and `__name__` is reserved."""
     name = name.replace("::", "_")
     if re.fullmatch("__.*__", name, re.DOTALL):
         name = name.strip("_") or "unnamed"

@@ -1,15 +1,23 @@
-"""SDF text → `SdfModel`: as far as this product writes SDF, and strict about the rest.
+"""Parses SDF text to an `SdfModel`: as far as this product writes SDF, and strict about the rest.
 
 Poses are resolved as SDF 1.9 says: `relative_to` names a link, joint or frame; without it a link is in the
-model's frame, a joint in that of its child, a frame in what it is attached to. What would change a meaning
-and is not read is an error.
+model's frame, a joint in that of its child, a frame in the frame that it is attached to. Elements that are
+not read but would change a meaning are errors.
 """
 
 from collections.abc import Mapping
 
 import numpy as np
 
-from linkwright.stages.formats.sdf.elements import SdfError, bound, needed, number, numbers, pose_of, truth
+from linkwright.stages.formats.sdf.elements import (
+    SdfError,
+    bound,
+    number,
+    numbers,
+    pose_of,
+    required_element,
+    truth,
+)
 from linkwright.stages.formats.sdf.model import ReadJoint, SdfFrame, SdfLink, SdfMimic, SdfModel
 from linkwright.stages.formats.sdf.names import ROOT_OF_ALL
 from linkwright.stages.formats.sdf.shapes import shapes_of
@@ -18,20 +26,23 @@ from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import Array, Dynamics, Inertial, Limits, frozen
 
 VERSIONS = ("1.7", "1.8", "1.9", "1.10", "1.11", "1.12")
-"""With these, names and poses mean the same."""
+"""The versions of SDF in which names and poses mean the same."""
 
 TYPES = ("fixed", "continuous", "revolute", "prismatic", "ball")
 
 MODEL = "__model__"
-"""What the model's own frame is called."""
+"""The name of the model's own frame."""
 
 _NOT_READ = ("include", "model", "static", "placement_frame")
-"""Elements of a model that would change what the rest means."""
+"""Elements of a model that would change the meaning of the rest."""
 
 
 def parse_sdf(data: bytes) -> SdfModel:
-    """The model of a file. SdfError where it is not XML, has no model or several, names a thing twice or one
-    that is not there, lacks a number, or has elements that would have to be understood."""
+    """Returns the model of a file.
+
+    Raises SdfError if it is not XML, has no model or several, has a name twice, refers to a missing thing,
+    lacks a number, or has elements that would have to be understood.
+    """
     try:
         root = parse(data)
     except Malformed as error:
@@ -43,25 +54,26 @@ def parse_sdf(data: bytes) -> SdfModel:
 
 
 class _Reader:
-    """The model element, with what is named in it."""
+    """The reader of a model element, with the named elements in it."""
 
     def __init__(self, top: Element) -> None:
         self._top = top
         self._kinds = {kind: _named(top, kind) for kind in ("link", "joint", "frame")}
-        self._every: dict[str, Element] = {}
+        self._elements: dict[str, Element] = {}
         for nodes in self._kinds.values():
-            twice = sorted(set(nodes) & set(self._every))
+            twice = sorted(set(nodes) & set(self._elements))
             if twice:
                 raise SdfError(f"two things are named {twice[0]!r}")
-            self._every |= nodes
-        wrong = [tag for tag in _NOT_READ if top.find(tag) is not None]
-        if wrong:
-            raise SdfError(f"<{wrong[0]}> of a model is not read")
+            self._elements |= nodes
+        tags = [tag for tag in _NOT_READ if top.find(tag) is not None]
+        if tags:
+            raise SdfError(f"<{tags[0]}> of a model is not read")
         if not self._kinds["link"]:
             raise SdfError("the model has no link")
         self._places: dict[str, Array | None] = {MODEL: np.eye(4)}
 
     def model(self) -> SdfModel:
+        """Returns the model of the file."""
         links = {name: self._link(name, node) for name, node in self._kinds["link"].items()}
         root = self._top.get("canonical_link") or next(iter(links))
         joints = {name: self._joint(name, node) for name, node in self._kinds["joint"].items()}
@@ -84,35 +96,35 @@ class _Reader:
         return name
 
     def _place(self, name: str) -> Array:
-        """model_from_frame (4, 4) of a link, joint or frame."""
+        """Returns model_from_frame (4, 4) of a link, joint or frame."""
         if name in self._places:
-            found = self._places[name]
-            if found is None:
+            pose_above = self._places[name]
+            if pose_above is None:
                 raise SdfError(f"the pose of {name!r} is relative to itself")
-            return found
-        if name not in self._every:
+            return pose_above
+        if name not in self._elements:
             raise SdfError(f"nothing is named {name!r}")
         self._places[name] = None
-        node = self._every[name]
+        node = self._elements[name]
         pose = node.find("pose")
         unless = {"joint": node.findtext("child"), "frame": node.get("attached_to")}.get(node.tag) or MODEL
         above = self._place((pose.get("relative_to") if pose is not None else None) or unless)
-        self._places[name] = found = above @ pose_of(pose)
-        return found
+        self._places[name] = pose_above = above @ pose_of(pose)
+        return pose_above
 
     def _moves_with(self, name: str) -> str:
-        """The link that a frame moves with."""
-        seen: list[str] = []
+        """Returns the link that a frame moves with."""
+        path: list[str] = []
         while name not in self._kinds["link"]:
-            if name in seen or name == MODEL or name not in self._every:
-                raise SdfError(f"the frame {seen[0] if seen else name!r} is on no link")
-            seen.append(name)
-            node = self._every[name]
+            if name in path or name == MODEL or name not in self._elements:
+                raise SdfError(f"the frame {path[0] if path else name!r} is on no link")
+            path.append(name)
+            node = self._elements[name]
             name = str(node.findtext("child") if node.tag == "joint" else node.get("attached_to") or MODEL)
         return name
 
     def _link(self, name: str, node: Element) -> SdfLink:
-        inertial = needed(node, "inertial")
+        inertial = required_element(node, "inertial")
         axes = pose_of(inertial.find("pose"))
         entries = {
             key: number(inertial, f"inertia/{key}") for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
@@ -138,12 +150,12 @@ class _Reader:
         )
 
     def _joint(self, name: str, node: Element) -> ReadJoint:
-        type_, parent = str(node.get("type")), str(needed(node, "parent").text)
+        type_, parent = str(node.get("type")), str(required_element(node, "parent").text)
         if type_ not in TYPES:
             raise SdfError(f"the type {type_} of the joint {name!r} is not read")
         if parent != ROOT_OF_ALL:
             self._link_named(parent)
-        child = self._link_named(str(needed(node, "child").text))
+        child = self._link_named(str(required_element(node, "child").text))
         axis = node.find("axis/xyz")
         if axis is not None and axis.get("expressed_in"):
             raise SdfError(f"the joint {name!r} has its axis in the frame of something else")
@@ -161,10 +173,10 @@ class _Reader:
 
 def _named(top: Element, tag: str) -> Mapping[str, Element]:
     nodes = top.findall(tag)
-    found = {str(node.get("name")): node for node in nodes}
-    if len(found) != len(nodes):
-        raise SdfError(f"two elements <{tag}> have one name")
-    return found
+    nodes_by_name = {str(node.get("name")): node for node in nodes}
+    if len(nodes_by_name) != len(nodes):
+        raise SdfError(f"two elements <{tag}> have the same name")
+    return nodes_by_name
 
 
 def _mimic(node: Element) -> SdfMimic | None:

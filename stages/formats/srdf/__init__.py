@@ -1,1 +1,1 @@
-"""SRDF: what a text says of a robot beside its URDF."""
+"""Reads an SRDF: what a text adds to a robot's URDF."""

@@ -1,4 +1,4 @@
-"""Reads an SRDF, by the element rules of srdfdom, MoveIt's own reader; names are those of the URDF."""
+"""Parses an SRDF, by the element rules of srdfdom, MoveIt's own reader; names are those of the URDF."""
 
 import math
 from collections import Counter
@@ -6,32 +6,38 @@ from dataclasses import dataclass
 
 from linkwright.stages.formats.xml import Element, Malformed, parse, tag
 
-MOST = 100_000
-"""A text with more elements is not read: humanoids have some thousand."""
+MAX_ELEMENTS = 100_000
+"""Largest number of elements of a text that is read: humanoids have some thousand."""
 
 
 @dataclass(frozen=True, slots=True)
 class SrdfGroup:
-    """`chains`: (base, tip) links; `groups`: the names of those whose joints it has too."""
+    """A group of joints."""
 
     name: str
     joints: tuple[str, ...]
     links: tuple[str, ...]
     chains: tuple[tuple[str, str], ...]
+    """(base, tip) links."""
+
     groups: tuple[str, ...]
+    """The names of groups whose joints it includes."""
 
 
 @dataclass(frozen=True, slots=True)
 class SrdfState:
-    """A pose of a group: joint → its values, one of a turn or slide."""
+    """A pose of a group."""
 
     name: str
     group: str
     values: tuple[tuple[str, tuple[float, ...]], ...]
+    """Joint → its values, a single value for a turn or slide."""
 
 
 @dataclass(frozen=True, slots=True)
 class SrdfEndEffector:
+    """An end effector: a group of joints on a link of another group."""
+
     name: str
     group: str
     parent_link: str
@@ -40,6 +46,8 @@ class SrdfEndEffector:
 
 @dataclass(frozen=True, slots=True)
 class SrdfVirtualJoint:
+    """A joint between a frame outside of the robot and a link."""
+
     name: str
     type: str
     parent_frame: str
@@ -48,8 +56,7 @@ class SrdfVirtualJoint:
 
 @dataclass(frozen=True, slots=True)
 class Srdf:
-    """`disabled`: (link, link, reason), "" for no reason; `disabled_links`: those whose collisions with every
-    link are disabled, but for the pairs in `enabled`. `left_out`: what is not read, in words."""
+    """The content of an SRDF."""
 
     groups: tuple[SrdfGroup, ...]
     states: tuple[SrdfState, ...]
@@ -57,9 +64,14 @@ class Srdf:
     virtual_joints: tuple[SrdfVirtualJoint, ...]
     passive: tuple[str, ...]
     disabled: tuple[tuple[str, str, str], ...]
+    """(link, link, reason); the reason may be ""."""
+
     disabled_links: tuple[str, ...]
+    """The links whose collisions with every link are disabled, except the pairs in `enabled`."""
+
     enabled: tuple[tuple[str, str], ...]
     left_out: tuple[str, ...]
+    """The unread content, in words."""
 
 
 READ = frozenset(
@@ -78,12 +90,12 @@ READ = frozenset(
 
 
 def parse_srdf(data: bytes) -> Srdf:
-    """What a text says; Malformed where it is not an SRDF."""
+    """Returns the content of a text. Raises Malformed if it is not an SRDF."""
     root = parse(data)
     if tag(root) != "robot":
         raise Malformed("its root element is not <robot>")
-    if sum(1 for _ in root.iter()) > MOST:
-        raise Malformed(f"it has more than {MOST} elements")
+    if sum(1 for _ in root.iter()) > MAX_ELEMENTS:
+        raise Malformed(f"it has more than {MAX_ELEMENTS} elements")
     unread = Counter(tag(node) for node in root if tag(node) not in READ)
     left_out = [f"<{name}>" + (f" ({number} times)" if number > 1 else "") for name, number in unread.items()]
     states = [_state(node, left_out) for node in root.iterchildren("group_state")]

@@ -1,18 +1,17 @@
-"""URDF text as values: links, joints, shapes, transmissions.
+"""Reads URDF text as values: links, joints, shapes, transmissions.
 
-- as_written: The robot that a URDF describes, where its form differs from that of the robot.
-- chains: The links and joints of a URDF as a tree, by their names there, as far as the robot says what they
-  are.
-- contacts: Which links of a URDF do not collide, as far as the robot says: for who writes or checks an SRDF.
-- diagnostics: Diagnostics of a URDF, by line: errors, and elements that are left out.
-- elements: Values in a URDF's elements: children, numbers, poses.
-- form: How a robot's URDF differs from the robot: for who writes and who checks one.
-- model: A URDF as a value, exactly as in the file.
-- names: What stands in a URDF for what a robot has and URDF has no word for: its names, for who writes and
-  who checks one.
+- as_written: Converts a robot to the robot that its URDF describes: links merged, loops replaced by mimics.
+- chains: Derives from the robot the links and joints of its URDF as a tree, by their names in the URDF.
+- contacts: Finds the links of a URDF that do not collide, for writing and checking an SRDF.
+- diagnostics: Collects diagnostics of a URDF, by line: errors, and elements that are left out.
+- elements: Reads values in a URDF's elements: children, numbers, poses.
+- form: How a robot's URDF differs from the robot, as a value that writers and checks share.
+- model: URDF values, exactly as in the file.
+- names: Chooses names in a URDF for the things of a robot that are extra links and joints there.
 - parse: Reads URDF text: all of URDF 1.0, and what later readers add to it (capsules, ros2_control, ...).
-- shapes: The visuals, collisions and materials of a URDF.
-- srdf_form: What an SRDF says that nothing else of the robot does.
-- transmission_counts: Values in a <transmission> or <ros2_control> whose joints are counted anew.
-- transmissions: The transmissions of a URDF, of either style, and the joints of its ros2_control.
+- shapes: Reads the visuals, collisions and materials of a URDF.
+- srdf_form: Defines the content that only an SRDF has.
+- transmission_counts: Changes the values in a <transmission> or <ros2_control> whose joints get another zero
+  or sign.
+- transmissions: Reads the transmissions of a URDF, of either style, and the joints of its ros2_control.
 """

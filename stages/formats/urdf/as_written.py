@@ -1,4 +1,4 @@
-"""The robot that a URDF describes, where its form differs from that of the robot."""
+"""Converts a robot to the robot that its URDF describes: links merged, loops replaced by mimics."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -12,40 +12,41 @@ from linkwright.stages.robot.motion.start_pose import home
 from linkwright.stages.robot.text.names import free
 
 
-def form_with(robot: Robot, merged: bool = False, first: Sequence[str] = ()) -> UrdfForm:
-    """The form of a robot's URDF. `first`: the dofs that drive others in closed loops, where they can."""
+def urdf_form(robot: Robot, merged: bool = False, preferred_drivers: Sequence[str] = ()) -> UrdfForm:
+    """Returns the form of a robot's URDF. `preferred_drivers`: names of dofs to prefer as drivers of closed
+    loops."""
     if not robot.loops:
         return UrdfForm(merged)
-    couplings = linear_couplings(robot, home(robot), first)
+    couplings = linear_couplings(robot, home(robot), preferred_drivers)
     return UrdfForm(merged, couplings, closed_loops(robot, couplings))
 
 
-def as_written(robot: Robot, form: UrdfForm, held: Holders) -> Robot:
-    """The robot that the URDF of this form describes: with all that was on merged links on their holders
-    `held`, and with a relation for each <mimic>."""
+def urdf_robot(robot: Robot, form: UrdfForm, held: Holders) -> Robot:
+    """Returns the robot that a URDF of this form describes: the content of merged links is moved to the links
+    that hold them (`held`), and each <mimic> is a relation."""
     robot = replace(robot, relations=_relations(robot, form), mjcf=None)
     if all(holder == link for link, (holder, _) in held.items()):
         return robot
-    whole = fused(robot, held)
-    names = {joint.name: joint.name for joint in whole.joints}
+    merged_robot = fused(robot, held)
+    names = {joint.name: joint.name for joint in merged_robot.joints}
     controls = (with_joints(text, names)[0] for text in robot.controls)
-    return replace(whole, controls=tuple(text for text in controls if text))
+    return replace(merged_robot, controls=tuple(text for text in controls if text))
 
 
 def _relations(robot: Robot, form: UrdfForm) -> tuple[Relation, ...]:
-    """The robot's and those of its loops, each relative to a dof that follows no other."""
-    exact = {one.follower: one for one in form.mimics}
-    found = []
+    """Returns the relations of the robot and of its loops. Chains are resolved: no driver is a follower."""
+    exact = {mimic.follower: mimic for mimic in form.mimics}
+    relations = []
     for relation in robot.relations:
-        via = exact.get(relation.driver)
-        if via is not None:
-            offset = relation.multiplier * via.offset + relation.offset
-            factor = relation.multiplier * via.multiplier
-            relation = replace(relation, driver=via.driver, multiplier=factor, offset=offset)
-        found.append(relation)
-    taken = {one.name for one in robot.relations} | {loop.name for loop in robot.loops}
-    for one in form.mimics:
-        name = free(f"{one.follower}_mimic", taken)
-        taken.add(name)
-        found.append(Relation(name, one.follower, one.driver, one.multiplier, one.offset))
-    return tuple(found)
+        driver_mimic = exact.get(relation.driver)
+        if driver_mimic is not None:
+            offset = relation.multiplier * driver_mimic.offset + relation.offset
+            factor = relation.multiplier * driver_mimic.multiplier
+            relation = replace(relation, driver=driver_mimic.driver, multiplier=factor, offset=offset)
+        relations.append(relation)
+    used_names = {relation.name for relation in robot.relations} | {loop.name for loop in robot.loops}
+    for mimic in form.mimics:
+        name = free(f"{mimic.follower}_mimic", used_names)
+        used_names.add(name)
+        relations.append(Relation(name, mimic.follower, mimic.driver, mimic.multiplier, mimic.offset))
+    return tuple(relations)

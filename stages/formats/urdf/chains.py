@@ -1,4 +1,4 @@
-"""The links and joints of a URDF as a tree, by their names there, as far as the robot says what they are."""
+"""Derives from the robot the links and joints of its URDF as a tree, by their names in the URDF."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -9,61 +9,67 @@ from linkwright.stages.robot.model.robot import Dof, Limits, Robot
 
 @dataclass(frozen=True, slots=True)
 class UrdfStep:
-    """A joint of a URDF. `dof`: which of the robot's it is, or is a turn of; None where it is fixed."""
+    """A joint of a URDF."""
 
     name: str
     parent: str
     child: str
     dof: Dof | None
+    """The robot's dof that the joint is, or is a turn of; None for a fixed joint."""
 
     @property
     def moves(self) -> bool:
-        """Whether it has a value: of a free joint no group has one."""
+        """Whether it has a value in a group: no group has a value of a free joint."""
         return self.dof is not None and self.dof.kind != "free"
 
     @property
     def limits(self) -> Limits:
-        """Those of its value; a ball's turns have none."""
-        own = self.dof is not None and self.dof.kind in ("turn", "slide")
-        return self.dof.limits if own and self.dof is not None else Limits()
+        """The limits of its value; a ball's turns have none."""
+        is_scalar = self.dof is not None and self.dof.kind in ("turn", "slide")
+        return self.dof.limits if is_scalar and self.dof is not None else Limits()
 
 
 @dataclass(frozen=True, slots=True)
 class UrdfChains:
-    """`root`: the link that hangs on none; `joints`: by name, parents first; `above`: by link, the joint that
-    holds it."""
+    """The tree of a URDF."""
 
     root: str
+    """The link without a parent."""
+
     joints: dict[str, UrdfStep]
+    """The joints by name, parents first."""
+
     above: dict[str, UrdfStep]
+    """Link → the joint that holds it."""
 
     @property
     def links(self) -> Iterator[str]:
+        """The names of all links."""
         yield self.root
         yield from self.above
 
     def has(self, link: str) -> bool:
-        """Whether there is such a link."""
+        """Tells whether a link of this name exists."""
         return link == self.root or link in self.above
 
     def up(self, tip: str) -> Iterator[UrdfStep]:
-        """The joints from a link up to the root."""
+        """Yields the joints from a link up to the root."""
         while tip in self.above:
             yield self.above[tip]
             tip = self.above[tip].parent
 
     def between(self, base: str, tip: str) -> list[UrdfStep] | None:
-        """The joints from one link down to another; None where the one is not above the other."""
-        found: list[UrdfStep] = []
+        """Returns the joints from a link down to another; None if `base` is not above `tip`."""
+        steps: list[UrdfStep] = []
         while tip != base:
             if tip not in self.above:
                 return None
-            found.append(self.above[tip])
-            tip = found[-1].parent
-        return found[::-1]
+            steps.append(self.above[tip])
+            tip = steps[-1].parent
+        return steps[::-1]
 
     def base_of(self, tip: str) -> str:
-        """Where the chain to a link begins: the root, or the link above it that flies on its own."""
+        """Returns the beginning of the chain to a link: the root, or the free link above it."""
         for step in self.up(tip):
             if step.dof is not None and step.dof.kind == "free":
                 return step.child
@@ -71,7 +77,7 @@ class UrdfChains:
 
 
 def chains_of(written: Robot) -> UrdfChains:
-    """Those of a URDF that describes the robot `written`."""
+    """Returns the chains of a URDF that describes the robot `written`."""
     steps = {step.name: step for step in _steps(written)}
     return UrdfChains(written.root.name, steps, {step.child: step for step in steps.values()})
 
@@ -79,10 +85,10 @@ def chains_of(written: Robot) -> UrdfChains:
 def _steps(written: Robot) -> Iterator[UrdfStep]:
     names = urdf_names(written)
     for joint in written.joints:
-        every: list[tuple[str, Dof | None]] = [(joint.name, None)] if not joint.dofs else []
-        every += [(name, dof) for dof in joint.dofs for name in names.turns.get(dof.name, (dof.name,))]
+        named_dofs: list[tuple[str, Dof | None]] = [(joint.name, None)] if not joint.dofs else []
+        named_dofs += [(name, dof) for dof in joint.dofs for name in names.turns.get(dof.name, (dof.name,))]
         links = [joint.parent, *names.between[joint.name], joint.child]
-        for (name, dof), parent, child in zip(every, links, links[1:], strict=False):
+        for (name, dof), parent, child in zip(named_dofs, links, links[1:], strict=False):
             yield UrdfStep(name, parent, child, dof)
     fixed = [(frame.link, names.frames[frame.name]) for frame in written.frames]
     for loop in written.loops:

@@ -1,4 +1,4 @@
-"""Which links of a URDF do not collide, as far as the robot says: for who writes or checks an SRDF."""
+"""Finds the links of a URDF that do not collide, for writing and checking an SRDF."""
 
 from collections.abc import Iterable, Mapping, Sequence, Set
 
@@ -9,71 +9,76 @@ from linkwright.stages.robot.model.semantics import NEVER
 from linkwright.stages.robot.motion.adjacency import Pair, adjacent_pairs
 
 Reason = str
-"""In the words of MoveIt's assistant, Adjacent: next to each other; Default: touching in every pose; User:
-the configuration says so; Never: never touching. Of pairs of the source's SRDF, its own words."""
+"""A reason in the words of MoveIt's assistant. Adjacent: next to each other; Default: touching in every pose;
+User: the configuration says so; Never: never touching. Pairs of the source's SRDF keep their own reasons."""
 
 
-def known_pairs(written: Written) -> tuple[dict[Pair, Reason], tuple[Pair, ...]]:
-    """The pairs of links of the URDF that do not collide, in their order, with the reasons; of
-    those that never meet only the ones that the source's SRDF has. And the pairs of which only some colliders
-    do not collide."""
+def excluded_pairs(written: Written) -> tuple[dict[Pair, Reason], tuple[Pair, ...]]:
+    """Returns the pairs of links of the URDF that do not collide, in order, with the reasons.
+
+    Pairs that never meet are included only if the source's SRDF has them. The second value has the pairs of
+    which only some colliders do not collide.
+    """
     robot, geometry = written.robot, written.shapes
     groups = members(robot, written.as_urdf.held)
     solid = {shape.link for shape in geometry.shapes if shape.role == "collision"}
-    parts = {link: [one for one, _ in held if one in solid] for link, held in groups.items()}
-    order = [link for link, own in parts.items() if own]
+    parts = {link: [part for part, _ in held if part in solid] for link, held in groups.items()}
+    order = [link for link, link_parts in parts.items() if link_parts]
     at = {link: number for number, link in enumerate(order)}
     if not geometry.self_contact:
         joined = _joined(written.as_urdf.robot, {*order})
         return dict.fromkeys(joined, "Adjacent") | _of_source(robot, parts, at), ()
     adjacent = frozenset(adjacent_pairs(robot, solid))
-    given = {(one.link_a, one.link_b): one for one in geometry.excludes}
+    excludes = {(exclude.link_a, exclude.link_b): exclude for exclude in geometry.excludes}
     place = _places(robot)
-    found: dict[Pair, Reason] = {}
+    reasons: dict[Pair, Reason] = {}
     partly: list[Pair] = []
-    # Of any other pair of links nothing is known: a large robot has too many to look at each.
-    for pair in _near((*adjacent, *given), parts, at):
-        own = _pairs_of(place, parts, pair)
-        known = [given.get(one) for one in own]
-        if not adjacent.isdisjoint(own):
-            found[pair] = "Adjacent"
-        elif any(one is not None and one.reason == "Always" for one in known):
-            found[pair] = "Default"
-            if not all(one is not None and not one.geoms for one in known):
+    # Other pairs of links are unknown, and a large robot has too many to look at each.
+    for pair in _near((*adjacent, *excludes), parts, at):
+        robot_pairs = _pairs_of(place, parts, pair)
+        known_excludes = [excludes.get(robot_pair) for robot_pair in robot_pairs]
+        if not adjacent.isdisjoint(robot_pairs):
+            reasons[pair] = "Adjacent"
+        elif any(exclude is not None and exclude.reason == "Always" for exclude in known_excludes):
+            reasons[pair] = "Default"
+            if not all(exclude is not None and not exclude.geoms for exclude in known_excludes):
                 partly.append(pair)
-        elif all(known):
-            found[pair] = "User"
-    found |= _of_source(robot, parts, at)
-    return {pair: found[pair] for pair in sorted(found, key=lambda both: (at[both[0]], at[both[1]]))}, tuple(
-        partly
-    )
+        elif all(known_excludes):
+            reasons[pair] = "User"
+    reasons |= _of_source(robot, parts, at)
+    return {
+        pair: reasons[pair] for pair in sorted(reasons, key=lambda both: (at[both[0]], at[both[1]]))
+    }, tuple(partly)
 
 
 def _of_source(robot: Robot, parts: Mapping[str, Sequence[str]], at: Mapping[str, int]) -> dict[Pair, Reason]:
-    """The pairs that the source's SRDF has: of links that are several of its links, each of these."""
+    """Returns the pairs of the source's SRDF with their reasons. For links that consist of several of its
+    links, all pairs of these must be disabled."""
     source = {(pair.link_a, pair.link_b): pair.reason for pair in robot.semantics.disabled}
     place = _places(robot)
-    found = {}
+    source_reasons = {}
     for pair in _near(source, parts, at):
-        reasons = [source.get(one) for one in _pairs_of(place, parts, pair)]
+        reasons = [source.get(robot_pair) for robot_pair in _pairs_of(place, parts, pair)]
         if None not in reasons:
-            found[pair] = next((reason for reason in reasons if reason != NEVER), NEVER) or ""
-    return found
+            source_reasons[pair] = next((reason for reason in reasons if reason != NEVER), NEVER) or ""
+    return source_reasons
 
 
 def _near(pairs: Iterable[Pair], parts: Mapping[str, Sequence[str]], at: Mapping[str, int]) -> list[Pair]:
-    """The pairs of links of the URDF that hold pairs of the robot's, in their order. `at`: their places."""
-    holder = {one: link for link in at for one in parts[link]}
-    near = {
+    """Returns the pairs of links of the URDF that contain these pairs of the robot's links, in order. `at`:
+    the index of each link of the URDF."""
+    holder = {part: link for link in at for part in parts[link]}
+    urdf_pairs = {
         tuple(sorted((holder[a], holder[b]), key=at.__getitem__))
         for a, b in pairs
         if a in holder and b in holder and holder[a] != holder[b]
     }
-    return sorted(((a, b) for a, b in near), key=lambda pair: (at[pair[0]], at[pair[1]]))
+    return sorted(((a, b) for a, b in urdf_pairs), key=lambda pair: (at[pair[0]], at[pair[1]]))
 
 
 def _pairs_of(place: Mapping[str, int], parts: Mapping[str, Sequence[str]], pair: Pair) -> list[Pair]:
-    """The pairs of the robot's links in two links of the URDF, each in the robot's order, their `place`."""
+    """Returns the pairs of the robot's links in two links of the URDF. `place`: the index of each link of the
+    robot; each pair is in this order."""
     return [(a, b) if place[a] < place[b] else (b, a) for a in parts[pair[0]] for b in parts[pair[1]]]
 
 
@@ -82,9 +87,9 @@ def _places(robot: Robot) -> dict[str, int]:
 
 
 def _joined(robot: Robot, solid: Set[str]) -> list[Pair]:
-    """The pairs of links that a joint or a loop joins, in the order of the links."""
+    """Returns the pairs of links that a joint or a loop joins, in the order of the links."""
     place = _places(robot)
-    joined = [(one.parent, one.child) for one in robot.joints if one.type != "free"]
-    joined += [(one.link_a, one.link_b) for one in robot.loops if one.type != "free"]
+    joined = [(joint.parent, joint.child) for joint in robot.joints if joint.type != "free"]
+    joined += [(loop.link_a, loop.link_b) for loop in robot.loops if loop.type != "free"]
     pairs = {tuple(sorted(pair, key=place.__getitem__)) for pair in joined if solid >= set(pair)}
     return sorted(((a, b) for a, b in pairs if a != b), key=lambda pair: (place[pair[0]], place[pair[1]]))

@@ -1,4 +1,4 @@
-"""Diagnostics of a URDF, by line: errors, and elements that are left out."""
+"""Collects diagnostics of a URDF, by line: errors, and elements that are left out."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from collections.abc import Iterable
 from linkwright.stages.formats.xml import Element, tag
 from linkwright.stages.robot.errors import Diagnostic
 
-_MOST_SHOWN = 50
+_MAX_SHOWN = 50
+"""Largest number of diagnostics of a level."""
 
 HINTS = {
     "E-URDF-AXIS": "give the axis a direction, as in 0 0 1",
@@ -26,42 +27,42 @@ HINTS = {
     "W-URDF-SHAPE": "give it a box, cylinder, sphere, capsule or mesh with an extent, or remove it",
     "W-URDF-TWICE": "remove the others",
 }
-"""Default hints of diagnostics, by code."""
+"""Code → the default hint of its diagnostics."""
 
 
 class FileDiagnostics:
-    """Diagnostics of one file, which `where` names, gathered by line."""
+    """Diagnostics of a file, which `where` names, collected by line."""
 
     def __init__(self, where: str) -> None:
         self._where = where
         self._errors: list[tuple[int, Diagnostic]] = []
         self._others: list[tuple[int, Diagnostic]] = []
-        self._more = 0
-        self._left: dict[str, int] = {}
+        self._omitted_errors = 0
+        self._left_out_counts: dict[str, int] = {}
         self._unknown: dict[str, list[int]] = {}
 
     def report(self, code: str, element: Element | int, message: str, hint: str = "") -> None:
-        """Adds one diagnostic about an element, or about a line."""
+        """Adds a diagnostic about an element, or about a line."""
         line = element if isinstance(element, int) else element.sourceline
-        found = self._errors if code.startswith("E-") else self._others
-        if len(found) < _MOST_SHOWN:
-            found.append((line, Diagnostic(code, message, self._place(line), hint or HINTS.get(code, ""))))
-        elif found is self._errors:
-            self._more += 1
+        entries = self._errors if code.startswith("E-") else self._others
+        if len(entries) < _MAX_SHOWN:
+            entries.append((line, Diagnostic(code, message, self._place(line), hint or HINTS.get(code, ""))))
+        elif entries is self._errors:
+            self._omitted_errors += 1
 
     def _place(self, line: int) -> str:
         return f"{self._where}, line {line}"
 
-    def leave_out(self, what: str) -> None:
+    def leave_out(self, name: str) -> None:
         """Counts a valid element or attribute of URDF that is left out."""
-        self._left[what] = self._left.get(what, 0) + 1
+        self._left_out_counts[name] = self._left_out_counts.get(name, 0) + 1
 
-    def leave_out_unknown(self, what: str, element: Element) -> None:
+    def leave_out_unknown(self, name: str, element: Element) -> None:
         """Counts an unknown element or attribute that is left out."""
-        self._unknown.setdefault(what, []).append(element.sourceline)
+        self._unknown.setdefault(name, []).append(element.sourceline)
 
     def check(self, element: Element, children: Iterable[str], attributes: Iterable[str] = ()) -> None:
-        """Counts an element's children and attributes other than these."""
+        """Counts the children and attributes of an element that are not among these."""
         for child in element:
             name = tag(child)
             if name in _LEFT:
@@ -75,30 +76,30 @@ class FileDiagnostics:
                 self.leave_out_unknown(f'{name}="" of <{tag(element)}>', element)
 
     def collected(self) -> tuple[Diagnostic, ...]:
-        """All diagnostics, at most fifty of each level: errors first, then the others, each by line; what
-        was left out last."""
-        errors, others = (_by_line(found) for found in (self._errors, self._others))
-        if self._more:
-            text = f"and {self._more} more errors"
+        """Returns all diagnostics, at most fifty of each level: errors first, then the others, each by line;
+        the elements left out come last."""
+        errors, remarks = (_by_line(entries) for entries in (self._errors, self._others))
+        if self._omitted_errors:
+            text = f"and {self._omitted_errors} more errors"
             errors.append(Diagnostic("E-URDF-MORE", text, self._where, HINTS["E-URDF-MORE"]))
-        return (*errors, *others, *self._left_out())
+        return (*errors, *remarks, *self._left_out())
 
     def _left_out(self) -> list[Diagnostic]:
-        found = []
-        for what, lines in list(self._unknown.items())[:_MOST_SHOWN]:
+        diagnostics = []
+        for name, lines in list(self._unknown.items())[:_MAX_SHOWN]:
             times = f", and {len(lines) - 1} more" if len(lines) > 1 else ""
-            msg = f"unknown {what}: left out{times}"
+            msg = f"unknown {name}: left out{times}"
             hint = "check its spelling against the URDF reference"
-            found.append(Diagnostic("W-URDF-UNKNOWN", msg, self._place(lines[0]), hint))
-        if self._left:
-            names = ", ".join(f"{name} ({count})" for name, count in sorted(self._left.items()))
+            diagnostics.append(Diagnostic("W-URDF-UNKNOWN", msg, self._place(lines[0]), hint))
+        if self._left_out_counts:
+            names = ", ".join(f"{name} ({count})" for name, count in sorted(self._left_out_counts.items()))
             msg = f"left out, since they do not describe links or joints: {names}"
-            found.append(Diagnostic("I-URDF-LEFT", msg, self._where))
-        return found
+            diagnostics.append(Diagnostic("I-URDF-LEFT", msg, self._where))
+        return diagnostics
 
 
-def _by_line(found: list[tuple[int, Diagnostic]]) -> list[Diagnostic]:
-    return [one for _, one in sorted(found, key=lambda pair: pair[0])]
+def _by_line(entries: list[tuple[int, Diagnostic]]) -> list[Diagnostic]:
+    return [diagnostic for _, diagnostic in sorted(entries, key=lambda pair: pair[0])]
 
 
 _LEFT = frozenset(

@@ -1,4 +1,4 @@
-"""Values in a URDF's elements: children, numbers, poses."""
+"""Reads values in a URDF's elements: children, numbers, poses."""
 
 from __future__ import annotations
 
@@ -13,43 +13,47 @@ from linkwright.stages.robot.model.robot import Array, frozen
 
 
 def child(element: Element, name: str, log: FileDiagnostics) -> Element | None:
-    """The child of that name, None without one; W-URDF-TWICE for several, of which the first counts."""
-    found = [one for one in element if tag(one) == name]
-    if len(found) > 1:
-        log.report("W-URDF-TWICE", found[1], f"<{tag(element)}> has several <{name}>; the first counts")
-    return found[0] if found else None
+    """Returns the child of that name, or None. Reports W-URDF-TWICE for several; the first counts."""
+    children = [node for node in element if tag(node) == name]
+    if len(children) > 1:
+        log.report("W-URDF-TWICE", children[1], f"<{tag(element)}> has several <{name}>; the first counts")
+    return children[0] if children else None
 
 
 def number(
     element: Element, name: str, log: FileDiagnostics, default: float | None = None, *, infinite: bool = False
 ) -> float | None:
-    """A number in an attribute; `default` where it is missing or invalid (E-URDF-NUMBER).
+    """Returns a number in an attribute; `default` if it is missing or invalid (reports E-URDF-NUMBER).
 
     `infinite`: whether it may be infinite.
     """
-    found = numbers(element, name, 1, log, infinite=infinite)
-    return default if found is None else found[0]
+    values = numbers(element, name, 1, log, infinite=infinite)
+    return default if values is None else values[0]
 
 
 def numbers(
     element: Element, name: str, count: int, log: FileDiagnostics, *, infinite: bool = False
 ) -> tuple[float, ...] | None:
-    """`count` numbers in an attribute, with spaces or commas between them; None where the attribute is
-    not there, empty or wrong (E-URDF-NUMBER)."""
+    """Returns `count` numbers in an attribute, with spaces or commas between them; None if the attribute is
+    missing, empty or wrong (reports E-URDF-NUMBER)."""
     text = element.get(name)
     pieces = text.replace(",", " ").split() if text else []
     if not pieces:
         return None
     values = [_value(piece) for piece in pieces]
-    good = [one for one in values if one is not None and (math.isfinite(one) or (infinite and one == one))]
+    good = [
+        value
+        for value in values
+        if value is not None and (math.isfinite(value) or (infinite and value == value))
+    ]
     if len(good) == count == len(values):
         return tuple(good)
-    wanted = "a finite number" if count == 1 else f"{count} finite numbers"
+    expected = "a finite number" if count == 1 else f"{count} finite numbers"
     if infinite:
-        wanted = wanted.replace("finite ", "")
-    shown = " ".join(pieces)
-    shown = shown if len(shown) <= 60 else f"{shown[:60]}…"
-    log.report("E-URDF-NUMBER", element, f'<{tag(element)} {name}="{shown}">: expected {wanted}')
+        expected = expected.replace("finite ", "")
+    value_text = " ".join(pieces)
+    value_text = value_text if len(value_text) <= 60 else f"{value_text[:60]}…"
+    log.report("E-URDF-NUMBER", element, f'<{tag(element)} {name}="{value_text}">: expected {expected}')
     return None
 
 
@@ -63,7 +67,7 @@ def _value(text: str) -> float | None:
 
 
 def pose(element: Element, log: FileDiagnostics) -> Array:
-    """The (4, 4) transform of an element's <origin>, the identity without one."""
+    """Returns the transform (4, 4) of an element's <origin>; the identity without an <origin>."""
     origin = child(element, "origin", log)
     if origin is None:
         return frozen(np.eye(4))

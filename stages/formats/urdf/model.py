@@ -1,4 +1,4 @@
-"""A URDF as a value, exactly as in the file.
+"""URDF values, exactly as in the file.
 
 Poses are (4, 4) float64 transforms, named by their frames; SI units, radians. A link's frame is the
 URDF's own. `stages.formats.urdf.parse` reads a file into these values.
@@ -21,40 +21,48 @@ UrdfJointType = Literal["revolute", "continuous", "prismatic", "fixed", "floatin
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UrdfShape:
-    """A visual or a collision.
-
-    `size` [m] as in `model.Primitive`: a box's lengths; a sphere's (radius,); a cylinder's or
-    capsule's (radius, length); () for a mesh. `filename` as the file has it, "" unless a mesh;
-    `scale` (x, y, z), negative too, of a mesh. `colour`: the material's RGBA in 0..1, None where the
-    file gives none (a mesh then has its own colours; a collision never has one). `texture`: the
-    material's image, "" for none. `name`: the element's own, mostly "".
-    """
+    """The shape of a <visual> or <collision> element."""
 
     kind: UrdfShapeKind
     size: tuple[float, ...]
+    """[m], as in `model.Primitive`: a box's lengths; a sphere's (radius,); a cylinder's or capsule's (radius,
+    length); () for a mesh."""
+
     filename: str
+    """The file's name of a mesh; "" for other shapes."""
+
     scale: tuple[float, float, float]
+    """The scale of a mesh (x, y, z), which may be negative."""
+
     link_from_shape: Array
     colour: Colour | None
+    """The material's RGBA in 0..1. None if the file has none: a mesh then keeps its own colours. A collision
+    never has a colour."""
+
     texture: str
+    """The material's image, or ""."""
+
     name: str
+    """The element's name, mostly ""."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UrdfLink:
-    """A link. `inertial` in the link's frame, None where the file gives none; it may be unphysical.
-    `line`: where the file has it."""
+    """A link of a URDF."""
 
     name: str
     inertial: Inertial | None
+    """In the link's frame; None if the file has none. It may be unphysical."""
+
     visuals: tuple[UrdfShape, ...]
     collisions: tuple[UrdfShape, ...]
     line: int
+    """The line of the file where the link begins."""
 
 
 @dataclass(frozen=True, slots=True)
 class UrdfMimic:
-    """This joint = multiplier · `joint` + offset [rad or m]."""
+    """A <mimic>: the follower's position is multiplier · `joint` + offset [rad or m]."""
 
     joint: str
     multiplier: float
@@ -63,14 +71,7 @@ class UrdfMimic:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UrdfJoint:
-    """A joint: the child's frame at q is `parent_from_joint @ motion(axis, q)`.
-
-    `axis` (3,) unit vector in the joint's frame (the normal of a planar joint's plane; (1, 0, 0) where
-    the file gives none). `limits` None where there is no <limit> element, or for a type that has
-    none; a bound that it leaves out is 0, as in ROS. `effort` [N m or N] and `velocity` [rad/s or m/s]
-    as the file says, 0 too; None where it says nothing. `damping`, `friction` and `armature` (the rotor's
-    inertia as the joint feels it) likewise, None unset.
-    """
+    """A joint: the child's frame at q is `parent_from_joint @ motion(axis, q)`."""
 
     name: str
     type: UrdfJointType
@@ -78,36 +79,54 @@ class UrdfJoint:
     child: str
     parent_from_joint: Array
     axis: Array
+    """(3,) unit vector in the joint's frame: the normal of a planar joint's plane; (1, 0, 0) if the file has
+    no axis."""
+
     limits: Limits | None
+    """The bounds; None if there is no <limit> element, or the type has no limits. A bound that <limit> leaves
+    out is 0, as in ROS."""
+
     effort: float | None
+    """The file's value [N m or N], even 0; None if it has none."""
+
     velocity: float | None
+    """The file's value [rad/s or m/s], even 0; None if it has none."""
+
     damping: float | None
+    """The file's value; None if it has none."""
+
     friction: float | None
+    """The file's value [N m or N]; None if it has none."""
+
     armature: float | None
+    """The rotor's inertia, reflected at the joint; None if the file has none."""
+
     mimic: UrdfMimic | None
     line: int
+    """The line of the file where the joint begins."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Urdf:
-    """A robot's file: links, joints and transmissions (one for each joint of each) in the file's order, and
-    `controls`: the text of each <transmission> and <ros2_control>.
-
-    `diagnostics`: all that is wrong (E-), doubtful (W-) or left out (I-). With an E- among them the
-    rest is what could be read: names may be double, a joint may name a link that is not there.
-    """
+    """The content of a URDF file: links, joints and transmissions, in the file's order."""
 
     name: str
     links: tuple[UrdfLink, ...]
     joints: tuple[UrdfJoint, ...]
     transmissions: tuple[Transmission, ...]
+    """An entry for each joint of each <transmission>."""
+
     controls: tuple[str, ...]
+    """The XML text of each <transmission> and <ros2_control>."""
+
     diagnostics: tuple[Diagnostic, ...]
+    """Errors (E-), doubts (W-) and omissions (I-). If there is an error, the other fields hold only what
+    could be read: names may be duplicated, and a joint may refer to a missing link."""
 
 
 def mesh_key(shape: UrdfShape) -> str:
-    """What names a mesh's triangles in a bundle (request `mesh/<key>`, and the body's id in it): one
-    for each file, scale, colour and image. Letters, digits, "_" and "-"."""
+    """Returns the key of a mesh's triangles in a bundle (request `mesh/<key>`, and the body's id in it),
+    unique for each file, scale, colour and image. The key has letters, digits, "_" and "-"."""
     stem = re.sub(r"\W+", "_", PurePosixPath(shape.filename.replace("\\", "/")).stem, flags=re.ASCII)
     identity = repr((shape.filename, shape.scale, shape.colour, *filter(None, [shape.texture])))
     return f"{stem[:40]}-{sha256(identity.encode()).hexdigest()[:12]}"

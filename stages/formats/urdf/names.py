@@ -1,8 +1,7 @@
-"""What stands in a URDF for what a robot has and URDF has no word for: its names, for who writes and who
-checks one.
+"""Chooses names in a URDF for the things of a robot that are extra links and joints there.
 
-To a URDF a frame is a link, and so are the two frames of a loop and what stands between the dofs of one
-joint; a ball is three joints. Links share one space of names there, joints another.
+In a URDF a frame is a link, and so are the two frames of a loop and the bodies between the dofs of a joint; a
+ball is three joints. Links have a namespace there, and joints another.
 """
 
 from collections.abc import Mapping
@@ -14,35 +13,45 @@ from linkwright.stages.robot.text.names import free
 
 @dataclass(frozen=True, slots=True)
 class UrdfNames:
-    """Names in the URDF by those in the robot.
-
-    `frames`: the link that a frame is; `ends`: the links that a loop's two frames are; `between`: the links
-    between the dofs of a joint; `turns`: a ball's joints about x, y and z; `holders`: the joint by which
-    each link of `frames` and `ends` is fixed.
-    """
+    """Names in the robot → names in the URDF."""
 
     frames: Mapping[str, str]
+    """Frame → the link that represents it."""
+
     ends: Mapping[str, tuple[str, str]]
+    """Loop → the links that represent its two frames."""
+
     between: Mapping[str, tuple[str, ...]]
+    """Joint → the links between its dofs."""
+
     turns: Mapping[str, tuple[str, str, str]]
+    """Ball → its joints about x, y and z."""
+
     holders: Mapping[str, str]
+    """Link of `frames` or `ends` → the joint that fixes it."""
 
 
 def urdf_names(robot: Robot) -> UrdfNames:
-    """A frame keeps its name unless a link has it, and so does the joint that holds it unless another joint
-    has that; names that are made up give way to all that are not."""
+    """Chooses the names in the URDF.
+
+    A frame keeps its name unless a link has it, and so does the joint that holds it unless another joint has
+    that name; generated names give way to all others.
+    """
     links = {link.name for link in robot.links}
-    every = links | {frame.name for frame in robot.frames}
+    link_names = links | {frame.name for frame in robot.frames}
     frames = {
-        frame.name: _taken(f"{frame.name}_frame", every) if frame.name in links else frame.name
+        frame.name: _taken(f"{frame.name}_frame", link_names) if frame.name in links else frame.name
         for frame in robot.frames
     }
     between = {
-        joint.name: tuple(_taken(f"{joint.name}_{count}", every) for count in range(1, urdf_steps(joint)))
+        joint.name: tuple(
+            _taken(f"{joint.name}_{count}", link_names) for count in range(1, urdf_steps(joint))
+        )
         for joint in robot.joints
     }
     ends = {
-        loop.name: (_taken(f"{loop.name}_a", every), _taken(f"{loop.name}_b", every)) for loop in robot.loops
+        loop.name: (_taken(f"{loop.name}_a", link_names), _taken(f"{loop.name}_b", link_names))
+        for loop in robot.loops
     }
     joints = {joint.name for joint in robot.joints} | {dof.name for dof in robot.dofs}
     holders = {frames[frame.name]: _taken(frame.joint, joints) for frame in robot.frames if frame.joint}
@@ -57,12 +66,12 @@ def urdf_names(robot: Robot) -> UrdfNames:
 
 
 def urdf_steps(joint: Joint) -> int:
-    """How many joints of a URDF stand for one."""
+    """Returns the number of joints of a URDF for a joint of the robot."""
     return sum(3 if dof.kind == "ball" else 1 for dof in joint.dofs)
 
 
 def _taken(name: str, taken: set[str]) -> str:
-    """A free name, which is taken from then on."""
-    found = free(name, taken)
-    taken.add(found)
-    return found
+    """Returns a free name, and adds it to `taken`."""
+    chosen = free(name, taken)
+    taken.add(chosen)
+    return chosen

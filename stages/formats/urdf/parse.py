@@ -1,7 +1,7 @@
 """Reads URDF text: all of URDF 1.0, and what later readers add to it (capsules, ros2_control, ...).
 
-What the file leaves out is as in ROS: no origin is the identity, no axis is x, a mimic has multiplier 1
-and offset 0, and of several elements where one belongs the first counts.
+Defaults are those of ROS: no origin is the identity, no axis is x, a mimic has multiplier 1 and offset 0, and
+of several elements where only one is allowed, the first counts.
 """
 
 from __future__ import annotations
@@ -32,14 +32,17 @@ from linkwright.stages.robot.model.robot import Array, Inertial, Limits, frozen
 
 _TYPES: tuple[str, ...] = get_args(UrdfJointType)
 _PARTS = ("link", "joint", "material", "transmission", "ros2_control", "mujoco")
-_X = (1.0, 0.0, 0.0)
-_MOST_ELEMENTS = 100_000
+_DEFAULT_AXIS = (1.0, 0.0, 0.0)
+"""The axis of a joint without an <axis>."""
+
+_MAX_ELEMENTS = 100_000
+"""Largest number of elements of a URDF."""
 
 
 def parse(text: bytes, where: str) -> Urdf:
-    """The robot in a URDF. `where` names the file in messages.
+    """Returns the robot in a URDF. `where` names the file in messages.
 
-    SourceError where the text is no XML or no robot; everything else that is wrong with it is in
+    Raises SourceError if the text is not XML or not a robot; everything else that is wrong with it is in
     `Urdf.diagnostics`.
     """
     root = _robot(text, where)
@@ -78,12 +81,13 @@ def parse(text: bytes, where: str) -> Urdf:
 
 
 def _leave_settings(element: Element, log: FileDiagnostics) -> None:
-    """MuJoCo's own settings are left out, but for those of files and of what it would take away."""
-    for one in element:
-        if tag(one) != "compiler":
-            log.leave_out(f"<{tag(one)}> of <mujoco>")
+    """Reports MuJoCo's own settings, which are left out, except the settings of files and of parts that
+    MuJoCo removes."""
+    for setting in element:
+        if tag(setting) != "compiler":
+            log.leave_out(f"<{tag(setting)}> of <mujoco>")
             continue
-        for name in one.attrib:
+        for name in setting.attrib:
             if name not in ("meshdir", "strippath", "fusestatic", "discardvisual"):
                 log.leave_out(f"{name} of <compiler>")
 
@@ -96,11 +100,11 @@ def _robot(text: bytes, where: str) -> Element:
         raise SourceError(msg, where, "give a URDF, or a xacro file that ends in .xacro") from None
     name = tag(root)
     if name != "robot":
-        known = {"mujoco": "an MJCF: source=mjcf reads it", "sdf": "an SDF: convert it to a URDF first"}
+        formats = {"mujoco": "an MJCF: source=mjcf reads it", "sdf": "an SDF: convert it to a URDF first"}
         msg = f"not readable as a URDF: it starts with <{name}>, expected <robot>"
-        raise SourceError(msg, where, f"it is {known[name]}" if name in known else "give a URDF")
-    if len(root) > _MOST_ELEMENTS:
-        msg = f"not readable as a URDF: it has {len(root)} elements, more than {_MOST_ELEMENTS}"
+        raise SourceError(msg, where, f"it is {formats[name]}" if name in formats else "give a URDF")
+    if len(root) > _MAX_ELEMENTS:
+        msg = f"not readable as a URDF: it has {len(root)} elements, more than {_MAX_ELEMENTS}"
         raise SourceError(msg, where, "check that source.path names the right file")
     return root
 
@@ -125,17 +129,18 @@ def _name(element: Element, log: FileDiagnostics) -> str:
 
 
 def _inertial(element: Element, log: FileDiagnostics) -> Inertial:
-    """The inertial in the link's frame: mass and tensor 0 where they are missing (W-URDF-INERTIAL)."""
+    """Returns the inertial in the link's frame: mass and tensor are 0 if they are missing (reports
+    W-URDF-INERTIAL)."""
     log.check(element, ("origin", "mass", "inertia"))
     mass, tensor = child(element, "mass", log), child(element, "inertia", log)
-    lacking = [f"<{name}>" for name, one in (("mass", mass), ("inertia", tensor)) if one is None]
+    lacking = [f"<{name}>" for name, node in (("mass", mass), ("inertia", tensor)) if node is None]
     if lacking:
         log.report("W-URDF-INERTIAL", element, f"<inertial> has no {' and no '.join(lacking)}, taken as 0")
     if mass is not None:
         log.check(mass, (), ("value",))
     link_from_inertial = pose(element, log)
-    found = Inertial(_required(mass, "value", log), frozen(np.zeros(3)), frozen(_tensor(tensor, log)))
-    return moved(found, link_from_inertial)
+    inertial = Inertial(_required(mass, "value", log), frozen(np.zeros(3)), frozen(_tensor(tensor, log)))
+    return moved(inertial, link_from_inertial)
 
 
 def _tensor(element: Element | None, log: FileDiagnostics) -> Array:
@@ -149,7 +154,7 @@ _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 def _required(element: Element | None, name: str, log: FileDiagnostics) -> float:
-    """The number in an attribute that must be there; 0 where it is not (E-URDF-NUMBER)."""
+    """Returns the number in an attribute that must be there; 0 if it is missing (reports E-URDF-NUMBER)."""
     if element is None:
         return 0.0
     if not element.get(name, "").strip():
@@ -158,7 +163,7 @@ def _required(element: Element | None, name: str, log: FileDiagnostics) -> float
 
 
 def _joint(element: Element, log: FileDiagnostics) -> UrdfJoint | None:
-    """A joint; None where it has no known type (E-URDF-TYPE) or no link (E-URDF-JOINT)."""
+    """Returns a joint; None if it has no known type (reports E-URDF-TYPE) or no link (E-URDF-JOINT)."""
     log.check(
         element,
         ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic"),
@@ -167,10 +172,12 @@ def _joint(element: Element, log: FileDiagnostics) -> UrdfJoint | None:
     name, kind = _name(element, log), element.get("type", "")
     parent, below = _linked(element, "parent", log), _linked(element, "child", log)
     if kind not in _TYPES:
-        wrong = f'has the type "{kind}"' if kind else "has no type"
-        log.report("E-URDF-TYPE", element, f'joint "{name}" {wrong}', f"the types are {', '.join(_TYPES)}")
+        fault = f'has the type "{kind}"' if kind else "has no type"
+        log.report("E-URDF-TYPE", element, f'joint "{name}" {fault}', f"the types are {', '.join(_TYPES)}")
         return None
-    joint_type: UrdfJointType = next(one for one in get_args(UrdfJointType) if one == kind)
+    joint_type: UrdfJointType = next(
+        known_type for known_type in get_args(UrdfJointType) if known_type == kind
+    )
     limits, effort, velocity = _limit(element, joint_type, log)
     dynamics = child(element, "dynamics", log)
     if dynamics is not None:
@@ -196,14 +203,14 @@ def _joint(element: Element, log: FileDiagnostics) -> UrdfJoint | None:
 
 
 _ARMATURES = ("rotorInertia", "rotor_inertia", "armature")
-"""What readers of <dynamics> call the inertia of a rotor as its joint feels it."""
+"""The names of a rotor's inertia at its joint in <dynamics>, by reader."""
 
 
 def _linked(element: Element, role: str, log: FileDiagnostics) -> str:
-    one = child(element, role, log)
-    link: str = "" if one is None else one.get("link", "")
-    if one is not None:
-        log.check(one, (), ("link",))
+    end = child(element, role, log)
+    link: str = "" if end is None else end.get("link", "")
+    if end is not None:
+        log.check(end, (), ("link",))
     if not link.strip():
         name = element.get("name", "")
         log.report("E-URDF-JOINT", element, f'joint "{name}" needs <{role} link="…"/>')
@@ -213,11 +220,11 @@ def _linked(element: Element, role: str, log: FileDiagnostics) -> str:
 
 def _axis(element: Element, kind: UrdfJointType, log: FileDiagnostics) -> Array:
     axis = child(element, "axis", log)
-    found = None
+    direction = None
     if axis is not None:
         log.check(axis, (), ("xyz",))
-        found = numbers(axis, "xyz", 3, log)
-    vector = np.array(found or _X)
+        direction = numbers(axis, "xyz", 3, log)
+    vector = np.array(direction or _DEFAULT_AXIS)
     largest = float(np.abs(vector).max())
     if largest == 0.0:
         if kind not in ("fixed", "floating"):
@@ -226,7 +233,7 @@ def _axis(element: Element, kind: UrdfJointType, log: FileDiagnostics) -> Array:
                 axis,
                 f'joint "{element.get("name", "")}" has the axis 0 0 0: it has no direction',
             )
-        return frozen(_X)
+        return frozen(_DEFAULT_AXIS)
     vector = vector / largest  # so that no square overflows or vanishes
     return frozen(vector / np.linalg.norm(vector))
 
@@ -234,7 +241,7 @@ def _axis(element: Element, kind: UrdfJointType, log: FileDiagnostics) -> Array:
 def _limit(
     element: Element, kind: UrdfJointType, log: FileDiagnostics
 ) -> tuple[Limits | None, float | None, float | None]:
-    """The range, effort and velocity; an infinite one counts as no limit."""
+    """Returns the range, effort and velocity; an infinite value counts as no limit."""
     limit = child(element, "limit", log)
     if limit is None:
         return None, None, None
@@ -257,7 +264,7 @@ def _bound(value: float) -> float | None:
 
 
 def _size(element: Element, name: str, log: FileDiagnostics) -> float | None:
-    """A largest effort or velocity, without its sign; None where there is none."""
+    """Returns a largest effort or velocity, without its sign; None if it is missing."""
     value = number(element, name, log, infinite=True)
     return None if value is None else _bound(abs(value))
 
@@ -284,23 +291,23 @@ def _mimic(element: Element, log: FileDiagnostics) -> UrdfMimic | None:
     return UrdfMimic(followed, 1.0 if multiplier is None else multiplier, offset or 0.0)
 
 
-def _report_doubles(what: str, found: Iterable[UrdfLink | UrdfJoint], log: FileDiagnostics) -> None:
+def _report_doubles(kind: str, items: Iterable[UrdfLink | UrdfJoint], log: FileDiagnostics) -> None:
     first: dict[str, int] = {}
-    for one in found:
-        if not one.name.strip():
+    for item in items:
+        if not item.name.strip():
             continue
-        line = first.setdefault(one.name, one.line)
-        if line != one.line:
-            msg = f'another {what} is called "{one.name}" too, in line {line}'
-            log.report("E-URDF-NAME", one.line, msg, "give each a name of its own")
+        line = first.setdefault(item.name, item.line)
+        if line != item.line:
+            msg = f'another {kind} is called "{item.name}" too, in line {line}'
+            log.report("E-URDF-NAME", item.line, msg, "give each a name of its own")
 
 
 def _report_textures(links: Iterable[UrdfLink], log: FileDiagnostics, root: Element) -> None:
-    """I-URDF-TEXTURE for the images of primitives: they have no texture coordinates."""
+    """Reports I-URDF-TEXTURE for the images of primitives: they have no texture coordinates."""
     shapes = [shape for link in links for shape in link.visuals if shape.kind != "mesh"]
     names = {shape.texture for shape in shapes if shape.texture}
     if names:
-        shown = ", ".join(sorted(names)[:5]) + (" ..." if len(names) > 5 else "")
+        name_list = ", ".join(sorted(names)[:5]) + (" ..." if len(names) > 5 else "")
         log.report(
-            "I-URDF-TEXTURE", root, f"images of primitives are not carried over, only colours: {shown}"
+            "I-URDF-TEXTURE", root, f"images of primitives are not carried over, only colours: {name_list}"
         )

@@ -1,4 +1,4 @@
-"""The visuals, collisions and materials of a URDF."""
+"""Reads the visuals, collisions and materials of a URDF."""
 
 from __future__ import annotations
 
@@ -15,34 +15,38 @@ from linkwright.stages.robot.model.geometry import Colour
 
 @dataclass(frozen=True, slots=True)
 class Material:
-    """A material as one element has it: None and "" where that has none."""
+    """A material of an element."""
 
     colour: Colour | None
+    """RGBA in 0..1; None if it is missing."""
+
     texture: str
+    """The file name of the image, or ""."""
 
 
 _NOTHING = Material(None, "")
 
 
 class Materials:
-    """A robot's materials. One that a visual defines is known by its name in the whole file, as in ROS."""
+    """The materials of a robot. A visual's own material is known by its name in the whole file, as in ROS."""
 
     def __init__(self, robot: Element, log: FileDiagnostics) -> None:
         self._log = log
-        self._own: dict[Element, Material] = {}
-        self._named: dict[str, Material] = {}
+        self._material_of: dict[Element, Material] = {}
+        self._material_by_name: dict[str, Material] = {}
         self._doubtful: set[str] = set()
         for element in robot.iter("{*}material"):
             if tag(element.getparent()) in ("robot", "visual"):
                 self._define(element)
 
     def of(self, element: Element | None) -> Material:
-        """The material that a visual's <material> means: its own, else the one that it names."""
-        own = _NOTHING if element is None else self._own[element]
+        """Returns the material that a visual's <material> means: its own, or else the material that it
+        names."""
+        material = _NOTHING if element is None else self._material_of[element]
         name = "" if element is None else element.get("name", "")
-        if own != _NOTHING or not name:
-            return own
-        if name not in self._named:
+        if material != _NOTHING or not name:
+            return material
+        if name not in self._material_by_name:
             self._log.report("W-URDF-MATERIAL", element, f'there is no material "{name}"')
         if name in self._doubtful:
             self._doubtful.discard(name)
@@ -50,7 +54,7 @@ class Materials:
                 f'material "{name}" is defined several times; here, where it is only named, the first counts'
             )
             self._log.report("W-URDF-MATERIAL", element, msg)
-        return self._named.get(name, own)
+        return self._material_by_name.get(name, material)
 
     def _define(self, element: Element) -> None:
         log = self._log
@@ -60,20 +64,20 @@ class Materials:
             None if colour is None else self._colour(colour),
             "" if texture is None else texture.get("filename", "").strip(),
         )
-        self._own[element] = material
+        self._material_of[element] = material
         name = element.get("name", "")
-        if name and material != _NOTHING and self._named.setdefault(name, material) != material:
+        if name and material != _NOTHING and self._material_by_name.setdefault(name, material) != material:
             self._doubtful.add(name)
 
     def _colour(self, element: Element) -> Colour | None:
         self._log.check(element, (), ("rgba",))
         text = (element.get("rgba") or "").replace(",", " ").split()
-        found = numbers(element, "rgba", 3 if len(text) == 3 else 4, self._log)
-        if found is None:
+        channels = numbers(element, "rgba", 3 if len(text) == 3 else 4, self._log)
+        if channels is None:
             return None
-        given = (*found, 1.0)[:4]
-        r, g, b, a = (min(max(value, 0.0), 1.0) + 0.0 for value in given)
-        if (r, g, b, a) != given:
+        rgba = (*channels, 1.0)[:4]
+        r, g, b, a = (min(max(value, 0.0), 1.0) + 0.0 for value in rgba)
+        if (r, g, b, a) != rgba:
             msg = (
                 f'rgba="{" ".join(text)}" is not within 0 and 1, and is taken as ({r:g}, {g:g}, {b:g}, {a:g})'
             )
@@ -82,42 +86,48 @@ class Materials:
 
 
 def visuals(link: Element, materials: Materials, log: FileDiagnostics) -> tuple[UrdfShape, ...]:
-    found = []
+    """Returns the shapes of a link's visuals."""
+    shapes = []
     for element in link:
         if tag(element) == "visual":
             log.check(element, ("origin", "geometry", "material"), ("name",))
             material = materials.of(child(element, "material", log))
-            found += [
-                replace(one, colour=material.colour, texture=material.texture) for one in _shape(element, log)
+            shapes += [
+                replace(shape, colour=material.colour, texture=material.texture)
+                for shape in _shape(element, log)
             ]
-    return tuple(found)
+    return tuple(shapes)
 
 
 def collisions(link: Element, log: FileDiagnostics) -> tuple[UrdfShape, ...]:
-    found = []
+    """Returns the shapes of a link's collisions."""
+    shapes = []
     for element in link:
         if tag(element) == "collision":
             # Some exporters give collisions a material, which has no meaning there.
             log.check(element, ("origin", "geometry", "material"), ("name",))
-            found += _shape(element, log)
-    return tuple(found)
+            shapes += _shape(element, log)
+    return tuple(shapes)
 
 
 def _shape(element: Element, log: FileDiagnostics) -> list[UrdfShape]:
-    """The shape of a visual or a collision; none where it is left out (W-URDF-SHAPE)."""
+    """Returns the shape of a visual or a collision as a list, empty if it is left out (reports
+    W-URDF-SHAPE)."""
     geometry = child(element, "geometry", log)
     place = pose(element, log)
-    known = (
-        [one for one in geometry if tag(one) in _SIZES or tag(one) == "mesh"] if geometry is not None else []
+    known_shapes = (
+        [node for node in geometry if tag(node) in _SIZES or tag(node) == "mesh"]
+        if geometry is not None
+        else []
     )
     if geometry is not None:
         log.check(geometry, (*_SIZES, "mesh"), ())
-    if not known:
+    if not known_shapes:
         log.report("W-URDF-SHAPE", element, f"<{tag(element)}> has no known shape: left out")
         return []
-    if len(known) > 1:
-        log.report("W-URDF-TWICE", known[1], "<geometry> has several shapes; the first counts")
-    shape = known[0]
+    if len(known_shapes) > 1:
+        log.report("W-URDF-TWICE", known_shapes[1], "<geometry> has several shapes; the first counts")
+    shape = known_shapes[0]
     kind = cast(UrdfShapeKind, tag(shape))
     size: tuple[float, ...] | None
     if kind == "mesh":
@@ -141,8 +151,8 @@ def _mesh(element: Element, log: FileDiagnostics) -> tuple[str, tuple[float, flo
     if not filename:
         log.report("E-URDF-MESH", element, 'a <mesh> needs filename="…"')
     several = len((element.get("scale") or "").replace(",", " ").split()) != 1
-    found = numbers(element, "scale", 3 if several else 1, log) or (1.0,)
-    x, y, z = found if len(found) == 3 else found * 3
+    factors = numbers(element, "scale", 3 if several else 1, log) or (1.0,)
+    x, y, z = factors if len(factors) == 3 else factors * 3
     if 0.0 in (x, y, z):
         log.report("E-URDF-NUMBER", element, f'<mesh scale="{x:g} {y:g} {z:g}">: no scale may be 0')
         return "", (1.0, 1.0, 1.0)
@@ -162,18 +172,18 @@ def _ball(element: Element, log: FileDiagnostics) -> tuple[float, ...] | None:
 def _round(element: Element, log: FileDiagnostics) -> tuple[float, ...] | None:
     log.check(element, (), ("radius", "length"))
     radius, length = number(element, "radius", log), number(element, "length", log)
-    both = None if radius is None or length is None else (radius, length)
-    return _extents(element, log, both, "radius and length")
+    size = None if radius is None or length is None else (radius, length)
+    return _extents(element, log, size, "radius and length")
 
 
 def _extents(
-    element: Element, log: FileDiagnostics, found: tuple[float, ...] | None, what: str
+    element: Element, log: FileDiagnostics, size: tuple[float, ...] | None, attribute: str
 ) -> tuple[float, ...] | None:
-    """A shape's size; None where it is missing or negative (E-URDF-SHAPE)."""
-    if found is None or min(found) < 0:
-        log.report("E-URDF-SHAPE", element, f"<{tag(element)}> needs a {what} that is not negative")
+    """Returns a shape's size; None if it is missing or negative (reports E-URDF-SHAPE)."""
+    if size is None or min(size) < 0:
+        log.report("E-URDF-SHAPE", element, f"<{tag(element)}> needs a {attribute} that is not negative")
         return None
-    return found
+    return size
 
 
 _SIZES: Mapping[str, Callable[[Element, FileDiagnostics], tuple[float, ...] | None]] = {

@@ -1,4 +1,4 @@
-"""What an SRDF says that nothing else of the robot does."""
+"""Defines the content that only an SRDF has."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,10 @@ from linkwright.stages.robot.motion.adjacency import Pair
 
 @dataclass(frozen=True, slots=True)
 class SrdfForm:
-    """`never`: the pairs of links of the URDF that never meet; `end_effectors`: the names of these."""
+    """The content of a robot's SRDF that no other file has."""
 
     never: frozenset[Pair] = frozenset()
+    """The pairs of links of the URDF that never meet."""
+
     end_effectors: tuple[str, ...] = ()
+    """The names of the end effectors."""

@@ -1,4 +1,4 @@
-"""Values in a <transmission> or <ros2_control> whose joints are counted anew."""
+"""Changes the values in a <transmission> or <ros2_control> whose joints get another zero or sign."""
 
 from collections.abc import Mapping
 
@@ -10,66 +10,66 @@ REDUCTIONS = ("mechanicalReduction", "mechanical_reduction")
 
 
 def with_counts(text: str, counts: Mapping[str, MateValue]) -> str:
-    """The text with the values of its joints counted as `counts` has them, by name of joint.
+    """Returns the text with the values of its joints counted as in `counts`, by name of joint.
 
-    In a <ros2_control> the ranges and initial values of interfaces: those of positions follow zero and sign,
-    those of speeds and forces the sign. The reduction of a transmission follows the sign, and the offset of
-    the joint both: q = actuator / reduction + offset (ros2_control, "Transmission Interface").
+    In a <ros2_control>, the ranges and initial values of interfaces change: positions follow zero and sign,
+    speeds and forces the sign. The reduction of a transmission follows the sign, and the offset of the joint
+    both: q = actuator / reduction + offset (ros2_control, "Transmission Interface").
     """
-    if all(own == AS_THE_MATE for own in counts.values()):
+    if all(mate_value == AS_THE_MATE for mate_value in counts.values()):
         return text
     root = xml.parse(text.encode())
-    for joint in [one for one in root.iter() if tag(one) == "joint"]:
-        own = counts.get(joint.get("name", ""), AS_THE_MATE)
-        if own == AS_THE_MATE:
+    for joint in [node for node in root.iter() if tag(node) == "joint"]:
+        mate_value = counts.get(joint.get("name", ""), AS_THE_MATE)
+        if mate_value == AS_THE_MATE:
             continue
         holder = joint.getparent()
         if root is joint or (holder is not None and tag(holder) == "transmission"):
-            _recount_transmission(joint, root, own)
+            _recount_transmission(joint, root, mate_value)
         else:
             for interface in joint:
-                _recount_interface(interface, own)
+                _recount_interface(interface, mate_value)
     return xml.to_text(root)
 
 
-def _recount_interface(interface: Element, own: MateValue) -> None:
-    values = {one.get("name"): one for one in interface if tag(one) == "param"}
+def _recount_interface(interface: Element, mate_value: MateValue) -> None:
+    values = {node.get("name"): node for node in interface if tag(node) == "param"}
     of_position = interface.get("name") == "position"
     if not of_position:
-        own = MateValue(own.sign)
+        mate_value = MateValue(mate_value.sign)
     if "initial_value" in values:
-        _change(values["initial_value"], own)
+        _change(values["initial_value"], mate_value)
     ends = [values[name] for name in ("min", "max") if name in values]
     for end in ends:
-        _change(end, own)
-    if own.sign < 0:
+        _change(end, mate_value)
+    if mate_value.sign < 0:
         for name, end in (("max", values.get("min")), ("min", values.get("max"))):
             if end is not None:
                 end.set("name", name)
 
 
-def _recount_transmission(joint: Element, root: Element, own: MateValue) -> None:
+def _recount_transmission(joint: Element, root: Element, mate_value: MateValue) -> None:
     holder = joint.getparent()
-    every = [joint] if holder is None else [joint, *(one for one in holder if tag(one) == "actuator")]
-    found = next((one for place in every for one in place if tag(one) in REDUCTIONS), None)
-    if own.sign < 0:
-        if found is None:
-            found = xml.element(joint, "mechanical_reduction")
-            found.text = "1"
-        _change(found, MateValue(-1))
-    offset = next((one for one in joint if tag(one) == "offset"), None)
+    holders = [joint] if holder is None else [joint, *(node for node in holder if tag(node) == "actuator")]
+    reduction = next((node for place in holders for node in place if tag(node) in REDUCTIONS), None)
+    if mate_value.sign < 0:
+        if reduction is None:
+            reduction = xml.element(joint, "mechanical_reduction")
+            reduction.text = "1"
+        _change(reduction, MateValue(-1))
+    offset = next((node for node in joint if tag(node) == "offset"), None)
     if offset is not None:
-        _change(offset, own)
-    elif tag(root) == "ros2_control" and own.of(0.0):
-        xml.element(joint, "offset").text = _text(own.inverse(0.0))
+        _change(offset, mate_value)
+    elif tag(root) == "ros2_control" and mate_value.of(0.0):
+        xml.element(joint, "offset").text = _text(mate_value.inverse(0.0))
 
 
-def _change(element: Element, own: MateValue) -> None:
+def _change(element: Element, mate_value: MateValue) -> None:
     try:
         value = float((element.text or "").strip())
     except ValueError:  # a placeholder of the user's, which stays
         return
-    element.text = _text(own.inverse(value))
+    element.text = _text(mate_value.inverse(value))
 
 
 def _text(value: float) -> str:

@@ -1,4 +1,4 @@
-"""The transmissions of a URDF, of either style, and the joints of its ros2_control."""
+"""Reads the transmissions of a URDF, of either style, and the joints of its ros2_control."""
 
 from collections.abc import Mapping
 
@@ -10,94 +10,95 @@ from linkwright.stages.formats.xml import Element, tag
 
 
 def transmissions(element: Element, log: FileDiagnostics) -> list[Transmission]:
-    """A <transmission>: one for each of its joints.
+    """Returns the transmissions of a <transmission>, one for each of its joints.
 
-    The older style has the type in an attribute and the reduction beside the joint, the newer both in
+    The older style has the type in an attribute and the reduction next to the joint, the newer both in
     elements of their own. ros2_control has the type in <plugin> and the reduction in the joint.
     """
     name = element.get("name", "")
     kind = element.get("type") or _text(element, "type") or _text(element, "plugin")
-    actuators = [one for one in element if tag(one) == "actuator"]
-    found = []
-    for index, joint in enumerate(one for one in element if tag(one) == "joint"):
+    actuators = [node for node in element if tag(node) == "actuator"]
+    entries = []
+    for index, joint in enumerate(node for node in element if tag(node) == "joint"):
         actuator = actuators[min(index, len(actuators) - 1)] if actuators else element
         interfaces = _interfaces(joint) or _interfaces(actuator)
         reduction = _reduction((joint, actuator, element), log)
-        found.append(Transmission(name, joint.get("name", ""), kind, reduction, interfaces))
-    return found
+        entries.append(Transmission(name, joint.get("name", ""), kind, reduction, interfaces))
+    return entries
 
 
 def controlled(element: Element, log: FileDiagnostics) -> list[Transmission]:
-    """A <ros2_control>: its joints that take commands, and its transmissions."""
-    hardware = next((one for one in element if tag(one) == "hardware"), None)
+    """Returns the transmissions of a <ros2_control>: its joints that take commands, and its
+    <transmission>s."""
+    hardware = next((node for node in element if tag(node) == "hardware"), None)
     plugin = "" if hardware is None else _text(hardware, "plugin")
-    found = []
-    for one in element:
-        if tag(one) == "joint":
-            commands = [each.get("name", "") for each in one if tag(each) == "command_interface"]
+    entries = []
+    for node in element:
+        if tag(node) == "joint":
+            commands = [each.get("name", "") for each in node if tag(each) == "command_interface"]
             if commands:
                 name = element.get("name", "")
-                found.append(Transmission(name, one.get("name", ""), plugin, 1.0, tuple(commands)))
-        elif tag(one) == "transmission":
-            found += transmissions(one, log)
-    return found
+                entries.append(Transmission(name, node.get("name", ""), plugin, 1.0, tuple(commands)))
+        elif tag(node) == "transmission":
+            entries += transmissions(node, log)
+    return entries
 
 
 def rotors(element: Element, log: FileDiagnostics) -> dict[str, float]:
-    """The inertia of each joint's rotor as the joint feels it [kg m² or kg], where a <transmission> has it
-    as Drake does: that of the rotor times the square of the gear's ratio."""
-    joints = [one.get("name", "") for one in element if tag(one) == "joint"]
-    actuators = [one for one in element if tag(one) == "actuator"]
-    found = {}
+    """Returns the reflected inertia of each joint's rotor [kg m² or kg], if a <transmission> has it as Drake
+    does: the inertia of the rotor times the square of the gear's ratio."""
+    joints = [node.get("name", "") for node in element if tag(node) == "joint"]
+    actuators = [node for node in element if tag(node) == "actuator"]
+    inertia_by_joint = {}
     for joint, actuator in zip(joints, actuators, strict=False):
-        parts = {tag(one).removeprefix("drake:"): one for one in actuator}
+        parts = {tag(node).removeprefix("drake:"): node for node in actuator}
         inertia = number(parts["rotor_inertia"], "value", log) if "rotor_inertia" in parts else None
         ratio = number(parts["gear_ratio"], "value", log) if "gear_ratio" in parts else None
         if inertia is not None:
-            found[joint] = inertia * (1.0 if ratio is None else ratio) ** 2
-    return found
+            inertia_by_joint[joint] = inertia * (1.0 if ratio is None else ratio) ** 2
+    return inertia_by_joint
 
 
 def with_joints(text: str, names: Mapping[str, str]) -> tuple[str, tuple[str, ...]]:
-    """The text of a <transmission> or <ros2_control> with joints called otherwise, and those that it names
-    and that are not there, sorted. `names`: those that are there, new by old.
+    """Returns the text of a <transmission> or <ros2_control> with other names of joints, and the joints in it
+    that do not exist, sorted.
 
-    A joint that is not there is left out of a <ros2_control>, and so is a transmission that has one: the
-    text is "" where that is all.
+    `names`: old name of an existing joint → new name. A missing joint is left out of a <ros2_control>, and so
+    is a transmission that has such a joint; the text is "" if nothing is left.
     """
     root = xml.parse(text.encode())
-    lost: set[str] = set()
-    for element in [one for one in root.iter() if tag(one) == "joint"]:
+    missing_joints: set[str] = set()
+    for element in [node for node in root.iter() if tag(node) == "joint"]:
         name = element.get("name", "")
         if name in names:
             element.set("name", names[name])
-            for mimic in (one for one in element if tag(one) == "param" and one.get("name") == "mimic"):
+            for mimic in (node for node in element if tag(node) == "param" and node.get("name") == "mimic"):
                 followed = (mimic.text or "").strip()
                 mimic.text = names.get(followed, followed)
             continue
-        lost.add(name)
+        missing_joints.add(name)
         holder = element.getparent() if tag(element.getparent()) == "transmission" else element
         if holder is root:
-            return "", tuple(sorted(lost))
+            return "", tuple(sorted(missing_joints))
         if holder.getparent() is not None:
             holder.getparent().remove(holder)
-    return xml.to_text(root), tuple(sorted(lost))
+    return xml.to_text(root), tuple(sorted(missing_joints))
 
 
 def _text(element: Element, name: str) -> str:
-    """The text of the first child of that name, "" without one."""
-    return next(((one.text or "").strip() for one in element if tag(one) == name), "")
+    """Returns the text of the first child of that name, or ""."""
+    return next(((node.text or "").strip() for node in element if tag(node) == name), "")
 
 
 def _interfaces(element: Element) -> tuple[str, ...]:
-    return tuple((one.text or "").strip() for one in element if tag(one) == "hardwareInterface")
+    return tuple((node.text or "").strip() for node in element if tag(node) == "hardwareInterface")
 
 
 def _reduction(places: tuple[Element, ...], log: FileDiagnostics) -> float:
-    """The reduction in the first of these elements that has one; 1 without any."""
+    """Returns the first reduction in these elements; 1 without any."""
     for place in places:
-        for one in place:
-            if tag(one) in ("mechanicalReduction", "mechanical_reduction"):
-                one.set("value", (one.text or "").strip())
-                return number(one, "value", log) or 1.0
+        for node in place:
+            if tag(node) in ("mechanicalReduction", "mechanical_reduction"):
+                node.set("value", (node.text or "").strip())
+                return number(node, "value", log) or 1.0
     return 1.0

@@ -1,1 +1,1 @@
-"""What is known of a USD of a robot without reading it: names, and where its joints are at zero."""
+"""Describes a robot's USD without a USD library: names, colours, drives, actuators, joints and zeros."""

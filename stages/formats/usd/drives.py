@@ -1,4 +1,4 @@
-"""Actuators as drives of UsdPhysics, which has springs and dampers: the force at the dof is
+"""Converts actuators to drives of UsdPhysics, which has springs and dampers: the force at the dof is
 stiffness · (target − position) + damping · (target speed − speed), within a largest force."""
 
 import math
@@ -10,79 +10,106 @@ from linkwright.stages.robot.model.actuation import SERVOS, Actuation, Actuator
 from linkwright.stages.robot.model.robot import Configuration, Dof, Robot, Value
 from linkwright.stages.robot.motion.start_pose import HOME
 
+UNLIMITED = 1e9
+"""Largest force of a drive without a limit [N m or N]: Newton's checks require a finite number."""
+
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """What drives a turn or a slide, at the dof: `stiffness` [N m/rad or N/m], `damping` [N m s/rad or
-    N s/m], `force` [N m or N] at most, None without a limit, and the `target` at `home` [rad or m]."""
+    """The drive of a turn or a slide, at the dof."""
 
     stiffness: float
+    """[N m/rad or N/m]."""
+
     damping: float
+    """[N m s/rad or N s/m]."""
+
     force: float | None
+    """Largest force [N m or N]; None without a limit."""
+
     target: float = 0.0
+    """Target at `home` [rad or m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Drives:
-    """`of`: by dof. `left_out`: the actuators that are no drives; `less`: those that are drives, but with
-    less than they have, each with what is lost."""
+    """The drives of a robot."""
 
     of: Mapping[str, Drive]
+    """Dof → its drive."""
+
     left_out: tuple[str, ...]
+    """The actuators that cannot be drives."""
+
     less: tuple[tuple[str, str], ...]
+    """(actuator, lost properties) of the actuators that lose properties as drives."""
 
 
 def drives_of(robot: Robot, actuation: Actuation, home: Configuration) -> Drives:
-    """The drives of a robot, with its dofs at `home`: of several actuators of one dof the first."""
+    """Returns the drives of a robot, with its dofs at `home`; of several actuators of a dof the first
+    counts."""
     dofs = {dof.name: dof for joint in robot.joints for dof in joint.dofs if dof.kind in ("turn", "slide")}
     of: dict[str, Drive] = {}
     left_out, less = [], []
-    for one in actuation.actuators:
-        drive = _drive(one, dofs[one.dof], home[one.dof]) if one.dof in dofs and one.dof not in of else None
+    for actuator in actuation.actuators:
+        drive = (
+            _drive(actuator, dofs[actuator.dof], home[actuator.dof])
+            if actuator.dof in dofs and actuator.dof not in of
+            else None
+        )
         if drive is None:
-            left_out.append(one.name)
+            left_out.append(actuator.name)
             continue
-        of[one.dof] = drive
-        lost = ", ".join(_lost(one))
-        if lost:
-            less.append((one.name, lost))
+        of[actuator.dof] = drive
+        lost_properties = ", ".join(_lost(actuator))
+        if lost_properties:
+            less.append((actuator.name, lost_properties))
+    followers = {relation.follower for relation in robot.relations if relation.follower in dofs}
     for name, dof in dofs.items():
-        # A drive without gains does nothing, but has the largest force for whoever gives it some.
-        if name not in of and dof.dynamics.effort is not None:
+        # A drive without gains does nothing, but holds the largest force for users who set gains. Checkers
+        # take a joint without a drive for a mistake, except for a follower.
+        if name not in of and (dof.dynamics.effort is not None or name not in followers):
             of[name] = Drive(0.0, 0.0, dof.dynamics.effort)
     return Drives(of, tuple(left_out), tuple(less))
 
 
-def _drive(one: Actuator, dof: Dof, value: Value) -> Drive | None:
-    """The drive of an actuator, None for one that is no drive. An actuator's length is the dof's value times
-    its gear, and a force at the dof is that at the actuator times its gear."""
-    force = _most(one, dof)
-    if one.type in SERVOS:
-        kp, kv = one.kp or 0.0, one.kv or 0.0
+def _drive(actuator: Actuator, dof: Dof, value: Value) -> Drive | None:
+    """Returns the drive of an actuator, None if it cannot be a drive.
+
+    An actuator's length is the dof's value times its gear, and a force at the dof is the actuator's force
+    times its gear: so gains at the dof are those of the actuator times the gear squared.
+    """
+    force = _largest_force(actuator, dof)
+    if actuator.type in SERVOS:
+        kp, kv = actuator.kp or 0.0, actuator.kv or 0.0
         assert not isinstance(value, tuple)
         # The control of an intvelocity is a speed: its target is a state.
-        target = state_at(one, value, one.force_at(HOME))[0] if one.type == "intvelocity" else one.home
-        return Drive(kp * one.gear**2, kv * one.gear**2, force, target / one.gear)
-    if one.type == "velocity":
-        return Drive(0.0, (one.kv or 0.0) * one.gear**2, force)
-    return Drive(0.0, 0.0, force) if one.type == "motor" else None
+        target = (
+            state_at(actuator, value, actuator.force_at(HOME))[0]
+            if actuator.type == "intvelocity"
+            else actuator.home
+        )
+        return Drive(kp * actuator.gear**2, kv * actuator.gear**2, force, target / actuator.gear)
+    if actuator.type == "velocity":
+        return Drive(0.0, (actuator.kv or 0.0) * actuator.gear**2, force)
+    return Drive(0.0, 0.0, force) if actuator.type == "motor" else None
 
 
-def _most(one: Actuator, dof: Dof) -> float | None:
-    """The largest force at the dof: of the actuator's, and of what the dof takes."""
+def _largest_force(actuator: Actuator, dof: Dof) -> float | None:
+    """Returns the largest force at the dof: the smaller of the actuator's and the dof's."""
     ends = [dof.dynamics.effort]
-    ranges = [one.force, one.control if one.type == "motor" else None]
-    ends += [max(map(abs, pair)) * abs(one.gear) for pair in ranges if pair is not None]
+    ranges = [actuator.force, actuator.control if actuator.type == "motor" else None]
+    ends += [max(map(abs, pair)) * abs(actuator.gear) for pair in ranges if pair is not None]
     return min((end for end in ends if end is not None), default=None)
 
 
-def _lost(one: Actuator) -> Iterator[str]:
-    names = [name for name, _ in one.terms]
+def _lost(actuator: Actuator) -> Iterator[str]:
+    names = [name for name, _ in actuator.terms]
     if "ki" in names:
         yield "integral part"
     if "slewmax" in names:
         yield "largest speed of the target"
     if "delay" in names:
         yield "delay"
-    if one.force is not None and not math.isclose(-one.force[0], one.force[1]):
+    if actuator.force is not None and not math.isclose(-actuator.force[0], actuator.force[1]):
         yield "force range that is not symmetric"

@@ -1,8 +1,8 @@
-"""What a joint of a USD says beside its bodies, frames and limits: resistance, state, drive and relations, in
-the words of UsdPhysics, of PhysX and of Newton.
+"""Describes the properties of a USD's joints other than their bodies, frames and limits: resistance, state,
+drive and relations, in the words of UsdPhysics, of PhysX, of Newton and of MuJoCo.
 
-UsdPhysics has angles in degrees, and so have both engines' own attributes: what is for each radian is π/180
-of it for each degree.
+UsdPhysics has angles in degrees, and so have the attributes of PhysX and of Newton: a value per radian is
+π/180 of it per degree. MuJoCo's own are in radians.
 """
 
 import math
@@ -10,21 +10,30 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from linkwright.stages.formats.numbers import LENGTH, TURN, number
-from linkwright.stages.formats.usd.drives import Drive
+from linkwright.stages.formats.usd.drives import UNLIMITED, Drive
 from linkwright.stages.robot.model.robot import Dof, Relation
 
 DEGREES = 180.0 / math.pi
 
+MUJOCO = "mjc:"
+"""Namespace of MuJoCo's attributes, whose numbers are uniform and in double precision."""
+
 
 @dataclass(frozen=True, slots=True)
 class JointFacts:
-    """Applied schemas, and by name attributes that are numbers, those that are words, and relationships to
-    the joint of another dof."""
+    """The properties of a joint in a USD."""
 
     schemas: tuple[str, ...] = ()
+    """The applied schemas."""
+
     numbers: Mapping[str, float] = field(default_factory=dict)
+    """The attributes that are numbers, by name."""
+
     words: Mapping[str, str] = field(default_factory=dict)
+    """The attributes that are words, by name."""
+
     targets: Mapping[str, str] = field(default_factory=dict)
+    """The relationships, by name, to the joint of another dof."""
 
     def __or__(self, other: "JointFacts") -> "JointFacts":
         return JointFacts(
@@ -36,72 +45,85 @@ class JointFacts:
 
 
 def units(dof: Dof) -> tuple[float, float]:
-    """What a value of a turn or a slide is in USD's unit, degrees or metres, and what it is measured by
-    there."""
+    """Returns the size of a turn's or slide's unit in USD's unit, degrees or metres, and the scale of
+    rounding there."""
     return (DEGREES, TURN * DEGREES) if dof.kind == "turn" else (1.0, LENGTH)
 
 
 def drive_name(dof: Dof) -> str:
-    """What UsdPhysics calls the one degree of freedom of a joint."""
+    """Returns UsdPhysics' name of a joint's only degree of freedom."""
     return "angular" if dof.kind == "turn" else "linear"
 
 
 def resistance(dof: Dof) -> JointFacts:
-    """Armature, damping, friction and largest speed, in Newton's attributes and both PhysX's."""
+    """Returns armature, damping, friction and largest speed, in the attributes of Newton, of both PhysX
+    schemas, and of MuJoCo; MuJoCo's attributes include the largest force."""
+    return _of_newton_and_physx(dof) | _of_mujoco(dof)
+
+
+def _of_mujoco(dof: Dof) -> JointFacts:
+    dynamics = dof.dynamics
+    values = {"armature": dynamics.armature, "damping": dynamics.damping, "frictionloss": dynamics.friction}
+    if dof.kind != "ball" and dynamics.effort is not None:
+        values |= {"actuatorfrcrange:min": -dynamics.effort, "actuatorfrcrange:max": dynamics.effort}
+    numbers = {f"{MUJOCO}{name}": value for name, value in values.items() if value is not None}
+    return JointFacts(("MjcJointAPI",), numbers)
+
+
+def _of_newton_and_physx(dof: Dof) -> JointFacts:
     dynamics = dof.dynamics
     scale = 1.0 if dof.kind == "slide" else DEGREES
     damping, velocity = dynamics.damping, dynamics.velocity
-    found = {
+    quantities = {
         "armature": dynamics.armature,
         "damping": None if damping is None else damping / scale,
         "friction": dynamics.friction,
         "velocityLimit": None if velocity is None else velocity * scale,
     }
-    given = {name: value for name, value in found.items() if value is not None}
-    if not given:
+    values = {name: value for name, value in quantities.items() if value is not None}
+    if not values:
         return JointFacts()
-    schemas, numbers = ["NewtonJointAPI"], {f"newton:{name}": value for name, value in given.items()}
-    known = {"armature": "armature", "velocityLimit": "maxJointVelocity"}
-    if given.keys() & known.keys():
+    schemas, numbers = ["NewtonJointAPI"], {f"newton:{name}": value for name, value in values.items()}
+    physx_names = {"armature": "armature", "velocityLimit": "maxJointVelocity"}
+    if values.keys() & physx_names.keys():
         schemas.append("PhysxJointAPI")
-        numbers |= _renamed(given, known, "physxJoint:")
+        numbers |= _renamed(values, physx_names, "physxJoint:")
     if dof.kind == "ball":
         return JointFacts(tuple(schemas), numbers)
-    known |= {"damping": "viscousFrictionCoefficient"}
+    physx_names |= {"damping": "viscousFrictionCoefficient"}
     schemas.append(f"PhysxJointAxisAPI:{drive_name(dof)}")
-    before = f"physxJointAxis:{drive_name(dof)}:"
-    numbers |= _renamed(given, known, before)
-    if "friction" in given:
-        for own in ("staticFrictionEffort", "dynamicFrictionEffort"):
-            numbers[f"{before}{own}"] = given["friction"]
+    prefix = f"physxJointAxis:{drive_name(dof)}:"
+    numbers |= _renamed(values, physx_names, prefix)
+    if "friction" in values:
+        for attribute in ("staticFrictionEffort", "dynamicFrictionEffort"):
+            numbers[f"{prefix}{attribute}"] = values["friction"]
     return JointFacts(tuple(schemas), numbers)
 
 
-def _renamed(given: Mapping[str, float], known: Mapping[str, str], before: str) -> dict[str, float]:
-    return {f"{before}{own}": given[name] for name, own in known.items() if name in given}
+def _renamed(values: Mapping[str, float], attributes: Mapping[str, str], prefix: str) -> dict[str, float]:
+    return {f"{prefix}{attribute}": values[name] for name, attribute in attributes.items() if name in values}
 
 
-def state(dof: Dof, value: float) -> JointFacts:
-    """Where a turn or a slide is [rad or m]."""
+def joint_state(dof: Dof, value: float) -> JointFacts:
+    """Returns the state of a turn or a slide at a value [rad or m]."""
     scale, least = units(dof)
     position = {f"state:{drive_name(dof)}:physics:position": _rounded(value * scale, least)}
     return JointFacts((f"PhysicsJointStateAPI:{drive_name(dof)}",), position)
 
 
-def driven(dof: Dof, drive: Drive) -> JointFacts:
-    """What drives a turn or a slide."""
+def joint_drive(dof: Dof, drive: Drive) -> JointFacts:
+    """Returns the drive of a turn or a slide."""
     scale, least = units(dof)
-    before = f"drive:{drive_name(dof)}:physics:"
-    numbers = {f"{before}stiffness": drive.stiffness / scale, f"{before}damping": drive.damping / scale}
-    if drive.force is not None:
-        numbers[f"{before}maxForce"] = drive.force
-    numbers[f"{before}targetPosition"] = _rounded(drive.target * scale, least)
-    return JointFacts((f"PhysicsDriveAPI:{drive_name(dof)}",), numbers, {f"{before}type": "force"})
+    prefix = f"drive:{drive_name(dof)}:physics:"
+    numbers = {f"{prefix}stiffness": drive.stiffness / scale, f"{prefix}damping": drive.damping / scale}
+    numbers[f"{prefix}maxForce"] = UNLIMITED if drive.force is None else drive.force
+    numbers[f"{prefix}targetPosition"] = _rounded(drive.target * scale, least)
+    return JointFacts((f"PhysicsDriveAPI:{drive_name(dof)}",), numbers, {f"{prefix}type": "force"})
 
 
-def mimic(relation: Relation, follower: Dof, driver: Dof, axes: tuple[str, str]) -> JointFacts:
-    """A relation, on its follower: in Newton's words between two of one kind, in PhysX's of any. `axes`: the
-    axes of the follower's and of the driver's joint."""
+def joint_mimic(relation: Relation, follower: Dof, driver: Dof, axes: tuple[str, str]) -> JointFacts:
+    """Returns a relation, on its follower: in Newton's words between dofs of the same kind, in PhysX's
+    between any. `axes`: the axes of the follower's and of the driver's joint."""
     scale, least = units(follower)
     multiplier = relation.multiplier * scale / units(driver)[0]
     offset = _rounded(relation.offset * scale, least)
@@ -110,13 +132,13 @@ def mimic(relation: Relation, follower: Dof, driver: Dof, axes: tuple[str, str])
         coefficients = {"newton:mimicCoef0": offset, "newton:mimicCoef1": multiplier}
         newton = JointFacts(("NewtonMimicAPI",), coefficients, {}, {"newton:mimicJoint": driver.name})
     # PhysX: position + gearing · reference + offset = 0.
-    own, other = (f"rot{axis}" for axis in axes)
-    before = f"physxMimicJoint:{own}:"
+    follower_axis, driver_axis = (f"rot{axis}" for axis in axes)
+    prefix = f"physxMimicJoint:{follower_axis}:"
     return newton | JointFacts(
-        (f"PhysxMimicJointAPI:{own}",),
-        {f"{before}gearing": -multiplier, f"{before}offset": -offset},
-        {f"{before}referenceJointAxis": other},
-        {f"{before}referenceJoint": driver.name},
+        (f"PhysxMimicJointAPI:{follower_axis}",),
+        {f"{prefix}gearing": -multiplier, f"{prefix}offset": -offset},
+        {f"{prefix}referenceJointAxis": driver_axis},
+        {f"{prefix}referenceJoint": driver.name},
     )
 
 

@@ -1,4 +1,4 @@
-"""The names of a robot's things as prims of a USD: identifiers, which every version of USD reads."""
+"""Chooses the names of a robot's things as prims of a USD: identifiers, which every version of USD reads."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -9,36 +9,39 @@ from linkwright.stages.robot.text.names import free, plain
 
 @dataclass(frozen=True, slots=True)
 class UsdNames:
-    """Names of prims by those in the robot.
-
-    `joints`: of dofs, and of joints and loops without any; those of loops too. `between`: the links between
-    the dofs of a joint or loop. `base`: the joint that holds the root link of a fixed robot. `scopes`: the
-    prims beside the links, by what they hold.
-    """
+    """Names in the robot → names of prims."""
 
     robot: str
     links: Mapping[str, str]
     joints: Mapping[str, str]
+    """Names of the dofs of joints and loops; of joints and loops without dofs, their own names."""
+
     between: Mapping[str, tuple[str, ...]]
+    """Joint or loop → the links between its dofs."""
+
     base: str
+    """The joint that holds the root link of a fixed robot."""
+
     scopes: Mapping[str, str]
+    """Content → the prim next to the links that holds it."""
 
     @property
     def changed(self) -> Iterator[tuple[str, str, str]]:
-        """What has another name in the USD: its kind, its name, and that in the USD."""
+        """Yields the things with another name in the USD: kind, name, and name in the USD."""
         for kind, names in (("link", self.links), ("joint", self.joints)):
-            yield from ((kind, name, own) for name, own in names.items() if name != own)
+            yield from ((kind, name, prim) for name, prim in names.items() if name != prim)
 
 
 def usd_names(robot: Robot) -> UsdNames:
-    """Links and joints keep their names where these are identifiers; what is made up gives way."""
+    """Chooses the names in the USD. Links and joints keep names that are identifiers; generated names give
+    way."""
     chains: list[Joint | Loop] = [*robot.joints, *robot.loops]
     links = identifiers(link.name for link in robot.links)
-    joints = identifiers(name for one in chains for name in joints_of(one))
+    joints = identifiers(name for chain in chains for name in joints_of(chain))
     siblings = set(links.values())
-    between = {one.name: tuple(_added(one, siblings)) for one in chains}
+    between = {chain.name: tuple(_added(chain, siblings)) for chain in chains}
     scopes = {}
-    for name in ("joints", "materials"):
+    for name in ("joints", "materials", "actuators"):
         scopes[name] = free(name, siblings)
         siblings.add(scopes[name])
     base = free("root_joint", set(joints.values()))
@@ -46,34 +49,33 @@ def usd_names(robot: Robot) -> UsdNames:
 
 
 def identifiers(names: Iterable[str], taken: Iterable[str] = ()) -> dict[str, str]:
-    """An identifier for each name, none of them twice or among `taken`: names that are identifiers keep
-    theirs."""
+    """Returns an identifier for each name, unique and not among `taken`; names that are identifiers stay."""
     names = list(dict.fromkeys(names))
-    used = set(taken)
-    found = {name: name for name in names if identifier(name) == name and name not in used}
-    used |= found.keys()
+    used_names = set(taken)
+    prims = {name: name for name in names if identifier(name) == name and name not in used_names}
+    used_names |= prims.keys()
     for name in names:
-        if name not in found:
-            found[name] = free(identifier(name), used)
-            used.add(found[name])
-    return {name: found[name] for name in names}
+        if name not in prims:
+            prims[name] = free(identifier(name), used_names)
+            used_names.add(prims[name])
+    return {name: prims[name] for name in names}
 
 
 def identifier(name: str) -> str:
-    """The name in [A-Za-z0-9_], and with no digit first."""
-    own = plain(name)
-    return f"_{own}" if own[0].isdigit() else own
+    """Returns the name in [A-Za-z0-9_], without a digit first."""
+    legal = plain(name)
+    return f"_{legal}" if legal[0].isdigit() else legal
 
 
-def joints_of(one: Joint | Loop) -> list[str]:
-    """What may become a joint of the USD: each dof, or the joint itself where it has none; also a loop of
-    several dofs."""
-    names = [dof.name for dof in one.dofs]
-    return [*names, one.name] if not names or (isinstance(one, Loop) and len(names) > 1) else names
+def joints_of(chain: Joint | Loop) -> list[str]:
+    """Returns the names of the USD's possible joints for a joint or loop: those of its dofs, or its own
+    without dofs; for a loop of several dofs also its own."""
+    names = [dof.name for dof in chain.dofs]
+    return [*names, chain.name] if not names or (isinstance(chain, Loop) and len(names) > 1) else names
 
 
-def _added(one: Joint | Loop, siblings: set[str]) -> Iterator[str]:
-    for count in range(1, len(one.dofs)):
-        name = free(f"{identifier(one.name)}_{count}", siblings)
+def _added(chain: Joint | Loop, siblings: set[str]) -> Iterator[str]:
+    for count in range(1, len(chain.dofs)):
+        name = free(f"{identifier(chain.name)}_{count}", siblings)
         siblings.add(name)
         yield name

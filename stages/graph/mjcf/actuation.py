@@ -1,4 +1,4 @@
-"""Actuators and sensors of an MJCF, by the names that its joints, sites and bodies have now."""
+"""Reads the actuators and sensors of an MJCF, and renames the joints, sites and bodies that they refer to."""
 
 from collections.abc import Callable, Iterator, Sequence
 from typing import cast
@@ -11,7 +11,7 @@ from linkwright.stages.robot.text.names import free
 
 
 def actuators_of(mjcf: Mjcf, names: MjcfFileNames) -> tuple[Actuator, ...]:
-    """The actuators; one without a name gets that of its dof."""
+    """Returns the actuators; unnamed actuators get the names of their dofs."""
     dofs = _dofs(mjcf, names)
     called = actuator_names(mjcf, names)
     return tuple(
@@ -31,51 +31,55 @@ def actuators_of(mjcf: Mjcf, names: MjcfFileNames) -> tuple[Actuator, ...]:
 
 
 def sensors_of(mjcf: Mjcf, names: MjcfFileNames) -> tuple[Sensor, ...]:
-    """The sensors whose objects have names now; one without a name gets one."""
-    found = []
+    """Returns the sensors whose objects have names now; unnamed sensors get names."""
+    sensors = []
     name_of = _namer(mjcf, names)
     for sensor, name in zip(mjcf.sensors, sensor_names(mjcf, names), strict=True):
-        on, of = name_of(sensor.on), name_of(sensor.relative_to)
-        if on is None or of is None:
+        target, reference = name_of(sensor.on), name_of(sensor.relative_to)
+        if target is None or reference is None:
             continue
-        ends = (cast(SensorTarget, sensor.on.kind), on), (cast(SensorTarget, sensor.relative_to.kind), of)
+        ends = (
+            (cast(SensorTarget, sensor.on.kind), target),
+            (cast(SensorTarget, sensor.relative_to.kind), reference),
+        )
         zone = cast(ZoneShape, sensor.shape), sensor.size
-        found.append(Sensor(name, sensor.type, *ends[0], *ends[1], sensor.noise, sensor.cutoff, *zone))
-    return tuple(found)
+        sensors.append(Sensor(name, sensor.type, *ends[0], *ends[1], sensor.noise, sensor.cutoff, *zone))
+    return tuple(sensors)
 
 
 def sensor_names(mjcf: Mjcf, names: MjcfFileNames) -> list[str]:
-    """The names of all sensors: one without a name is called after what it is on."""
-    taken, name_of = {sensor.name for sensor in mjcf.sensors}, _namer(mjcf, names)
-    found = []
+    """Returns the names of all sensors: an unnamed sensor is called after its object."""
+    taken_names, name_of = {sensor.name for sensor in mjcf.sensors}, _namer(mjcf, names)
+    all_names = []
     for sensor in mjcf.sensors:
         on = name_of(sensor.on) or ""
-        found.append(sensor.name or free(f"{on}_{sensor.type}".lstrip("_"), taken))
-        taken.add(found[-1])
-    return found
+        all_names.append(sensor.name or free(f"{on}_{sensor.type}".lstrip("_"), taken_names))
+        taken_names.add(all_names[-1])
+    return all_names
 
 
 def actuator_names(mjcf: Mjcf, names: MjcfFileNames) -> list[str]:
-    """The names of all actuators."""
+    """Returns the names of all actuators."""
     dofs = _dofs(mjcf, names)
-    taken = {actuator.name for actuator in mjcf.actuators}
-    found = []
+    taken_names = {actuator.name for actuator in mjcf.actuators}
+    all_names = []
     for actuator in mjcf.actuators:
-        found.append(actuator.name or free(dofs[actuator.joint], taken))
-        taken.add(found[-1])
-    return found
+        all_names.append(actuator.name or free(dofs[actuator.joint], taken_names))
+        taken_names.add(all_names[-1])
+    return all_names
 
 
 def _namer(mjcf: Mjcf, names: MjcfFileNames) -> Callable[[MjcfSensorEnd], str | None]:
-    """What gives the name of a sensor's end, "" for nothing; None for a site that is no frame."""
-    named: dict[str, Sequence[str | None]] = {
+    """Returns a function that gives the name of a sensor's end: "" for nothing, None for a site that is no
+    frame."""
+    names_by_kind: dict[str, Sequence[str | None]] = {
         "joint": _dofs(mjcf, names),
         "actuator": actuator_names(mjcf, names),
         "site": list(_sites(mjcf, names)),
         "body": [names.links.get(number, "") for number in range(len(mjcf.bodies))],
     }
-    named["xbody"] = named["body"]
-    return lambda end: named[end.kind][end.number] if end.kind else ""
+    names_by_kind["xbody"] = names_by_kind["body"]
+    return lambda end: names_by_kind[end.kind][end.number] if end.kind else ""
 
 
 def _dofs(mjcf: Mjcf, names: MjcfFileNames) -> list[str]:
@@ -83,7 +87,7 @@ def _dofs(mjcf: Mjcf, names: MjcfFileNames) -> list[str]:
 
 
 def _sites(mjcf: Mjcf, names: MjcfFileNames) -> Iterator[str | None]:
-    """The frames, None for sites that are none."""
+    """Yields the names of the frames that sites become, None for other sites."""
     for number, body in enumerate(mjcf.bodies):
         for index in range(len(body.sites)):
             yield names.frames.get((number, index))

@@ -7,60 +7,70 @@ import numpy as np
 from linkwright.stages.formats.mjcf.model import Mjcf, MjcfBody
 from linkwright.stages.graph.mjcf.equalities import Closing
 
+FRAME_TOLERANCE = 1e-12
+"""Largest difference of two transforms' entries that counts as rounding."""
 
-def _tops(mjcf: Mjcf) -> list[int]:
+
+def _world_children(mjcf: Mjcf) -> list[int]:
+    """Returns the numbers of the bodies directly below the world (0)."""
     return [number for number, body in enumerate(mjcf.bodies) if number and body.parent == 0]
 
 
 def floats(body: MjcfBody) -> bool:
+    """Returns whether a body has a free joint."""
     return any(joint.type == "free" for joint in body.joints)
 
 
 def base_of(mjcf: Mjcf) -> int | None:
-    """The base: the only body below the world that is fixed, where every other body floats; else None."""
-    standing = [number for number in _tops(mjcf) if not floats(mjcf.bodies[number])]
-    return standing[0] if len(standing) == 1 and not mjcf.bodies[standing[0]].joints else None
+    """Returns the base: the only child of the world that does not float, if it has no joint; else None."""
+    not_floating = [number for number in _world_children(mjcf) if not floats(mjcf.bodies[number])]
+    return not_floating[0] if len(not_floating) == 1 and not mjcf.bodies[not_floating[0]].joints else None
 
 
-def bodies_of(mjcf: Mjcf, found: Sequence[Closing], free: bool) -> list[int]:
-    """The bodies that become links, with the world where something is fixed to it or moves relative to it.
+def link_bodies_of(mjcf: Mjcf, closings: Sequence[Closing], free: bool) -> list[int]:
+    """Returns the numbers of the bodies that become links. The world (0) is one of them if another body is
+    fixed to it or moves relative to it.
 
-    A single fixed body in the world's own frame is the base itself, so the world is no link; the same holds
-    for a body in any frame that shall float (`free`).
+    If a single body is fixed, and its frame is the world's, that body is the base and the world is no link.
+    So it is, in any frame, if the base is to float (`free`) and no other body is below the world.
     """
-    tops = _tops(mjcf)
-    everything = list(range(len(mjcf.bodies)))
+    world_children = _world_children(mjcf)
+    all_bodies = list(range(len(mjcf.bodies)))
     base = base_of(mjcf)
     if base is not None:
-        in_place = bool(np.abs(mjcf.bodies[base].parent_from_body - np.eye(4)).max() < 1e-12)
-        return everything[1:] if in_place or (free and len(tops) == 1) else everything
-    standing = any(not floats(mjcf.bodies[number]) for number in tops)
-    tied = any(0 in one.closure.bodies for one in found)
-    return everything if standing or tied else everything[1:]
+        in_world_frame = bool(np.abs(mjcf.bodies[base].parent_from_body - np.eye(4)).max() < FRAME_TOLERANCE)
+        return all_bodies[1:] if in_world_frame or (free and len(world_children) == 1) else all_bodies
+    not_floating = any(not floats(mjcf.bodies[number]) for number in world_children)
+    closed_to_world = any(0 in closing.closure.bodies for closing in closings)
+    return all_bodies if not_floating or closed_to_world else all_bodies[1:]
 
 
-def joining(mjcf: Mjcf, found: Sequence[Closing]) -> list[Closing]:
-    """The closures without which bodies would float apart: each becomes a joint of the tree."""
-    top = _top_of(mjcf)
-    standing = {number for number in _tops(mjcf) if not floats(mjcf.bodies[number])} | {0}
-    trees = ({0 if top[body] in standing else top[body] for body in one.closure.bodies} for one in found)
-    return [one for one, ends in zip(found, trees, strict=True) if len(ends) > 1]
+def tree_closings(mjcf: Mjcf, closings: Sequence[Closing]) -> list[Closing]:
+    """Returns the closures that connect otherwise separate trees: each becomes a joint of the tree."""
+    world_child = _world_child_above(mjcf)
+    not_floating = {number for number in _world_children(mjcf) if not floats(mjcf.bodies[number])} | {0}
+    trees = (
+        {0 if world_child[body] in not_floating else world_child[body] for body in closing.closure.bodies}
+        for closing in closings
+    )
+    return [closing for closing, ends in zip(closings, trees, strict=True) if len(ends) > 1]
 
 
-def _top_of(mjcf: Mjcf) -> dict[int, int]:
-    """The top-level body above each body; the world's is the world."""
-    top: dict[int, int] = {}
+def _world_child_above(mjcf: Mjcf) -> dict[int, int]:
+    """Maps each body to its ancestor directly below the world, and the world to itself."""
+    world_child: dict[int, int] = {}
     for number, body in enumerate(mjcf.bodies):
-        top[number] = top[body.parent] if body.parent else number
-    return top
+        world_child[number] = world_child[body.parent] if body.parent else number
+    return world_child
 
 
-def root_of(mjcf: Mjcf, there: Sequence[int]) -> int:
-    """The world or the base; else the floating body with the most bodies below it, the first of equals."""
-    if there[0] == 0:
+def root_of(mjcf: Mjcf, link_bodies: Sequence[int]) -> int:
+    """Returns the root: the world if it is a link, else the base, else the floating body with the most bodies
+    below it (the first of equals). `link_bodies`: the bodies that become links."""
+    if link_bodies[0] == 0:
         return 0
     base = base_of(mjcf)
     if base is not None:
         return base
-    count = list(_top_of(mjcf).values())
-    return min(_tops(mjcf), key=lambda number: (-count.count(number), number))
+    count = list(_world_child_above(mjcf).values())
+    return min(_world_children(mjcf), key=lambda number: (-count.count(number), number))

@@ -1,4 +1,4 @@
-"""Equalities that connect two bodies: they close loops, and a pair of connects can form a hinge."""
+"""Turns equalities that connect two bodies into connections that close loops; a pair can form a hinge."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -28,33 +28,36 @@ SECOND_POINT = "_axis"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Closing:
-    """One closure, or two that are a hinge about `axis` (3,), the same in both its frames."""
+    """A closure, or two that form a hinge."""
 
     closure: MjcfClosure
     axis: Array | None = None
+    """Axis of the hinge (3,), the same in both its frames; None without a hinge."""
 
 
 def closings(closures: Sequence[MjcfClosure]) -> tuple[Closing, ...]:
-    """The closures, with each pair of connects that makes a hinge as one: `name` between sites `a`, `b` and
-    `name_axis` between `a_axis`, `b_axis`, as our own files have them."""
-    by_sites = {one.sites: one for one in closures if one.type == "connect" and all(one.sites)}
-    found, spent = [], set[int]()
-    for one in closures:
-        other = by_sites.get((one.sites[0] + SECOND_POINT, one.sites[1] + SECOND_POINT))
-        named = other is not None and other.name == one.name + SECOND_POINT
-        alike = other is not None and one.attributes == other.attributes and one.type == "connect"
-        axis = _axis(one, other) if other is not None and named and alike else None
+    """Returns the closures, where each pair of connects that forms a hinge is a single closing: `name`
+    between sites `a`, `b` and `name_axis` between `a_axis`, `b_axis`, as our own files have them."""
+    by_sites = {
+        closure.sites: closure for closure in closures if closure.type == "connect" and all(closure.sites)
+    }
+    merged, spent = [], set[int]()
+    for closure in closures:
+        other = by_sites.get((closure.sites[0] + SECOND_POINT, closure.sites[1] + SECOND_POINT))
+        is_pair = other is not None and other.name == closure.name + SECOND_POINT
+        alike = other is not None and closure.attributes == other.attributes and closure.type == "connect"
+        axis = _axis(closure, other) if other is not None and is_pair and alike else None
         if axis is not None:
             spent.add(id(other))
-        found.append(Closing(one, axis))
-    return tuple(one for one in found if id(one.closure) not in spent)
+        merged.append(Closing(closure, axis))
+    return tuple(closing for closing in merged if id(closing.closure) not in spent)
 
 
-def _axis(one: MjcfClosure, other: MjcfClosure) -> Array | None:
-    """The axis of the hinge that two connects form; None where they do not form a hinge."""
-    if one.bodies != other.bodies:
+def _axis(first: MjcfClosure, second: MjcfClosure) -> Array | None:
+    """Returns the axis of the hinge that two connects form; None where they do not form a hinge."""
+    if first.bodies != second.bodies:
         return None
-    ends = ((one.a_from_frame, other.a_from_frame), (one.b_from_frame, other.b_from_frame))
+    ends = ((first.a_from_frame, second.a_from_frame), (first.b_from_frame, second.b_from_frame))
     along = [(inverse(first) @ second)[:3, 3] for first, second in ends]
     reach = float(np.linalg.norm(along[1]))
     if reach == 0 or float(np.linalg.norm(along[0] - along[1])) > 1e-9 * max(1.0, reach):
@@ -62,32 +65,33 @@ def _axis(one: MjcfClosure, other: MjcfClosure) -> Array | None:
     return frozen(along[1] / reach)
 
 
-def own_sites(found: Sequence[Closing]) -> frozenset[str]:
-    """The sites that exist only for a closure, by their names: `<name>_a`, `<name>_b` and those of a
+def closing_sites(closings: Sequence[Closing]) -> frozenset[str]:
+    """Returns the sites that exist only for a closure, by their names: `<name>_a`, `<name>_b` and those of a
     hinge's second point, as in our own files, where the exporter makes them again."""
-    own: set[str] = set()
-    for one in found:
-        sites = one.closure.sites
-        if one.closure.name and sites == (f"{one.closure.name}_a", f"{one.closure.name}_b"):
-            own |= {*sites, *(() if one.axis is None else (site + SECOND_POINT for site in sites))}
-    return frozenset(own)
+    hidden: set[str] = set()
+    for closing in closings:
+        sites = closing.closure.sites
+        if closing.closure.name and sites == (f"{closing.closure.name}_a", f"{closing.closure.name}_b"):
+            hidden |= {*sites, *(() if closing.axis is None else (site + SECOND_POINT for site in sites))}
+    return frozenset(hidden)
 
 
 def connections(
-    found: Iterable[tuple[Closing, str, str]],
+    named_closings: Iterable[tuple[Closing, str, str]],
     numbers: Mapping[int, int],
     world_from_body: Mapping[int, Array],
 ) -> Iterator[Connection]:
-    """The closures as connections: a connect is a ball, a weld is fixed, a hinge's two connects are a turn.
+    """Yields the closures as connections: a connect is a ball, a weld is fixed, a hinge's two connects are a
+    turn.
 
-    `found`: each with its own name and that of its dof.
+    `named_closings`: each with its own name and that of its dof.
     """
-    for one, name, dof_name in found:
-        a, b = one.closure.bodies
-        first = world_from_body[a] @ one.closure.a_from_frame
-        second = world_from_body[b] @ one.closure.b_from_frame
+    for closing, name, dof_name in named_closings:
+        a, b = closing.closure.bodies
+        first = world_from_body[a] @ closing.closure.a_from_frame
+        second = world_from_body[b] @ closing.closure.b_from_frame
         relative = inverse(second) @ first
-        kind, dofs = _joint(one, dof_name, relative)
+        kind, dofs = _joint(closing, dof_name, relative)
         explained = chain(dofs, {dof.name: dof.saved for dof in dofs})
         yield Connection(
             name=name,
@@ -96,10 +100,10 @@ def connections(
             world_from_frames=(frozen(first), frozen(second)),
             dofs=dofs,
             residual=residual(relative, explained),
-            ref=MateRef((), name, one.closure.name or name, one.closure.type),
+            ref=MateRef((), name, closing.closure.name or name, closing.closure.type),
             title=name,
             closes=True,
-            solref=_solref(one.closure),
+            solref=_solref(closing.closure),
         )
 
 
@@ -108,16 +112,16 @@ def _solref(closure: MjcfClosure) -> tuple[float, float] | None:
     return (numbers[0], numbers[1]) if len(numbers) == 2 else None
 
 
-def _joint(one: Closing, name: str, relative: Array) -> tuple[JointType, tuple[Dof, ...]]:
-    """The type of joint that an equality stands for, and its dof at the pose `relative` (4, 4)."""
-    if one.closure.type == "weld":
+def _joint(closing: Closing, name: str, relative: Array) -> tuple[JointType, tuple[Dof, ...]]:
+    """Returns the type of joint that an equality represents, and its dof at the pose `relative` (4, 4)."""
+    if closing.closure.type == "weld":
         return "fixed", ()
     quat = quat_from_rotation(relative[:3, :3])
-    if one.axis is None:
+    if closing.axis is None:
         w, x, y, z = (float(number) for number in quat)
         return "ball", (_dof(name, "ball", frozen(np.zeros(3)), (w, x, y, z)),)
-    angle = 2.0 * float(np.arctan2(quat[1:] @ one.axis, quat[0]))
-    return "revolute", (_dof(name, "turn", one.axis, angle),)
+    angle = 2.0 * float(np.arctan2(quat[1:] @ closing.axis, quat[0]))
+    return "revolute", (_dof(name, "turn", closing.axis, angle),)
 
 
 def _dof(name: str, kind: DofKind, axis: Array, saved: Value) -> Dof:

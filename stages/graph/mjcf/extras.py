@@ -1,4 +1,4 @@
-"""What only an MJCF has, by the names that its bodies, joints and sites have now."""
+"""Reads the extras of an MJCF, and renames the bodies, joints and sites that they refer to."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -25,13 +25,13 @@ def extras_of(
     keyframes: Sequence[Keyframe],
     link_from_body: Mapping[int, Array],
 ) -> MjcfExtras:
-    """The extras; `link_from_body` (4, 4): of each body that became a link, by its number."""
-    changed = _changed(mjcf, names)
+    """Returns the extras; `link_from_body` (4, 4): of each body that became a link, by its number."""
+    changed = _new_names(mjcf, names)
 
     def now(element: MjcfElement) -> MjcfElement:
         return element.renamed(lambda kind, name: changed.get((kind, name), name))
 
-    every = [(number, mjcf.bodies[number]) for number in link_from_body if number]
+    linked = [(number, mjcf.bodies[number]) for number in link_from_body if number]
     return replace(
         mjcf.extras,
         bodies=tuple(
@@ -40,24 +40,24 @@ def extras_of(
                 link_from_body[number],
                 body.axes if body.inertial is not None else None,
             )
-            for number, body in every
+            for number, body in linked
         ),
         attributes=tuple(_attributes(mjcf, names, closings)),
         mounted=tuple(
-            MjcfMounted(names.links[number], one.body_from_element, now(one.element))
-            for number, body in every
-            for one in body.mounted
+            MjcfMounted(names.links[number], element.body_from_element, now(element.element))
+            for number, body in linked
+            for element in body.mounted
         ),
         sections=tuple(now(section) for section in mjcf.extras.sections),
         scene=tuple(now(section) for section in mjcf.extras.scene),
         order=tuple(_order(mjcf, names)),
         keyframes=tuple(
-            _keyframe(pose, one.name) for pose, one in zip(mjcf.keyframes, keyframes, strict=True)
+            _keyframe(pose, keyframe.name) for pose, keyframe in zip(mjcf.keyframes, keyframes, strict=True)
         ),
     )
 
 
-def _changed(mjcf: Mjcf, names: MjcfFileNames) -> dict[tuple[str, str], str]:
+def _new_names(mjcf: Mjcf, names: MjcfFileNames) -> dict[tuple[str, str], str]:
     changed = {}
     for number, body in enumerate(mjcf.bodies):
         changed["body", body.name] = names.links[number]
@@ -97,19 +97,19 @@ def _attributes(mjcf: Mjcf, names: MjcfFileNames, closings: Sequence[Closing]) -
 
 
 def _order(mjcf: Mjcf, names: MjcfFileNames) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """The orders with the names of what has none in the file."""
-    made = {"actuator": actuator_names(mjcf, names), "sensor": sensor_names(mjcf, names)}
-    given = {
-        "actuator": [one.name for one in mjcf.actuators],
-        "sensor": [one.name for one in mjcf.sensors],
+    """Yields the orders of elements, with the names of those that are unnamed in the file."""
+    final = {"actuator": actuator_names(mjcf, names), "sensor": sensor_names(mjcf, names)}
+    original = {
+        "actuator": [actuator.name for actuator in mjcf.actuators],
+        "sensor": [sensor.name for sensor in mjcf.sensors],
     }
     for section, order in mjcf.extras.order:
-        pairs = zip(given[section], made[section], strict=True)
+        pairs = zip(original[section], final[section], strict=True)
         unnamed = iter([name for old, name in pairs if not old])
         yield section, tuple(name or next(unnamed) for name in order)
 
 
 def _keyframe(pose: MjcfNamedPose, name: str) -> MjcfKeyframe:
-    """Where a root floats in a keyframe, and what else lies in the scene."""
+    """Returns a keyframe's pose of a floating root, and its poses of the scene's objects."""
     floating = [numbers for _, numbers in pose.floating]
     return MjcfKeyframe(name, floating[0] if len(floating) == 1 else (), pose.scene)

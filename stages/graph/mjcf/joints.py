@@ -19,9 +19,9 @@ from linkwright.stages.graph.dofs import FREEDOMS, Freedom
 from linkwright.stages.robot.model.poses import at_rest, from_parts, inverse, motion
 from linkwright.stages.robot.model.robot import Array, Dof, DofKind, JointType, Value, frozen
 
-KINDS: Mapping[str, DofKind] = {"hinge": "turn", "slide": "slide", "ball": "ball", "free": "free"}
+DOF_KINDS: Mapping[str, DofKind] = {"hinge": "turn", "slide": "slide", "ball": "ball", "free": "free"}
 
-SINGLE: Mapping[str, JointType] = {
+SINGLE_JOINT_TYPES: Mapping[str, JointType] = {
     "hinge": "revolute",
     "slide": "prismatic",
     "ball": "ball",
@@ -29,54 +29,56 @@ SINGLE: Mapping[str, JointType] = {
 }
 """Type of a body's only joint → type of joint."""
 
-ROUNDING = 1e-12
-"""An origin this near to the identity is that."""
+FRAME_TOLERANCE = 1e-12
+"""Largest difference of an origin from the identity that counts as rounding."""
 
-ALIGNED = 1e-9
-"""How far the dot products of axes may be from those of a mate."""
+AXIS_TOLERANCE = 1e-9
+"""Largest difference of the dot products of axes from those of a mate."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Chain:
-    """`parent_from_start` (4, 4): from the parent body's frame to where the dofs begin; `body_from_link`
-    (4, 4): where the link's frame is in the body."""
+    """The dofs of a body, from its parent's frame to its link's."""
 
     parent_from_start: Array
+    """From the parent body's frame to where the dofs begin (4, 4)."""
     dofs: tuple[Dof, ...]
     body_from_link: Array
+    """Where the link's frame is in the body (4, 4)."""
 
 
 @dataclass(frozen=True, slots=True)
 class BodyJoint:
-    """A body's joints as one joint. `backwards`: they run as those of a mate whose second entity is
-    the child. `name` is "" where the joints' own names have no common part."""
+    """A body's joints as a single joint."""
 
     name: str
+    """Empty if the names of the joints have no common part."""
     type: JointType
     backwards: bool
+    """Whether they run as those of a mate whose second entity is the child."""
 
 
 def chain_of(body: MjcfBody, names: Sequence[str]) -> Chain:
-    """The dofs of a body, named so, at their references."""
+    """Returns the dofs of a body at their references. `names`: the names of the dofs."""
     dofs: list[Dof] = []
-    before = np.eye(4)
+    previous = np.eye(4)
     places = _places(body.joints)
     for joint, name, place in zip(body.joints, names, places, strict=True):
-        kind = KINDS[joint.type]
+        kind = DOF_KINDS[joint.type]
         scalar = kind in ("turn", "slide")
         rest: Value = -joint.ref if scalar else at_rest(kind)
-        origin = inverse(before) @ place @ motion(kind, joint.axis, rest)
+        origin = inverse(previous) @ place @ motion(kind, joint.axis, rest)
         saved: Value = joint.ref if scalar else rest
         axis = frozen(joint.axis + 0.0)
-        own = joint.limits, joint.dynamics
-        dofs.append(Dof(name, kind, axis, origin, *own, saved, spring=joint.spring))
-        before = place
-    start = body.parent_from_body @ _gathered(dofs)
-    return Chain(frozen(start), tuple(dofs), frozen(before))
+        properties = joint.limits, joint.dynamics
+        dofs.append(Dof(name, kind, axis, origin, *properties, saved, spring=joint.spring))
+        previous = place
+    start = body.parent_from_body @ _gather_origins(dofs)
+    return Chain(frozen(start), tuple(dofs), frozen(previous))
 
 
 def _places(joints: Sequence[MjcfJoint]) -> list[Array]:
-    """The point of action (4, 4) of each joint in the body; a slide gets that of the next joint that
+    """Returns the point of action (4, 4) of each joint in the body; a slide gets that of the next joint that
     turns."""
     places: list[Array] = []
     place = np.eye(4)
@@ -86,9 +88,9 @@ def _places(joints: Sequence[MjcfJoint]) -> list[Array]:
     return places[::-1]
 
 
-def _gathered(dofs: list[Dof]) -> Array:
-    """The transform (4, 4) before the first dof, after each origin behind a slide is moved in front of it:
-    M(a) O = O M(Oᵀ a). The dofs are changed in place."""
+def _gather_origins(dofs: list[Dof]) -> Array:
+    """Returns the transform (4, 4) before the first dof, after each origin behind a slide is moved in front
+    of it: M(a) O = O M(Oᵀ a). The dofs are changed in place."""
     origins = [dof.origin for dof in dofs]
     for index in range(len(dofs) - 1, 0, -1):
         if dofs[index - 1].kind == "slide":
@@ -98,13 +100,13 @@ def _gathered(dofs: list[Dof]) -> Array:
             origins[index - 1] = origins[index - 1] @ origin
     start = origins[0] if dofs else np.eye(4)
     for index, dof in enumerate(dofs):
-        still = not index or np.abs(origins[index] - np.eye(4)).max() < ROUNDING
+        still = not index or np.abs(origins[index] - np.eye(4)).max() < FRAME_TOLERANCE
         dofs[index] = replace(dof, origin=frozen(np.eye(4) if still else origins[index]))
     return start
 
 
 def body_joint(dofs: Sequence[Dof]) -> BodyJoint:
-    """The joint type of a body's dofs, by their kinds, axes and names; else `compound`."""
+    """Returns the joint type of a body's dofs, by their kinds, axes and names; else `compound`."""
     names = [dof.name for dof in dofs]
     for kind, freedoms in FREEDOMS.items():
         if len(freedoms) < 2 or len(freedoms) != len(dofs):
@@ -112,18 +114,18 @@ def body_joint(dofs: Sequence[Dof]) -> BodyJoint:
         for backwards in (False, True):
             row = freedoms[::-1] if backwards else freedoms
             stem = names[0].removesuffix(row[0].suffix)
-            if stem and names == [stem + one.suffix for one in row] and _fits(dofs, row):
+            if stem and names == [stem + freedom.suffix for freedom in row] and _fits(dofs, row):
                 return BodyJoint(stem, kind, backwards)
     return BodyJoint("", "compound", False)
 
 
 def _fits(dofs: Sequence[Dof], freedoms: Sequence[Freedom]) -> bool:
-    """Whether the dofs move as these freedoms do, whichever way the frames are turned; a slide along the
-    axis of a turn may run against it, as a mirrored mate's does."""
-    if any(dof.kind != one.kind for dof, one in zip(dofs, freedoms, strict=True)):
+    """Returns whether the dofs move as these freedoms do, in whichever direction the frames are turned. A
+    slide along the axis of a turn may have the opposite direction, as that of a mirrored mate has."""
+    if any(dof.kind != freedom.kind for dof, freedom in zip(dofs, freedoms, strict=True)):
         return False
-    if any(np.abs(dof.origin - np.eye(4)).max() > ALIGNED for dof in dofs):
+    if any(np.abs(dof.origin - np.eye(4)).max() > AXIS_TOLERANCE for dof in dofs):
         return False
     axes = np.array([dof.axis for dof in dofs])
-    wanted = np.array([one.axis for one in freedoms], dtype=float)
-    return bool(np.abs(np.abs(axes @ axes.T) - np.abs(wanted @ wanted.T)).max() < ALIGNED)
+    expected = np.array([freedom.axis for freedom in freedoms], dtype=float)
+    return bool(np.abs(np.abs(axes @ axes.T) - np.abs(expected @ expected.T)).max() < AXIS_TOLERANCE)

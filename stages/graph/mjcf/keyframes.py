@@ -1,4 +1,4 @@
-"""Keyframes of an MJCF, by the names that its joints have now."""
+"""Reads the keyframes of an MJCF, and renames the joints that they refer to."""
 
 from linkwright.stages.formats.mjcf.model import Mjcf
 from linkwright.stages.graph.mjcf.naming import MjcfFileNames
@@ -9,18 +9,17 @@ from linkwright.stages.robot.text.names import free
 
 
 def keyframes_of(mjcf: Mjcf, names: MjcfFileNames, root: int, log: Diagnostics) -> tuple[Keyframe, ...]:
-    """The keyframes; one without a name gets one. I-KEYFRAME for balls and free bodies that they move: where
-    the body `root` floats is for the scene to say.
-    """
+    """Returns the keyframes; unnamed keyframes get names. Reports I-KEYFRAME for balls and free bodies that
+    they move, except the body `root`, whose pose is part of the scene."""
     dofs = [(number, name) for number in range(len(mjcf.bodies)) for name in names.dofs[number]]
-    taken = {one.name for one in mjcf.keyframes}
-    found = []
-    for index, one in enumerate(mjcf.keyframes):
-        name = one.name or free(f"keyframe_{index}", taken)
-        taken.add(name)
-        lost = [dofs[joint][1] for joint in one.moved if dofs[joint][0] != root]
+    taken_names = {frame.name for frame in mjcf.keyframes}
+    keyframes = []
+    for index, keyframe in enumerate(mjcf.keyframes):
+        name = keyframe.name or free(f"keyframe_{index}", taken_names)
+        taken_names.add(name)
+        lost = [dofs[joint][1] for joint in keyframe.moved if dofs[joint][0] != root]
         if lost:
             text = f"the source's keyframe moves balls or free bodies, which is left out: {listed(lost)}"
             log.report("I-KEYFRAME", text, name, "a keyframe has values of turns and slides")
-        found.append(Keyframe(name, tuple((dofs[joint][1], value) for joint, value in one.values)))
-    return tuple(found)
+        keyframes.append(Keyframe(name, tuple((dofs[joint][1], value) for joint, value in keyframe.values)))
+    return tuple(keyframes)

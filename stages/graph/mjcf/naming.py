@@ -1,4 +1,4 @@
-"""Names from an MJCF: bodies, joints, sites and equalities keep their names; unnamed ones get one."""
+"""Names the bodies, joints, sites and equalities of an MJCF: they keep their names, or get new names."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
@@ -10,7 +10,7 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.mjcf_extras import MjcfElement
 
 WORLD_NUMBER = 0
-"""The body that is the world."""
+"""Number of the body that is the world."""
 
 MjcfFileNames = FileNames[int, tuple[int, int]]
 """Joints and dofs by the body that they move, sites by body and place in it."""
@@ -18,14 +18,14 @@ MjcfFileNames = FileNames[int, tuple[int, int]]
 
 def names_of(
     mjcf: Mjcf,
-    found: Sequence[Closing],
+    closings: Sequence[Closing],
     joining: Collection[Closing],
     hidden: Collection[str],
     log: Diagnostics,
 ) -> MjcfFileNames:
-    """The file's own names wherever they can stay; W-NAME for each that changes.
+    """Keeps the file's own names wherever they can stay; reports W-NAME for each that changes.
 
-    `joining`: those of the closings `found` that become joints. `hidden`: sites that are no frames.
+    `joining`: the closings that become joints. `hidden`: names of the sites that are no frames.
     """
     namer = Namer()
     namer.reserve(name for section in mjcf.extras.scene for name in _names_in(section))
@@ -33,30 +33,30 @@ def names_of(
     links = namer.keep("link", ((number, body.name) for number, body in bodies))
     dofs = namer.keep("joint", _dofs(mjcf))
     frames = namer.keep("frame", _sites(mjcf, hidden))
-    equalities = namer.keep("equality", _equalities(mjcf, found))
+    equalities = namer.keep("equality", _equalities(mjcf, closings))
     namer.report(log)
-    # What has no name gets one once all names in the file are known.
+    # Unnamed elements are named once all names in the file are known.
     links = namer.fill("link", links, ((number, f"body_{number}") for number, _ in bodies))
     dofs = namer.fill("joint", dofs, _wanted_dofs(mjcf, links))
     joints = list(dofs.values())
     relations = namer.fill("equality", equalities, _wanted_relations(mjcf, joints))
-    loops = _loops(namer, found, joining, equalities)
-    own = {
+    loops = _loops(namer, closings, joining, equalities)
+    names_by_body = {
         number: tuple(dofs[number, place] for place in range(len(body.joints)))
         for number, body in enumerate(mjcf.bodies)
     }
     return FileNames(
         links={WORLD_NUMBER: WORLD_LINK} | links,
         frames=frames,
-        joints={number: _joint_name(namer, links[number], own[number]) for number, _ in bodies},
-        dofs=own,
+        joints={number: _joint_name(namer, links[number], names_by_body[number]) for number, _ in bodies},
+        dofs=names_by_body,
         relations={index: name for (_, index), name in relations.items()},
         loops=loops,
     )
 
 
 def _names_in(element: MjcfElement) -> Iterator[str]:
-    """The names of an element and of all in it."""
+    """Yields the names of an element and of all in it."""
     if element.name:
         yield element.name
     for child in element.children:
@@ -70,7 +70,7 @@ def _dofs(mjcf: Mjcf) -> Iterator[tuple[tuple[int, int], str]]:
 
 
 def _wanted_dofs(mjcf: Mjcf, links: Mapping[int, str]) -> Iterator[tuple[tuple[int, int], str]]:
-    """After its body, with a number where that has several."""
+    """Yields names of dofs after their bodies, with a number where a body has several."""
     for (number, place), _ in _dofs(mjcf):
         several = len(mjcf.bodies[number].joints) > 1
         yield (number, place), f"{links[number]}_joint" + (f"_{place + 1}" if several else "")
@@ -83,38 +83,38 @@ def _sites(mjcf: Mjcf, hidden: Collection[str]) -> Iterator[tuple[tuple[int, int
                 yield (number, index), site.name
 
 
-def _equalities(mjcf: Mjcf, found: Sequence[Closing]) -> Iterator[tuple[tuple[str, int], str]]:
-    for index, one in enumerate(found):
-        yield ("loop", index), one.closure.name
+def _equalities(mjcf: Mjcf, closings: Sequence[Closing]) -> Iterator[tuple[tuple[str, int], str]]:
+    for index, closing in enumerate(closings):
+        yield ("loop", index), closing.closure.name
     for index, relation in enumerate(mjcf.relations):
         yield ("relation", index), relation.name
 
 
 def _wanted_relations(mjcf: Mjcf, joints: Sequence[str]) -> Iterator[tuple[tuple[str, int], str]]:
-    for index, one in enumerate(mjcf.relations):
-        yield ("relation", index), f"{joints[one.follower]}_relation"
+    for index, relation in enumerate(mjcf.relations):
+        yield ("relation", index), f"{joints[relation.follower]}_relation"
 
 
 def _loops(
     namer: Namer,
-    found: Sequence[Closing],
+    closings: Sequence[Closing],
     joining: Collection[Closing],
-    kept: Mapping[tuple[str, int], str],
+    kept_names: Mapping[tuple[str, int], str],
 ) -> dict[int, tuple[str, str]]:
-    """The names of each equality and of its dof: the same where no joint has it."""
+    """Returns the names of each equality and of its dof: the same name where no joint has it."""
     names = {}
-    for index, one in enumerate(found):
-        name = kept.get(("loop", index)) or namer.make("equality", "loop")
-        alone = namer.is_free("joint", name)
-        dof_name = name if alone else namer.make("joint", f"{name}_loop")
-        names[index] = (dof_name if one in joining else name, dof_name)
-        if alone:
+    for index, closing in enumerate(closings):
+        name = kept_names.get(("loop", index)) or namer.make("equality", "loop")
+        is_free = namer.is_free("joint", name)
+        dof_name = name if is_free else namer.make("joint", f"{name}_loop")
+        names[index] = (dof_name if closing in joining else name, dof_name)
+        if is_free:
             namer.keep("joint", [(index, name)])
     return names
 
 
 def _joint_name(namer: Namer, link: str, dofs: Sequence[str]) -> str:
-    """The name of a body's combined joint: that of its only joint, else a new name."""
+    """Returns the name of a body's combined joint: that of its only joint, else a new name."""
     if len(dofs) == 1:
         return dofs[0]
     return namer.make("joint", f"{link}_{'joints' if dofs else 'fixed'}")

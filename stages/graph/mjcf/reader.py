@@ -7,7 +7,7 @@ import numpy as np
 
 from linkwright.stages.formats.mjcf.model import Mjcf, MjcfBody, MjcfGeom
 from linkwright.stages.graph.cad_only_keys import report_unused
-from linkwright.stages.graph.dofs import backwards
+from linkwright.stages.graph.dofs import reversed_dofs
 from linkwright.stages.graph.mechanism import (
     WORLD_LINK,
     Connection,
@@ -17,10 +17,10 @@ from linkwright.stages.graph.mechanism import (
     RigidBody,
 )
 from linkwright.stages.graph.mjcf.actuation import actuators_of, sensors_of
-from linkwright.stages.graph.mjcf.base import base_of, bodies_of, floats, joining, root_of
-from linkwright.stages.graph.mjcf.equalities import closings, connections, own_sites
+from linkwright.stages.graph.mjcf.base import base_of, floats, link_bodies_of, root_of, tree_closings
+from linkwright.stages.graph.mjcf.equalities import closing_sites, closings, connections
 from linkwright.stages.graph.mjcf.extras import extras_of
-from linkwright.stages.graph.mjcf.joints import SINGLE, Chain, body_joint, chain_of
+from linkwright.stages.graph.mjcf.joints import SINGLE_JOINT_TYPES, Chain, body_joint, chain_of
 from linkwright.stages.graph.mjcf.keyframes import keyframes_of
 from linkwright.stages.graph.mjcf.naming import MjcfFileNames, names_of
 from linkwright.stages.graph.relation_steps import followed_values
@@ -57,36 +57,38 @@ class _Pose:
 
 
 def read_mechanism(bundle: Bundle, keys: GraphSections, log: Diagnostics) -> tuple[Mechanism, GraphSections]:
-    """Reads a compiled MJCF. ProtocolError where the bundle does not contain one."""
-    mjcf = _decoded(bundle)
+    """Reads a compiled MJCF. Raises ProtocolError where the bundle does not contain a compiled MJCF."""
+    mjcf = _decode(bundle)
     log.add(mjcf.diagnostics)
     report_unused(keys, "MJCF", log)
-    found = closings(mjcf.closures)
-    joined = joining(mjcf, found)
-    for one in joined:
+    equalities = closings(mjcf.closures)
+    joined = tree_closings(mjcf, equalities)
+    for equality in joined:
         text = "without this equality its bodies would float apart: it became a joint between them"
-        log.report("W-MJCF-TREE", text, one.closure.name or mjcf.name, "connect the two bodies by a joint")
-    names = names_of(mjcf, found, joined, own_sites(found) | {WORLD_LINK}, log)
+        log.report(
+            "W-MJCF-TREE", text, equality.closure.name or mjcf.name, "connect the two bodies by a joint"
+        )
+    names = names_of(mjcf, equalities, joined, closing_sites(equalities) | {WORLD_LINK}, log)
     chains, saved = _chains(mjcf, names)
-    pose = _posed(mjcf, chains, saved)
-    there = bodies_of(mjcf, found, keys.root.base == "free")
-    numbers = {body: number for number, body in enumerate(there)}
+    pose = _pose_of(mjcf, chains, saved)
+    link_bodies = link_bodies_of(mjcf, equalities, keys.root.base == "free")
+    numbers = {body: number for number, body in enumerate(link_bodies)}
     if 0 not in numbers:
         base = base_of(mjcf)
         numbers |= {} if base is None else {0: numbers[base]}
-    apart = (
-        (one, *names.loops[index])
-        for index, one in enumerate(found)
-        if len({numbers[body] for body in one.closure.bodies}) > 1
+    separate = (
+        (closing, *names.loops[index])
+        for index, closing in enumerate(equalities)
+        if len({numbers[body] for body in closing.closure.bodies}) > 1
     )
-    closing = connections(apart, numbers, pose.world_from_body)
-    root = root_of(mjcf, there)
+    closing = connections(separate, numbers, pose.world_from_body)
+    root = root_of(mjcf, link_bodies)
     keyframes = keyframes_of(mjcf, names, root, log)
     link_from_body = {
-        body: frozen(inverse(pose.world_from_link[body]) @ pose.world_from_body[body]) for body in there
+        body: frozen(inverse(pose.world_from_link[body]) @ pose.world_from_body[body]) for body in link_bodies
     }
     mechanism = Mechanism(
-        bodies=tuple(_body(mjcf, number, names, pose, numbers) for number in there),
+        bodies=tuple(_body(mjcf, number, names, pose, numbers) for number in link_bodies),
         connections=(*_tree(mjcf, names, chains, pose, numbers), *closing),
         relations=tuple(_relations(mjcf, names)),
         markers=tuple(_markers(mjcf, names, pose, numbers, log)),
@@ -96,12 +98,12 @@ def read_mechanism(bundle: Bundle, keys: GraphSections, log: Diagnostics) -> tup
         actuators=actuators_of(mjcf, names),
         sensors=sensors_of(mjcf, names),
         keyframes=keyframes,
-        mjcf=extras_of(mjcf, names, found, keyframes, link_from_body),
+        mjcf=extras_of(mjcf, names, equalities, keyframes, link_from_body),
     )
     return mechanism, keys
 
 
-def _decoded(bundle: Bundle) -> Mjcf:
+def _decode(bundle: Bundle) -> Mjcf:
     try:
         mjcf = codec.load(Mjcf, bundle.body(bundle.definition))
         _require_tree(mjcf)
@@ -112,14 +114,14 @@ def _decoded(bundle: Bundle) -> Mjcf:
 
 
 def _require_tree(mjcf: Mjcf) -> None:
-    """ValueError where a number refers to nothing: a bundle may come from anyone."""
+    """Raises ValueError where a number refers to nothing: a bundle may come from anyone."""
     joints = sum(len(body.joints) for body in mjcf.bodies)
-    numbers = [number for one in mjcf.closures for number in one.bodies]
-    ends = [number for one in mjcf.relations for number in (one.follower, one.driver)]
-    ends += [number for one in mjcf.keyframes for number in (*dict(one.values), *one.moved)]
-    within = all(0 <= number < len(mjcf.bodies) for number in numbers)
-    within = within and all(0 <= number < joints for number in ends)
-    if not within or any(not 0 <= body.parent < max(1, i) for i, body in enumerate(mjcf.bodies)):
+    numbers = [number for closure in mjcf.closures for number in closure.bodies]
+    ends = [number for relation in mjcf.relations for number in (relation.follower, relation.driver)]
+    ends += [number for keyframe in mjcf.keyframes for number in (*dict(keyframe.values), *keyframe.moved)]
+    in_range = all(0 <= number < len(mjcf.bodies) for number in numbers)
+    in_range = in_range and all(0 <= number < joints for number in ends)
+    if not in_range or any(not 0 <= body.parent < max(1, i) for i, body in enumerate(mjcf.bodies)):
         msg = "it refers to an element that does not exist"
         raise ValueError(msg)
     if len(mjcf.bodies) < 2:
@@ -128,25 +130,25 @@ def _require_tree(mjcf: Mjcf) -> None:
 
 
 def _chains(mjcf: Mjcf, names: MjcfFileNames) -> tuple[dict[int, Chain], Configuration]:
-    """Each body's dofs at qpos0 (followers at the values of their drivers), and those values."""
+    """Returns each body's dofs at qpos0 (followers at the values of their drivers), and those values."""
     chains = {number: chain_of(body, names.dofs[number]) for number, body in enumerate(mjcf.bodies)}
-    saved = {dof.name: dof.saved for one in chains.values() for dof in one.dofs}
+    saved = {dof.name: dof.saved for body_chain in chains.values() for dof in body_chain.dofs}
     saved |= followed_values(_relations(mjcf, names), saved)
-    for number, one_chain in chains.items():
-        dofs = tuple(replace(dof, saved=saved[dof.name]) for dof in one_chain.dofs)
-        chains[number] = replace(one_chain, dofs=dofs)
+    for number, body_chain in chains.items():
+        dofs = tuple(replace(dof, saved=saved[dof.name]) for dof in body_chain.dofs)
+        chains[number] = replace(body_chain, dofs=dofs)
     return chains, saved
 
 
-def _posed(mjcf: Mjcf, chains: Mapping[int, Chain], saved: Mapping[str, Value]) -> _Pose:
+def _pose_of(mjcf: Mjcf, chains: Mapping[int, Chain], saved: Mapping[str, Value]) -> _Pose:
     bodies: dict[int, Array] = {0: np.eye(4)}
     links: dict[int, Array] = {0: np.eye(4)}
     starts: dict[int, Array] = {}
     for number, body in enumerate(mjcf.bodies[1:], start=1):
-        one = chains[number]
-        starts[number] = bodies[body.parent] @ one.parent_from_start
-        links[number] = starts[number] if floats(body) else starts[number] @ chain(one.dofs, saved)
-        bodies[number] = links[number] @ inverse(one.body_from_link)
+        body_chain = chains[number]
+        starts[number] = bodies[body.parent] @ body_chain.parent_from_start
+        links[number] = starts[number] if floats(body) else starts[number] @ chain(body_chain.dofs, saved)
+        bodies[number] = links[number] @ inverse(body_chain.body_from_link)
     return _Pose(bodies, links, starts)
 
 
@@ -169,13 +171,14 @@ def _body(
         fixed_reason=fixed_reason,
         world_from_body=pose.world_from_link[number],
         afloat=_free_joint(mjcf, number, names),
-        given=None if body.inertial is None else moved(body.inertial, world_from_body),
+        own_inertial=None if body.inertial is None else moved(body.inertial, world_from_body),
         shapes=tuple(_primitive(geom, world_from_body) for geom in body.geoms if geom.kind != "mesh"),
     )
 
 
 def _free_joint(mjcf: Mjcf, number: int, names: MjcfFileNames) -> str | None:
-    """The name of the joint by which a body floats, "" where that has none; None where it does not float."""
+    """Returns the name of the joint by which a body floats, "" for an unnamed joint; None for other
+    bodies."""
     body = mjcf.bodies[number]
     if not floats(body):
         return None
@@ -215,17 +218,17 @@ def _primitive(geom: MjcfGeom, world_from_body: Array) -> Primitive:
 def _tree(
     mjcf: Mjcf, names: MjcfFileNames, chains: Mapping[int, Chain], pose: _Pose, numbers: Mapping[int, int]
 ) -> Iterator[Connection]:
-    """The joints between each body and its parent; what floats, or is the base, has none."""
+    """Yields the joints between each body and its parent, except those of floating bodies and of the base."""
     for number, body in enumerate(mjcf.bodies[1:], start=1):
         parent = numbers.get(body.parent)
         if parent is None or parent == numbers[number] or floats(body):
             continue
         dofs = chains[number].dofs
-        name, kind, turned = _meaning(number, body, names, chains[number])
+        name, kind, turned = _joint_meaning(number, body, names, chains[number])
         frames = (pose.world_from_link[number], frozen(pose.world_from_start[number]))
         bodies = (numbers[number], parent)
         if turned:
-            frames, bodies, dofs = frames[::-1], bodies[::-1], backwards(dofs)
+            frames, bodies, dofs = frames[::-1], bodies[::-1], reversed_dofs(dofs)
         types = "+".join(joint.type for joint in body.joints) or "fixed"
         title = ", ".join(joint.name or dof.name for joint, dof in zip(body.joints, chains[number].dofs))
         yield Connection(
@@ -240,36 +243,39 @@ def _tree(
         )
 
 
-def _meaning(number: int, body: MjcfBody, names: MjcfFileNames, own: Chain) -> tuple[str, JointType, bool]:
-    """Name and type of a body's joints together, and whether they run from the first entity's side."""
+def _joint_meaning(
+    number: int, body: MjcfBody, names: MjcfFileNames, dofs_chain: Chain
+) -> tuple[str, JointType, bool]:
+    """Returns the name and the type of a body's joints together, and whether they run from the first entity's
+    side."""
     name = names.joints[number]
-    if not own.dofs:
+    if not dofs_chain.dofs:
         return name, "fixed", False
-    if len(own.dofs) == 1:
-        return name, SINGLE[body.joints[0].type], False
-    together = body_joint(own.dofs)
+    if len(dofs_chain.dofs) == 1:
+        return name, SINGLE_JOINT_TYPES[body.joints[0].type], False
+    together = body_joint(dofs_chain.dofs)
     return together.name or name, together.type, together.backwards
 
 
 def _relations(mjcf: Mjcf, names: MjcfFileNames) -> Iterator[RelationSpec]:
     joints = [name for number in range(len(mjcf.bodies)) for name in names.dofs[number]]
-    for index, one in enumerate(mjcf.relations):
+    for index, relation in enumerate(mjcf.relations):
         yield RelationSpec(
             title=names.relations[index],
             name=names.relations[index],
             type="MIMIC",
-            connections=(joints[one.driver], joints[one.follower]),
-            ratio=one.multiplier,
+            connections=(joints[relation.driver], joints[relation.follower]),
+            ratio=relation.multiplier,
             length=0.0,
             reverse=False,
-            offset=one.offset,
+            offset=relation.offset,
         )
 
 
 def _markers(
     mjcf: Mjcf, names: MjcfFileNames, pose: _Pose, numbers: Mapping[int, int], log: Diagnostics
 ) -> Iterator[Marker]:
-    """Sites, as frames of their links."""
+    """Yields sites, as frames of their links."""
     lost = []
     for (number, index), name in sorted(names.frames.items()):
         site = mjcf.bodies[number].sites[index]

@@ -1,4 +1,5 @@
-"""The assembly as drawn: every occurrence at any depth, and every feature once for each place where it acts.
+"""Describes an assembly as drawn: every occurrence at any depth, and every feature at each place where it
+acts.
 
 The features of a sub-assembly act once for each of its occurrences, so a feature is identified by the
 occurrence path of its owner and its id.
@@ -24,10 +25,12 @@ ORIGIN = frozen(np.eye(4))
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Occurrence:
-    """One instance in one place: `path` of instance ids, `names` the same in words."""
+    """An instance at a place in the assembly."""
 
     path: Path
+    """Ids of the instances down to it."""
     names: tuple[str, ...]
+    """Names of the instances down to it."""
     record: Record
     world_from_occurrence: Array
     fixed: bool
@@ -35,31 +38,35 @@ class Occurrence:
 
     @property
     def is_part(self) -> bool:
+        """Whether it is a part, not a sub-assembly."""
         return bool(self.record.get("type") == "Part")
 
     @property
     def title(self) -> str:
+        """Its names, joined by "/"."""
         return "/".join(self.names)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Entity:
-    """One side of a mate: an occurrence (the empty path is the assembly origin) and a frame on it."""
+    """A side of a mate: an occurrence and a frame on it."""
 
     path: Path
+    """Path of the occurrence; () for the assembly's origin."""
     occurrence_from_frame: Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mate:
-    """`limits` are Onshape's own names and values [rad or m], None where the server did not send any;
-    `limit_origin`: how they were read."""
+    """A mate between two occurrences."""
 
     ref: MateRef
     title: str
     entities: tuple[Entity, ...]
     limits: Mapping[str, float] | None
+    """By Onshape's own names [rad or m]; None if the server did not send any."""
     limit_origin: LimitOrigin = AS_TYPED
+    """How they were read."""
 
     @property
     def key(self) -> tuple[Path, str, str]:
@@ -69,23 +76,25 @@ class Mate:
 
 @dataclass(frozen=True, slots=True)
 class MateRelation:
-    """Joins two mates, each named by (owner path, feature id); `mates[1]` follows. A SCREW names one.
-
-    `ratio` counts for GEAR and LINEAR, `length` [m a turn] for RACK_AND_PINION and SCREW.
-    """
+    """A relation between two mates."""
 
     owner: Path
     feature: str
     title: str
     type: str
     mates: tuple[tuple[Path, str], ...]
+    """(owner path, feature id) of each; the second follows the first. A SCREW names a single mate."""
     ratio: float
+    """Ratio of GEAR and LINEAR."""
     length: float
+    """Length a turn [m] of RACK_AND_PINION and SCREW."""
     reverse: bool
 
 
 @dataclass(frozen=True, slots=True)
 class MateGroup:
+    """A mate group: its members do not move relative to each other."""
+
     owner: Path
     title: str
     members: tuple[Path, ...]
@@ -93,15 +102,14 @@ class MateGroup:
 
 @dataclass(frozen=True, slots=True)
 class Pattern:
-    """A pattern or a mirror: the path of each seed → those of its copies, in order.
-
-    `mirrors`: whether copies may be mirror images.
-    """
+    """A pattern or a mirror."""
 
     owner: Path
     title: str
     copies: Mapping[Path, tuple[Path, ...]]
+    """Path of each seed → paths of its copies, in order."""
     mirrors: bool = False
+    """Whether copies may be mirror images."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -116,26 +124,27 @@ class Connector:
 
     @property
     def title(self) -> str:
+        """Names of its owner and its own, joined by "/"."""
         return "/".join((*self.names, self.name))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Assembly:
-    """Everything that is not suppressed. `occurrences` has the root's absent: its path is ().
-
-    `stiff`: sub-assemblies that are rigid in any case. `standard`: the parts that are standard content.
-    """
+    """Everything in an assembly that is not suppressed."""
 
     root: Record
     occurrences: Mapping[Path, Occurrence] = field(default_factory=dict)
+    """All but the root, whose path is ()."""
     mates: Sequence[Mate] = ()
     relations: Sequence[MateRelation] = ()
     groups: Sequence[MateGroup] = ()
     connectors: Sequence[Connector] = ()
     patterns: Sequence[Pattern] = ()
     stiff: frozenset[Path] = frozenset()
+    """Sub-assemblies that are rigid in any case."""
     body_types: Mapping[tuple[StudioKey, str], str] = field(default_factory=dict)
     standard: frozenset[tuple[StudioKey, str]] = frozenset()
+    """Parts that are standard content."""
     diagnostics: Sequence[Diagnostic] = ()
 
     @property
@@ -144,23 +153,23 @@ class Assembly:
         return [o for path, o in sorted(self.occurrences.items()) if o.is_part]
 
     def world_from(self, entity: Entity) -> Array:
-        """The entity's frame in the root assembly's frame, at the saved pose: (4, 4)."""
+        """Returns the entity's frame in the root assembly's frame, at the saved pose: (4, 4)."""
         return self.world_from_path(entity.path) @ entity.occurrence_from_frame
 
     def world_from_path(self, path: Path) -> Array:
-        """The pose (4, 4) of an occurrence, or of the assembly itself, at the saved pose."""
+        """Returns the pose (4, 4) of an occurrence, or of the assembly itself, at the saved pose."""
         return self.occurrences[path].world_from_occurrence if path else ORIGIN
 
 
 def check_parts(assembly: Assembly, hint: str) -> None:
-    """AssemblyError where there is no part at all."""
+    """Raises AssemblyError where there is no part at all."""
     if not assembly.parts:
         msg = "the assembly has no parts"
         raise AssemblyError(msg, where=assembly.root.get("elementId", ""), hint=hint)
 
 
 def without_empty(occurrences: Mapping[Path, Occurrence]) -> dict[Path, Occurrence]:
-    """Occurrences without the sub-assemblies that have no part: these are treated as suppressed."""
-    parts = [path for path, one in occurrences.items() if one.is_part]
-    used = {path[:depth] for path in parts for depth in range(1, len(path) + 1)}
-    return {path: one for path, one in occurrences.items() if path in used}
+    """Returns the occurrences without the sub-assemblies that have no part, which count as suppressed."""
+    parts = [path for path, occurrence in occurrences.items() if occurrence.is_part]
+    used_paths = {path[:depth] for path in parts for depth in range(1, len(path) + 1)}
+    return {path: occurrence for path, occurrence in occurrences.items() if path in used_paths}

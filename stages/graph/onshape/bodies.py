@@ -1,8 +1,8 @@
-"""Rigid bodies: which parts move as one.
+"""Finds the rigid bodies of an assembly: the parts that move together.
 
-Parts joined by FASTENED mates or mate groups are one body; so are all parts fixed to the world, and
-whatever lies in a rigid sub-assembly. The assembly's origin is a body of its own where something moves
-relative to it and nothing is fixed to it.
+Parts joined by FASTENED mates or mate groups are one body; so are all parts fixed to the world, and all parts
+in a rigid sub-assembly. The assembly's origin is a body of its own where something moves relative to it and
+nothing is fixed to it.
 """
 
 from collections import Counter
@@ -21,22 +21,25 @@ from linkwright.stages.robot.text.plural import count
 WORLD: Path = ()
 """The assembly origin, as a node beside the occurrences."""
 
-SHOWN = 6
-"""So many bodies of a sub-assembly are listed by name."""
+MAX_LISTED = 6
+"""Largest number of bodies of a sub-assembly that are listed by name."""
 
 
 @dataclass(slots=True)
 class Bodies:
-    """`of`: occurrence path → body, of parts, of sub-assemblies whose own frame one body carries, and of
-    the assembly's origin, `()`, if it is one; `members`: body → sorted part paths, none for an origin
-    that no part is fixed to; `world`: the body that is or holds the origin, if any, and which part or
-    mate holds it (`fixed_by`, "" without parts); `moving`: the mates between bodies."""
+    """The rigid bodies of an assembly."""
 
     of: dict[Path, int]
+    """Occurrence path → body, for parts, for sub-assemblies whose frame a body carries, and for the
+    assembly's origin, (), if it is a body."""
     members: list[tuple[Path, ...]]
+    """Body → sorted paths of its parts; empty for an origin that no part is fixed to."""
     world: int | None
+    """The body that is or holds the origin, if any."""
     fixed_by: str
+    """The part or mate that holds the origin; "" if `world` has no parts."""
     moving: list[Mate]
+    """Mates between bodies."""
 
 
 def find_bodies(
@@ -100,6 +103,7 @@ class _Merger:
         self._carry_frames()
 
     def merge(self, pairs: Iterable[tuple[Path, Path]]) -> None:
+        """Makes the two occurrences of each pair one body."""
         for first, second in pairs:
             self.rigid.union(first, second)
         self._carry_frames()
@@ -107,33 +111,33 @@ class _Merger:
     def _carry_frames(self) -> None:
         """Joins each sub-assembly's frame to its parts, once those are one body.
 
-        That may make one body of parts on two frames, so it is repeated until nothing changes.
+        That may join the parts on two frames into one body, so it is repeated until nothing changes.
         """
         waiting = sorted(self.leaves, key=len, reverse=True)
         while waiting:
-            left = []
+            loose_frames = []
             for path in waiting:
                 body = self.rigid[self.leaves[path][0]]
                 if all(self.rigid[leaf] == body for leaf in self.leaves[path]):
                     self.rigid.union(path, body)
                 else:
-                    left.append(path)
-            if len(left) == len(waiting):
+                    loose_frames.append(path)
+            if len(loose_frames) == len(waiting):
                 return
-            waiting = left[::-1]  # so that a chain which this order ran against is done in one go
+            waiting = loose_frames[::-1]  # so that a chain which this order ran against is done in one go
 
     def idles(self, mate: Mate) -> bool:
-        """Whether a mate that could move has both sides in one body."""
+        """Returns whether a mate that could move has both sides in one body."""
         first, second = (self.rigid[entity.path] for entity in mate.entities)
         return mate.ref.type != "FASTENED" and bool(first == second)
 
     def loose(self, path: Path) -> bool:
-        """Whether this is a sub-assembly whose frame none of its parts carries."""
+        """Returns whether this is a sub-assembly whose frame none of its parts carries."""
         body = self.rigid[path]
         return path in self.leaves and all(self.rigid[leaf] != body for leaf in self.leaves[path])
 
     def bodies(self) -> Bodies:
-        """The bodies as they are now, in the order of their parts; the origin without parts first."""
+        """Returns the bodies as they are now, in the order of their parts; the origin without parts first."""
         groups: dict[Path, list[Path]] = {}
         for part in self.assembly.parts:
             groups.setdefault(self.rigid[part.path], []).append(part.path)
@@ -142,18 +146,18 @@ class _Merger:
         members = sorted((tuple(sorted(paths)), root) for root, paths in groups.items())
         numbers = {root: number for number, (_, root) in enumerate(members)}
         nodes = (WORLD, *self.assembly.occurrences)
-        of = {path: numbers[self.rigid[path]] for path in nodes if self.rigid[path] in numbers}
+        body_of = {path: numbers[self.rigid[path]] for path in nodes if self.rigid[path] in numbers}
         moving = [
             mate
             for mate in self.assembly.mates
             if not self.idles(mate)
             and mate.ref.type != "FASTENED"
-            and all(entity.path in of for entity in mate.entities)  # else it is reported as a problem
+            and all(entity.path in body_of for entity in mate.entities)  # else it is reported as a problem
         ]
-        world = of.get(WORLD)
+        world = body_of.get(WORLD)
         parts = [paths for paths, _ in members]
         reason = min(self.reasons, default="") if world is not None and parts[world] else ""
-        return Bodies(of, parts, world, reason, moving)
+        return Bodies(body_of, parts, world, reason, moving)
 
     def _moves_against_origin(self) -> bool:
         origin = self.rigid[WORLD]
@@ -176,9 +180,9 @@ def _report_uncarried(merger: _Merger, log: Diagnostics) -> None:
     for path, why in sorted(frames.items()):
         occurrence = assembly.occurrences[path]
         if occurrence.fixed:
-            what, hint = f"the sub-assembly is fixed, but its {why}", "fix its base part instead"
+            text, hint = f"the sub-assembly is fixed, but its {why}", "fix its base part instead"
             log.report(
-                "E-FIXED-SUBASSEMBLY", what, occurrence.title, f"{hint}, {_way_out(occurrence.names[-1])}"
+                "E-FIXED-SUBASSEMBLY", text, occurrence.title, f"{hint}, {_remedy(occurrence.names[-1])}"
             )
     holders = [(mate.title, [entity.path for entity in mate.entities]) for mate in assembly.mates]
     holders += [(group.title, list(group.members)) for group in assembly.groups]
@@ -189,33 +193,33 @@ def _report_uncarried(merger: _Merger, log: Diagnostics) -> None:
         for path in paths:
             if path in frames:
                 occurrence = assembly.occurrences[path]
-                what = f"this holds the sub-assembly {occurrence.title} as a whole, but its {frames[path]}"
-                hint = f"mate to a part inside it, {_way_out(occurrence.names[-1])}"
-                log.report("E-MATE-SUBASSEMBLY", what, title, hint)
+                text = f"this holds the sub-assembly {occurrence.title} as a whole, but its {frames[path]}"
+                hint = f"mate to a part inside it, {_remedy(occurrence.names[-1])}"
+                log.report("E-MATE-SUBASSEMBLY", text, title, hint)
 
 
-def _way_out(name: str) -> str:
+def _remedy(name: str) -> str:
     return f'fasten its base part to its own origin, or make it rigid (depth.rigid: ["{name}"])'
 
 
 def _first_parts(merger: _Merger, path: Path) -> str:
-    """The titles of the first part of each body in a sub-assembly."""
+    """Returns the titles of the first part of each body in a sub-assembly."""
     first: dict[Path, str] = {}
     for leaf in merger.leaves[path]:
         first.setdefault(merger.rigid[leaf], "/".join(merger.assembly.occurrences[leaf].names[len(path) :]))
     names = sorted(first.values())
-    return "; ".join(names[:SHOWN] + ["..."] * (len(names) > SHOWN))
+    return "; ".join(names[:MAX_LISTED] + ["..."] * (len(names) > MAX_LISTED))
 
 
 def _report_idle(merger: _Merger, mates: Sequence[Mate], log: Diagnostics) -> None:
-    """Mates that move nothing: those of rigid sub-assemblies are counted for the outermost."""
+    """Reports mates that move nothing; those of rigid sub-assemblies are counted for the outermost."""
     frozen: Counter[Path] = Counter()
     for mate in mates:
         path = mate.ref.owner
         if path not in merger.stiff:
-            what = "both sides of this mate are in one link (fastened, fixed or rigid), so it moves nothing"
+            text = "both sides of this mate are in one link (fastened, fixed or rigid), so it moves nothing"
             log.report(
-                "W-MATE-RIGID", what, mate.title, "suppress this mate, or the one that makes them one link"
+                "W-MATE-RIGID", text, mate.title, "suppress this mate, or the one that makes them one link"
             )
             continue
         while path[:-1] in merger.stiff:
@@ -223,15 +227,15 @@ def _report_idle(merger: _Merger, mates: Sequence[Mate], log: Diagnostics) -> No
         frozen[path] += 1
     for path, number in sorted(frozen.items()):
         welded = path in merger.assembly.stiff
-        what = f"the sub-assembly is rigid: {count(number, 'joint')} inside it cannot move"
+        text = f"the sub-assembly is rigid: {count(number, 'joint')} inside it cannot move"
         hint = "mirror: joints lets it move" if welded else "depth.flexible makes it flexible"
-        log.report("I-RIGID", what, merger.assembly.occurrences[path].title, hint)
+        log.report("I-RIGID", text, merger.assembly.occurrences[path].title, hint)
 
 
 def _report_mirrored(assembly: Assembly, moving: Sequence[Mate], log: Diagnostics) -> None:
-    """Mates between a mirrored and another instance: y of the mirrored frame is turned round."""
+    """Reports mates between a mirrored and another instance: y of the mirrored frame is turned round."""
     for mate in moving:
         hands = {np.linalg.det(assembly.world_from(entity)[:3, :3]) > 0 for entity in mate.entities}
         if len(hands) == 2:
-            what = "only one side of this mate is mirrored, so its zero was chosen by Linkwright"
-            log.report("W-MIRROR", what, mate.title, "check its zero and its limits")
+            text = "only one side of this mate is mirrored, so its zero was chosen by Linkwright"
+            log.report("W-MIRROR", text, mate.title, "check its zero and its limits")

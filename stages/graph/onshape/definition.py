@@ -22,7 +22,14 @@ from linkwright.stages.graph.onshape.assembly import (
     without_empty,
 )
 from linkwright.stages.graph.onshape.mates.joints import JOINT_TYPES
-from linkwright.stages.graph.onshape.reply_fields import check_rigid, number, numbers, path_of, shape_of, text
+from linkwright.stages.graph.onshape.reply_fields import (
+    check_rigid,
+    id_path,
+    number,
+    numbers,
+    protocol_errors,
+    text,
+)
 from linkwright.stages.robot.bundle import StudioKey
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import ProtocolError
@@ -30,8 +37,8 @@ from linkwright.stages.robot.model.robot import Array, MateRef, frozen
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Drawn:
-    """The parts of the assembly read so far."""
+class _AssemblyContent:
+    """The parts of an assembly that are read so far."""
 
     occurrences: dict[Path, Occurrence] = field(default_factory=dict)
     mates: list[Mate] = field(default_factory=list)
@@ -43,8 +50,8 @@ class _Drawn:
 
 
 def read_assembly(body: bytes) -> Assembly:
-    """The assembly in an assembly-definition reply; ProtocolError where it is not one."""
-    with shape_of("assembly definition", ""):
+    """Returns the assembly in an assembly-definition reply; raises ProtocolError for a malformed reply."""
+    with protocol_errors("assembly definition", ""):
         definition = orjson.loads(body)
         root = definition["rootAssembly"]
         subs = {StudioKey.of(sub): sub for sub in definition.get("subAssemblies") or ()}
@@ -57,47 +64,47 @@ def read_assembly(body: bytes) -> Assembly:
             for part in definition.get("parts") or ()
             if part.get("isStandardContent") is True
         }
-        placed = {path_of(o["path"]): o for o in root.get("occurrences") or ()}
-        drawn = _Drawn()
+        occurrences = {id_path(o["path"]): o for o in root.get("occurrences") or ()}
+        content = _AssemblyContent()
         owners: list[tuple[Path, tuple[str, ...], Record]] = [((), (), root)]
         for path, names, record in owners:
-            owners.extend(_expand(drawn, path, names, record, placed, subs))
-    found = replace(drawn, occurrences=without_empty(drawn.occurrences))
+            owners.extend(_expand(content, path, names, record, occurrences, subs))
+    complete = replace(content, occurrences=without_empty(content.occurrences))
     # Features need every occurrence to be known: a mate of one assembly may reach into another.
     for path, names, record in owners:
-        with shape_of("list of features", "/".join(names)):
-            features = [one for one in record.get("features") or () if not one.get("suppressed")]
+        with protocol_errors("list of features", "/".join(names)):
+            features = [feature for feature in record.get("features") or () if not feature.get("suppressed")]
             _check_ids(features)
         for feature in features:
-            with shape_of("feature", "/".join((*names, feature["id"]))):
-                _read_feature(found, path, names, feature)
-        with shape_of("pattern", "/".join(names)):
-            found.patterns.extend(_read_patterns(path, names, record))
+            with protocol_errors("feature", "/".join((*names, feature["id"]))):
+                _read_feature(complete, path, names, feature)
+        with protocol_errors("pattern", "/".join(names)):
+            complete.patterns.extend(_read_patterns(path, names, record))
     assembly = Assembly(
         root=root,
-        occurrences=found.occurrences,
-        mates=found.mates,
-        relations=found.relations,
-        groups=found.groups,
-        connectors=found.connectors,
-        patterns=found.patterns,
+        occurrences=complete.occurrences,
+        mates=complete.mates,
+        relations=complete.relations,
+        groups=complete.groups,
+        connectors=complete.connectors,
+        patterns=complete.patterns,
         body_types=body_types,
         standard=frozenset(standard),
-        diagnostics=(*found.log.problems, *found.log.found),
+        diagnostics=(*complete.log.problems, *complete.log.found),
     )
     check_parts(assembly, "insert at least one part, or unsuppress an existing one")
     return assembly
 
 
 def _expand(
-    found: _Drawn,
+    content: _AssemblyContent,
     path: Path,
     names: tuple[str, ...],
     record: Record,
-    placed: Mapping[Path, Record],
+    occurrences: Mapping[Path, Record],
     subs: Mapping[StudioKey, Record],
 ) -> Iterator[tuple[Path, tuple[str, ...], Record]]:
-    """Reads the instances of one assembly; yields the sub-assemblies among them."""
+    """Reads the instances of an assembly; yields the sub-assemblies among them."""
     for instance in record.get("instances") or ():
         if instance.get("suppressed"):
             continue
@@ -105,16 +112,16 @@ def _expand(
         title = "/".join(child_names)
         if instance.get("type") not in ("Part", "Assembly"):
             kind = instance.get("type") or "without a type"
-            what = f"the instance is {kind}, neither a part nor an assembly: left out"
+            message = f"the instance is {kind}, neither a part nor an assembly: left out"
             hint = "suppress it, or put a part or an assembly in its place"
-            found.log.report("W-INSTANCE", what, title, hint)
+            content.log.report("W-INSTANCE", message, title, hint)
             continue
-        with shape_of("instance", title):
-            occurrence = _occurrence(child, child_names, instance, placed)
-            if child in found.occurrences:
+        with protocol_errors("instance", title):
+            occurrence = _occurrence(child, child_names, instance, occurrences)
+            if child in content.occurrences:
                 msg = f"another instance has the same id, {child[-1]!r}, too"
                 raise ValueError(msg)
-            found.occurrences[child] = occurrence
+            content.occurrences[child] = occurrence
         if instance["type"] == "Assembly":
             sub = subs.get(StudioKey.of(instance))
             if sub is None:
@@ -124,16 +131,16 @@ def _expand(
 
 
 def _occurrence(
-    path: Path, names: tuple[str, ...], instance: Record, placed: Mapping[Path, Record]
+    path: Path, names: tuple[str, ...], instance: Record, occurrences: Mapping[Path, Record]
 ) -> Occurrence:
-    for ident in astuple(StudioKey.of(instance)):
-        text(ident)
+    for key_part in astuple(StudioKey.of(instance)):
+        text(key_part)
     if instance["type"] == "Part":
         text(instance["partId"])
-    if path not in placed:
+    if path not in occurrences:
         msg = "the definition gives no transform for this instance"
         raise ProtocolError(msg, where="/".join(names))
-    place = placed[path]
+    place = occurrences[path]
     transform = numbers(place["transform"], 16).reshape(4, 4)
     check_rigid(transform)
     return Occurrence(
@@ -142,30 +149,30 @@ def _occurrence(
 
 
 def _check_ids(features: Sequence[Record]) -> None:
-    """ValueError or TypeError unless the ids of the features are unique."""
-    seen: set[str] = set()
-    for ident in (text(feature["id"]) for feature in features):
-        if ident in seen:
-            msg = f"two features have the id {ident!r}"
+    """Raises ValueError or TypeError unless the ids of the features are unique."""
+    known_ids: set[str] = set()
+    for feature_id in (text(feature["id"]) for feature in features):
+        if feature_id in known_ids:
+            msg = f"two features have the id {feature_id!r}"
             raise ValueError(msg)
-        seen.add(ident)
+        known_ids.add(feature_id)
 
 
-def _read_feature(found: _Drawn, owner: Path, names: tuple[str, ...], feature: Record) -> None:
+def _read_feature(content: _AssemblyContent, owner: Path, names: tuple[str, ...], feature: Record) -> None:
     data, kind = feature.get("featureData") or {}, feature.get("featureType")
     name = text(data.get("name") or feature["id"])
     title = "/".join((*names, name))
     if kind == "mate":
-        _read_mate(found, owner, title, name, feature, data)
+        _read_mate(content, owner, title, name, feature, data)
     elif kind == "mateRelation":
-        found.relations.append(
+        content.relations.append(
             MateRelation(
                 owner,
                 feature["id"],
                 title,
                 text(data.get("relationType", "UNKNOWN")),
                 tuple(
-                    (owner + path_of(m.get("occurrence")), text(m["featureId"]))
+                    (owner + id_path(m.get("occurrence")), text(m["featureId"]))
                     for m in data.get("mates") or ()
                 ),
                 number(data.get("relationRatio") or 0.0),
@@ -174,16 +181,16 @@ def _read_feature(found: _Drawn, owner: Path, names: tuple[str, ...], feature: R
             )
         )
     elif kind == "mateGroup":
-        members = tuple(owner + path_of(o.get("occurrence")) for o in data.get("occurrences") or ())
-        found.groups.append(MateGroup(owner, title, tuple(m for m in members if m in found.occurrences)))
+        members = tuple(owner + id_path(o.get("occurrence")) for o in data.get("occurrences") or ())
+        content.groups.append(MateGroup(owner, title, tuple(m for m in members if m in content.occurrences)))
     elif kind == "mateConnector":
-        path = owner + path_of(data.get("occurrence"))
-        if path and path not in found.occurrences:
+        path = owner + id_path(data.get("occurrence"))
+        if path and path not in content.occurrences:
             return  # on a suppressed instance: as absent as the instance itself
         frame = _frame(data["mateConnectorCS"])
-        found.connectors.append(Connector(owner, feature["id"], name, names, Entity(path, frame)))
+        content.connectors.append(Connector(owner, feature["id"], name, names, Entity(path, frame)))
     else:
-        found.log.report(
+        content.log.report(
             "W-FEATURE",
             f"a feature of type {kind} is not supported: the robot moves as if it were not there",
             title,
@@ -191,14 +198,16 @@ def _read_feature(found: _Drawn, owner: Path, names: tuple[str, ...], feature: R
         )
 
 
-def _read_mate(found: _Drawn, owner: Path, title: str, name: str, feature: Record, data: Record) -> None:
+def _read_mate(
+    content: _AssemblyContent, owner: Path, title: str, name: str, feature: Record, data: Record
+) -> None:
     entities = tuple(
-        Entity(owner + path_of(e.get("matedOccurrence")), _frame(e["matedCS"]))
+        Entity(owner + id_path(e.get("matedOccurrence")), _frame(e["matedCS"]))
         for e in data["matedEntities"] or ()
     )
-    alive = len(entities) == 2 and all(not e.path or e.path in found.occurrences for e in entities)
+    alive = len(entities) == 2 and all(not e.path or e.path in content.occurrences for e in entities)
     if not alive:
-        found.log.report(
+        content.log.report(
             "W-MATE-BROKEN",
             "the mate lacks one of its two sides (deleted or suppressed): left out",
             title,
@@ -207,7 +216,7 @@ def _read_mate(found: _Drawn, owner: Path, title: str, name: str, feature: Recor
         return
     ref = MateRef(owner, feature["id"], name, text(data.get("mateType", "UNKNOWN")))
     if ref.type not in JOINT_TYPES:
-        found.log.report(
+        content.log.report(
             "E-MATE-TYPE",
             f"unknown mate type {ref.type}: its degrees of freedom are unknown",
             title,
@@ -217,15 +226,15 @@ def _read_mate(found: _Drawn, owner: Path, title: str, name: str, feature: Recor
     limits = data.get("mateLimits")
     if limits is not None:
         limits = {key: number(value) for key, value in limits.items() if value is not None}
-    found.mates.append(Mate(ref, title, entities, limits))
+    content.mates.append(Mate(ref, title, entities, limits))
 
 
 def _read_patterns(owner: Path, names: tuple[str, ...], record: Record) -> Iterator[Pattern]:
-    """The patterns and mirrors of one assembly, by id: the copies of each seed.
+    """Yields the patterns and mirrors of an assembly, by id: the copies of each seed.
 
     Parametric instances are mirrors, unless their type, a text without a documented list, says otherwise.
     """
-    drawn = [
+    instances = [
         (pattern, False, list((pattern.get("seedToPatternInstances") or {}).items()))
         for pattern in record.get("patterns") or ()
     ] + [
@@ -240,19 +249,19 @@ def _read_patterns(owner: Path, names: tuple[str, ...], record: Record) -> Itera
         )
         for mirror in record.get("parametricInstances") or ()
     ]
-    for pattern, mirrors, pairs in sorted(drawn, key=lambda one: str(one[0].get("id"))):
+    for pattern, mirrors, pairs in sorted(instances, key=lambda triple: str(triple[0].get("id"))):
         if pattern.get("suppressed"):
             continue
         copies: dict[Path, tuple[Path, ...]] = {}
         for seed, ids in pairs:
-            path = owner + path_of([seed] if isinstance(seed, str) else seed)
-            copies[path] = copies.get(path, ()) + tuple((*owner, ident) for ident in path_of(ids))
+            path = owner + id_path([seed] if isinstance(seed, str) else seed)
+            copies[path] = copies.get(path, ()) + tuple((*owner, instance_id) for instance_id in id_path(ids))
         name = pattern.get("name") or pattern.get("type") or "pattern"
         yield Pattern(owner, "/".join((*names, name)), copies, mirrors)
 
 
 def _frame(cs: Record) -> Array:
-    """A mate coordinate system {origin, xAxis, yAxis, zAxis} as occurrence_from_frame (4, 4)."""
+    """Returns a mate coordinate system {origin, xAxis, yAxis, zAxis} as occurrence_from_frame (4, 4)."""
     frame = np.eye(4)
     for column, key in enumerate(("xAxis", "yAxis", "zAxis", "origin")):
         frame[:3, column] = numbers(cs[key], 3)

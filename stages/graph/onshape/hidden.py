@@ -1,4 +1,4 @@
-"""The key `hidden`: instances that are hidden in CAD are left out as if they were suppressed."""
+"""Leaves out instances that are hidden in CAD, as if they were suppressed (key `hidden`)."""
 
 from dataclasses import replace
 
@@ -6,14 +6,15 @@ from linkwright.stages.graph.onshape.assembly import Assembly, Path, check_parts
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.text.plural import count
 
-SHOWN = 10
-"""So many hidden instances are listed by name."""
+MAX_LISTED = 10
+"""Largest number of hidden instances that are listed by name."""
 
 
 def without_hidden(assembly: Assembly, log: Diagnostics) -> Assembly:
-    """The assembly without its hidden instances, all below them, and the features that name one.
+    """Returns the assembly without its hidden instances, all below them, and the features that name any of
+    them.
 
-    AssemblyError where no part is left.
+    Raises AssemblyError where no part is left.
     """
     hidden = sorted((o for o in assembly.occurrences.values() if o.hidden), key=lambda o: o.path)
     gone = {occurrence.path for occurrence in hidden}
@@ -25,7 +26,7 @@ def without_hidden(assembly: Assembly, log: Diagnostics) -> Assembly:
 
     occurrences = without_empty({p: o for p, o in assembly.occurrences.items() if stays(p)})
     present = {(), *occurrences}
-    left = replace(
+    visible = replace(
         assembly,
         occurrences=occurrences,
         mates=[mate for mate in assembly.mates if all(side.path in present for side in mate.entities)],
@@ -34,16 +35,16 @@ def without_hidden(assembly: Assembly, log: Diagnostics) -> Assembly:
             replace(group, members=tuple(member for member in group.members if member in present))
             for group in assembly.groups
         ],
-        connectors=[one for one in assembly.connectors if one.entity.path in present],
+        connectors=[connector for connector in assembly.connectors if connector.entity.path in present],
         patterns=[pattern for pattern in assembly.patterns if pattern.owner in present],
     )
-    check_parts(left, "show a part of it, or set hidden: keep")
+    check_parts(visible, "show a part of it, or set hidden: keep")
     titles = [o.title for o in hidden if stays(o.path[:-1])]
-    more = [f"{len(titles) - SHOWN} more"] if len(titles) > SHOWN else []
-    mates = len(assembly.mates) - len(left.mates)
+    remainder = [f"{len(titles) - MAX_LISTED} more"] if len(titles) > MAX_LISTED else []
+    mates = len(assembly.mates) - len(visible.mates)
     log.report(
         "I-HIDDEN",
         f"{count(len(titles), 'hidden instance')} left out, and {count(mates, 'mate')} on them "
-        "(hidden: drop): " + ", ".join(titles[:SHOWN] + more),
+        "(hidden: drop): " + ", ".join(titles[:MAX_LISTED] + remainder),
     )
-    return left
+    return visible

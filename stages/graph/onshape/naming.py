@@ -1,4 +1,4 @@
-"""Names of links, joints and frames, from what the designer typed.
+"""Names links, joints and frames after what the designer typed.
 
 A link is named by its `link_` connector, else by the sub-assembly that it is, else by its part
 with the most mates to other links (ties: by volume, then by name). Names do not depend on the
@@ -21,7 +21,7 @@ Key = TypeVar("Key")
 
 LINK_PREFIX = "link_"
 MAIN_SHARE = 0.9
-"""A sub-assembly names a link when it holds at least this share of the link's volume."""
+"""Smallest share of a link's volume that a sub-assembly holds if the link is named after it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,38 +35,41 @@ class AssemblyNames:
 
 
 def name_everything(assembly: Assembly, bodies: Bodies, volume: Mapping[Path, float]) -> AssemblyNames:
-    """Unique names over links, joints, their dofs and frames; links choose first, frames last.
+    """Returns unique names over links, joints, their dofs and frames; links choose first, frames last.
 
     `volume` [m³] of each part. A body without parts is the assembly's origin.
     """
     paths = tuple(_naming_paths(assembly, bodies, volume))
-    given = {
+    connector_words = {
         bodies.of[c.entity.path]: (*c.names, c.name[len(LINK_PREFIX) :])
         for c in sorted(assembly.connectors, key=lambda c: (c.names, c.name, c.feature), reverse=True)
         if is_link_name(c) and c.entity.path in bodies.of
     }
     words = {
-        _key(path): given.get(body) or assembly.occurrences[path].names
+        _key(path): connector_words.get(body) or assembly.occurrences[path].names
         for body, path in enumerate(paths)
         if path
     }
     by_path = shortest_unique(words)
     links = tuple(by_path[_key(path)] if path else WORLD_LINK for path in paths)
-    taken = set(links)
+    taken_names = set(links)
     mates = {mate.ref.key: (*_names(assembly, mate.ref.owner), mate.ref.name) for mate in bodies.moving}
     types = {mate.ref.key: mate.ref.type for mate in bodies.moving}
-    joints = _feature_names(mates, taken, "_joint", lambda key, name: dof_names(name, types[key]))
-    taken.update(joints.values())
-    taken.update(name for key, joint in joints.items() for name in dof_names(joint, types[key]))
+    joints = _feature_names(mates, taken_names, "_joint", lambda key, name: dof_names(name, types[key]))
+    taken_names.update(joints.values())
+    taken_names.update(name for key, joint in joints.items() for name in dof_names(joint, types[key]))
     markers = {
         (c.owner, c.feature): (*_names(assembly, c.owner), c.name)
         for c in assembly.connectors
         if not is_link_name(c)
     }
-    return AssemblyNames(links, paths, joints, _feature_names(markers, taken, "_frame", lambda _, name: ()))
+    return AssemblyNames(
+        links, paths, joints, _feature_names(markers, taken_names, "_frame", lambda _, name: ())
+    )
 
 
 def is_link_name(connector: Connector) -> bool:
+    """Returns whether a mate connector names a link: by `link_` and a usable name."""
     return connector.name.lower().startswith(LINK_PREFIX) and bool(legal(connector.name[len(LINK_PREFIX) :]))
 
 
@@ -81,28 +84,31 @@ def _names(assembly: Assembly, owner: Path) -> tuple[str, ...]:
 
 def _feature_names(
     features: Mapping[Key, Sequence[str]],
-    taken: set[str],
+    taken_names: set[str],
     suffix: str,
     parts: Callable[[Key, str], Sequence[str]],
 ) -> dict[Key, str]:
-    """A name for each feature from its words; neither it nor what `parts` makes of it is taken."""
+    """Returns a name for each feature from its words; neither the name nor what `parts` makes of it is in
+    `taken_names`."""
     texts = {repr(key): key for key in features}
     unique = shortest_unique({text: features[key] for text, key in texts.items()})
-    # A joint called like a link says what it is rather than counting ("elbow" → "elbow_joint").
-    taken = set(taken)
+    # A joint called like a link gets a word rather than a number ("elbow" → "elbow_joint").
+    taken_names = set(taken_names)
     names = {}
     for text in sorted(unique, key=lambda text: (unique[text], text)):
         key, name = texts[text], unique[text]
-        if name in taken:
+        if name in taken_names:
             name += suffix
         tried = (name if number == 1 else f"{name}_{number}" for number in count(1))
-        names[key] = next(one for one in tried if taken.isdisjoint((one, *parts(key, one))))
-        taken.update((names[key], *parts(key, names[key])))
+        names[key] = next(
+            candidate for candidate in tried if taken_names.isdisjoint((candidate, *parts(key, candidate)))
+        )
+        taken_names.update((names[key], *parts(key, names[key])))
     return names
 
 
 def _naming_paths(assembly: Assembly, bodies: Bodies, volume: Mapping[Path, float]) -> list[Path]:
-    """The occurrence that names each body; the empty path where it has no parts."""
+    """Returns the occurrence that names each body; the empty path where it has no parts."""
     mates = Counter(entity.path for mate in bodies.moving for entity in mate.entities)
     inside: dict[Path, set[int]] = {}
     filled: dict[Path, float] = {}
@@ -110,21 +116,23 @@ def _naming_paths(assembly: Assembly, bodies: Bodies, volume: Mapping[Path, floa
         for depth in range(1, len(part.path)):
             inside.setdefault(part.path[:depth], set()).add(bodies.of[part.path])
             filled[part.path[:depth]] = filled.get(part.path[:depth], 0.0) + volume[part.path]
-    within: dict[int, list[Path]] = {}
-    for path, found in inside.items():
-        if len(found) == 1:
-            within.setdefault(next(iter(found)), []).append(path)
-    named: list[Path] = []
+    paths_by_body: dict[int, list[Path]] = {}
+    for path, bodies_inside in inside.items():
+        if len(bodies_inside) == 1:
+            paths_by_body.setdefault(next(iter(bodies_inside)), []).append(path)
+    naming_paths: list[Path] = []
     for body, members in enumerate(bodies.members):
         if not members:
-            named.append(())
+            naming_paths.append(())
             continue
         total = sum(volume[path] for path in members)
-        candidates = [path for path in within.get(body, ()) if filled[path] >= MAIN_SHARE * total]
+        candidates = [path for path in paths_by_body.get(body, ()) if filled[path] >= MAIN_SHARE * total]
         if candidates and len(members) > 1:
-            named.append(min(candidates, key=lambda path: (len(path), assembly.occurrences[path].names)))
+            naming_paths.append(
+                min(candidates, key=lambda path: (len(path), assembly.occurrences[path].names))
+            )
         else:
-            named.append(
+            naming_paths.append(
                 min(members, key=lambda p: (-mates[p], -volume[p], assembly.occurrences[p].names, p))
             )
-    return named
+    return naming_paths

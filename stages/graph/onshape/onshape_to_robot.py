@@ -1,10 +1,10 @@
-"""Documents made for onshape-to-robot: translates the conventions of its names into our own terms.
+"""Translates the names of documents made for onshape-to-robot to features and keys of our own.
 
-There a mate is a joint because of its name: `dof_NAME`, with `_inv` for the opposite direction and
-`wheel` or `continuous` for no limits; `closing_NAME` closes a loop, `frame_NAME` marks a frame, `fix_`
-and what is FASTENED without a prefix welds, and any other mate is passed over. Only the root assembly's
-features count, and each of its instances is rigid. After the code of its release 1.8.3; what that does
-by accident (undeclared loops, relations of inverted mates) is not reproduced.
+There a mate is a joint because of its name: `dof_NAME`, with `_inv` for the opposite direction and `wheel` or
+`continuous` for no limits; `closing_NAME` closes a loop, `frame_NAME` marks a frame, `fix_NAME` and FASTENED
+mates without a prefix weld, and any other mate is ignored. Only the root assembly's features count, and each
+of its instances is rigid. After the code of its release 1.8.3; what that does by accident (undeclared loops,
+relations of inverted mates) is not reproduced.
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -21,10 +21,10 @@ from linkwright.stages.graph.onshape.onshape_to_robot_names import (
     DOF,
     FIX,
     FRAME,
-    apart,
-    joint,
-    rest,
+    dof_mate,
     turned_round,
+    type_between_links,
+    unprefixed_name,
     words,
 )
 from linkwright.stages.graph.section import GraphSections
@@ -39,34 +39,34 @@ AnySection = TypeVar("AnySection", bound=Section)
 
 
 def translated(assembly: Assembly, keys: GraphSections, log: Diagnostics) -> tuple[Assembly, GraphSections]:
-    """The assembly with plain names, and the keys that replace the conventions.
+    """Returns the assembly with plain names, and the keys that replace the conventions.
 
-    To be called once limits are known, before anything is copied or merged. The root is the first
-    instance, unless `root` chooses another, and is fixed where one of its occurrences is; links are
-    called after their first instance; q counts from the saved pose.
+    It is called once limits are known, before anything is copied or merged. The root is the first instance,
+    unless `root` chooses another, and is fixed where one of its occurrences is; links are called after their
+    first instance; q counts from the saved pose.
     """
     meant = _by_meaning(assembly, log)
     links = _links(assembly, meant)
     markers = _markers(assembly, meant, log)
-    assembly = _without(assembly, {marker.instance for marker in markers})
+    assembly = _without_instances(assembly, {marker.instance for marker in markers})
     names = _link_names(assembly, links, meant[DOF])
     first = links[_instances(assembly)[0]]
     if keys.root.select == "auto" and keys.root.frame is None:
-        keys = _with(keys, root=_with(keys.root, select=escaped(names[first])))
-        assembly = _held_at_the_root(assembly, links, first, log)
+        keys = _with_values(keys, root=_with_values(keys.root, select=escaped(names[first])))
+        assembly = _with_fixed_root(assembly, links, first, log)
     if keys.depth.max is None:
-        keys = _with(keys, depth=_with(keys.depth, max=0))
+        keys = _with_values(keys, depth=_with_values(keys.depth, max=0))
     closings = [escaped(mate.title) for mate in meant[CLOSING]]
-    keys = _with(keys, zero="saved", loops=_with(keys.loops, cut=(*keys.loops.cut, *closings)))
+    keys = _with_values(keys, zero="saved", loops=_with_values(keys.loops, cut=(*keys.loops.cut, *closings)))
     log.report(
         "I-PEER",
-        f"names mean what they do in onshape-to-robot: the root is {keys.root.select}, q = 0 is the saved "
+        f"names mean what they mean in onshape-to-robot: the root is {keys.root.select}, q = 0 is the saved "
         f"pose (zero: saved), sub-assemblies are rigid (depth.max: {keys.depth.max})",
         "conventions",
     )
-    joints = [one for mate in meant[DOF] for one in joint(mate, assembly, log)]
+    joints = [named_mate for mate in meant[DOF] for named_mate in dof_mate(mate, assembly, log)]
     closed = [
-        replace(mate, ref=replace(mate.ref, type=apart(mate)))
+        replace(mate, ref=replace(mate.ref, type=type_between_links(mate)))
         for mate in meant[CLOSING]
         if _present(mate, assembly)
     ]
@@ -79,12 +79,12 @@ def translated(assembly: Assembly, keys: GraphSections, log: Diagnostics) -> tup
         connectors=[
             *(marker.connector for marker in markers),
             *_connectors(assembly),
-            *_named(assembly, links, names),
+            *_naming_connectors(assembly, links, names),
         ],
     ), keys
 
 
-def _with(keys: AnySection, **values: object) -> AnySection:
+def _with_values(keys: AnySection, **values: object) -> AnySection:
     return keys.model_copy(update=values)
 
 
@@ -97,11 +97,12 @@ class _Marker:
 
 
 def _by_meaning(assembly: Assembly, log: Diagnostics) -> dict[str, list[Mate]]:
-    """The root assembly's mates by the meaning of their names. W-PEER-MATE for ignored mates."""
+    """Returns the root assembly's mates by the meaning of their names. Reports W-PEER-MATE for ignored
+    mates."""
     meant: dict[str, list[Mate]] = {DOF: [], CLOSING: [], FRAME: [], FIX: []}
     origin, idle, inside = [], [], []
     for mate in assembly.mates:
-        prefix = next((one for one in meant if mate.ref.name.startswith(one)), "")
+        prefix = next((known_prefix for known_prefix in meant if mate.ref.name.startswith(known_prefix)), "")
         if mate.ref.owner:
             inside += [mate.title] if prefix in (DOF, CLOSING) else []
         elif not all(entity.path for entity in mate.entities):
@@ -110,7 +111,7 @@ def _by_meaning(assembly: Assembly, log: Diagnostics) -> dict[str, list[Mate]]:
             meant[prefix or FIX].append(mate)
         else:
             idle.append(mate.title)
-    for titles, what, hint in (
+    for titles, message, hint in (
         (
             origin,
             "mates to the assembly's origin are ignored, as by onshape-to-robot",
@@ -128,17 +129,17 @@ def _by_meaning(assembly: Assembly, log: Diagnostics) -> dict[str, list[Mate]]:
         ),
     ):
         if titles:
-            log.report("W-PEER-MATE", f"{what}: {listed(titles)}", titles[0], hint)
+            log.report("W-PEER-MATE", f"{message}: {listed(titles)}", titles[0], hint)
     return meant
 
 
 def _instances(assembly: Assembly) -> list[Path]:
-    """The root assembly's own instances, in its order: the first is the root."""
+    """Returns the root assembly's own instances, in its order: the first is the root."""
     return [path for path in assembly.occurrences if len(path) == 1]
 
 
 def _links(assembly: Assembly, meant: Mapping[str, Sequence[Mate]]) -> dict[Path, Path]:
-    """Each instance's link: the first, in the root assembly's order, of those welded with it."""
+    """Returns each instance's link: the first, in the root assembly's order, of those welded with it."""
     welded = nx.Graph()
     instances = _instances(assembly)
     welded.add_nodes_from(instances)
@@ -159,48 +160,55 @@ def _present(mate: Mate, assembly: Assembly) -> bool:
 
 
 def _sides(mate: Mate) -> tuple[Path, Path]:
-    """The instances of the root assembly that a mate joins."""
+    """Returns the instances of the root assembly that a mate joins."""
     first, second = (entity.path[:1] for entity in mate.entities)
     return first, second
 
 
 def _markers(assembly: Assembly, meant: Mapping[str, Sequence[Mate]], log: Diagnostics) -> list[_Marker]:
-    """What `frame_` mates mark: the frame of an instance that nothing else holds, on the one it is on."""
-    held = {_instances(assembly)[0]}
-    held.update(side for kind in (DOF, FIX) for mate in meant[kind] for side in _sides(mate))
-    held.update(path[:1] for group in assembly.groups for path in group.members if len(group.members) > 1)
-    made = []
+    """Returns the frames that `frame_` mates mark: each that of an instance that nothing else holds, on its
+    carrier."""
+    held_instances = {_instances(assembly)[0]}
+    held_instances.update(side for kind in (DOF, FIX) for mate in meant[kind] for side in _sides(mate))
+    held_instances.update(
+        path[:1] for group in assembly.groups for path in group.members if len(group.members) > 1
+    )
+    markers = []
     for mate in meant[FRAME]:
-        loose = [entity for entity in mate.entities if entity.path[:1] not in held]
+        loose = [entity for entity in mate.entities if entity.path[:1] not in held_instances]
         if len(loose) != 1:
-            what = "a frame_ mate joins a link and a part that only marks the frame: "
-            what += "both sides are parts of links" if not loose else "nothing else holds either side"
-            log.report("E-PEER-FRAME", what, mate.title, "free the marker of other mates, or rename this one")
+            message = "a frame_ mate joins a link and a part that only marks the frame: "
+            message += "both sides are parts of links" if not loose else "nothing else holds either side"
+            log.report(
+                "E-PEER-FRAME", message, mate.title, "free the marker of other mates, or rename this one"
+            )
             continue
         marker = loose[0]
         (carrier,) = (entity for entity in mate.entities if entity is not marker)
-        held.add(marker.path[:1])
+        held_instances.add(marker.path[:1])
         carrier_from_marker = inverse(assembly.world_from_path(carrier.path)) @ assembly.world_from_path(
             marker.path
         )
         entity = Entity(carrier.path, frozen(carrier_from_marker))
-        made.append(_Marker(Connector((), mate.ref.feature, rest(mate), (), entity), marker.path[:1]))
-    if made:
-        titles = listed(assembly.occurrences[one.instance].title for one in made)
-        what = f"instances that only mark frames are left out: {titles}"
-        log.report("I-PEER-MARKER", what, "conventions", "name a connector frame_NAME to keep the part")
-    return made
+        markers.append(
+            _Marker(Connector((), mate.ref.feature, unprefixed_name(mate), (), entity), marker.path[:1])
+        )
+    if markers:
+        titles = listed(assembly.occurrences[frame_marker.instance].title for frame_marker in markers)
+        message = f"instances that only mark frames are left out: {titles}"
+        log.report("I-PEER-MARKER", message, "conventions", "name a connector frame_NAME to keep the part")
+    return markers
 
 
-def _without(assembly: Assembly, gone: Collection[Path]) -> Assembly:
-    """The assembly without some of its instances, and without the features that refer to them."""
+def _without_instances(assembly: Assembly, gone: Collection[Path]) -> Assembly:
+    """Returns the assembly without some of its instances, and without the features that refer to them."""
 
     def stays(path: Path) -> bool:
         return path[:1] not in gone
 
     return replace(
         assembly,
-        occurrences={path: one for path, one in assembly.occurrences.items() if stays(path)},
+        occurrences={path: occurrence for path, occurrence in assembly.occurrences.items() if stays(path)},
         mates=[mate for mate in assembly.mates if stays(mate.ref.owner)],
         relations=[relation for relation in assembly.relations if stays(relation.owner)],
         groups=[
@@ -208,22 +216,26 @@ def _without(assembly: Assembly, gone: Collection[Path]) -> Assembly:
             for group in assembly.groups
             if stays(group.owner)
         ],
-        connectors=[one for one in assembly.connectors if stays(one.owner) and stays(one.entity.path)],
+        connectors=[
+            connector
+            for connector in assembly.connectors
+            if stays(connector.owner) and stays(connector.entity.path)
+        ],
         patterns=[pattern for pattern in assembly.patterns if stays(pattern.owner)],
     )
 
 
 def _link_names(assembly: Assembly, links: Mapping[Path, Path], joints: Sequence[Mate]) -> dict[Path, str]:
-    """The name of each link: by its `link_` connector, else after its first instance, numbered in the order
-    of the joints from the root."""
-    given = _given(assembly, links)
+    """Returns the name of each link: by its `link_` connector, else after its first instance, numbered in the
+    order of the joints from the root."""
+    connector_names = _link_titles(assembly, links)
     around: dict[Path, list[Path]] = {links[path]: [] for path in _instances(assembly)}
     for mate in joints:
         first, second = (links[side] for side in _sides(mate))
         around[first].append(second)
         around[second].append(first)
-    # Names are unique over joints and links here, and it is joints that others know by name.
-    taken = {legal("_".join(words(mate)[0])) for mate in joints}
+    # Names are unique over joints and links here, and joints, which others refer to, keep theirs.
+    taken_names = {legal("_".join(words(mate)[0])) for mate in joints}
     names: dict[Path, str] = {}
     counts: dict[str, int] = {}
     waiting = list(reversed(around))
@@ -232,56 +244,60 @@ def _link_names(assembly: Assembly, links: Mapping[Path, Path], joints: Sequence
         if link in names:
             continue
         waiting.extend(reversed(around[link]))
-        if link in given:
-            names[link] = given[link]
+        if link in connector_names:
+            names[link] = connector_names[link]
             continue
         name = legal_or_unnamed(unnumbered(assembly.occurrences[link].names[-1]))
-        name += "_link" if name in taken else ""
+        name += "_link" if name in taken_names else ""
         counts[name] = counts.get(name, 0) + 1
         names[link] = name if counts[name] == 1 else f"{name}_{counts[name]}"
     return names
 
 
-def _given(assembly: Assembly, links: Mapping[Path, Path]) -> dict[Path, str]:
-    """The names that `link_` connectors give to links."""
+def _link_titles(assembly: Assembly, links: Mapping[Path, Path]) -> dict[Path, str]:
+    """Returns the names that `link_` connectors give to links."""
     return {
-        links[one.entity.path[:1]]: legal(one.name[len(LINK_PREFIX) :])
-        for one in sorted(assembly.connectors, key=lambda one: (one.name, one.feature), reverse=True)
-        if not one.owner and is_link_name(one) and one.entity.path
+        links[connector.entity.path[:1]]: legal(connector.name[len(LINK_PREFIX) :])
+        for connector in sorted(
+            assembly.connectors, key=lambda connector: (connector.name, connector.feature), reverse=True
+        )
+        if not connector.owner and is_link_name(connector) and connector.entity.path
     }
 
 
-def _named(assembly: Assembly, links: Mapping[Path, Path], names: Mapping[Path, str]) -> Iterator[Connector]:
-    """Connectors that name the links which have none."""
-    given = set(_given(assembly, links))
+def _naming_connectors(
+    assembly: Assembly, links: Mapping[Path, Path], names: Mapping[Path, str]
+) -> Iterator[Connector]:
+    """Yields connectors that name the links without a `link_` connector."""
+    named_links = set(_link_titles(assembly, links))
     for link, name in names.items():
-        if link not in given:
+        if link not in named_links:
             part = min(part.path for part in assembly.parts if part.path[:1] == link)
             yield Connector((), name, LINK_PREFIX + name, (), Entity(part, frozen(np.eye(4))))
 
 
 def _connectors(assembly: Assembly) -> Iterator[Connector]:
-    """The root assembly's connectors that name links or mark frames."""
-    for one in assembly.connectors:
-        if one.owner or not one.entity.path:
+    """Yields the root assembly's connectors that name links or mark frames."""
+    for connector in assembly.connectors:
+        if connector.owner or not connector.entity.path:
             continue
-        if is_link_name(one):
-            yield one
-        elif one.name.startswith(FRAME):
-            yield replace(one, name=one.name[len(FRAME) :])
+        if is_link_name(connector):
+            yield connector
+        elif connector.name.startswith(FRAME):
+            yield replace(connector, name=connector.name[len(FRAME) :])
 
 
-def _held_at_the_root(
+def _with_fixed_root(
     assembly: Assembly, links: Mapping[Path, Path], root: Path, log: Diagnostics
 ) -> Assembly:
-    """The assembly in which only the root link is fixed (W-PEER-FIXED for others)."""
-    held = {
-        path: replace(one, fixed=False)
-        for path, one in assembly.occurrences.items()
-        if one.fixed and links[path[:1]] != root
+    """Returns the assembly in which only the root link is fixed (W-PEER-FIXED for others)."""
+    fixed_instances = {
+        path: replace(occurrence, fixed=False)
+        for path, occurrence in assembly.occurrences.items()
+        if occurrence.fixed and links[path[:1]] != root
     }
-    if held:
-        titles = listed(one.title for one in held.values())
-        what = f"fixed in CAD, but not in the root link, so they are not fixed in the robot: {titles}"
-        log.report("W-PEER-FIXED", what, "conventions", "choose the root yourself (root.select) or fix it")
-    return replace(assembly, occurrences={**assembly.occurrences, **held})
+    if fixed_instances:
+        titles = listed(occurrence.title for occurrence in fixed_instances.values())
+        message = f"fixed in CAD, but not in the root link, so they are not fixed in the robot: {titles}"
+        log.report("W-PEER-FIXED", message, "conventions", "choose the root yourself (root.select) or fix it")
+    return replace(assembly, occurrences={**assembly.occurrences, **fixed_instances})

@@ -16,7 +16,8 @@ INVERTED = frozenset({"inv", "inverted"})
 ENDLESS = frozenset({"wheel", "continuous"})
 
 FLIP = frozen(np.diag([1.0, -1.0, -1.0, 1.0]))
-"""Half a turn about x: of a mate with both frames so turned all but its slide along x counts backwards."""
+"""Half a turn about x: a mate with both frames so turned measures all its motions in reverse, except the
+slide along x."""
 
 _FLIPPED = {
     f"limit{side}{end}": f"limit{side}{other}"
@@ -25,27 +26,27 @@ _FLIPPED = {
 }
 
 
-def rest(mate: Mate) -> str:
-    """A mate's name without its prefix."""
+def unprefixed_name(mate: Mate) -> str:
+    """Returns a mate's name without its prefix."""
     return mate.ref.name.partition("_")[2]
 
 
 def words(mate: Mate) -> tuple[list[str], bool]:
-    """The words of a joint's name, and whether it is inverted."""
-    every = rest(mate).split("_")
-    inverted = every[-1] in INVERTED
-    return every[:-1] if inverted else every, inverted
+    """Returns the words of a joint's name, and whether it is inverted."""
+    all_words = unprefixed_name(mate).split("_")
+    inverted = all_words[-1] in INVERTED
+    return all_words[:-1] if inverted else all_words, inverted
 
 
-def apart(mate: Mate) -> str:
-    """The mate with FASTENED as a fixed joint between two links, not as one link."""
+def type_between_links(mate: Mate) -> str:
+    """Returns the type of a mate between two links: a FASTENED mate is a fixed joint, not one link."""
     return "FIXED" if mate.ref.type == "FASTENED" else mate.ref.type
 
 
-def joint(mate: Mate, assembly: Assembly, log: Diagnostics) -> Iterator[Mate]:
-    """A `dof_` mate under its own name, reversed where it is inverted."""
-    own, inverted = words(mate)
-    name = "_".join(own)
+def dof_mate(mate: Mate, assembly: Assembly, log: Diagnostics) -> Iterator[Mate]:
+    """Yields a `dof_` mate under its own name, reversed where it is inverted."""
+    name_words, inverted = words(mate)
+    name = "_".join(name_words)
     if not legal(name):
         log.report("E-PEER-NAME", "the joint has no name after dof_", mate.title, "call it dof_NAME")
         return
@@ -58,15 +59,15 @@ def joint(mate: Mate, assembly: Assembly, log: Diagnostics) -> Iterator[Mate]:
         along[2, 3] = slide
         second = replace(second, occurrence_from_frame=frozen(second.occurrence_from_frame @ along))
         limits = {side: end for side, end in limits.items() if "Axial" in side}
-        what = "a CYLINDRICAL dof_ mate is a revolute joint, as in onshape-to-robot: it does not slide"
-        log.report("W-PEER-SLIDE", what, mate.title, "set conventions: linkwright for both")
-    kind = "REVOLUTE" if mate.ref.type == "CYLINDRICAL" else apart(mate)
-    if kind == "REVOLUTE" and ENDLESS.intersection(own):
+        message = "a CYLINDRICAL dof_ mate is a revolute joint, as in onshape-to-robot: it does not slide"
+        log.report("W-PEER-SLIDE", message, mate.title, "set conventions: linkwright for both")
+    kind = "REVOLUTE" if mate.ref.type == "CYLINDRICAL" else type_between_links(mate)
+    if kind == "REVOLUTE" and ENDLESS.intersection(name_words):
         limits = {}
     if inverted:
         first, second = (
-            replace(one, occurrence_from_frame=frozen(one.occurrence_from_frame @ FLIP))
-            for one in (first, second)
+            replace(entity, occurrence_from_frame=frozen(entity.occurrence_from_frame @ FLIP))
+            for entity in (first, second)
         )
         limits = {_FLIPPED.get(side, side): -end if side in _FLIPPED else end for side, end in limits.items()}
     ref = replace(mate.ref, name=name, type=kind)
@@ -74,6 +75,6 @@ def joint(mate: Mate, assembly: Assembly, log: Diagnostics) -> Iterator[Mate]:
 
 
 def turned_round(relation: MateRelation, inverted: Collection[tuple[Path, str]]) -> MateRelation:
-    """The relation between values that count backwards where their mates are inverted."""
+    """Returns the relation between values that count backwards where their mates are inverted."""
     turned = sum(mate in inverted for mate in relation.mates) % 2 == 1
     return replace(relation, reverse=relation.reverse != turned)

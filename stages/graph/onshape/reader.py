@@ -1,4 +1,4 @@
-"""The reader of Onshape's documents: reads an assembly into a mechanism."""
+"""Reads an Onshape assembly into a mechanism."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -41,7 +41,7 @@ Weights = Mapping[Path, Weight]
 def read_mechanism(
     bundle: OnshapeBundle, keys: GraphSections, log: Diagnostics
 ) -> tuple[Mechanism, GraphSections]:
-    """Reads an assembly definition and its other replies; AssemblyError where they cannot be read.
+    """Reads an assembly definition and its other replies; raises AssemblyError where they cannot be read.
 
     Also returns the keys, completed by the document's own conventions.
     """
@@ -56,7 +56,7 @@ def read_mechanism(
     _require_mates(assembly, keys)
     weights = weighed(assembly, bundle, keys.mass, log)
     bodies, absorbed = _combined_bodies(assembly, keys, log)
-    names = name_everything(assembly, bodies, {path: one.volume for path, one in weights.items()})
+    names = name_everything(assembly, bodies, {path: weight.volume for path, weight in weights.items()})
     _report_names(assembly, bodies, names, log)
     connections = tuple(_connection(mate, assembly, bodies, names) for mate in bodies.moving)
     mechanism = Mechanism(
@@ -84,15 +84,15 @@ def _require_mates(assembly: Assembly, keys: GraphSections) -> None:
 def _combined_bodies(
     assembly: Assembly, keys: GraphSections, log: Diagnostics
 ) -> tuple[Bodies, Mapping[MateKey, Absorbed]]:
-    """The bodies, after merging bodies that several mates hold rigidly together; and the mates that others
-    replace."""
+    """Returns the bodies, after merging bodies that several mates hold rigidly together; and the mates that
+    other mates replace."""
     welds: list[tuple[Path, Path]] = []
     while True:
-        found, about_mates = Diagnostics(optional=log.optional), Diagnostics()
-        bodies = find_bodies(assembly, keys, found, welds)
+        about_bodies, about_mates = Diagnostics(optional=log.optional), Diagnostics()
+        bodies = find_bodies(assembly, keys, about_bodies, welds)
         result = combined(bodies.moving, assembly, bodies.of, about_mates)
         if not result.welds:
-            log.add([*found.problems, *found.found, *about_mates.problems, *about_mates.found])
+            log.add([*about_bodies.problems, *about_bodies.found, *about_mates.problems, *about_mates.found])
             return replace(bodies, moving=list(result.mates)), result.absorbed
         welds += result.welds
         log.add([*about_mates.problems, *about_mates.found])
@@ -158,16 +158,18 @@ def _connection(mate: Mate, assembly: Assembly, bodies: Bodies, names: AssemblyN
 def _relations(
     assembly: Assembly, connections: tuple[Connection, ...], absorbed: Mapping[MateKey, Absorbed]
 ) -> Iterator[RelationSpec]:
-    """The relations; one on a mate that another stands for is on that one. Where both mates move nothing
-    (W-MATE-RIGID), neither does the relation."""
-    drawn = {connection.ref.key: connection.name for connection in connections}
-    named = {key: (name, 1) for key, name in drawn.items()}
-    named |= {key: (drawn[one.by] if one.sign else "", one.sign) for key, one in absorbed.items()}
-    still = {mate.key for mate in assembly.mates} - named.keys()
+    """Yields the relations; a relation on an absorbed mate is on the mate that replaces it. Relations whose
+    mates all move nothing (W-MATE-RIGID) are left out."""
+    connection_names = {connection.ref.key: connection.name for connection in connections}
+    names_by_key = {key: (name, 1) for key, name in connection_names.items()}
+    names_by_key |= {
+        key: (connection_names[mate.by] if mate.sign else "", mate.sign) for key, mate in absorbed.items()
+    }
+    still = {mate.key for mate in assembly.mates} - names_by_key.keys()
     for relation in sorted(assembly.relations, key=lambda r: (r.title, r.owner, r.feature)):
         if relation.mates and all((*mate, "") in still for mate in relation.mates):
             continue
-        ends = [named.get((*mate, ""), ("", 0)) for mate in relation.mates]
+        ends = [names_by_key.get((*mate, ""), ("", 0)) for mate in relation.mates]
         against = sum(sign < 0 for _, sign in ends) % 2 == 1
         yield RelationSpec(
             title=relation.title,
@@ -180,37 +182,37 @@ def _relations(
 
 
 def _markers(assembly: Assembly, bodies: Bodies, names: AssemblyNames, log: Diagnostics) -> Iterator[Marker]:
-    """Mate connectors that the designer placed, on their bodies."""
+    """Yields mate connectors that the designer placed, on their bodies."""
     for connector in assembly.connectors:
         if is_link_name(connector):
             continue
         body = bodies.of.get(connector.entity.path)
         if body is None:
-            what = "the connector is on no part (origin or sub-assembly): left out"
-            log.report("W-FRAME", what, connector.title, "put it on a part")
+            message = "the connector is on no part (origin or sub-assembly): left out"
+            log.report("W-FRAME", message, connector.title, "put it on a part")
             continue
         frame = assembly.world_from(connector.entity)
         if np.linalg.det(frame[:3, :3]) < 0:
-            what = "the connector is on a mirrored part, so it is left-handed: its y axis is reversed"
-            log.report("W-FRAME", what, connector.title, "put a new connector on the mirrored part")
+            message = "the connector is on a mirrored part, so it is left-handed: its y axis is reversed"
+            log.report("W-FRAME", message, connector.title, "put a new connector on the mirrored part")
             frame = frame @ np.diag([1.0, -1.0, 1.0, 1.0])
         name = names.frames[connector.owner, connector.feature]
         yield Marker(name, connector.title, body, frozen(frame), connector.name)
 
 
 def _report_names(assembly: Assembly, bodies: Bodies, names: AssemblyNames, log: Diagnostics) -> None:
-    """W-NAME for names without a usable letter, and for `link_` connectors that name no link."""
-    typed = [
+    """Reports W-NAME for names without a usable letter, and for `link_` connectors that name no link."""
+    typed_names = [
         (name, assembly.occurrences[path].names[-1])
         for name, path in zip(names.links, names.paths, strict=True)
         if name != WORLD_LINK
     ]
-    typed += [(names.joints[m.ref.key], m.ref.name) for m in bodies.moving]
-    for name, text in sorted(typed):
+    typed_names += [(names.joints[m.ref.key], m.ref.name) for m in bodies.moving]
+    for name, text in sorted(typed_names):
         if "unnamed" in name and not legal(text):
             message = f"{text!r} has no letter or digit that a robot file allows: {name!r} is used"
             log.report("W-NAME", message, name, "give it a name with letters or digits")
-    named: dict[int, str] = {}
+    names_by_number: dict[int, str] = {}
     for connector in sorted(assembly.connectors, key=lambda c: (c.names, c.name, c.feature)):
         if not is_link_name(connector):
             continue
@@ -221,6 +223,6 @@ def _report_names(assembly: Assembly, bodies: Bodies, names: AssemblyNames, log:
         elif not bodies.members[body]:
             message = f"the connector names no link: the assembly's origin is always called {WORLD_LINK!r}"
             log.report("W-NAME", message, connector.title, "put it on a part of the link")
-        elif named.setdefault(body, connector.title) != connector.title:
-            message = f"the link already has the name of {named[body]}"
+        elif names_by_number.setdefault(body, connector.title) != connector.title:
+            message = f"the link already has the name of {names_by_number[body]}"
             log.report("W-NAME", message, connector.title, "remove one of the two connectors")

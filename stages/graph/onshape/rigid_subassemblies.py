@@ -1,4 +1,4 @@
-"""Finds the rigid sub-assemblies: the keys `depth.max`, `depth.rigid` and `depth.flexible`."""
+"""Finds the rigid sub-assemblies (keys `depth.max`, `depth.rigid` and `depth.flexible`)."""
 
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
@@ -11,37 +11,39 @@ from linkwright.stages.robot.text.names import legal
 
 
 def rigid_subassemblies(assembly: Assembly, depth: DepthSection, log: Diagnostics) -> frozenset[Path]:
-    """The sub-assembly occurrences that are rigid.
+    """Returns the sub-assembly occurrences that are rigid.
 
-    A sub-assembly is rigid if it lies deeper than `max` levels, if a glob of `rigid` matches it, if a mirror
-    welds it, or if it lies in a rigid one; never if a glob of `flexible` matches it. A glob without a slash
-    is compared with an instance's name (as typed, without its number, and as in robot files), one with a
-    slash against its whole title. E-GLOB for one that matches nothing.
+    A sub-assembly is rigid if it is deeper than `max` levels, if a glob of `rigid` matches it, if a mirror
+    welds it, or if it is in a rigid sub-assembly; never if a glob of `flexible` matches it. A glob without a
+    slash is compared with an instance's name (as typed, without its number, and as in robot files), a glob
+    with a slash with its whole title. Reports E-GLOB for a glob that matches nothing.
     """
     subs = sorted((o for o in assembly.occurrences.values() if not o.is_part), key=lambda o: o.path)
     rigid, flexible = (
-        _named(subs, globs, where, log)
+        _matching_subs(subs, globs, where, log)
         for where, globs in (("depth.rigid", depth.rigid), ("depth.flexible", depth.flexible))
     )
-    found: set[Path] = set()
-    for path in (sub.path for sub in subs):  # sorted: what holds it comes before
+    paths: set[Path] = set()
+    for path in (sub.path for sub in subs):  # sorted: the parent comes first
         if path in flexible:
             continue
         too_deep = depth.max is not None and len(path) > depth.max
-        if too_deep or path in rigid or path in assembly.stiff or path[:-1] in found:
-            found.add(path)
-    return frozenset(found)
+        if too_deep or path in rigid or path in assembly.stiff or path[:-1] in paths:
+            paths.add(path)
+    return frozenset(paths)
 
 
-def _named(subs: Sequence[Occurrence], globs: Sequence[str], where: str, log: Diagnostics) -> set[Path]:
-    found: set[Path] = set()
+def _matching_subs(
+    subs: Sequence[Occurrence], globs: Sequence[str], where: str, log: Diagnostics
+) -> set[Path]:
+    rigid: set[Path] = set()
     for glob in globs:
         fits = {sub.path for sub in subs if any(fnmatchcase(text, glob) for text in _texts(sub, glob))}
         if not fits:
-            there = there_are(glob, {"sub-assemblies": [sub.title for sub in subs]})
-            log.unmatched("E-GLOB", f"no sub-assembly matches {glob!r}", where, there, glob)
-        found |= fits
-    return found
+            hint = there_are(glob, {"sub-assemblies": [sub.title for sub in subs]})
+            log.unmatched("E-GLOB", f"no sub-assembly matches {glob!r}", where, hint, glob)
+        rigid |= fits
+    return rigid
 
 
 def _texts(sub: Occurrence, glob: str) -> tuple[str, ...]:

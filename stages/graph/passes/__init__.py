@@ -1,20 +1,22 @@
 """Passes from one mechanism or robot to the next: names, masses, limits, relations, added links.
 
-- actuation: The transmissions, controls and actuators of the source, under the present names and in the
-  present values of the joints.
-- added_links: Links and frames that CAD does not have: a payload, a foot under the base, a tool's tip.
-- keyframes: Poses that the key `keyframes` and the source name, and whether `home` closes the loops.
-- link_mass: Mass and inertia of links: the user's values, and whether a solid can have them.
-- mjcf_extras: What only an MJCF has, on the robot's present links and joints.
-- mobility: The mobility of a mechanism: its coordinates less the conditions of relations and loops, by rank.
-- recount_actuators: A source's actuators on dofs whose values are counted anew: the same forces, in the new
+- actuation: Carries over the source's transmissions, controls and actuators, with the robot's names and joint
   values.
+- added_links: Adds links and frames that CAD does not have: a payload, a foot under the base, a tool's tip.
+- keyframes: Adds the keyframes of the source and of the key `keyframes` to a robot, and checks that loops
+  close.
+- link_mass: Gives links the user's masses and inertias, and checks that a solid can have them.
+- mjcf_extras: Places the extras of an MJCF on the robot's links and joints.
+- mobility: Computes the mobility of a mechanism: its coordinates less the rank of the conditions of relations
+  and loops.
+- recount_actuators: Converts actuators to dofs whose values have another zero or sign, so that their forces
+  stay the same.
 - relation_dofs: Finds the dofs that a relation joins, and its factor: as drawn, or as the user configures it.
-- relations: Relations between dofs: q₂ = −k·q₁, or +k·q₁ when reversed, in the mates' own values.
+- relations: Adds relations between dofs: q₂ = −k·q₁, or +k·q₁ when reversed, in the mates' own values.
 - rename: Renames links and joints as the user wants (key `names`).
-- semantics: What the source's SRDF says, by the robot's own names.
-- source_keyframes: Keyframes of the source, in the present values of the joints, with what a file rounds made
+- semantics: Carries over the content of the source's SRDF, with the robot's names.
+- source_keyframes: Converts the source's keyframes to the robot's joint values, and makes rounded values
   exact.
-- total_mass: The mass of the whole robot, as a scale shows it: what is estimated is scaled to it.
-- zero_pose: How q is counted: from which value of the mate, and in which direction.
+- total_mass: Scales the estimated masses so that the whole robot has the mass that a scale shows.
+- zero_pose: Sets the zero and the direction of each q, in the values of its mate.
 """

@@ -1,5 +1,5 @@
-"""The transmissions, controls and actuators of the source, under the present names and in the present values
-of the joints."""
+"""Carries over the source's transmissions, controls and actuators, with the robot's names and joint
+values."""
 
 from dataclasses import replace
 
@@ -13,20 +13,26 @@ from linkwright.stages.robot.text.globs import listed
 
 
 def with_actuation(robot: Robot, mechanism: Mechanism, log: Diagnostics) -> Robot:
-    """The robot with the mechanism's transmissions and controls, as far as their joints are still there."""
+    """Returns the robot with the mechanism's transmissions and controls, as far as their joints are still
+    there."""
     counts = {dof.name: dof.in_mate for dof in robot.dofs}
     controls = tuple(with_counts(text, counts) for text in _controls(mechanism, robot, log))
     return replace(
         robot,
         transmissions=_transmissions(mechanism, robot),
         controls=controls,
-        actuators=tuple(recounted(one, counts[one.dof]) for one in mechanism.actuators if one.dof in counts),
-        sensors=tuple(one for one in mechanism.sensors if _is_there(robot, one)),
+        actuators=tuple(
+            recounted(actuator, counts[actuator.dof])
+            for actuator in mechanism.actuators
+            if actuator.dof in counts
+        ),
+        sensors=tuple(sensor for sensor in mechanism.sensors if _has_objects(robot, sensor)),
     )
 
 
-def _is_there(robot: Robot, sensor: Sensor) -> bool:
-    """Whether the robot has what a sensor is on, but for actuators, which the export may change."""
+def _has_objects(robot: Robot, sensor: Sensor) -> bool:
+    """Returns whether the robot has the objects of a sensor; actuators, which the export may change, are not
+    checked."""
     names = {
         "joint": {dof.name for dof in robot.dofs},
         "site": {frame.name for frame in robot.frames},
@@ -40,21 +46,24 @@ def _is_there(robot: Robot, sensor: Sensor) -> bool:
 def _transmissions(mechanism: Mechanism, robot: Robot) -> tuple[Transmission, ...]:
     dofs = {joint.mate.name: joint.dofs[:1] for joint in robot.joints if joint.mate}
     return tuple(
-        replace(one, joint=dof.name, reduction=one.reduction * dof.in_mate.sign)
-        for one in mechanism.transmissions
-        for dof in dofs.get(one.joint, ())
+        replace(transmission, joint=dof.name, reduction=transmission.reduction * dof.in_mate.sign)
+        for transmission in mechanism.transmissions
+        for dof in dofs.get(transmission.joint, ())
     )
 
 
 def _controls(mechanism: Mechanism, robot: Robot, log: Diagnostics) -> tuple[str, ...]:
-    """W-URDF-CONTROL for a joint that is gone, or that is several in a URDF."""
+    """Returns the control elements, under present names. Reports W-URDF-CONTROL for a joint that is gone, or
+    that is several joints in a URDF."""
     names = {joint.mate.name: joint.name for joint in robot.joints if joint.mate and len(joint.dofs) < 2}
-    found = []
+    controls = []
     for text in mechanism.controls:
         changed, lost = with_joints(text, names)
-        found += [changed] if changed else []
+        controls += [changed] if changed else []
         if lost:
-            what = f"a <transmission> or <ros2_control> names {listed(lost)}, which the robot does not have"
+            message = (
+                f"a <transmission> or <ros2_control> names {listed(lost)}, which the robot does not have"
+            )
             hint = "name a joint of the robot, or remove it"
-            log.report("W-URDF-CONTROL", f"{what}: left out", listed(lost), hint)
-    return tuple(found)
+            log.report("W-URDF-CONTROL", f"{message}: left out", listed(lost), hint)
+    return tuple(controls)

@@ -1,4 +1,4 @@
-"""Links and frames that CAD does not have: a payload, a foot under the base, a tool's tip."""
+"""Adds links and frames that CAD does not have: a payload, a foot under the base, a tool's tip."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -7,11 +7,10 @@ from typing import TypeVar
 import numpy as np
 
 from linkwright.stages.graph.added_section import AddedFrameSection, AddedJointSection, AddedLinkSection
-from linkwright.stages.graph.globs import names_in, unusable
-from linkwright.stages.graph.mass_section import tensor
+from linkwright.stages.graph.globs import names_in, why_unusable
 from linkwright.stages.graph.mechanism import WORLD_LINK
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.dynamics.inertia import ZERO, primitive_inertial
+from linkwright.stages.robot.dynamics.inertia import ZERO, primitive_inertial, tensor
 from linkwright.stages.robot.model.poses import from_parts, inverse, rotation_from_rpy
 from linkwright.stages.robot.model.robot import (
     Array,
@@ -37,26 +36,27 @@ TYPES: Mapping[str, JointType] = {
     "prismatic": "prismatic",
 }
 
-Wanted = TypeVar("Wanted")
+SectionT = TypeVar("SectionT")
 
 
-def with_added_links(robot: Robot, wanted: Mapping[str, AddedLinkSection], log: Diagnostics) -> Robot:
-    """The robot with more links: the new ones last, in the order of their names as their parents allow.
+def with_added_links(robot: Robot, sections: Mapping[str, AddedLinkSection], log: Diagnostics) -> Robot:
+    """Returns the robot with more links: the new ones last, in the order of their names as their parents
+    allow.
 
-    A link above the root becomes the root, and the base with it.
-    E-LINK for a parent or a child that does not exist, E-NAME for a name that is not free.
+    A link above the root becomes the root, and the base with it. Reports E-LINK for a parent or a child that
+    does not exist, E-NAME for a name that is not free.
     """
-    avoid = {*wanted, *(keys.joint.name for keys in wanted.values() if keys.joint.name)}
+    avoid = {*sections, *(keys.joint.name for keys in sections.values() if keys.joint.name)}
 
-    def known(robot: Robot, keys: AddedLinkSection) -> bool:
+    def has_parent(robot: Robot, keys: AddedLinkSection) -> bool:
         if keys.child is not None:
             return keys.child == robot.root.name != WORLD_LINK
         return _place(robot, keys.parent or "") is not None
 
     def add(robot: Robot, name: str, keys: AddedLinkSection) -> Robot:
-        taken = names_in(robot)
-        joint = keys.joint.name or free(f"{name}_joint", taken | avoid)
-        reasons = [unusable(name, taken), unusable(joint, {*taken, name})]
+        taken_names = names_in(robot)
+        joint = keys.joint.name or free(f"{name}_joint", taken_names | avoid)
+        reasons = [why_unusable(name, taken_names), why_unusable(joint, {*taken_names, name})]
         for reason in filter(None, reasons):
             log.report("E-NAME", reason, f"links.{name}", "links, joints and frames share their names")
         return robot if any(reasons) else _with_link(robot, name, joint, keys)
@@ -73,45 +73,45 @@ def with_added_links(robot: Robot, wanted: Mapping[str, AddedLinkSection], log: 
             text, hint = f"{keys.child!r} is not the root", f"the root is {robot.root.name!r}"
         log.report("E-LINK", text, f"links.{name}", hint)
 
-    return _one_by_one(robot, wanted, known, add, lost)
+    return _add_in_order(robot, sections, has_parent, add, lost)
 
 
-def with_added_frames(robot: Robot, wanted: Mapping[str, AddedFrameSection], log: Diagnostics) -> Robot:
-    """The robot with more frames, all sorted by name; one may be given relative to another.
+def with_added_frames(robot: Robot, sections: Mapping[str, AddedFrameSection], log: Diagnostics) -> Robot:
+    """Returns the robot with more frames, all sorted by name; a frame may be given relative to another.
 
-    E-FRAME for a link or frame that does not exist, E-NAME for a name that is not free.
+    Reports E-FRAME for a link or frame that does not exist, E-NAME for a name that is not free.
     """
 
-    def known(robot: Robot, keys: AddedFrameSection) -> bool:
+    def has_parent(robot: Robot, keys: AddedFrameSection) -> bool:
         return _place(robot, keys.link) is not None
 
     def add(robot: Robot, name: str, keys: AddedFrameSection) -> Robot:
-        reason = unusable(name, names_in(robot))
+        reason = why_unusable(name, names_in(robot))
         if reason:
             hint = "links, joints and frames share their names"
             log.report("E-NAME", reason, f"frames.add.{name}", hint)
             return robot
         link, link_from_parent = _place(robot, keys.link) or (keys.link, np.eye(4))
         frame = Frame(name, link, frozen(link_from_parent @ _pose(keys)), "")
-        return replace(robot, frames=tuple(sorted((*robot.frames, frame), key=lambda one: one.name)))
+        return replace(robot, frames=tuple(sorted((*robot.frames, frame), key=lambda added: added.name)))
 
     def lost(robot: Robot, name: str, keys: AddedFrameSection) -> None:
         text = f"its link {keys.link!r} is not a link or frame"
         log.report("E-FRAME", text, f"frames.add.{name}", _places(robot, keys.link))
 
-    return _one_by_one(robot, wanted, known, add, lost)
+    return _add_in_order(robot, sections, has_parent, add, lost)
 
 
-def _one_by_one(
+def _add_in_order(
     robot: Robot,
-    wanted: Mapping[str, Wanted],
-    known: Callable[[Robot, Wanted], bool],
-    add: Callable[[Robot, str, Wanted], Robot],
-    lost: Callable[[Robot, str, Wanted], None],
+    sections: Mapping[str, SectionT],
+    has_parent: Callable[[Robot, SectionT], bool],
+    add: Callable[[Robot, str, SectionT], Robot],
+    lost: Callable[[Robot, str, SectionT], None],
 ) -> Robot:
-    """Adds each wanted item once its parent exists; `lost` reports the others."""
-    waiting = dict(sorted(wanted.items()))
-    while ready := [name for name, keys in waiting.items() if known(robot, keys)]:
+    """Adds each section's item once its parent exists; `lost` reports the others."""
+    waiting = dict(sorted(sections.items()))
+    while ready := [name for name, keys in waiting.items() if has_parent(robot, keys)]:
         robot = add(robot, ready[0], waiting.pop(ready[0]))
     for name, keys in waiting.items():
         lost(robot, name, keys)
@@ -123,11 +123,14 @@ def _with_link(robot: Robot, name: str, joint: str, keys: AddedLinkSection) -> R
     if keys.child is not None:
         connected = _joint(joint, keys.joint, name, keys.child, _pose(keys))
         # A floating link floats relative to the root, so the new root becomes its parent.
-        below = (_floating_from(name, connected, one) if one.type == "free" else one for one in robot.joints)
+        children = (
+            _floating_from(name, connected, below_root) if below_root.type == "free" else below_root
+            for below_root in robot.joints
+        )
         return replace(
             robot,
             links=(link, *robot.links),
-            joints=(connected, *below),
+            joints=(connected, *children),
             world_from_root=frozen(robot.world_from_root @ inverse(connected.parent_from_joint)),
         )
     parent, link_from_place = _place(robot, keys.parent or "") or ("", np.eye(4))
@@ -177,15 +180,15 @@ def _inertial(keys: AddedLinkSection) -> Inertial | None:
 
 
 def _place(robot: Robot, name: str) -> tuple[str, Array] | None:
-    """The link, and the pose in it (4, 4), that a link's or a frame's name refers to."""
+    """Returns the link, and the pose in it (4, 4), that a link's or a frame's name refers to."""
     if any(link.name == name for link in robot.links):
         return name, np.eye(4)
     return next(((f.link, f.link_from_frame) for f in robot.frames if f.name == name), None)
 
 
-def _places(robot: Robot, asked: str) -> str:
+def _places(robot: Robot, name: str) -> str:
     frames = {"frames": [frame.name for frame in robot.frames]} if robot.frames else {}
-    return there_are(asked, {"links": [link.name for link in robot.links], **frames})
+    return there_are(name, {"links": [link.name for link in robot.links], **frames})
 
 
 def _pose(keys: AddedLinkSection | AddedFrameSection) -> Array:

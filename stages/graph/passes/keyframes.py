@@ -1,4 +1,4 @@
-"""Poses that the key `keyframes` and the source name, and whether `home` closes the loops."""
+"""Adds the keyframes of the source and of the key `keyframes` to a robot, and checks that loops close."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
@@ -11,117 +11,129 @@ from linkwright.stages.robot.motion.start_pose import HOME, SAVED, home, keyfram
 from linkwright.stages.robot.quantity_keys import as_typed, misfit
 from linkwright.stages.robot.text.globs import as_key, fits, listed, there_are
 
-BEYOND = 1e-9
-"""How far [rad or m] a value may lie beyond a limit: the rounding of what was typed."""
+LIMIT_TOLERANCE = 1e-9
+"""Tolerance [rad or m] by which a value may exceed a limit, for rounding."""
 
 
 def with_keyframes(
     robot: Robot,
-    keys: Mapping[str, Mapping[str, float] | None],
+    entries: Mapping[str, Mapping[str, float] | None],
     log: Diagnostics,
-    of_source: Sequence[Keyframe] = (),
+    source_keyframes: Sequence[Keyframe] = (),
 ) -> Robot:
-    """The robot with the keyframes of the source and the user's: of a dof that several globs match the last
-    one counts, and the source's value counts where none does. None in place of values leaves the source's
-    keyframe out.
+    """Returns the robot with the source's and the user's keyframes. If several globs match a dof, the last
+    glob counts; if none matches, the source's value stays. None in place of values removes the source's
+    keyframe.
 
-    E-GLOB for a glob that matches no dof; E-KEYFRAME for a value that a dof cannot have: it is no turn or
-    slide, the value is beyond its limits, or it contradicts a relation, for values that leave a loop open,
-    and for None where the source has no such keyframe. W-HOME where no pose within the limits closes a loop;
+    Reports E-GLOB for a glob that matches no dof; E-KEYFRAME for a dof that is neither a turn nor a slide,
+    for a value that is outside its limits or contradicts a relation, for values that leave a loop open, and
+    for None if the source has no such keyframe; W-HOME if no pose within the limits closes a loop;
     W-KEYFRAME and I-KEYFRAME as in `source_values`.
     """
-    wanted = {name: values for name, values in keys.items() if values is not None}
-    left_out = keys.keys() - wanted.keys()
-    _check_left_out(left_out, [keyframe.name for keyframe in of_source], log)
-    of_source = [keyframe for keyframe in of_source if keyframe.name not in left_out]
-    before = source_values(robot, of_source, wanted, log)
-    made = [
-        _keyframe(robot, name, wanted.get(name, {}), before.get(name, {}), log)
-        for name in dict.fromkeys((*before, *wanted))
+    poses = {name: values for name, values in entries.items() if values is not None}
+    left_out = entries.keys() - poses.keys()
+    _check_left_out(left_out, [keyframe.name for keyframe in source_keyframes], log)
+    source_keyframes = [keyframe for keyframe in source_keyframes if keyframe.name not in left_out]
+    source_poses = source_values(robot, source_keyframes, poses, log)
+    with_values = [
+        _keyframe(robot, name, poses.get(name, {}), source_poses.get(name, {}), log)
+        for name in dict.fromkeys((*source_poses, *poses))
     ]
     if log.problems:
         return robot
-    found = replace(robot, keyframes=tuple(made))
-    _check_loops(found, wanted, before, log)
-    return found
+    with_poses = replace(robot, keyframes=tuple(with_values))
+    _check_loops(with_poses, poses, source_poses, log)
+    return with_poses
 
 
 def _keyframe(
-    robot: Robot, name: str, wanted: Mapping[str, float], before: Mapping[str, float], log: Diagnostics
+    robot: Robot, name: str, entries: Mapping[str, float], source_pose: Mapping[str, float], log: Diagnostics
 ) -> Keyframe:
-    """`before`: values by dof that the user's do not replace."""
+    """Makes a keyframe of the user's values. `source_pose`: the source's values, by dof; the user's win."""
     where = f"keyframes.{name}"
     if name == SAVED:
         log.report("E-KEYFRAME", f"{SAVED} is the pose that was saved in CAD", where, "choose another name")
-    given = dict(before)
-    for glob, value in wanted.items():
-        matched = [dof for dof in robot.dofs if fits(dof.name, glob)]
-        scalars = [dof for dof in matched if dof.kind in ("turn", "slide")]
-        if not matched:
+    values = dict(source_pose)
+    for glob, value in entries.items():
+        dofs = [dof for dof in robot.dofs if fits(dof.name, glob)]
+        scalars = [dof for dof in dofs if dof.kind in ("turn", "slide")]
+        if not dofs:
             hint = there_are(glob, {"joints": [dof.name for dof in robot.dofs]})
             log.unmatched("E-GLOB", f"no joint matches {glob!r}", where, hint, glob)
         elif not scalars:
-            text = (
-                f"{glob!r} matches only balls or free joints, which have no single value: {matched[0].name}"
-            )
+            text = f"{glob!r} matches only balls or free joints, which have no single value: {dofs[0].name}"
             log.report("E-KEYFRAME", text, where, "leave it out: they stay as they were saved")
-        wrong = [(text, dof) for dof in scalars if (text := misfit(value, dof.kind))]
-        for text, dof in wrong[:1]:
+        misfits = [(text, dof) for dof in scalars if (text := misfit(value, dof.kind))]
+        if misfits:
+            text, dof = misfits[0]
             text = f"{glob!r}: {text}, and {dof.name} is a {dof.kind}"
             log.report("E-KEYFRAME", text, where, as_typed(dof.kind))
-        given |= {dof.name: float(value) for dof in scalars}
-    _check_limits(robot, given, where, log)
-    return Keyframe(name, tuple(_with_drivers(robot, given, where, log).items()))
+        values |= {dof.name: float(value) for dof in scalars}
+    _check_limits(robot, values, where, log)
+    return Keyframe(name, tuple(_with_drivers(robot, values, where, log).items()))
 
 
-def _check_left_out(names: Collection[str], of_source: Collection[str], log: Diagnostics) -> None:
-    """E-KEYFRAME for names that no keyframe of the source has."""
-    for name in sorted({*names} - {*of_source}):
-        hint = f"the source's keyframes are: {listed(of_source)}" if of_source else "the source has none"
+def _check_left_out(names: Collection[str], source_names: Collection[str], log: Diagnostics) -> None:
+    """Reports names to leave out that no keyframe of the source has (E-KEYFRAME)."""
+    for name in sorted({*names} - {*source_names}):
+        hint = (
+            f"the source's keyframes are: {listed(source_names)}" if source_names else "the source has none"
+        )
         log.report(
             "E-KEYFRAME", f"the source has no keyframe {name!r} to leave out", f"keyframes.{name}", hint
         )
 
 
-def _check_limits(robot: Robot, given: Mapping[str, float], where: str, log: Diagnostics) -> None:
+def _check_limits(robot: Robot, values: Mapping[str, float], where: str, log: Diagnostics) -> None:
     limits = ranges(robot)
     for dof in robot.dofs:
-        if dof.name not in given:
+        if dof.name not in values:
             continue
         low, high = limits[dof.name]
-        if not low - BEYOND <= given[dof.name] <= high + BEYOND:
+        if not low - LIMIT_TOLERANCE <= values[dof.name] <= high + LIMIT_TOLERANCE:
             unit = "rad" if dof.kind == "turn" else "m"
-            text = f"{given[dof.name]:g} {unit} is outside the limits of {dof.name}, {low:.6g} to {high:.6g}"
+            text = f"{values[dof.name]:g} {unit} is outside the limits of {dof.name}, {low:.6g} to {high:.6g}"
             log.report("E-KEYFRAME", text, where, "choose a value within, or set limits in `joints`")
 
 
-def _with_drivers(robot: Robot, given: Mapping[str, float], where: str, log: Diagnostics) -> dict[str, float]:
-    """The values with those of the drivers of followers among them, in the order of the dofs."""
-    found = dict(given)
-    for one in robot.relations:
-        if one.follower not in given or one.multiplier == 0.0:
+def _with_drivers(
+    robot: Robot, values: Mapping[str, float], where: str, log: Diagnostics
+) -> dict[str, float]:
+    """Returns the values in the order of the dofs, with each follower's value turned into its driver's."""
+    complete = dict(values)
+    for relation in robot.relations:
+        driver, follower = relation.driver, relation.follower
+        if follower not in values or relation.multiplier == 0.0:
             continue
-        wanted = (given[one.follower] - one.offset) / one.multiplier
-        if abs(found.setdefault(one.driver, wanted) - wanted) > BEYOND * max(1.0, abs(wanted)):
-            text = f"{one.driver} = {found[one.driver]:g} makes {one.follower} "
-            text += f"{one.multiplier * found[one.driver] + one.offset:g}, not {given[one.follower]:g}"
-            log.report("E-KEYFRAME", text, where, f"give {one.driver} alone: {one.follower} follows it")
-    followers = {one.follower for one in robot.relations if one.multiplier != 0.0}
-    order: list[Dof] = [dof for dof in robot.dofs if dof.name in found and dof.name not in followers]
-    return {dof.name: found[dof.name] for dof in order}
+        driver_value = (values[follower] - relation.offset) / relation.multiplier
+        if abs(complete.setdefault(driver, driver_value) - driver_value) > LIMIT_TOLERANCE * max(
+            1.0, abs(driver_value)
+        ):
+            follower_value = relation.multiplier * complete[driver] + relation.offset
+            text = f"{driver} = {complete[driver]:g} makes {follower} {follower_value:g}"
+            text += f", not {values[follower]:g}"
+            log.report("E-KEYFRAME", text, where, f"give {driver} alone: {follower} follows it")
+    followers = {relation.follower for relation in robot.relations if relation.multiplier != 0.0}
+    driving_dofs: list[Dof] = [
+        dof for dof in robot.dofs if dof.name in complete and dof.name not in followers
+    ]
+    return {dof.name: complete[dof.name] for dof in driving_dofs}
 
 
-def _check_loops(robot: Robot, wanted: Collection[str], before: Collection[str], log: Diagnostics) -> None:
-    """`wanted`, `before`: the names of the user's and of the source's keyframes."""
+def _check_loops(
+    robot: Robot, user_poses: Collection[str], source_poses: Collection[str], log: Diagnostics
+) -> None:
+    """Reports poses that leave loops open. `user_poses`, `source_poses`: the names of the
+    keyframes of the user and of the source."""
     if not robot.loops:
         return
     poses = keyframes(robot) if robot.keyframes else {HOME: home(robot)}
     for name, pose in poses.items():
         still_open = ", ".join(open_loops(robot, pose)) if name != SAVED else ""
-        if still_open and (name in wanted or name in before):
+        if still_open and (name in user_poses or name in source_poses):
             text = f"no pose with these values closes {still_open}"
             hint = "give fewer joints of the loop: the others follow"
-            if name not in wanted:
+            if name not in user_poses:
                 text = f"the source's keyframe: {text}"
                 hint = f"give one joint of the loop in `keyframes.{name}`, which the others follow, "
                 hint += f"or leave the keyframe out: `keyframes: {{{as_key(name)}: null}}`"

@@ -1,4 +1,4 @@
-"""Mass and inertia of links: the user's values, and whether a solid can have them."""
+"""Gives links the user's masses and inertias, and checks that a solid can have them."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import replace
@@ -6,10 +6,17 @@ from dataclasses import replace
 import networkx as nx
 
 from linkwright.stages.graph.globs import entries_of
-from linkwright.stages.graph.mass_section import LinkMassSection, tensor
+from linkwright.stages.graph.mass_section import LinkMassSection
 from linkwright.stages.graph.mechanism import WORLD_LINK
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.dynamics.inertia import ZERO, is_physical, large_enough, principal, scaled
+from linkwright.stages.robot.dynamics.inertia import (
+    ZERO,
+    is_physical,
+    large_enough,
+    principal,
+    scaled,
+    tensor,
+)
 from linkwright.stages.robot.model.robot import Inertial, Link, Robot, frozen
 from linkwright.stages.robot.text.globs import as_key, listed
 
@@ -21,64 +28,68 @@ _CORRECT_FILE = (
 )
 
 
-def with_given_masses(robot: Robot, wanted: Mapping[str, LinkMassSection], log: Diagnostics) -> Robot:
-    """The robot with the mass properties of the key `mass.links`: later entries win, value by value.
+def with_given_masses(robot: Robot, sections: Mapping[str, LinkMassSection], log: Diagnostics) -> Robot:
+    """Returns the robot with the mass properties of the key `mass.links`: later entries win, value by value.
 
-    E-GLOB for a glob that matches no link; E-MASS where values are missing of a link without mass.
+    Reports E-GLOB for a glob that matches no link; E-MASS where values of a link without mass are missing.
     """
     names = [{link.name} for link in robot.links]
-    asked = list(wanted.values())
+    overrides = list(sections.values())
     links = []
-    for link, entries in zip(robot.links, entries_of(names, wanted, "mass.links", "link", log), strict=True):
+    for link, entries in zip(
+        robot.links, entries_of(names, sections, "mass.links", "link", log), strict=True
+    ):
         values: dict[str, object] = {}
         for index in entries:
-            values.update({name: value for name, value in asked[index] if value is not None})
-        links.append(_given(link, LinkMassSection.model_validate(values), log) if values else link)
+            values.update({name: value for name, value in overrides[index] if value is not None})
+        links.append(_with_mass(link, LinkMassSection.model_validate(values), log) if values else link)
     return replace(robot, links=tuple(links))
 
 
-def _given(link: Link, asked: LinkMassSection, log: Diagnostics) -> Link:
+def _with_mass(link: Link, section: LinkMassSection, log: Diagnostics) -> Link:
     if link.name == WORLD_LINK:
         return link
-    mass = link.inertial.mass if asked.mass is None else asked.mass
-    lacks = [name for name in ("mass", "com", "inertia") if getattr(asked, name) is None]
+    mass = link.inertial.mass if section.mass is None else section.mass
+    lacks = [name for name in ("mass", "com", "inertia") if getattr(section, name) is None]
     if link.inertial.mass == 0 and lacks:
         text = f"the link has no mass of its own: {' and '.join(lacks)} must be given too"
         log.report("E-MASS", text, link.name, f"mass: {{links: {{{as_key(link.name)}: {{mass: ...}}}}}}")
         return link
     sum_of_parts = scaled(link.inertial, mass) if link.inertial.mass > 0 else ZERO
-    given = Inertial(
+    override = Inertial(
         mass,
-        sum_of_parts.com if asked.com is None else frozen(asked.com),
-        sum_of_parts.inertia if asked.inertia is None else tensor(asked.inertia),
+        sum_of_parts.com if section.com is None else frozen(section.com),
+        sum_of_parts.inertia if section.inertia is None else tensor(section.inertia),
     )
-    return replace(link, inertial=given, given=given)
+    return replace(link, inertial=override, given=override)
 
 
-def check_links(robot: Robot, log: Diagnostics, drawn: bool = True) -> None:
-    """E-MASS for links that move without mass, E-INERTIA for inertias that no solid can have.
+def check_links(robot: Robot, log: Diagnostics, from_cad: bool = True) -> None:
+    """Reports E-MASS for links that move without mass, E-INERTIA for inertias that no solid can have.
 
-    `drawn`: whether the user corrects them in CAD, not in a file.
+    `from_cad`: whether the user corrects them in CAD, not in a file.
     """
-    _check_masses(robot, log, drawn)
-    # Parts of a kind share one inertial, which is looked at once.
+    _check_masses(robot, log, from_cad)
+    # Parts of a kind share an inertial, which is checked once.
     inertials = {id(part.inertial): part.inertial for link in robot.links for part in link.parts}
-    impossible = {key for key, one in inertials.items() if one.mass > 0 and not is_physical(one)}
-    _check_link_inertias(robot, impossible, log, drawn)
+    impossible = {
+        key for key, inertial in inertials.items() if inertial.mass > 0 and not is_physical(inertial)
+    }
+    _check_link_inertias(robot, impossible, log, from_cad)
     _check_part_inertias(robot, impossible, log)
 
 
-def _check_masses(robot: Robot, log: Diagnostics, drawn: bool) -> None:
-    """E-MASS by link, unless parts are known to have no mass, which is reported already.
+def _check_masses(robot: Robot, log: Diagnostics, from_cad: bool) -> None:
+    """Reports E-MASS by link, unless parts are known to have no mass, which is reported already.
 
-    Links that fixed joints hold together move as one, so one of them may be without mass.
+    Links that fixed joints hold together move together, so some of them may be without mass.
     """
-    if any(one.code == "E-MASS" for one in log.problems):
+    if any(problem.code == "E-MASS" for problem in log.problems):
         return
     for link in _moving_without_mass(robot):
         text = "the link moves, but has no mass"
         hint = f"mass: {{links: {{{as_key(link.name)}: {{mass: ...}}}}}}"
-        if link.parts and drawn:
+        if link.parts and from_cad:
             text = "the link has no mass: all its parts are sheets or weigh nothing"
             hint = "fasten it to a solid part, or thicken it, in Onshape"
         log.report("E-MASS", text, link.name, hint)
@@ -88,18 +99,18 @@ def _has_impossible_inertia(link: Link) -> bool:
     return link.inertial.mass > 0 and not is_physical(link.inertial)
 
 
-def _check_link_inertias(robot: Robot, impossible: Collection[int], log: Diagnostics, drawn: bool) -> None:
-    """E-INERTIA for each link. `impossible`: ids of the inertials of parts that no solid can have."""
+def _check_link_inertias(robot: Robot, impossible: Collection[int], log: Diagnostics, from_cad: bool) -> None:
+    """Reports E-INERTIA for each link. `impossible`: ids of the inertials of parts that no solid can have."""
     for link in filter(_has_impossible_inertia, robot.links):
         moments = ", ".join(f"{moment:.4g}" for moment in principal(link.inertial.inertia))
         text = f"no solid can have the inertia of the link {link.name!r}: its principal moments are "
         culprits = [part.name for part in link.parts if id(part.inertial) in impossible]
-        hint = f"{_CORRECT}{'parts' if culprits else 'links'}" if drawn else _CORRECT_FILE
+        hint = f"{_CORRECT}{'parts' if culprits else 'links'}" if from_cad else _CORRECT_FILE
         log.report("E-INERTIA", f"{text}{moments} kg m²", listed(culprits) or link.name, hint)
 
 
 def _check_part_inertias(robot: Robot, impossible: Collection[int], log: Diagnostics) -> None:
-    """W-INERTIA, once for each kind of part, in links whose own inertia is possible."""
+    """Reports W-INERTIA, once for each kind of part, in links whose own inertia is possible."""
     reported: set[int] = set()
     for link in robot.links:
         if link.given is not None or _has_impossible_inertia(link):
@@ -112,19 +123,17 @@ def _check_part_inertias(robot: Robot, impossible: Collection[int], log: Diagnos
 
 
 def with_least_inertias(robot: Robot, log: Diagnostics) -> Robot:
-    """The robot with the least mass and inertia that MuJoCo takes on links that have less (W-INERTIA-LEAST):
-    those of a robot that is a few millimetres long."""
+    """Raises the mass and the inertia of each link to MuJoCo's minimum (W-INERTIA-LEAST). Links of a robot
+    that is a few millimetres long have less."""
     links = []
     for link in robot.links:
-        own = link.inertial
-        found = own if own.mass <= 0 or not is_physical(own) else large_enough(own)
-        if found is not own:
-            was, now = (_weight(one) for one in (own, found))
-            text = (
-                f"below MuJoCo's least mass or inertia of a moving body ({was}): the least was used ({now})"
-            )
+        inertial = link.inertial
+        enlarged = inertial if inertial.mass <= 0 or not is_physical(inertial) else large_enough(inertial)
+        if enlarged is not inertial:
+            old, new = (_weight(weighed) for weighed in (inertial, enlarged))
+            text = f"below MuJoCo's minimum mass or inertia of a body ({old}): the minimum was used ({new})"
             log.report("W-INERTIA-LEAST", text, link.name, _LARGER)
-            link = replace(link, inertial=found, given=found)
+            link = replace(link, inertial=enlarged, given=enlarged)
         links.append(link)
     return replace(robot, links=tuple(links))
 
@@ -135,7 +144,7 @@ def _weight(inertial: Inertial) -> str:
 
 
 def _moving_without_mass(robot: Robot) -> list[Link]:
-    """Of each group of links that moves as one and weighs nothing, the first."""
+    """Returns the first link of each group of links that move together and weigh nothing."""
     rigid = nx.utils.UnionFind([link.name for link in robot.links])
     for joint in robot.joints:
         if joint.type == "fixed":

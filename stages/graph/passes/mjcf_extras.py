@@ -1,4 +1,4 @@
-"""What only an MJCF has, on the robot's present links and joints."""
+"""Places the extras of an MJCF on the robot's links and joints."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -19,57 +19,68 @@ _GIVEN = {
     "armature": "armature",
     "effort": "actuatorfrc",
 }
-"""What the configuration may give a dof, and how the attributes begin that say the same."""
+"""Quantity that the configuration may give a dof → prefix of the MJCF attributes for the same quantity."""
 
 
 def with_bodies(robot: Robot, mechanism: Mechanism) -> Robot:
-    """The robot, as it is placed at the mechanism's own pose, with the mechanism's extras: where the source's
-    bodies are on the links, whose frames depend on the root, and what is on them."""
+    """Adds the mechanism's extras to a robot at the mechanism's own pose: the source's bodies and the
+    elements on them. They are placed on the links, whose frames depend on the root."""
     extras = mechanism.mjcf
     if extras is None:
         return robot
     poses = link_poses(robot, saved_configuration(robot))
-    read = {body.name: body.world_from_body for body in mechanism.bodies}
+    world_from_bodies = {body.name: body.world_from_body for body in mechanism.bodies}
 
-    def placed(one: MjcfBodyFrame) -> Array:
-        world_from_link = robot.world_from_root @ poses[one.link]
-        return frozen(inverse(world_from_link) @ read[one.link] @ one.link_from_body)
+    def placed(frame: MjcfBodyFrame) -> Array:
+        world_from_link = robot.world_from_root @ poses[frame.link]
+        return frozen(inverse(world_from_link) @ world_from_bodies[frame.link] @ frame.link_from_body)
 
-    bodies = tuple(replace(one, link_from_body=placed(one)) for one in extras.bodies if one.link in poses)
-    mounted = tuple(one for one in extras.mounted if one.link in poses)
-    root = next((one for one in bodies if one.link == robot.root.name), None)
+    bodies = tuple(
+        replace(frame, link_from_body=placed(frame)) for frame in extras.bodies if frame.link in poses
+    )
+    mounted = tuple(element for element in extras.mounted if element.link in poses)
+    root = next((frame for frame in bodies if frame.link == robot.root.name), None)
     if root is not None:
         bodies, mounted = _with_root(root, bodies, mounted)
     return replace(robot, mjcf=replace(extras, bodies=bodies, mounted=mounted))
 
 
 def with_mjcf(robot: Robot, mechanism: Mechanism, keys: GraphSections, log: Diagnostics) -> Robot:
-    """The robot's extras without attributes of links that are not there, and of values that the configuration
-    gives. W-MJCF-LEFT for joints that follow others than in the source."""
+    """Returns the robot with its extras less attributes of missing links and of values that the configuration
+    gives. Reports W-MJCF-LEFT for joints that follow other joints than in the source."""
     if robot.mjcf is None:
         return robot
     links = {link.name for link in robot.links}
     dofs = {dof.name: dof for dof in robot.dofs}
-    attributes = (_kept(one, dofs, links, _loops(robot, keys)) for one in robot.mjcf.attributes)
+    attributes = (
+        _remaining_attributes(attribute_set, dofs, links, _loops(robot, keys))
+        for attribute_set in robot.mjcf.attributes
+    )
     _report_chains(robot, mechanism, log)
-    return replace(robot, mjcf=replace(robot.mjcf, attributes=tuple(one for one in attributes if one)))
+    return replace(
+        robot,
+        mjcf=replace(
+            robot.mjcf, attributes=tuple(attribute_set for attribute_set in attributes if attribute_set)
+        ),
+    )
 
 
 def _loops(robot: Robot, keys: GraphSections) -> set[str]:
-    """The loops that are as stiff as the configuration says."""
+    """Returns the loops whose stiffness the configuration gives."""
     return set() if keys.loops.solref is None else {loop.name for loop in robot.loops}
 
 
 def _report_chains(robot: Robot, mechanism: Mechanism, log: Diagnostics) -> None:
-    """A joint that follows one which follows another is written as following that."""
-    pairs = {one.name: tuple(one.connections) for one in mechanism.relations}
+    """Reports W-MJCF-LEFT for a joint that follows a follower: it is written as following that follower's
+    driver."""
+    pairs = {relation.name: tuple(relation.connections) for relation in mechanism.relations}
     for relation in robot.relations:
-        written = (relation.driver, relation.follower)
-        if relation.name in pairs and pairs[relation.name] != written:
+        pair = (relation.driver, relation.follower)
+        if relation.name in pairs and pairs[relation.name] != pair:
             driver, follower = pairs[relation.name]
             text = (
                 f"the equality of {follower} and {driver} is written as one of {relation.follower} and "
-                f"{relation.driver}: the same positions, but it may yield otherwise under load"
+                f"{relation.driver}: the positions are the same, but under load it may yield differently"
             )
             hint = "let each follower follow the joint that is driven"
             log.report("W-MJCF-LEFT", text, relation.name, hint)
@@ -78,7 +89,8 @@ def _report_chains(robot: Robot, mechanism: Mechanism, log: Diagnostics) -> None
 def _with_root(
     root: MjcfBodyFrame, bodies: tuple[MjcfBodyFrame, ...], mounted: tuple[MjcfMounted, ...]
 ) -> tuple[tuple[MjcfBodyFrame, ...], tuple[MjcfMounted, ...]]:
-    """The same with the root's body in the frame of its link, which the user may choose."""
+    """Returns the bodies and mounted elements with the root's body in the frame of its link, which the user
+    may choose."""
     pose, axes = root.link_from_body, root.body_from_inertial
     moved = replace(
         root,
@@ -86,26 +98,29 @@ def _with_root(
         body_from_inertial=None if axes is None else frozen(pose[:3, :3] @ axes),
     )
     return (
-        tuple(moved if one is root else one for one in bodies),
+        tuple(moved if body is root else body for body in bodies),
         tuple(
-            replace(one, body_from_element=frozen(pose @ one.body_from_element))
-            if one.link == root.link
-            else one
-            for one in mounted
+            replace(element, body_from_element=frozen(pose @ element.body_from_element))
+            if element.link == root.link
+            else element
+            for element in mounted
         ),
     )
 
 
-def _kept(
-    one: MjcfAttributes, dofs: Mapping[str, Dof], links: set[str], loops: set[str]
+def _remaining_attributes(
+    attributes: MjcfAttributes, dofs: Mapping[str, Dof], links: set[str], loops: set[str]
 ) -> MjcfAttributes | None:
-    """Attributes without those that the configuration gives; `loops`: the loops whose solref it gives."""
-    if one.kind in ("body", "freejoint"):
-        return one if one.name in links else None
-    if one.kind == "equality" and one.name in loops:
+    """Returns the attributes without those that the configuration gives; `loops`: the loops whose solref it
+    gives."""
+    if attributes.kind in ("body", "freejoint"):
+        return attributes if attributes.name in links else None
+    if attributes.kind == "equality" and attributes.name in loops:
         return None
-    if one.kind != "joint" or one.name not in dofs:
-        return one
-    given = tuple(_GIVEN[name] for name in dofs[one.name].given if name in _GIVEN)
-    left = tuple(pair for pair in one.attributes if not (given and pair[0].startswith(given)))
-    return replace(one, attributes=left) if left else None
+    if attributes.kind != "joint" or attributes.name not in dofs:
+        return attributes
+    configured = tuple(_GIVEN[name] for name in dofs[attributes.name].given if name in _GIVEN)
+    remaining = tuple(
+        pair for pair in attributes.attributes if not (configured and pair[0].startswith(configured))
+    )
+    return replace(attributes, attributes=remaining) if remaining else None

@@ -1,12 +1,13 @@
-"""The mobility of a mechanism: its coordinates less the conditions of relations and loops, by rank.
+"""Computes the mobility of a mechanism: its coordinates less the rank of the conditions of relations and
+loops.
 
-A loop requires that the twist of its frame by way of link a equals that by way of link b, except for
-the motions of its own dofs: 6 − f rows over the coordinates on both ways (Angeles, "Fundamentals of
-Robotic Mechanical Systems", on the rank of the Jacobian of a closed chain). Lengths are
-measured by the reach of connected loops, so that all entries are about 1.
+A loop requires that the twist of its frame along the path to link a equals that along the path to link b,
+except for the motions of its own dofs: 6 − f rows over the coordinates on both paths (Angeles, "Fundamentals
+of Robotic Mechanical Systems", on the rank of the Jacobian of a closed chain). Lengths are measured by the
+reach of connected loops, so that all entries are about 1.
 
-The rank is that at the saved pose: where the pose is singular (a parallelogram that lies flat, with all
-its pivots in line) it is lower than elsewhere, and `dof` counts motions that are not there a step on.
+The rank is that at the saved pose: where the pose is singular (a flat parallelogram, with all its pivots in
+line) it is lower than elsewhere, and `dof` counts motions that neighbouring poses do not have.
 """
 
 import math
@@ -21,35 +22,40 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.poses import motion
 from linkwright.stages.robot.model.robot import Array, Dof, Loop, Mobility, Robot
 from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
-from linkwright.stages.robot.motion.tree_paths import ways_up
+from linkwright.stages.robot.motion.tree_paths import paths_up
 
 FREEDOM = {"turn": 1, "slide": 1, "ball": 3, "free": 6}
 
 RANK_TOLERANCE = 1e-6
-"""A singular value of entries of about 1 that is below this counts as zero: a saved pose is met to
-about 1e-8."""
+"""Singular values below this count as zero: entries are about 1, and saved poses are exact to about 1e-8."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Coordinate:
-    """A scalar motion at the saved pose, in the root's frame: `spin` and `shift` (3,) are its angular
-    velocity and the velocity of the point `at` (3,) for a unit rate."""
+    """A scalar motion at the saved pose, in the root's frame, for a unit rate."""
 
     dof: str
     spin: Array
+    """Angular velocity (3,)."""
     shift: Array
+    """Velocity of the point `at` (3,)."""
     at: Array
+    """A point (3,)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Ring:
-    """A loop's coordinates: those on the way to link a, to link b, and the loop's own, and its point."""
+    """A loop with its coordinates."""
 
     loop: Loop
     to_a: tuple[Coordinate, ...]
+    """Coordinates on the path to link a."""
     to_b: tuple[Coordinate, ...]
-    own: tuple[Coordinate, ...]
+    """Coordinates on the path to link b."""
+    closure: tuple[Coordinate, ...]
+    """Coordinates of the loop's own dofs."""
     point: Array
+    """The point of the loop (3,)."""
 
     @property
     def way(self) -> tuple[Coordinate, ...]:
@@ -59,34 +65,37 @@ class _Ring:
 
 @dataclass(frozen=True, slots=True)
 class Share:
-    """How a dof moves with its driver: by `multiplier`, times the reach to the `power` where rates of
-    slides are measured by that."""
+    """The rate of a dof relative to its driver's: `multiplier`, times the reach to the `power`."""
 
     driver: str
     multiplier: float
     power: int
+    """1 if only the driver is a slide, -1 if only the follower is, else 0: rates of slides count in units of
+    the reach."""
 
 
 def with_mobility(robot: Robot, log: Diagnostics) -> Robot:
-    """The robot with its mobility. W-RIGID-LOOP for loops that lock the links that they join.
+    """Returns the robot with its mobility. Reports W-RIGID-LOOP for loops that lock their links.
 
     A loop's redundant conditions are those that follow from the relations and from the loops before it
     by name.
     """
     coordinates = sum(FREEDOM[dof.kind] for dof in robot.dofs)
-    taken = len(robot.relations) + sum(_conditions(loop) for loop in robot.loops)
+    conditions = len(robot.relations) + sum(_conditions(loop) for loop in robot.loops)
     # Relations are trees: none of them follows from others.
     rank, redundant = len(robot.relations), dict[str, int]()
     shares = _shares(robot)
     for rings in _groups(_rings(robot), shares):
-        blocks, columns = _stacked(rings, shares)
-        whole, moving = _solved(np.vstack(blocks))
-        rank += whole
-        for ring, added in zip(rings, _added(blocks, 0, whole), strict=True):
+        blocks, columns = _constraint_rows(rings, shares)
+        total_rank, moving = _rank_and_motion(np.vstack(blocks))
+        rank += total_rank
+        for ring, added in zip(rings, _rank_increments(blocks, 0, total_rank), strict=True):
             redundant[ring.loop.name] = _conditions(ring.loop) - added
         _report_rigid(rings, moving, columns, log)
-    found = tuple((name, count) for name, count in sorted(redundant.items()) if count)
-    return replace(robot, mobility=Mobility(coordinates, coordinates - taken, coordinates - rank, found))
+    redundancies = tuple((name, count) for name, count in sorted(redundant.items()) if count)
+    return replace(
+        robot, mobility=Mobility(coordinates, coordinates - conditions, coordinates - rank, redundancies)
+    )
 
 
 def _conditions(loop: Loop) -> int:
@@ -94,11 +103,15 @@ def _conditions(loop: Loop) -> int:
 
 
 def _groups(rings: Sequence[_Ring], shares: Mapping[str, Share]) -> list[list[_Ring]]:
-    """Loops that share coordinates, by themselves or through relations, in the order of their names."""
+    """Groups loops that share coordinates, by themselves or through relations, in the order of their
+    names."""
     forest = nx.utils.UnionFind(range(len(rings)))
     first: dict[str, int] = {}
     for number, ring in enumerate(rings):
-        for name in {shares[one.dof].driver if one.dof in shares else one.dof for one in ring.way}:
+        for name in {
+            shares[coordinate.dof].driver if coordinate.dof in shares else coordinate.dof
+            for coordinate in ring.way
+        }:
             forest.union(number, first.setdefault(name, number))
     groups: dict[int, list[_Ring]] = {}
     for number, ring in enumerate(rings):
@@ -108,28 +121,28 @@ def _groups(rings: Sequence[_Ring], shares: Mapping[str, Share]) -> list[list[_R
 
 def _rings(robot: Robot) -> list[_Ring]:
     poses = link_poses(robot, saved_configuration(robot))
-    above = {joint.child: joint for joint in robot.joints}
+    joint_of = {joint.child: joint for joint in robot.joints}
     parents = {joint.child: joint.parent for joint in robot.joints}
     order = {link.name: number for number, link in enumerate(robot.links)}
-    made: dict[str, tuple[Coordinate, ...]] = {}
+    coordinates: dict[str, tuple[Coordinate, ...]] = {}
 
     def side(links: Sequence[str]) -> tuple[Coordinate, ...]:
-        for joint in (above[link] for link in links if link not in made):
+        for joint in (joint_of[link] for link in links if link not in coordinates):
             start = poses[joint.parent] @ joint.parent_from_joint
-            made[joint.child] = tuple(_coordinates(joint.dofs, start))
-        return tuple(one for link in reversed(links) for one in made[link])
+            coordinates[joint.child] = tuple(_coordinates(joint.dofs, start))
+        return tuple(coordinate for link in reversed(links) for coordinate in coordinates[link])
 
     rings = []
-    for loop in sorted(robot.loops, key=lambda one: one.name):
-        to_a, to_b = ways_up(loop.link_a, loop.link_b, parents, order)
-        own = tuple(_coordinates(loop.dofs, poses[loop.link_b] @ loop.b_from_frame))
+    for loop in sorted(robot.loops, key=lambda loop: loop.name):
+        to_a, to_b = paths_up(loop.link_a, loop.link_b, parents, order)
+        closure = tuple(_coordinates(loop.dofs, poses[loop.link_b] @ loop.b_from_frame))
         point = (poses[loop.link_a] @ loop.a_from_frame)[:3, 3]
-        rings.append(_Ring(loop, side(to_a), side(to_b), own, point))
+        rings.append(_Ring(loop, side(to_a), side(to_b), closure, point))
     return rings
 
 
 def _coordinates(dofs: Iterable[Dof], root_from_start: Array) -> Iterator[Coordinate]:
-    """The scalar motions of a chain of dofs that starts at this pose (4, 4), at its saved values."""
+    """Yields the scalar motions of a chain of dofs that starts at this pose (4, 4), at its saved values."""
     pose, none = root_from_start, np.zeros(3)
     for dof in dofs:
         pose = pose @ dof.origin
@@ -148,121 +161,133 @@ def _coordinates(dofs: Iterable[Dof], root_from_start: Array) -> Iterator[Coordi
 
 
 def _shares(robot: Robot) -> Mapping[str, Share]:
-    """The share of every dof of a relation, drivers included."""
+    """Returns the share of every dof of a relation, drivers included."""
     slides = {dof.name for dof in robot.dofs if dof.kind == "slide"}
-    found = {one.driver: Share(one.driver, 1.0, 0) for one in robot.relations}
-    for one in robot.relations:
-        power = (one.driver in slides) - (one.follower in slides)
-        found[one.follower] = Share(one.driver, one.multiplier, power)
-    return found
+    shares = {relation.driver: Share(relation.driver, 1.0, 0) for relation in robot.relations}
+    for relation in robot.relations:
+        power = (relation.driver in slides) - (relation.follower in slides)
+        shares[relation.follower] = Share(relation.driver, relation.multiplier, power)
+    return shares
 
 
-def _stacked(
+def _constraint_rows(
     rings: Sequence[_Ring], shares: Mapping[str, Share]
 ) -> tuple[list[Array], Mapping[Coordinate, int]]:
-    """The rows of each loop, and the column of each coordinate.
+    """Returns the rows of each loop, and the column of each coordinate.
 
-    What relations tie together has one column, scaled to a length of 1 over its coordinates: so that
-    gears of whatever ratio leave all entries at about 1.
+    Coordinates that relations couple share a column, scaled to a length of 1 over its coordinates: so gears
+    of any ratio leave all entries at about 1.
     """
     reach = _reach(rings)
     numbers: dict[object, int] = {}
     columns: dict[Coordinate, int] = {}
     factors: dict[Coordinate, float] = {}
-    for one in dict.fromkeys(one for ring in rings for one in ring.way):
-        share = shares.get(one.dof)
-        columns[one] = numbers.setdefault(share.driver if share else one, len(numbers))
-        factors[one] = share.multiplier * reach**share.power if share else 1.0
+    for coordinate in dict.fromkeys(coordinate for ring in rings for coordinate in ring.way):
+        share = shares.get(coordinate.dof)
+        columns[coordinate] = numbers.setdefault(share.driver if share else coordinate, len(numbers))
+        factors[coordinate] = share.multiplier * reach**share.power if share else 1.0
     lengths = np.zeros(len(numbers))
-    for one, column in columns.items():
-        lengths[column] = math.hypot(lengths[column], factors[one])
+    for coordinate, column in columns.items():
+        lengths[column] = math.hypot(lengths[column], factors[coordinate])
     blocks = []
     for ring in rings:
         block = np.zeros((6, len(numbers)))
         if ring.way:
-            at = [columns[one] for one in ring.way]
+            indices = [columns[coordinate] for coordinate in ring.way]
+            # The twists along both paths must be equal: their difference is zero.
             signs = np.repeat([1.0, -1.0], [len(ring.to_a), len(ring.to_b)])
-            parts = signs * [factors[one] for one in ring.way] / lengths[at]
-            np.add.at(block.T, at, (parts * _twists(ring.way, ring.point, reach)).T)
-        blocks.append(_independent(_locked(ring, reach) @ block))
+            parts = signs * [factors[coordinate] for coordinate in ring.way] / lengths[indices]
+            np.add.at(block.T, indices, (parts * _twists(ring.way, ring.point, reach)).T)
+        blocks.append(_independent_rows(_locked_twists(ring, reach) @ block))
     return blocks, columns
 
 
 def _twists(coordinates: Sequence[Coordinate], point: Array, reach: float) -> Array:
-    """(6, n): of each, the angular velocity and that of `point` (3,) measured by `reach` [m]. A slide's
-    rate is measured so too."""
-    spins = np.array([one.spin for one in coordinates])
-    arms = point - np.array([one.at for one in coordinates])
-    shifts = np.array([one.shift for one in coordinates]) + np.cross(spins, arms)
+    """Returns the twists (6, n) of coordinates: the angular velocity, and the velocity of `point` (3,)
+    measured by `reach` [m]. A slide's rate is measured by `reach` too."""
+    spins = np.array([coordinate.spin for coordinate in coordinates])
+    arms = point - np.array([coordinate.at for coordinate in coordinates])
+    shifts = np.array([coordinate.shift for coordinate in coordinates]) + np.cross(spins, arms)
     shifts[spins.any(axis=1)] /= reach
     return np.hstack([spins, shifts]).T
 
 
 def _reach(rings: Sequence[_Ring]) -> float:
-    """The largest distance [m] of a coordinate from the point of a loop that it is in; 1 without any."""
-    ways = [np.array([one.at for one in ring.way]) - ring.point for ring in rings if ring.way]
-    far = [float(np.linalg.norm(arms, axis=1).max()) for arms in ways]
-    return max(far, default=0.0) or 1.0
+    """Returns the largest distance [m] of a coordinate from the point of its loop; 1 without coordinates."""
+    offsets = [
+        np.array([coordinate.at for coordinate in ring.way]) - ring.point for ring in rings if ring.way
+    ]
+    distances = [float(np.linalg.norm(arms, axis=1).max()) for arms in offsets]
+    return max(distances, default=0.0) or 1.0
 
 
-def _locked(ring: _Ring, reach: float) -> Array:
-    """(6 − f, 6): an orthonormal basis of the twists that the loop's own dofs do not let through."""
-    if not ring.own:
+def _locked_twists(ring: _Ring, reach: float) -> Array:
+    """Returns an orthonormal basis (6 − f, 6) of the twists that the loop's own dofs do not let through."""
+    if not ring.closure:
         return np.eye(6)
-    free = _twists(ring.own, ring.point, reach)
+    # The left singular vectors behind those of the free twists are orthogonal to these.
+    free = _twists(ring.closure, ring.point, reach)
     basis: Array = np.linalg.svd(free)[0][:, free.shape[1] :].T
     return basis
 
 
-def _independent(rows: Array) -> Array:
-    """Independent rows with the same row space as `rows`."""
+def _independent_rows(rows: Array) -> Array:
+    """Returns independent rows with the same row space as `rows`."""
     if not rows.size:
         return rows[:0]
     _, sizes, across = np.linalg.svd(rows, full_matrices=False)
-    rank = _count(sizes)
+    rank = _rank(sizes)
+    # Of rows U S Vᵀ, the rows of S Vᵀ span the same space.
     independent: Array = sizes[:rank, None] * across[:rank]
     return independent
 
 
-def _count(sizes: Array) -> int:
-    """The rank, by singular values from the largest down."""
-    # Conditions that a plane fulfils are all rounding: measured by the largest they would count.
+def _rank(sizes: Array) -> int:
+    """Returns the rank, by singular values from the largest down."""
+    # The conditions that a planar loop fulfils by itself are all rounding: measured by the largest they would
+    # count.
     return int((sizes > RANK_TOLERANCE * max(1.0, float(sizes[0]))).sum()) if sizes.size else 0
 
 
-def _solved(matrix: Array) -> tuple[int, NDArray[np.bool_]]:
-    """The rank, and whether the conditions let each of n coordinates move (n,)."""
+def _rank_and_motion(matrix: Array) -> tuple[int, NDArray[np.bool_]]:
+    """Returns the rank, and whether the conditions let each of n coordinates move (n,)."""
     if not matrix.size:
         return 0, np.ones(matrix.shape[1], dtype=bool)
     _, sizes, across = np.linalg.svd(matrix)
-    rank = _count(sizes)
+    rank = _rank(sizes)
+    # A coordinate moves if it has an entry in the null space, which the last rows of Vᵀ span.
     return rank, (np.abs(across[rank:]) > RANK_TOLERANCE).any(axis=0)
 
 
-def _added(blocks: Sequence[Array], before: int, whole: int, above: Sequence[Array] = ()) -> list[int]:
-    """What each block of independent rows adds to the rank of those before it.
+def _rank_increments(
+    blocks: Sequence[Array], rank_above: int, total_rank: int, blocks_above: Sequence[Array] = ()
+) -> list[int]:
+    """Returns the rank that each block of independent rows adds to those before it.
 
-    `before` is the rank of the blocks `above`, `whole` with all of `blocks`. Halved until it is plain:
-    a rank for every block would be work of the fourth power of their number.
+    `rank_above` is the rank of the blocks `blocks_above`, `total_rank` the rank with all of `blocks`. The
+    blocks are halved until the ranks are plain: a rank for every block would take work of the fourth power of
+    their number.
     """
-    most = [len(block) for block in blocks]
-    if whole == before or whole - before == sum(most):
-        return [0] * len(blocks) if whole == before else most
+    sizes = [len(block) for block in blocks]
+    if total_rank == rank_above or total_rank - rank_above == sum(sizes):
+        return [0] * len(blocks) if total_rank == rank_above else sizes
     if len(blocks) == 1:
-        return [whole - before]
+        return [total_rank - rank_above]
     half = len(blocks) // 2
     first, second = blocks[:half], blocks[half:]
-    rank = _count(np.linalg.svd(np.vstack([*above, *first]), compute_uv=False))
-    between = min(max(rank, before), whole)  # where a singular value is on the edge of counting
-    return _added(first, before, between, above) + _added(second, between, whole, [*above, *first])
+    rank = _rank(np.linalg.svd(np.vstack([*blocks_above, *first]), compute_uv=False))
+    between = min(max(rank, rank_above), total_rank)  # where a singular value is on the edge of counting
+    return _rank_increments(first, rank_above, between, blocks_above) + _rank_increments(
+        second, between, total_rank, [*blocks_above, *first]
+    )
 
 
 def _report_rigid(
     rings: Sequence[_Ring], moving: NDArray[np.bool_], columns: Mapping[Coordinate, int], log: Diagnostics
 ) -> None:
     for ring in rings:
-        if ring.way and not any(moving[columns[one]] for one in ring.way):
-            names = dict.fromkeys(one.dof for one in ring.way)
+        if ring.way and not any(moving[columns[coordinate]] for coordinate in ring.way):
+            names = dict.fromkeys(coordinate.dof for coordinate in ring.way)
             text = f"the loop leaves no motion to {', '.join(names)}"
             hint = (
                 "remove a mate or a relation of the loop, or FASTEN the links if they are meant to be rigid"

@@ -24,58 +24,61 @@ PAIRS: Mapping[str, tuple[tuple[DofKind, DofKind], ...]] = {
 
 
 class _Unfit(Exception):
-    """A relation joins no dofs; the text gives the reason."""
+    """An error of a relation that joins no dofs; the text gives the reason."""
 
 
 def named(robot: Robot, specs: Sequence[RelationSpec]) -> list[RelationSpec]:
-    """The relations sorted by title, each with its own name, else a free one made from its title."""
-    taken = {joint.name for joint in robot.joints} | {loop.name for loop in robot.loops}
-    taken |= {dof.name for dof in robot.dofs} | {spec.name for spec in specs}
-    found = []
+    """Returns the relations sorted by title, each with its own name, else a free name made from its title."""
+    taken_names = {joint.name for joint in robot.joints} | {loop.name for loop in robot.loops}
+    taken_names |= {dof.name for dof in robot.dofs} | {spec.name for spec in specs}
+    named_specs = []
     for spec in sorted(specs, key=lambda b: (b.title, b.connections, b.type)):
-        name = spec.name or free(legal(spec.title.rsplit("/", 1)[-1]) or "relation", taken)
-        taken.add(name)
-        found.append(replace(spec, name=name))
-    return found
+        name = spec.name or free(legal(spec.title.rsplit("/", 1)[-1]) or "relation", taken_names)
+        taken_names.add(name)
+        named_specs.append(replace(spec, name=name))
+    return named_specs
 
 
 def configured(
-    specs: Sequence[RelationSpec], wanted: Mapping[str, RelationSection], log: Diagnostics
+    specs: Sequence[RelationSpec], sections: Mapping[str, RelationSection], log: Diagnostics
 ) -> list[RelationSpec]:
-    """The relations after the key `relations`: dropped, inverted, with another offset. Later entries win,
-    field by field; a glob fits names, titles, and their last words. E-GLOB for one that fits nothing."""
+    """Returns the relations after the key `relations`: dropped, inverted, with another offset. Later entries
+    win, field by field; a glob fits names, titles, and their last words. Reports E-GLOB for a glob that fits
+    nothing."""
     things = [{spec.name, spec.title, spec.title.rsplit("/", 1)[-1]} for spec in specs]
-    entries = list(wanted.values())
-    found = []
-    for spec, fits in zip(specs, entries_of(things, wanted, "relations", "relation", log), strict=True):
-        given: dict[str, bool | float] = {}
+    entries = list(sections.values())
+    configured_specs = []
+    for spec, fits in zip(specs, entries_of(things, sections, "relations", "relation", log), strict=True):
+        keys: dict[str, bool | float] = {}
         for index in fits:
-            given |= {key: value for key, value in entries[index] if value is not None}
-        if given.get("drop"):
+            keys |= {key: value for key, value in entries[index] if value is not None}
+        if keys.get("drop"):
             continue
-        against = bool(given.get("invert"))
-        found.append(
+        against = bool(keys.get("invert"))
+        configured_specs.append(
             replace(
                 spec,
                 reverse=spec.reverse != against,
                 ratio=-spec.ratio if against and spec.type == "MIMIC" else spec.ratio,
-                offset=given.get("offset", spec.offset),
-                sure="invert" in given,
+                offset=keys.get("offset", spec.offset),
+                sure="invert" in keys,
             )
         )
-    return found
+    return configured_specs
 
 
 def dof_relations(robot: Robot, specs: Sequence[RelationSpec], log: Diagnostics) -> tuple[DofRelation, ...]:
-    """The relations that join two dofs of the tree. W-RELATION for the others, E-RELATION for those that
-    contradict themselves."""
-    found = []
+    """Returns the relations that join two dofs of the tree. Reports W-RELATION for the others, E-RELATION for
+    those that contradict themselves."""
+    relations = []
     joints = {joint.name: joint for joint in robot.joints}
     kinds = {dof.name: dof.kind for dof in robot.dofs}
     scalar = {name for name, kind in kinds.items() if kind in ("turn", "slide")}
     for spec in specs:
         try:
-            one = _mimicked(robot, scalar, spec) if spec.type == "MIMIC" else _joined(robot, joints, spec)
+            relation = (
+                _mimicked(robot, scalar, spec) if spec.type == "MIMIC" else _joined(robot, joints, spec)
+            )
         except _Unfit as why:
             # Only a robot's own file has a MIMIC.
             hint = (
@@ -84,24 +87,24 @@ def dof_relations(robot: Robot, specs: Sequence[RelationSpec], log: Diagnostics)
             hint += f", or drop it: relations: {{{as_key(spec.name)}: {{drop: true}}}}"
             log.report("W-RELATION", f"{why}: its joints move independently", spec.title, hint)
             continue
-        if one is None:
+        if relation is None:
             mates = listed(map(repr, spec.connections))
-            text = f"a SCREW relation needs one CYLINDRICAL mate; {mates} is not one"
+            text = f"a SCREW relation needs one CYLINDRICAL mate; {mates} is of another type"
             log.report("E-RELATION", text, spec.title, "make the mate CYLINDRICAL")
-        elif text := misfit(spec.offset, kind := kinds[one.follower]):
-            text = f"offset: {text}, and {one.follower} is a {kind}"
+        elif text := misfit(spec.offset, kind := kinds[relation.follower]):
+            text = f"offset: {text}, and {relation.follower} is a {kind}"
             log.report("E-RELATION", text, spec.title, as_typed(kind))
-        elif one.driver == one.follower:
-            text = f"the joint {one.driver!r} is related to itself"
+        elif relation.driver == relation.follower:
+            text = f"the joint {relation.driver!r} is related to itself"
             log.report("E-RELATION", text, spec.title, "choose two different joints")
         else:
-            found.append(one)
-    return tuple(found)
+            relations.append(relation)
+    return tuple(relations)
 
 
 def _joined(robot: Robot, joints: Mapping[str, Joint], spec: RelationSpec) -> DofRelation | None:
-    """The dofs and the factor of a relation; None for a SCREW without its CYLINDRICAL mate; _Unfit with the
-    reason."""
+    """Returns the dofs and the factor of a relation; None for a SCREW without its CYLINDRICAL mate; raises
+    _Unfit with the reason."""
     if spec.type not in PAIRS:
         msg = f"a {spec.type} relation is not supported"
         raise _Unfit(msg)
@@ -118,7 +121,8 @@ def _joined(robot: Robot, joints: Mapping[str, Joint], spec: RelationSpec) -> Do
 
 
 def _mimicked(robot: Robot, scalar: Collection[str], spec: RelationSpec) -> DofRelation:
-    """A MIMIC names dofs, turns or slides, and has the factor and the offset itself."""
+    """Returns the relation of a MIMIC, which names dofs, turns or slides, and has the factor and the offset
+    itself."""
     driver, follower = spec.connections
     for name in spec.connections:
         if name not in scalar:
@@ -128,10 +132,10 @@ def _mimicked(robot: Robot, scalar: Collection[str], spec: RelationSpec) -> DofR
 
 
 def _joints(robot: Robot, joints: Mapping[str, Joint], spec: RelationSpec) -> tuple[Joint, ...]:
-    wanted = 1 if spec.type == "SCREW" else 2
-    names = spec.connections if wanted == 2 else tuple(dict.fromkeys(spec.connections))
-    if len(names) != wanted:
-        mates = "1 mate" if wanted == 1 else f"{wanted} mates"
+    expected = 1 if spec.type == "SCREW" else 2
+    names = spec.connections if expected == 2 else tuple(dict.fromkeys(spec.connections))
+    if len(names) != expected:
+        mates = "1 mate" if expected == 1 else f"{expected} mates"
         msg = f"a {spec.type} relation needs {mates}, and this one has {len(names)}"
         raise _Unfit(msg)
     for name in names:
@@ -149,13 +153,13 @@ def _why_no_joint(robot: Robot, name: str) -> str:
 
 
 def _dofs(spec: RelationSpec, first: Joint, second: Joint) -> tuple[tuple[DofKind, DofKind], tuple[str, str]]:
-    """The only pair of dofs that the relation can mean."""
+    """Returns the only pair of dofs that the relation can mean."""
     fits = [
-        ((one.kind, other.kind), (one.name, other.name))
+        ((driver.kind, follower.kind), (driver.name, follower.name))
         for kinds in PAIRS[spec.type]
-        for one in first.dofs
-        for other in second.dofs
-        if (one.kind, other.kind) == kinds
+        for driver in first.dofs
+        for follower in second.dofs
+        if (driver.kind, follower.kind) == kinds
     ]
     if len(fits) == 1:
         return fits[0]
@@ -164,13 +168,13 @@ def _dofs(spec: RelationSpec, first: Joint, second: Joint) -> tuple[tuple[DofKin
         pairs = ", ".join(" and ".join(names) for _, names in fits)
         msg = f"a {spec.type} relation of {types} is ambiguous: it may join {pairs}"
     else:
-        wanted = " or ".join(f"a {one} and a {other}" for one, other in PAIRS[spec.type])
-        msg = f"a {spec.type} relation needs {wanted}, which {types} do not have"
+        expected = " or ".join(f"a {driver} and a {follower}" for driver, follower in PAIRS[spec.type])
+        msg = f"a {spec.type} relation needs {expected}, which {types} do not have"
     raise _Unfit(msg)
 
 
 def _factor(spec: RelationSpec, kinds: tuple[DofKind, DofKind]) -> float:
-    """k > 0 of follower = ±k · driver, by the kinds of driver and follower."""
+    """Returns k > 0 of follower = ±k · driver, by the kinds of driver and follower."""
     by_ratio = kinds[0] == kinds[1]
     size = spec.ratio if by_ratio else spec.length
     if not (size > 0 and math.isfinite(size)):

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
-from linkwright.stages.graph.globs import unusable
+from linkwright.stages.graph.globs import why_unusable
 from linkwright.stages.graph.mechanism import WORLD_LINK, Connection, Mechanism
 from linkwright.stages.graph.section import NamesSection
 from linkwright.stages.robot.diagnostics import Diagnostics
@@ -13,59 +13,69 @@ from linkwright.stages.robot.model.sensing import Sensor
 from linkwright.stages.robot.text.globs import listed, matching, with_plain
 
 
-def renamed(mechanism: Mechanism, wanted: NamesSection, log: Diagnostics) -> Mechanism:
-    """The mechanism with the names that `wanted` gives; no other name changes.
+def renamed(mechanism: Mechanism, section: NamesSection, log: Diagnostics) -> Mechanism:
+    """Returns the mechanism with the names that `section` gives; no other name changes.
 
-    An entry means the one body or joint (a connection, or what holds a frame) that has this name; else the
-    one that is called so in CAD or that the glob matches. E-RENAME for none or several, E-NAME for a name
-    that is not free.
+    An entry means the only body or joint (a connection, or the joint of a frame) that has this name; else the
+    only body or joint whose name in CAD the glob matches. Reports E-RENAME for no match or several, E-NAME
+    for a name that is not free.
     """
     links = _new_names(
         [body.name for body in mechanism.bodies],
         [with_plain(body.titles) for body in mechanism.bodies],
-        (wanted.links, "names.links", "link"),
+        (section.links, "names.links", "link"),
         log,
     )
-    titles = {one.name: {one.ref.name, one.title} for one in mechanism.connections}
+    titles = {
+        connection.name: {connection.ref.name, connection.title} for connection in mechanism.connections
+    }
     titles |= {marker.joint: set() for marker in mechanism.markers if marker.joint}
     names = list(titles)
-    joints = _new_names(names, list(titles.values()), (wanted.joints, "names.joints", "joint"), log)
+    joints = _new_names(names, list(titles.values()), (section.joints, "names.joints", "joint"), log)
     bodies = tuple(replace(body, name=links.get(i, body.name)) for i, body in enumerate(mechanism.bodies))
-    connections = tuple(_called(one, joints.get(i, one.name)) for i, one in enumerate(mechanism.connections))
+    connections = tuple(
+        _with_name(connection, joints.get(i, connection.name))
+        for i, connection in enumerate(mechanism.connections)
+    )
     called = {names[i]: name for i, name in joints.items()}
     for old, new in zip(mechanism.connections, connections, strict=True):
-        called |= {one.name: other.name for one, other in zip(old.dofs, new.dofs, strict=True)}
+        called |= {old_dof.name: new_dof.name for old_dof, new_dof in zip(old.dofs, new.dofs, strict=True)}
     specs = tuple(
         replace(spec, connections=tuple(called.get(name, name) for name in spec.connections))
         for spec in mechanism.relations
     )
     of_links = {mechanism.bodies[i].name: name for i, name in links.items()}
-    made = replace(
+    renamed_mechanism = replace(
         mechanism,
         bodies=bodies,
         connections=connections,
         relations=specs,
-        markers=tuple(replace(one, joint=called.get(one.joint, one.joint)) for one in mechanism.markers),
-        actuators=tuple(replace(one, dof=called.get(one.dof, one.dof)) for one in mechanism.actuators),
-        sensors=tuple(_measuring(one, called, of_links) for one in mechanism.sensors),
+        markers=tuple(
+            replace(marker, joint=called.get(marker.joint, marker.joint)) for marker in mechanism.markers
+        ),
+        actuators=tuple(
+            replace(actuator, dof=called.get(actuator.dof, actuator.dof)) for actuator in mechanism.actuators
+        ),
+        sensors=tuple(_measuring(sensor, called, of_links) for sensor in mechanism.sensors),
         keyframes=tuple(
-            replace(one, given=tuple((called.get(name, name), value) for name, value in one.given))
-            for one in mechanism.keyframes
+            replace(keyframe, given=tuple((called.get(name, name), value) for name, value in keyframe.given))
+            for keyframe in mechanism.keyframes
         ),
         mjcf=mechanism.mjcf and mechanism.mjcf.renamed(_new_name(called, of_links)),
     )
-    _check_free(made, {*links.values(), *joints.values()}, log)
-    return made
+    _check_free(renamed_mechanism, {*links.values(), *joints.values()}, log)
+    return renamed_mechanism
 
 
 def _new_name(dofs: Mapping[str, str], links: Mapping[str, str]) -> NewName:
-    """By kind: those of links are bodies, and an equality may be a connection that closes a loop."""
+    """Returns a function that renames by kind: links are bodies, and an equality may be a connection that
+    closes a loop."""
     tables = {"body": links, "joint": dofs, "equality": dofs}
     return lambda kind, name: tables.get(kind, {}).get(name, name)
 
 
 def _measuring(sensor: Sensor, dofs: Mapping[str, str], links: Mapping[str, str]) -> Sensor:
-    """The sensor by the new names of what it is on."""
+    """Returns the sensor under the new names of its objects."""
 
     def new(kind: str, name: str) -> str:
         table = dofs if kind == "joint" else links if kind in ("body", "xbody") else {}
@@ -81,34 +91,36 @@ def _measuring(sensor: Sensor, dofs: Mapping[str, str], links: Mapping[str, str]
 def _new_names(
     names: Sequence[str],
     titles: Sequence[Collection[str]],
-    asked: tuple[Mapping[str, str], str, str],
+    entries: tuple[Mapping[str, str], str, str],
     log: Diagnostics,
 ) -> dict[int, str]:
-    """New names by the number of the thing; E-RENAME for an entry that does not mean exactly one."""
-    wanted, where, kind = asked
-    found: dict[int, str] = {}
-    every = [{name, *more} for name, more in zip(names, titles, strict=True)]
-    for glob, new in wanted.items():
-        hits = [names.index(glob)] if glob in names else matching(glob, every)
-        if not hits:
+    """Returns new names by the number of the thing; reports E-RENAME for an entry that does not match exactly
+    one thing."""
+    new_names, where, kind = entries
+    names_by_number: dict[int, str] = {}
+    all_titles = [{name, *other_titles} for name, other_titles in zip(names, titles, strict=True)]
+    for glob, new in new_names.items():
+        matches = [names.index(glob)] if glob in names else matching(glob, all_titles)
+        if not matches:
             hint = f"name one of: {listed(names)}"
             log.unmatched("E-RENAME", f"no {kind} matches {glob!r}", where, hint, glob)
-        elif len(hits) > 1:
-            hint = f"name one of: {listed(names[i] for i in hits)}"
-            log.report("E-RENAME", f"{len(hits)} {kind}s match {glob!r}", where, hint)
-        elif names[hits[0]] == WORLD_LINK:
+        elif len(matches) > 1:
+            hint = f"name one of: {listed(names[i] for i in matches)}"
+            log.report("E-RENAME", f"{len(matches)} {kind}s match {glob!r}", where, hint)
+        elif names[matches[0]] == WORLD_LINK:
             text = f"the assembly's origin is always called {WORLD_LINK!r}"
             log.report("E-RENAME", text, where, f"remove {glob!r}")
-        elif hits[0] in found:
-            text = f"{glob!r} means {names[hits[0]]!r}, which is already renamed to {found[hits[0]]!r}"
+        elif matches[0] in names_by_number:
+            name, new_name = names[matches[0]], names_by_number[matches[0]]
+            text = f"{glob!r} means {name!r}, which is already renamed to {new_name!r}"
             log.report("E-RENAME", text, where, "remove one of the two")
         else:
-            found[hits[0]] = new
-    return found
+            names_by_number[matches[0]] = new
+    return names_by_number
 
 
-def _called(connection: Connection, name: str) -> Connection:
-    """The connection by another name: so are its dofs, where they have it in front of theirs."""
+def _with_name(connection: Connection, name: str) -> Connection:
+    """Returns the connection under another name; dofs whose names begin with the old name are renamed too."""
     dofs = (
         replace(dof, name=name + dof.name.removeprefix(connection.name))
         if dof.name.startswith(connection.name)
@@ -119,20 +131,20 @@ def _called(connection: Connection, name: str) -> Connection:
 
 
 def _check_free(mechanism: Mechanism, new: Collection[str], log: Diagnostics) -> None:
-    """E-NAME for each new name that is invalid, or that something else has too."""
+    """Reports E-NAME for each new name that is invalid, or that something else has too."""
     counts = Counter(body.name for body in mechanism.bodies)
     counts.update(name for marker in mechanism.markers for name in (marker.name, marker.joint))
     for connection in mechanism.connections:
-        # A connection of one dof has that dof's name: the two are one thing.
+        # A connection of one dof has that dof's name: the two count once.
         counts.update(_names_of(connection))
     for connection in mechanism.connections:
         new = {*new, *_names_of(connection)} if connection.name in new else new
     for name in sorted(new):
-        taken = [name] if counts[name] > 1 else []
-        reason = unusable(name, taken)
+        duplicates = [name] if counts[name] > 1 else []
+        reason = why_unusable(name, duplicates)
         if reason:
             hint = "links, joints and frames share their names: choose another, or rename that too"
-            log.report("E-NAME", reason, "names", hint if taken else "choose another")
+            log.report("E-NAME", reason, "names", hint if duplicates else "choose another")
 
 
 def _names_of(connection: Connection) -> set[str]:

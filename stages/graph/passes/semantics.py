@@ -1,4 +1,4 @@
-"""What the source's SRDF says, by the robot's own names."""
+"""Carries over the content of the source's SRDF, with the robot's names."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -14,7 +14,8 @@ from linkwright.stages.robot.model.semantics import (
 
 
 def with_semantics(robot: Robot, semantics: RobotSemantics) -> Robot:
-    """`semantics`: by the names in the source. What the robot does not have any more is left out."""
+    """Returns the robot with the SRDF's content, less what the robot no longer has. `semantics`: by the names
+    in the source."""
     if semantics == NOTHING_MORE:
         return robot
     links = {link.path[0]: link.name for link in robot.links if len(link.path) == 1}
@@ -25,14 +26,14 @@ def with_semantics(robot: Robot, semantics: RobotSemantics) -> Robot:
         if joint.mate is not None
     }
     groups = tuple(_groups(semantics, dofs, places))
-    made = RobotSemantics(
+    present = RobotSemantics(
         groups,
         tuple(_end_effectors(semantics, {group.name for group in groups}, places)),
         tuple(dof for joint in semantics.passive for dof in dofs.get(joint, ())),
         tuple(_pairs(robot, semantics, links)),
         semantics.virtual_joint,
     )
-    return replace(robot, semantics=made)
+    return replace(robot, semantics=present)
 
 
 def _groups(
@@ -40,8 +41,8 @@ def _groups(
 ) -> Iterator[JointGroup]:
     for group in semantics.groups:
         joints = tuple(dof for joint in group.joints for dof in dofs.get(joint, ()))
-        whole = group.base in places and group.tip in places
-        base, tip = (places[group.base], places[group.tip]) if whole else ("", "")
+        is_chain = group.base in places and group.tip in places
+        base, tip = (places[group.base], places[group.tip]) if is_chain else ("", "")
         if joints:
             yield JointGroup(group.name, joints, base, tip)
 
@@ -56,7 +57,7 @@ def _end_effectors(
 
 
 def _pairs(robot: Robot, semantics: RobotSemantics, links: Mapping[str, str]) -> Iterator[DisabledPair]:
-    """The pairs, each in the order of the robot's links."""
+    """Yields the pairs, each in the order of the robot's links."""
     order = {link.name: number for number, link in enumerate(robot.links)}
     for pair in semantics.disabled:
         if pair.link_a in links and pair.link_b in links:

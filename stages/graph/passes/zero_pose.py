@@ -1,4 +1,4 @@
-"""How q is counted: from which value of the mate, and in which direction.
+"""Sets the zero and the direction of each q, in the values of its mate.
 
 q = 0 is where the mates' frames coincide, or with `zero: saved` the saved pose; `joints` gives a dof a zero
 of its own, and inverts it: mate = zero + sign · q.
@@ -24,50 +24,52 @@ SCALAR = ("turn", "slide")
 def with_zero(
     robot: Robot, zero: Literal["mate", "saved"], joints: Mapping[str, JointSection], log: Diagnostics
 ) -> Robot:
-    """The robot with q as the keys `zero` and `joints.*.zero` and `invert` count it; later entries win.
+    """Returns the robot with each q counted as the keys `zero`, `joints.*.zero` and `joints.*.invert` say;
+    later entries win.
 
-    E-JOINT for an entry that names no turn or slide. W-ZERO for a ball with a cone: it keeps its zero, as the
-    cone is about the mate's own axis.
+    Reports E-JOINT for an entry that names no turn or slide, and W-ZERO for a ball with a cone: it keeps
+    its zero, as the cone is about the mate's own axis.
     """
     dofs = (*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs))
     _check(dofs, joints, log)
     counts = {dof.name: _count(dof, zero, joints, log) for dof in dofs}
-    measured = {name for name, own in counts.items() if zero == "saved" and not _has_own_zero(name, joints)}
-    return counted(robot, counts, measured)
+    measured = {name for name, count in counts.items() if zero == "saved" and not _has_own_zero(name, joints)}
+    return with_counted_dofs(robot, counts, measured)
 
 
-def counted(robot: Robot, counts: Mapping[str, MateValue], measured: Collection[str]) -> Robot:
-    """The same robot with every q counted anew: limits, saved values and relations are carried over.
+def with_counted_dofs(robot: Robot, counts: Mapping[str, MateValue], measured: Collection[str]) -> Robot:
+    """Returns the same robot with other zeros and signs of q: limits, saved values and relations are
+    converted.
 
     With M the motion about an axis a, M(a, z + s q) = M(a, z) M(s a, q) for turns and slides, and for a ball
     with the product of quaternions: each M(a, z) goes to the transform before its dof, so that every link
     keeps its frame at every pose. `measured`: the dofs whose zero is the saved value, where an offset of a
     relation may be rounding.
     """
-    if all(own == AS_THE_MATE for own in counts.values()):
+    if all(count == AS_THE_MATE for count in counts.values()):
         return robot
     joints, loops = [], []
     for joint in robot.joints:
-        start, dofs = _moved_up(joint.parent_from_joint, joint.dofs, counts)
+        start, dofs = _converted_chain(joint.parent_from_joint, joint.dofs, counts)
         joints.append(replace(joint, parent_from_joint=start, dofs=dofs))
     for loop in robot.loops:
-        start, dofs = _moved_up(loop.b_from_frame, loop.dofs, counts)
+        start, dofs = _converted_chain(loop.b_from_frame, loop.dofs, counts)
         loops.append(replace(loop, b_from_frame=start, dofs=dofs))
-    relations = tuple(_carried(relation, counts, measured) for relation in robot.relations)
+    relations = tuple(_converted_relation(relation, counts, measured) for relation in robot.relations)
     return replace(robot, joints=tuple(joints), loops=tuple(loops), relations=relations)
 
 
 def _check(dofs: Sequence[Dof], joints: Mapping[str, JointSection], log: Diagnostics) -> None:
     for glob, keys in joints.items():
-        matched = [dof for dof in dofs if fits(dof.name, glob)]
-        kinds = {dof.kind for dof in matched}
-        asked = [key for key in ("zero", "invert") if getattr(keys, key) is not None]
-        if asked and matched and not kinds & set(SCALAR):
-            text = f"{glob!r} matches only balls or free joints, which have no {' and no '.join(asked)}"
-            log.report("E-JOINT", text, "joints", f"leave {' and '.join(asked)} out")
+        matching_dofs = [dof for dof in dofs if fits(dof.name, glob)]
+        kinds = {dof.kind for dof in matching_dofs}
+        set_keys = [key for key in ("zero", "invert") if getattr(keys, key) is not None]
+        if set_keys and matching_dofs and not kinds & set(SCALAR):
+            text = f"{glob!r} matches only balls or free joints, which have no {' and no '.join(set_keys)}"
+            log.report("E-JOINT", text, "joints", f"leave {' and '.join(set_keys)} out")
         elif keys.zero and kinds >= set(SCALAR):
-            named = ", ".join(f"{dof.name} ({dof.kind})" for dof in matched if dof.kind in SCALAR)
-            text = f"{glob!r} gives one zero to dofs of several kinds: {named}"
+            description = ", ".join(f"{dof.name} ({dof.kind})" for dof in matching_dofs if dof.kind in SCALAR)
+            text = f"{glob!r} gives one zero to dofs of several kinds: {description}"
             log.report("E-JOINT", text, "joints", "give a zero to each kind under its own glob")
 
 
@@ -87,42 +89,44 @@ def _count(
             log.report("W-ZERO", text, dof.name, hint)
             return AS_THE_MATE
         return MateValue(1, dof.saved)
-    own = MateValue(1, dof.saved) if zero == "saved" else AS_THE_MATE
+    count = MateValue(1, dof.saved) if zero == "saved" else AS_THE_MATE
     for glob, keys in joints.items():
         if fits(dof.name, glob):
-            own = own if keys.zero is None else replace(own, zero=float(keys.zero))
-            own = own if keys.invert is None else replace(own, sign=-1 if keys.invert else 1)
-    return own
+            count = count if keys.zero is None else replace(count, zero=float(keys.zero))
+            count = count if keys.invert is None else replace(count, sign=-1 if keys.invert else 1)
+    return count
 
 
-def _moved_up(
+def _converted_chain(
     start: Array, dofs: Sequence[Dof], counts: Mapping[str, MateValue]
 ) -> tuple[Array, tuple[Dof, ...]]:
-    """The transform (4, 4) before a chain, and the chain, counted anew."""
-    made = [_counted(dof, counts[dof.name]) for dof in dofs]
-    if not made:
+    """Returns the transform (4, 4) before a chain, and the chain, with the new zeros and signs."""
+    counted_dofs = [_converted_dof(dof, counts[dof.name]) for dof in dofs]
+    if not counted_dofs:
         return start, ()
-    if not np.array_equal(made[0].origin, np.eye(4)):
-        start = frozen(start @ made[0].origin + 0.0)
-    return start, (replace(made[0], origin=frozen(np.eye(4))), *made[1:])
+    if not np.array_equal(counted_dofs[0].origin, np.eye(4)):
+        start = frozen(start @ counted_dofs[0].origin + 0.0)
+    return start, (replace(counted_dofs[0], origin=frozen(np.eye(4))), *counted_dofs[1:])
 
 
-def _counted(dof: Dof, own: MateValue) -> Dof:
-    if own == AS_THE_MATE:
+def _converted_dof(dof: Dof, count: MateValue) -> Dof:
+    if count == AS_THE_MATE:
         return dof
-    at_zero = motion(dof.kind, dof.axis, own.zero)
-    moved = replace(dof, origin=frozen(dof.origin @ at_zero + 0.0), in_mate=own)
+    at_zero = motion(dof.kind, dof.axis, count.zero)
+    moved = replace(dof, origin=frozen(dof.origin @ at_zero + 0.0), in_mate=count)
     if not isinstance(dof.saved, float):
         return replace(moved, saved=at_rest(dof.kind))
-    limits = dof.limits.mapped(own.sign, own.inverse(0.0))
-    axis = frozen(own.sign * dof.axis + 0.0)
-    spring = dof.spring and replace(dof.spring, reference=own.inverse(dof.spring.reference))
-    return replace(moved, axis=axis, limits=limits, saved=own.inverse(dof.saved), spring=spring)
+    limits = dof.limits.mapped(count.sign, count.inverse(0.0))
+    axis = frozen(count.sign * dof.axis + 0.0)
+    spring = dof.spring and replace(dof.spring, reference=count.inverse(dof.spring.reference))
+    return replace(moved, axis=axis, limits=limits, saved=count.inverse(dof.saved), spring=spring)
 
 
-def _carried(relation: Relation, counts: Mapping[str, MateValue], measured: Collection[str]) -> Relation:
-    """z_f + s_f f = k (z_d + s_d d) + offset, solved for f; a rest that is only rounding of the saved pose is
-    dropped."""
+def _converted_relation(
+    relation: Relation, counts: Mapping[str, MateValue], measured: Collection[str]
+) -> Relation:
+    """Returns the relation in the new values: z_f + s_f f = k (z_d + s_d d) + offset, solved for f. An offset
+    that is only rounding of the saved pose is dropped."""
     driver, follower = counts[relation.driver], counts[relation.follower]
     factor = follower.sign * driver.sign * relation.multiplier + 0.0
     offset = follower.inverse(relation.multiplier * driver.of(0.0) + relation.offset)

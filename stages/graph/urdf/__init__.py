@@ -1,10 +1,11 @@
 """The reader of URDF files: reads a file into a mechanism; reports or repairs its errors.
 
-- dummy_links: Dummy links: frames that a file writes as links, and massless links between two joints.
-- inertias: Inertias that no solid can have: refused, recomputed from the link's shapes, or projected.
-- naming: Names from a URDF: links, joints and frames keep theirs.
+- dummy_links: Turns links that only stand for frames into frames, and gives mass to massless links between
+  two joints.
+- inertias: Refuses inertias that no solid can have, recomputes them from the link's shapes, or projects them.
+- naming: Names the links, joints and frames of a URDF: they keep their names.
 - reader: Reads a URDF into a mechanism: links become bodies, joints become connections, all at zero.
-- solid_inertia: The inertia of a link's shapes as solids.
-- srdf: What an SRDF says of the robot in a URDF, by the names in the files, and what of it is left out.
-- structure: Whether the links and joints of a file are a tree; every problem is reported at once.
+- solid_inertia: Computes the inertia of a link's shapes as solids.
+- srdf: Reads an SRDF for the robot in a URDF, by the names in the files, and lists the parts left out.
+- structure: Checks that the links and joints of a file are a tree; every problem is reported at once.
 """

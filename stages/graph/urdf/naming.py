@@ -1,4 +1,4 @@
-"""Names from a URDF: links, joints and frames keep theirs."""
+"""Names the links, joints and frames of a URDF: they keep their names."""
 
 from collections.abc import Iterable, Sequence
 
@@ -12,23 +12,25 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 UrdfFileNames = FileNames[str, str]
 
 _PLANAR = ("_x", "_y", "_turn")
-"""What the names of a planar joint's dofs end in."""
+"""The suffixes of a planar joint's dofs."""
 
 
 def names_of(urdf: Urdf, frames: Sequence[UrdfFrame], log: Diagnostics) -> UrdfFileNames:
-    """The file's own names wherever they can stay, `joints` with those that hold `frames`; W-NAME for each
-    that changes."""
+    """Returns the file's own names wherever they can stay, `joints` with those that hold `frames`; reports
+    W-NAME for each that changes."""
     namer = Namer()
     world = {WORLD_LINK: WORLD_LINK} if has_world(urdf) else {}
     links = namer.keep("link", _pairs(link.name for link in urdf.links if link.name not in world))
-    kept = namer.keep("frame", _pairs(frame.name for frame in frames))
+    frame_names = namer.keep("frame", _pairs(frame.name for frame in frames))
     ordered = sorted(urdf.joints, key=lambda joint: joint.name)
-    joints = namer.keep("joint", _pairs([*(one.name for one in ordered), *(one.joint for one in frames)]))
+    joints = namer.keep(
+        "joint", _pairs([*(named.name for named in ordered), *(named.joint for named in frames)])
+    )
     dofs = {joint.name: _dofs(joint, joints[joint.name], namer) for joint in ordered}
     followers = [joint.name for joint in ordered if joint.mimic is not None and joint.type in SCALAR]
     relations = {name: namer.make("equality", f"{joints[name]}_mimic") for name in followers}
     namer.report(log)
-    return FileNames(world | links, kept, joints, dofs, relations, {})
+    return FileNames(world | links, frame_names, joints, dofs, relations, {})
 
 
 def _pairs(names: Iterable[str]) -> list[tuple[str, str]]:

@@ -20,7 +20,7 @@ from linkwright.stages.graph.mechanism import (
 )
 from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.graph.urdf.dummy_links import UrdfFrame, weighs_nothing, with_carriers, without_dummies
-from linkwright.stages.graph.urdf.inertias import Policy, repaired
+from linkwright.stages.graph.urdf.inertias import Policy, with_repaired_inertias
 from linkwright.stages.graph.urdf.naming import UrdfFileNames, names_of
 from linkwright.stages.graph.urdf.srdf import with_srdf
 from linkwright.stages.graph.urdf.structure import SCALAR, check_structure, tops
@@ -74,14 +74,14 @@ def read_mechanism(
     check_structure(urdf, keys.root.disconnected != "error", log)
     report_unused(keys, "URDF", log)
     log.raise_errors()
-    whole = urdf
+    file_urdf = urdf
     urdf, frames = without_dummies(urdf, log)
     policy = cast(Policy, bundle.options.get("bad_inertia", "refuse"))
-    urdf = repaired(urdf, policy, bundle, log)
+    urdf = with_repaired_inertias(urdf, policy, bundle, log)
     urdf = with_carriers(urdf, policy != "refuse", log)
     root = _root(urdf)
     names = names_of(urdf, frames, log)
-    dofs = _saved({joint.name: tuple(_dofs(joint, names, log)) for joint in urdf.joints}, urdf)
+    dofs = _with_saved_values({joint.name: tuple(_dofs(joint, names, log)) for joint in urdf.joints}, urdf)
     world_from_link = _poses(urdf, dofs)
     numbers = {link.name: number for number, link in enumerate(urdf.links)}
     mechanism = Mechanism(
@@ -97,29 +97,30 @@ def read_mechanism(
         unstated_base=UNSTATED_BASE,
         demands_limits=True,
     )
-    return with_srdf(mechanism, bundle, (whole, frames, names), log), keys
+    return with_srdf(mechanism, bundle, (file_urdf, frames, names), log), keys
 
 
 def _root(urdf: Urdf) -> str:
-    """The link without a parent; of several the one with the most links below it, then the first by name."""
-    above = {joint.child: joint.parent for joint in urdf.joints}
-    top = tops(above)
+    """Returns the link without a parent; of several, that with the most links below it, then the first by
+    name."""
+    parents = {joint.child: joint.parent for joint in urdf.joints}
+    top = tops(parents)
     count = Counter(top.get(link.name, link.name) for link in urdf.links)
     return min(count, key=lambda name: (-count[name], name))
 
 
 def _dofs(joint: UrdfJoint, names: UrdfFileNames, log: Diagnostics) -> Iterator[Dof]:
-    named = names.dofs[joint.name]
+    dof_names = names.dofs[joint.name]
     zero = frozen(np.zeros(3))
     if joint.type in SCALAR:
         kind: DofKind = "slide" if joint.type == "prismatic" else "turn"
-        yield _dof(named[0], kind, joint.axis, _limits(joint, log), _dynamics(joint, log))
+        yield _dof(dof_names[0], kind, joint.axis, _limits(joint, log), _dynamics(joint, log))
     elif joint.type == "floating":
-        yield _dof(named[0], "free", zero, Limits(), Dynamics())
+        yield _dof(dof_names[0], "free", zero, Limits(), Dynamics())
     elif joint.type == "planar":
-        axes = (*_across(joint.axis), joint.axis)
+        axes = (*_cross_axes(joint.axis), joint.axis)
         kinds: tuple[DofKind, ...] = ("slide", "slide", "turn")
-        for name, planar_kind, axis in zip(named, kinds, axes, strict=True):
+        for name, planar_kind, axis in zip(dof_names, kinds, axes, strict=True):
             yield _dof(name, planar_kind, axis, Limits(), Dynamics())
 
 
@@ -127,9 +128,9 @@ def _dof(name: str, kind: DofKind, axis: Array, limits: Limits, dynamics: Dynami
     return Dof(name, kind, frozen(axis + 0.0), frozen(np.eye(4)), limits, dynamics, at_rest(kind))
 
 
-def _across(normal: Array) -> tuple[Array, Array]:
-    """Two unit vectors across `normal` (3,), right-handed with it: x and y where it is z. The frame that
-    the shortest turn takes there (Duff et al., "Building an Orthonormal Basis, Revisited", 2017)."""
+def _cross_axes(normal: Array) -> tuple[Array, Array]:
+    """Returns two unit vectors across `normal` (3,), right-handed with it: x and y where it is z. The frame
+    that the shortest turn takes there (Duff et al., "Building an Orthonormal Basis, Revisited", 2017)."""
     x, y, z = (float(value) for value in normal)
     sign = 1.0 if z >= 0 else -1.0
     a = -1.0 / (sign + z)
@@ -139,7 +140,7 @@ def _across(normal: Array) -> tuple[Array, Array]:
 
 
 def _limits(joint: UrdfJoint, log: Diagnostics) -> Limits:
-    """As the file has them. A range [0, 0] is also what a missing range means: no limits."""
+    """Returns the limits in the file. A range [0, 0] also means a missing range, so it is no limit."""
     if joint.type == "continuous" or joint.limits is None:
         return Limits()
     if (joint.limits.lower, joint.limits.upper) == (0.0, 0.0):
@@ -151,7 +152,7 @@ def _limits(joint: UrdfJoint, log: Diagnostics) -> Limits:
 
 
 def _dynamics(joint: UrdfJoint, log: Diagnostics) -> Dynamics:
-    """W-URDF-BOUND for a limit of effort or velocity that is not above zero, which is ignored."""
+    """Reports W-URDF-BOUND for a limit of effort or velocity that is not above zero, which is ignored."""
     bounds = {"effort": joint.effort, "velocity": joint.velocity}
     for name, value in bounds.items():
         if value is not None and value <= 0:
@@ -161,36 +162,37 @@ def _dynamics(joint: UrdfJoint, log: Diagnostics) -> Dynamics:
     return Dynamics(joint.damping, joint.friction, joint.armature, **bounds)
 
 
-def _saved(dofs: Mapping[str, tuple[Dof, ...]], urdf: Urdf) -> dict[str, tuple[Dof, ...]]:
-    """The dofs with followers at their mimic's values for drivers at zero."""
+def _with_saved_values(dofs: Mapping[str, tuple[Dof, ...]], urdf: Urdf) -> dict[str, tuple[Dof, ...]]:
+    """Returns the dofs with followers at their mimic's values for drivers at zero."""
     mimics = {joint.name: joint.mimic for joint in urdf.joints if joint.mimic and joint.type in SCALAR}
 
     values: dict[str, float] = {}
     for name in mimics:
-        way = []
+        path = []
         while name in mimics and name not in values:
-            way.append(name)
+            path.append(name)
             name = mimics[name].joint
-        for follower in reversed(way):
+        for follower in reversed(path):
             mimic = mimics[follower]
             values[follower] = mimic.multiplier * values.get(mimic.joint, 0.0) + mimic.offset
     return {
-        name: tuple(replace(dof, saved=values[name]) for dof in own) if name in values else own
-        for name, own in dofs.items()
+        name: tuple(replace(dof, saved=values[name]) for dof in joint_dofs) if name in values else joint_dofs
+        for name, joint_dofs in dofs.items()
     }
 
 
 def _poses(urdf: Urdf, dofs: Mapping[str, Sequence[Dof]]) -> dict[str, Array]:
-    """world_from_link (4, 4) of every link, where the dofs are as saved; every root is at the origin."""
-    below: dict[str, list[UrdfJoint]] = {}
+    """Returns world_from_link (4, 4) of every link, where the dofs are as saved; every root is at the
+    origin."""
+    joints_below: dict[str, list[UrdfJoint]] = {}
     for joint in urdf.joints:
-        below.setdefault(joint.parent, []).append(joint)
+        joints_below.setdefault(joint.parent, []).append(joint)
     children = {joint.child for joint in urdf.joints}
     poses = {link.name: np.eye(4) for link in urdf.links if link.name not in children}
     waiting = list(poses)
     while waiting:
         parent = waiting.pop()
-        for joint in below.get(parent, ()):
+        for joint in joints_below.get(parent, ()):
             motion = chain(dofs[joint.name], {dof.name: dof.saved for dof in dofs[joint.name]})
             poses[joint.child] = poses[parent] @ joint.parent_from_joint @ motion
             waiting.append(joint.child)
@@ -202,7 +204,7 @@ def _body(
 ) -> RigidBody:
     name = names.links[link.name]
     weightless = weighs_nothing(link.inertial)
-    shapes = (*((one, True) for one in link.visuals), *((one, False) for one in link.collisions))
+    shapes = (*((shape, True) for shape in link.visuals), *((shape, False) for shape in link.collisions))
     return RigidBody(
         name=name,
         path=(link.name,),
@@ -210,17 +212,17 @@ def _body(
         titles=frozenset({name, link.name}),
         fixed_reason="its root link is called world" if name == WORLD_LINK else "",
         world_from_body=frozen(world_from_link),
-        given=None if weightless or link.inertial is None else moved(link.inertial, world_from_link),
+        own_inertial=None if weightless or link.inertial is None else moved(link.inertial, world_from_link),
         shapes=tuple(
-            _primitive(shape, seen, world_from_link)
-            for shape, seen in shapes
+            _primitive(shape, visual, world_from_link)
+            for shape, visual in shapes
             if shape.kind != "mesh" and _has_size(shape, link, log)
         ),
     )
 
 
 def _parts(link: UrdfLink, world_from_link: Array, bundle: Bundle) -> Iterator[Part]:
-    """The meshes, sorted by their paths."""
+    """Yields the meshes, sorted by their paths."""
     roles = (("collision", link.collisions), ("visual", link.visuals))
     for role, shapes in roles:
         width = len(str(len(shapes)))
@@ -254,10 +256,10 @@ def _has_size(shape: UrdfShape, link: UrdfLink, log: Diagnostics) -> bool:
     return False
 
 
-def _primitive(shape: UrdfShape, seen: bool, world_from_link: Array) -> Primitive:
+def _primitive(shape: UrdfShape, visual: bool, world_from_link: Array) -> Primitive:
     assert shape.kind != "mesh"
     pose = frozen(world_from_link @ shape.link_from_shape)
-    return Primitive(shape.kind, shape.size, pose, shape.colour, visual=seen, collision=not seen)
+    return Primitive(shape.kind, shape.size, pose, shape.colour, visual=visual, collision=not visual)
 
 
 def _connection(

@@ -1,4 +1,4 @@
-"""The inertia of a link's shapes as solids."""
+"""Computes the inertia of a link's shapes as solids."""
 
 from collections.abc import Iterable, Iterator
 
@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import ConvexHull, QhullError
 
-from linkwright.stages.formats import triangles
+from linkwright.stages.formats.meshes import body_arrays
 from linkwright.stages.formats.urdf.model import UrdfShape, mesh_key
 from linkwright.stages.robot.bundle import Bundle
 from linkwright.stages.robot.dynamics.inertia import (
@@ -20,10 +20,10 @@ from linkwright.stages.robot.model.robot import Array, Inertial
 
 
 def solid_of(shapes: Iterable[UrdfShape], bundle: Bundle) -> Inertial | None:
-    """The solid of density 1 that the shapes make together, in the link's frame; a mesh that is not
-    closed counts as its convex hull. None where nothing holds a volume."""
-    found = [moved(one, shape.link_from_shape) for shape in shapes for one in _solids(shape, bundle)]
-    return merged(found) if found else None
+    """Returns the solid of density 1 that the shapes make together, in the link's frame; a mesh that is not
+    closed counts as its convex hull. Returns None where no shape has a volume."""
+    solids = [moved(solid, shape.link_from_shape) for shape in shapes for solid in _solids(shape, bundle)]
+    return merged(solids) if solids else None
 
 
 def _solids(shape: UrdfShape, bundle: Bundle) -> Iterator[Inertial]:
@@ -34,26 +34,27 @@ def _solids(shape: UrdfShape, bundle: Bundle) -> Iterator[Inertial]:
         return
     key = mesh_key(shape)
     digest = bundle.requests.get(f"mesh/{key}")
-    body = triangles.decode(bundle.body(digest), [key]).get(key) if digest else None
+    body = body_arrays.decode(bundle.body(digest), [key]).get(key) if digest else None
     if body is None or not len(body.triangles):
         return
-    points, index = triangles.distinct(body.points)
+    points, index = body_arrays.distinct(body.points)
     corners = index[body.triangles]
     try:
-        yield solid_inertia(*((points, corners) if _closed(corners) else _hull(points)), 1.0)
+        yield solid_inertia(*((points, corners) if _is_closed(corners) else _hull(points)), 1.0)
     except ValueError:
         return  # flat, so it holds nothing
 
 
-def _closed(corners: npt.NDArray[np.int64]) -> bool:
-    """Whether every edge of the triangles (m, 3) is run through as often in one sense as in the other."""
+def _is_closed(corners: npt.NDArray[np.int64]) -> bool:
+    """Returns whether every edge of the triangles (m, 3) occurs equally often in both directions."""
     edges = np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1).reshape(-1, 2)
     forth, back = edges[np.lexsort(edges.T)], edges[:, ::-1]
     return bool(np.array_equal(forth, back[np.lexsort(back.T)]))
 
 
 def _hull(points: Array) -> tuple[Array, npt.NDArray[np.int64]]:
-    """The convex hull's points and triangles, facing outwards; ValueError where the points are flat."""
+    """Returns the convex hull's points and triangles, facing outwards; raises ValueError where the points are
+    flat."""
     try:
         hull = ConvexHull(points)
     except QhullError as error:

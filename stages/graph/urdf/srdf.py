@@ -1,4 +1,4 @@
-"""What an SRDF says of the robot in a URDF, by the names in the files, and what of it is left out."""
+"""Reads an SRDF for the robot in a URDF, by the names in the files, and lists the parts left out."""
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -31,14 +31,14 @@ from linkwright.stages.robot.text.globs import listed
 from linkwright.stages.robot.text.plural import count
 
 REQUEST, NAME = "robot.srdf", "srdf"
-"""The request of a bundle that stands for an SRDF's text, and the option that has its name."""
+"""The request of a bundle for an SRDF's text, and the option that has its name."""
 
 ONE_VALUE = ("revolute", "continuous", "prismatic")
 """The types of joints that have one value."""
 
-MOST_LEVELS, MOST_STEPS, MOST_PAIRS = 64, 10_000_000, 1_000_000
-"""How deep groups are in groups, how many joints all chains have together, and how many pairs of links have
-their collisions disabled by the default of a link, at most."""
+MAX_GROUP_DEPTH, MAX_CHAIN_JOINTS, MAX_DISABLED_PAIRS = 64, 10_000_000, 1_000_000
+"""Limits for untrusted files: the depth of groups in groups, the number of joints of all chains together,
+and the number of pairs of links whose collisions the default of a link disables."""
 
 Item = TypeVar("Item", SrdfGroup, SrdfEndEffector, SrdfVirtualJoint)
 
@@ -55,10 +55,10 @@ def with_srdf(
     file: tuple[Urdf, Sequence[UrdfFrame], UrdfFileNames],
     log: Diagnostics,
 ) -> Mechanism:
-    """The mechanism of a URDF with what the SRDF in its bundle says, if there is one. `file`: the URDF as its
-    file has it, the links of it that are frames of others, and the robot's names.
+    """Returns the mechanism of a URDF with the content of the SRDF in its bundle, if any. `file`: the URDF as
+    its file has it, its links that are frames of other links, and the robot's names.
 
-    I-SRDF: that it was read, and what it gave; W-SRDF: what of it is left out.
+    I-SRDF lists what the SRDF gave; W-SRDF lists the parts left out.
     """
     digest = bundle.requests.get(REQUEST)
     if digest is None:
@@ -78,8 +78,8 @@ def with_srdf(
 
 
 class SrdfReader:
-    """Reads what an SRDF says of a robot. `urdf`: as its file has it; `frames`: the links of it that are
-    frames of others; `root`: its root link."""
+    """Reads an SRDF's content for a robot. `urdf`: as its file has it; `frames`: its links that are frames of
+    other links; `root`: its root link."""
 
     def __init__(self, srdf: Srdf, urdf: Urdf, frames: Sequence[UrdfFrame], root: str) -> None:
         self.srdf, self.root = srdf, root
@@ -94,22 +94,22 @@ class SrdfReader:
         self.groups: dict[str, SrdfGroup] = self._first_of_name(srdf.groups, "group")
 
     def semantics(self) -> tuple[RobotSemantics, str]:
-        """All but the poses: joints, links and frames by their names in the URDF; and the type of the base,
-        "" where the SRDF does not say it."""
+        """Returns everything except the poses: joints, links and frames by their names in the URDF; and the
+        type of the base, "" where the SRDF does not say it."""
         base, kind = self._base()
         groups = tuple(self._groups())
-        passive = dict.fromkeys(self._known(self.joints, "joint", self.srdf.passive, "a passive joint"))
-        made = RobotSemantics(
+        passive = dict.fromkeys(self._known_names(self.joints, "joint", self.srdf.passive, "a passive joint"))
+        semantics = RobotSemantics(
             groups,
             tuple(self._end_effectors({group.name for group in groups})),
             tuple(passive),
             tuple(self._disabled()),
             base,
         )
-        return made, kind
+        return semantics, kind
 
     def keyframes(self, names: UrdfFileNames) -> tuple[Keyframe, ...]:
-        """The poses, by the robot's dofs; those of one name for several groups are one."""
+        """Returns the poses, by the robot's dofs; poses of the same name for several groups are merged."""
         poses: dict[str, dict[str, float]] = {}
         for state in self.srdf.states:
             pose = poses.setdefault(state.name, {})
@@ -123,34 +123,34 @@ class SrdfReader:
         return tuple(Keyframe(name, tuple(pose.items())) for name, pose in poses.items() if name and pose)
 
     def report(
-        self, name: str, made: RobotSemantics, keyframes: Sequence[Keyframe], base: str, log: Diagnostics
+        self, name: str, semantics: RobotSemantics, keyframes: Sequence[Keyframe], base: str, log: Diagnostics
     ) -> None:
-        """I-SRDF: that the file `name` was read, and what it gave; W-SRDF: what of it is left out."""
-        apart = sum(pair.touches for pair in made.disabled)
-        never = len(made.disabled) - apart
+        """Reports I-SRDF with what the file `name` gave, and W-SRDF with the parts left out."""
+        touching = sum(pair.touches for pair in semantics.disabled)
+        never = len(semantics.disabled) - touching
         poses = f" ({listed(keyframe.name for keyframe in keyframes)})" if keyframes else ""
         numbers = {
-            count(len(made.groups), "group"): len(made.groups),
+            count(len(semantics.groups), "group"): len(semantics.groups),
             count(len(keyframes), "pose") + poses: len(keyframes),
-            f"{count(apart, 'pair')} of links that do not collide": apart,
+            f"{count(touching, 'pair')} of links that do not collide": touching,
             f"{count(never, 'pair')} that never touch, whose contacts stay": never,
-            count(len(made.end_effectors), "end effector"): len(made.end_effectors),
-            count(len(made.passive), "passive joint"): len(made.passive),
+            count(len(semantics.end_effectors), "end effector"): len(semantics.end_effectors),
+            count(len(semantics.passive), "passive joint"): len(semantics.passive),
             f"a {base} base": len(base),
         }
-        said = ", ".join(text for text, number in numbers.items() if number) or "nothing"
-        log.report("I-SRDF", f"the robot's SRDF is read: {said}", name, "source.srdf=none leaves it out")
+        contents = ", ".join(text for text, number in numbers.items() if number) or "nothing"
+        log.report("I-SRDF", f"the robot's SRDF is read: {contents}", name, "source.srdf=none leaves it out")
         if self.unknown:
             names = (f"{name} ({where})" for name, where in self.unknown.items())
-            text = f"it names what the URDF does not have: {listed(names)}"
+            text = f"it names elements that the URDF does not have: {listed(names)}"
             log.report("W-SRDF", text, name, "correct the names, or build without it: source.srdf=none")
         if self.left_out:
             text = f"parts of the SRDF are left out: {listed(self.left_out)}"
-            hint = "what the robot needs of it may be said by contact.exclude, keyframes, actuators or root"
+            hint = "if the robot needs them, set contact.exclude, keyframes, actuators or root"
             log.report("W-SRDF", text, name, hint)
 
     def _first_of_name(self, items: Iterable[Item], kind: str) -> dict[str, Item]:
-        """The items by name; of two with the same name the first."""
+        """Returns the items by name; of two with the same name the first."""
         first: dict[str, Item] = {}
         for item in items:
             if not item.name:
@@ -189,35 +189,36 @@ class SrdfReader:
             base, tip = group.chains[0] if is_chain else ("", "")
             yield JointGroup(name, tuple(joints), base, tip)
 
-    def _joints_of(self, name: str, resolved: dict[str, list[str]], within: set[str]) -> list[str]:
-        """The joints of a group that move: its own, those above its links, of its chains and its groups."""
+    def _joints_of(self, name: str, resolved: dict[str, list[str]], ancestors: set[str]) -> list[str]:
+        """Returns the joints of a group that move: its own, those above its links, of its chains and its
+        groups."""
         if name in resolved:
             return resolved[name]
-        if name in within or len(within) > MOST_LEVELS:
-            deep = "within itself" if name in within else f"within more than {MOST_LEVELS} others"
+        if name in ancestors or len(ancestors) > MAX_GROUP_DEPTH:
+            deep = "within itself" if name in ancestors else f"within more than {MAX_GROUP_DEPTH} others"
             self.left_out.append(f"the group {name} {deep}")
             return []
         group, where = self.groups[name], f"the group {name}"
         self.left_out += [f"{joint} in {where}" for joint in group.joints if joint in self.virtual]
-        named = [joint for joint in group.joints if joint not in self.virtual]
-        joints = list(self._known(self.joints, "joint", named, where))
-        for link in self._known(self.links, "link", group.links, where):
+        group_joints = [joint for joint in group.joints if joint not in self.virtual]
+        joints = list(self._known_names(self.joints, "joint", group_joints, where))
+        for link in self._known_names(self.links, "link", group.links, where):
             joints += [self.above[link].name] if link in self.above else []
         for base, tip in group.chains:
-            if len(list(self._known(self.links, "link", (base, tip), where))) == 2:
+            if len(list(self._known_names(self.links, "link", (base, tip), where))) == 2:
                 joints += self._chain(base, tip)
-        for inner in self._known(self.groups, "group", group.groups, where):
-            joints += self._joints_of(inner, resolved, {*within, name})
+        for inner in self._known_names(self.groups, "group", group.groups, where):
+            joints += self._joints_of(inner, resolved, {*ancestors, name})
         resolved[name] = [joint for joint in dict.fromkeys(joints) if self.joints[joint].type != "fixed"]
         return resolved[name]
 
     def _chain(self, base: str, tip: str) -> list[str]:
-        """The joints that move from a link to one that hangs on it; none where it does not."""
+        """Returns the moving joints from a link to a link below it; empty where `tip` is not below `base`."""
         names: list[str] = []
         while tip != base:
             joint = self.above.get(tip)
             self.steps += 1
-            if joint is None or self.steps > MOST_STEPS:
+            if joint is None or self.steps > MAX_CHAIN_JOINTS:
                 return []
             names += [joint.name] if joint.type != "fixed" else []
             tip = joint.parent
@@ -226,7 +227,7 @@ class SrdfReader:
     def _end_effectors(self, groups: Collection[str]) -> Iterator[EndEffector]:
         for name, effector in self._first_of_name(self.srdf.end_effectors, "end effector").items():
             where, arm = f"the end effector {name}", effector.parent_group
-            if not list(self._known(self.links, "link", [effector.parent_link], where)):
+            if not list(self._known_names(self.links, "link", [effector.parent_link], where)):
                 continue
             if effector.group not in groups:
                 self.left_out.append(f"{where}: nothing moves in its group {effector.group}")
@@ -242,7 +243,7 @@ class SrdfReader:
         of_base -= self.joints.keys()
         self.left_out += [f"the place of the base ({name}) in {where}" for name in values if name in of_base]
         names = [name for name in values if name not in of_base]
-        for name in self._known(self.joints, "joint", names, where):
+        for name in self._known_names(self.joints, "joint", names, where):
             numbers, type_ = values[name], self.joints[name].type
             if type_ in ONE_VALUE and len(numbers) == 1:
                 yield name, numbers[0]
@@ -250,8 +251,8 @@ class SrdfReader:
                 self.left_out.append(f"{count(len(numbers), 'value')} of {name} in {where}")
 
     def _disabled(self) -> Iterator[DisabledPair]:
-        """The pairs of links that have bodies. A body has the shapes of the links that are frames of it, so
-        collisions with each of these must be disabled."""
+        """Yields the pairs of links that have bodies. A body has the shapes of the links that are frames of
+        it, so collisions with each of these must be disabled."""
         solid: dict[str, list[str]] = {}
         for name, link in self.links.items():
             if link.collisions or link.visuals:
@@ -270,25 +271,29 @@ class SrdfReader:
                 self.left_out.append(f"disabled collisions of only a part of {a} with {b}")
 
     def _reasons(self, solid: Sequence[str]) -> dict[frozenset[str], str]:
-        """The reasons of disabled collisions by pair of links. `solid`: the links that have bodies, with
-        which the default of a link disables its collisions, unless they are enabled."""
+        """Returns the reasons of disabled collisions by pair of links. `solid`: the links that have bodies,
+        with which the default of a link disables its collisions, unless they are enabled."""
         reasons: dict[frozenset[str], str] = {}
         for first, second, reason in self.srdf.disabled:
-            if len(list(self._known(self.links, "link", (first, second), "disabled collisions"))) == 2:
+            if len(list(self._known_names(self.links, "link", (first, second), "disabled collisions"))) == 2:
                 reasons.setdefault(frozenset((first, second)), reason)
-        named = dict.fromkeys(self.srdf.disabled_links)
-        links = list(self._known(self.links, "link", named, "disabled default collisions"))
-        if len(links) * len(solid) > MOST_PAIRS:
-            self.left_out.append(f"disabled default collisions, which are more than {MOST_PAIRS} pairs")
+        default_links = dict.fromkeys(self.srdf.disabled_links)
+        links = list(self._known_names(self.links, "link", default_links, "disabled default collisions"))
+        if len(links) * len(solid) > MAX_DISABLED_PAIRS:
+            self.left_out.append(
+                f"disabled default collisions, which are more than {MAX_DISABLED_PAIRS} pairs"
+            )
             return reasons
         pairs = dict.fromkeys(frozenset((link, partner)) for link in links for partner in solid)
         enabled = {frozenset(pair) for pair in self.srdf.enabled}
         return dict.fromkeys((pair for pair in pairs if pair not in enabled), DEFAULT) | reasons
 
-    def _known(self, known: Collection[str], kind: str, names: Iterable[str], where: str) -> Iterator[str]:
-        """The names that are known; others are reported."""
+    def _known_names(
+        self, names_known: Collection[str], kind: str, names: Iterable[str], where: str
+    ) -> Iterator[str]:
+        """Yields the names that are known; others are reported."""
         for name in names:
-            if name in known:
+            if name in names_known:
                 yield name
             else:
                 self.unknown.setdefault(f"the {kind} {name or 'without a name'}", where)

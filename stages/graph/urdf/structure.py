@@ -1,4 +1,4 @@
-"""Whether the links and joints of a file are a tree; every problem is reported at once."""
+"""Checks that the links and joints of a file are a tree; every problem is reported at once."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
@@ -10,29 +10,29 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.text.globs import listed
 
 SCALAR = ("revolute", "continuous", "prismatic")
-"""Types of joints that have one number for their value."""
+"""Types of joints whose value is a number."""
 
 
 def check_structure(urdf: Urdf, disconnected: bool, log: Diagnostics) -> None:
-    """E-URDF-* for each thing that keeps the file from being a tree, by joint or link.
+    """Reports E-URDF-* for each thing that keeps the file from being a tree, by joint or link.
 
     `disconnected`: whether several roots are allowed, since the user has chosen what becomes of them.
     """
     links = {link.name for link in urdf.links}
-    there = f"links are: {listed(links)}"
-    sound = [joint for joint in urdf.joints if _ends_are_there(joint, links, there, log)]
+    link_list = f"links are: {listed(links)}"
+    sound = [joint for joint in urdf.joints if _ends_are_there(joint, links, link_list, log)]
     _check_parents(sound, log)
     graph: nx.DiGraph[str] = nx.DiGraph()
     graph.add_nodes_from(links)
     graph.add_edges_from((joint.parent, joint.child) for joint in sound)
     groups = sorted(sorted(group) for group in nx.strongly_connected_components(graph) if len(group) > 1)
     group_of = {name: number for number, group in enumerate(groups) for name in group}
-    within: list[list[str]] = [[] for _ in groups]
+    joints_by_group: list[list[str]] = [[] for _ in groups]
     for joint in sound:
         if joint.parent in group_of and group_of[joint.parent] == group_of.get(joint.child):
-            within[group_of[joint.parent]].append(joint.name)
-    for group, names in zip(groups, within, strict=True):
-        text = f"the links {listed(group)} form a circle"
+            joints_by_group[group_of[joint.parent]].append(joint.name)
+    for group, names in zip(groups, joints_by_group, strict=True):
+        text = f"the links {listed(group)} form a cycle"
         log.report("E-URDF-CYCLE", text, listed(names), "a URDF must be a tree: remove one of the joints")
     roots = sorted(name for name in links if graph.in_degree(name) == 0)
     if len(roots) > 1 and not disconnected:
@@ -42,11 +42,11 @@ def check_structure(urdf: Urdf, disconnected: bool, log: Diagnostics) -> None:
     _check_mimics(urdf, log)
 
 
-def _ends_are_there(joint: UrdfJoint, links: set[str], there: str, log: Diagnostics) -> bool:
+def _ends_are_there(joint: UrdfJoint, links: set[str], link_list: str, log: Diagnostics) -> bool:
     missing = [f"{side} {name!r}" for side, name in _ends(joint) if name not in links]
     if missing:
         text = f"these do not exist: its {' and '.join(missing)}"
-        log.report("E-URDF-LINK", text, joint.name, there)
+        log.report("E-URDF-LINK", text, joint.name, link_list)
     elif joint.parent == joint.child:
         text = f"it joins the link {joint.parent!r} to itself"
         log.report("E-URDF-SELF", text, joint.name, "name two different links")
@@ -59,10 +59,10 @@ def _ends(joint: UrdfJoint) -> Iterable[tuple[str, str]]:
 
 
 def _check_parents(joints: Iterable[UrdfJoint], log: Diagnostics) -> None:
-    above: dict[str, list[UrdfJoint]] = {}
+    joints_above: dict[str, list[UrdfJoint]] = {}
     for joint in joints:
-        above.setdefault(joint.child, []).append(joint)
-    for child, several in sorted(above.items()):
+        joints_above.setdefault(joint.child, []).append(joint)
+    for child, several in sorted(joints_above.items()):
         if len(several) > 1:
             text = f"the link has {len(several)} parent joints: {', '.join(sorted(j.name for j in several))}"
             hint = "a link of a URDF has one parent: a loop must be closed in the MJCF, by an equality"
@@ -70,22 +70,22 @@ def _check_parents(joints: Iterable[UrdfJoint], log: Diagnostics) -> None:
 
 
 def _check_mimics(urdf: Urdf, log: Diagnostics) -> None:
-    """E-URDF-MIMIC for a joint that cannot follow the joint that its <mimic> names."""
+    """Reports E-URDF-MIMIC for a joint that cannot follow the joint that its <mimic> names."""
     counts = Counter(joint.name for joint in urdf.joints)
     joints = {joint.name: joint for joint in urdf.joints if counts[joint.name] == 1}
     circles = _circles({name: joint.mimic.joint for name, joint in joints.items() if joint.mimic})
     hint = "correct the <mimic>, or remove it"
-    for joint in sorted(joints.values(), key=lambda one: one.name):
+    for joint in sorted(joints.values(), key=lambda joint: joint.name):
         if joint.mimic is not None and joint.type in SCALAR:
-            why = _unfollowed(joint, joint.mimic, joints, circles)
+            why = _mimic_fault(joint, joint.mimic, joints, circles)
             if why:
                 log.report("E-URDF-MIMIC", why, joint.name, hint)
 
 
-def _unfollowed(
+def _mimic_fault(
     joint: UrdfJoint, mimic: UrdfMimic, joints: Mapping[str, UrdfJoint], circles: Mapping[str, str]
 ) -> str:
-    """Why the joint cannot follow; "" where it can."""
+    """Returns why the joint cannot follow; "" where it can."""
     if mimic.joint == joint.name:
         return "it mimics itself"
     driver = joints.get(mimic.joint)
@@ -93,32 +93,33 @@ def _unfollowed(
         return f"it mimics {mimic.joint!r}, which is not a joint"
     if driver.type not in SCALAR:
         return f"it mimics {mimic.joint!r}, which is {driver.type} and so has no single value"
-    return f"it mimics in a circle: {circles[joint.name]}" if joint.name in circles else ""
+    return f"it mimics in a cycle: {circles[joint.name]}" if joint.name in circles else ""
 
 
-def _circles(above: Mapping[str, str]) -> dict[str, str]:
-    """By each name from which the way up, from name to name, comes back to it: the names on that way."""
-    found: dict[str, str] = {}
-    seen: set[str] = set()
-    for name in above:
-        way: dict[str, None] = {}
-        while name in above and name not in seen:
-            seen.add(name)
-            way[name] = None
-            name = above[name]
-        if name in way:
-            circle = list(way)[list(way).index(name) :]
-            found |= dict.fromkeys(circle, listed(circle))
-    return found
+def _circles(parents: Mapping[str, str]) -> dict[str, str]:
+    """Returns the circles of names, by each name from which the path upwards returns to it: the names on the
+    path."""
+    circles: dict[str, str] = {}
+    visited: set[str] = set()
+    for name in parents:
+        path: dict[str, None] = {}
+        while name in parents and name not in visited:
+            visited.add(name)
+            path[name] = None
+            name = parents[name]
+        if name in path:
+            circle = list(path)[list(path).index(name) :]
+            circles |= dict.fromkeys(circle, listed(circle))
+    return circles
 
 
-def tops(above: Mapping[str, str]) -> dict[str, str]:
-    """Where the way up ends from each name of a forest that has one."""
-    found: dict[str, str] = {}
-    for name in above:
-        way = []
-        while name in above and name not in found:
-            way.append(name)
-            name = above[name]
-        found |= dict.fromkeys(way, found.get(name, name))
-    return found
+def tops(parents: Mapping[str, str]) -> dict[str, str]:
+    """Returns the end of the path upwards from each name of a forest that has a path."""
+    tops_by_name: dict[str, str] = {}
+    for name in parents:
+        path = []
+        while name in parents and name not in tops_by_name:
+            path.append(name)
+            name = parents[name]
+        tops_by_name |= dict.fromkeys(path, tops_by_name.get(name, name))
+    return tops_by_name

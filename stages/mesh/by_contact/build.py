@@ -1,5 +1,5 @@
-"""Colliders by contact of the links that ask for them, kept by what they depend on, and what is reported of
-them."""
+"""Makes colliders by contact, remembers them by everything they depend on, and reports pairs that stay
+false."""
 
 from __future__ import annotations
 
@@ -30,69 +30,71 @@ if TYPE_CHECKING:
     from linkwright.stages.mesh.library import MeshLibrary
 
 
-Made = tuple[tuple[Collision, ...], tuple[FalsePair, ...]]
-"""The collider of each job, and the pairs of links that are false for all that."""
+ContactColliders = tuple[tuple[Collision, ...], tuple[FalsePair, ...]]
+"""Collider of each job, and the pairs of links that are still false."""
 
 
-def by_contact(request: ContactRequest, library: MeshLibrary, memo: Memo) -> Made:
-    """Colliders by contact, kept by what they depend on."""
+def by_contact(request: ContactRequest, library: MeshLibrary, memo: Memo) -> ContactColliders:
+    """Returns colliders by contact, from the cache if nothing has changed on which they depend."""
     if not request.jobs:
         return (), ()
-    made = memo("mesh.by_contact", request.key(), lambda: orjson.dumps(codec.plain(_made(request, library))))
-    return codec.typed(Made, orjson.loads(made))  # type: ignore[no-any-return]
+    data = memo("mesh.by_contact", request.key(), lambda: orjson.dumps(codec.plain(_make(request, library))))
+    return codec.typed(ContactColliders, orjson.loads(data))  # type: ignore[no-any-return]
 
 
-def _made(request: ContactRequest, library: MeshLibrary) -> Made:
-    of_link: dict[str, list[int]] = {link: [] for link in request.fixed}
+def _make(request: ContactRequest, library: MeshLibrary) -> ContactColliders:
+    jobs_of_link: dict[str, list[int]] = {link: [] for link in request.fixed}
     for number, job in enumerate(request.jobs):
-        of_link.setdefault(job.link, []).append(number)
+        jobs_of_link.setdefault(job.link, []).append(number)
     solids = [_finite(job, library) for job in request.jobs]
-    surfaces = [[surface for surface, _ in every] for every in solids]
+    surfaces = [[surface for surface, _ in job_solids] for job_solids in solids]
     bodies, groups = list[Touchable](), dict[int, tuple[str, int]]()
-    for link, numbers in sorted(of_link.items()):
-        solid = [number for number in numbers if surfaces[number]]
-        groups |= {number: (link, group) for group, number in enumerate(solid)}
+    for link, numbers in sorted(jobs_of_link.items()):
+        numbers_with_surface = [number for number in numbers if surfaces[number]]
+        groups |= {number: (link, group) for group, number in enumerate(numbers_with_surface)}
         body = Touchable(
             link,
-            tuple(tuple(surfaces[number]) for number in solid),
+            tuple(tuple(surfaces[number]) for number in numbers_with_surface),
             tuple(request.fixed.get(link, ())),
-            tuple(tuple(part for _, part in solids[number]) for number in solid),
+            tuple(tuple(part for _, part in solids[number]) for number in numbers_with_surface),
         )
         if body.groups or body.fixed:
             bodies.append(body)
     solution = solved(request, bodies)
-    every = []
+    collisions = []
     for number, job in enumerate(request.jobs):
         faces = sum(len(surface.triangles) for surface in surfaces[number])
         link, group = groups.get(number, (job.link, -1))
         pieces = solution.pieces[link][group] if group >= 0 else ()
-        every.append(_collision(link, pieces, faces, solution))
-    return tuple(every), solution.after
+        collisions.append(_collision(link, pieces, faces, solution))
+    return tuple(collisions), solution.after
 
 
 def _finite(job: ColliderJob, library: MeshLibrary) -> list[tuple[Surface, Placed]]:
-    """The surfaces of a job, in its link's frame, and which part each is of."""
-    found = list[tuple[Surface, "Placed"]]()
+    """Returns the finite surfaces of a job, in its link's frame, each with its part."""
+    solids = list[tuple[Surface, "Placed"]]()
     for use, surface in zip(job.uses, job.surfaces(library), strict=True):
         if len(surface.triangles) and bool(np.isfinite(surface.vertices[surface.triangles]).all()):
             mirrored = np.linalg.det(use.link_from_part[:3, :3]) < 0
-            found.append((surface, (None if mirrored else use.mesh, use.link_from_part)))
-    return found
+            solids.append((surface, (None if mirrored else use.mesh, use.link_from_part)))
+    return solids
 
 
 def _collision(link: str, pieces: Sequence[Piece], faces: int, solution: Solution) -> Collision:
     if not pieces:
         return Collision(note="it is flat" if faces else "it has no mesh")
     kind = "hull" if isinstance(pieces[0], Surface) else pieces[0].kind
-    made = Collision(tuple(pieces), faces, rung="pieces" if len(pieces) > 1 else kind)
+    collision = Collision(tuple(pieces), faces, rung="pieces" if len(pieces) > 1 else kind)
     end = solution.ends.get(link)
     if end is not None:
-        made = replace(made, measures=end.measures, tolerance=round(end.tolerance, 9), meets=end.meets)
-    return replace(made, reason="; ".join(_reasons(link, len(pieces), solution, end)))
+        collision = replace(
+            collision, measures=end.measures, tolerance=round(end.tolerance, 9), meets=end.meets
+        )
+    return replace(collision, reason="; ".join(_reasons(link, len(pieces), solution, end)))
 
 
 def _reasons(link: str, pieces: int, solution: Solution, end: End | None) -> Iterator[str]:
-    """Why a link has so many pieces, in words."""
+    """Yields the reasons in words for the number of a link's pieces."""
     cut_for = [pair.beside(link) for pair in solution.before if pair.has(link)]
     left = [pair.beside(link) for pair in solution.after if pair.has(link)]
     if cut_for and pieces > 1:
@@ -106,24 +108,24 @@ def _reasons(link: str, pieces: int, solution: Solution, end: End | None) -> Ite
 
 
 def false_contacts(pairs: Sequence[FalsePair]) -> Iterator[Diagnostic]:
-    """W-FALSE-CONTACT for each link of such pairs, with the pairs that no link before it named."""
-    told: dict[str, list[FalsePair]] = {}
+    """Yields W-FALSE-CONTACT for links of false pairs; each pair is reported once."""
+    by_link: dict[str, list[FalsePair]] = {}
     for pair in pairs:
-        told.setdefault(pair.one if pair.one in told or pair.other not in told else pair.other, []).append(
-            pair
-        )
-    for link, own in told.items():
-        said = "; ".join(_said(link, pair) for pair in own)
-        lines = ", ".join(f"[{as_key(pair.one)}, {as_key(pair.other)}]" for pair in own)
+        by_link.setdefault(
+            pair.one if pair.one in by_link or pair.other not in by_link else pair.other, []
+        ).append(pair)
+    for link, link_pairs in by_link.items():
+        descriptions = "; ".join(_description(link, pair) for pair in link_pairs)
+        lines = ", ".join(f"[{as_key(pair.one)}, {as_key(pair.other)}]" for pair in link_pairs)
         yield Diagnostic(
             "W-FALSE-CONTACT",
-            f"the collider of {link} touches where the link does not: {said}",
+            f"the collider of {link} touches where the link does not: {descriptions}",
             link,
             f"to let them pass through each other: `contact: {{exclude: [{lines}]}}`; or a collider by hand "
             "in mesh.colliders",
         )
 
 
-def _said(link: str, pair: FalsePair) -> str:
+def _description(link: str, pair: FalsePair) -> str:
     where = "at home" if pair.home else f"in {100 * pair.share:.2g} % of poses"
     return f"{pair.beside(link)}, {where}, by up to {1e3 * pair.depth:.2g} mm"

@@ -1,4 +1,4 @@
-"""Links that meet the world: their pieces are cut until the collider is within the link's tolerance."""
+"""Cuts the pieces of links that meet the world until the collider is within the link's tolerance."""
 
 from __future__ import annotations
 
@@ -17,50 +17,52 @@ from linkwright.stages.mesh.cut.outside import Outside, Sampled, StandingOut
 from linkwright.stages.mesh.cut.piece import Chunk, hull_of, whole_hull
 from linkwright.stages.robot.model.geometry import Measures
 
-MOST = 12
-"""Pieces of a link that meets the world."""
+MAX_PIECES = 12
+"""Largest number of pieces of a link that meets the world."""
 
-_MEASURED = 3, 6
-"""Of how many planes the pieces are measured: where the best of three leads away from the tolerance, the best
-of six may not."""
+_MEASURED_PLANES = 3, 6
+"""Numbers of planes that are compared by their pieces: if the best of three does not lead to the tolerance,
+the best of six may."""
 
-_PATIENCE, _BETTER = 5, 0.95
-"""Cutting ends after five cuts in a row that left more than 95 % of what stood out before them."""
+_PATIENCE, _MAX_LEFT_SHARE = 5, 0.95
+"""Cutting ends after five cuts in a row that left more than 95 % of the protrusion before them."""
 
-_OUT_OF_REACH = 1.5
-"""Cutting ends early, and more planes are not measured, only where all states so far stand out by more than
-1.5 times the tolerance."""
+_OUT_OF_REACH_TOLERANCES = 1.5
+"""Cutting ends early, and more planes are not tried, only if all states so far stand out by more than this
+many tolerances."""
 
-_WORTH = 1.15
-"""Where no state is within the tolerance, the first is taken that stands out at most 1.15 times as far as the
-best."""
+_MAX_RATIO_TO_BEST = 1.15
+"""If no state is within the tolerance, the first state is used whose protrusion is at most this many times
+that of the best."""
 
 
 _State = tuple[StandingOut, list[Chunk]]
-"""How far pieces stand out, and the pieces."""
+"""How far some pieces stand out, and the pieces."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class End:
-    """How far [m] the colliders of a link that meets the world stand out of what can be reached of it: 95 %
-    of their outer surface, and all of it. `measures`: of all of them together, None where the link's mesh is
-    too tangled."""
+    """How far the collider of a link that meets the world stands out of the link's reachable surface."""
 
     tolerance: float
+    """Tolerance of the link [m]."""
     p95: float
+    """Largest distance [m] of 95 % of the outer surface."""
     most: float
+    """Largest distance [m] of all of the outer surface."""
     measures: Measures | None
+    """Measures of the whole collider; None if the link's mesh is too tangled."""
 
     @property
     def meets(self) -> bool:
-        """Whether it is within the tolerance."""
+        """Whether the collider is within the tolerance."""
         return self.p95 <= self.tolerance
 
 
 def fitted_end(
     surface: Surface, starts: Sequence[Sequence[Chunk]], settings: ContactSettings
 ) -> tuple[list[Chunk], End]:
-    """The pieces of a link that meets the world, and how near they are to it."""
+    """Returns the pieces of a link that meets the world, and how near they are to the link."""
     tolerance = default_tolerance(surface.diagonal)
     outside = Outside.of(surface, tolerance)
     out, chunks = _fitted(starts, outside, tolerance, settings.max_vertices)
@@ -74,79 +76,83 @@ def fitted_end(
 def _fitted(
     starts: Sequence[Sequence[Chunk]], outside: Outside, tolerance: float, max_vertices: int
 ) -> _State:
-    """Pieces of which 95 % of the outer surface stand out of the link by at most `tolerance` [m]: those that
-    come of cutting the first of the `starts` that leads there, else the best of all."""
+    """Returns pieces that stand out of the link by at most `tolerance` [m] with 95 % of their outer surface,
+    cut from the first of the `starts` that leads to such pieces; if no start does, the best pieces found."""
     best: _State | None = None
-    for measured, start in product(_MEASURED, starts):
-        if best and measured != _MEASURED[0] and best[0].p95 > _OUT_OF_REACH * tolerance:
+    for plane_count, start in product(_MEASURED_PLANES, starts):
+        if best and plane_count != _MEASURED_PLANES[0] and best[0].p95 > _OUT_OF_REACH_TOLERANCES * tolerance:
             break
-        found = _cut(start, outside, tolerance, max_vertices, measured)
-        if best is None or found[0].p95 < best[0].p95:
-            best = found
-        if found[0].p95 <= tolerance:
+        state = _cut(start, outside, tolerance, max_vertices, plane_count)
+        if best is None or state[0].p95 < best[0].p95:
+            best = state
+        if state[0].p95 <= tolerance:
             break
     assert best is not None  # there is a start
     return best
 
 
 def _cut(
-    chunks: Sequence[Chunk], outside: Outside, tolerance: float, max_vertices: int, measured: int
+    chunks: Sequence[Chunk], outside: Outside, tolerance: float, max_vertices: int, plane_count: int
 ) -> _State:
-    """Pieces, and how far they stand out. The piece with most area out of the tolerance is cut, again and
-    again."""
-    tried: list[_State] = []
+    """Cuts again and again the piece with the largest area outside the tolerance; returns the pieces, and how
+    far they stand out."""
+    states: list[_State] = []
     sampled: dict[Chunk, Sampled] = {}
     faces = planes.flat_faces(joined([chunk.surface for chunk in chunks]))
 
     def halves(chunk: Chunk) -> list[Chunk]:
-        return [] if chunk.stays else _halves(chunk, faces, outside, max_vertices, measured)
+        return [] if chunk.stays else _halves(chunk, faces, outside, max_vertices, plane_count)
 
-    for now in cuts(chunks, lambda _: tried[-1][0].far, halves):
-        for chunk in now:
+    for current in cuts(chunks, lambda _: states[-1][0].far, halves):
+        for chunk in current:
             if chunk not in sampled:
                 sampled[chunk] = outside.sampled(chunk.piece)
-        out = outside.standing_out([sampled[chunk] for chunk in now])
-        tried.append((out, now))
-        if out.p95 <= tolerance or len(now) >= MOST or _stalls([out.p95 for out, _ in tried], tolerance):
+        out = outside.standing_out([sampled[chunk] for chunk in current])
+        states.append((out, current))
+        if (
+            out.p95 <= tolerance
+            or len(current) >= MAX_PIECES
+            or _stalls([out.p95 for out, _ in states], tolerance)
+        ):
             break
-    least = min(out.p95 for out, _ in tried)
-    enough = tolerance if least <= tolerance else _WORTH * least
-    return next(state for state in tried if state[0].p95 <= enough)
+    least = min(out.p95 for out, _ in states)
+    largest_p95 = tolerance if least <= tolerance else _MAX_RATIO_TO_BEST * least
+    return next(state for state in states if state[0].p95 <= largest_p95)
 
 
-def _stalls(found: Sequence[float], tolerance: float) -> bool:
-    """Whether the tolerance is out of reach, and the last cuts brought nothing."""
-    if len(found) <= _PATIENCE or min(found) < _OUT_OF_REACH * tolerance:
+def _stalls(p95s: Sequence[float], tolerance: float) -> bool:
+    """Tells whether the tolerance is out of reach, and the last cuts did not help."""
+    if len(p95s) <= _PATIENCE or min(p95s) < _OUT_OF_REACH_TOLERANCES * tolerance:
         return False
-    return min(found[-_PATIENCE:]) > _BETTER * min(found[:-_PATIENCE])
+    return min(p95s[-_PATIENCE:]) > _MAX_LEFT_SHARE * min(p95s[:-_PATIENCE])
 
 
 def _halves(
-    chunk: Chunk, faces: list[planes.Plane], outside: Outside, max_vertices: int, measured: int
+    chunk: Chunk, faces: list[planes.Plane], outside: Outside, max_vertices: int, plane_count: int
 ) -> list[Chunk]:
-    """The two pieces that stand out least, by as many planes as are `measured`, those that leave the least
-    volume; none where every plane leaves as much."""
+    """Cuts a piece in two that stand out as little as possible. Only the `plane_count` planes that leave the
+    least volume are compared; the result is empty if no plane reduces the volume."""
     cloud = chunk.cloud()
     axes = planes.axes_of(chunk.surface)
-    every = planes.crossing(iter([*faces, *planes.through(axes, cloud)]), cloud)
+    candidates = planes.crossing(iter([*faces, *planes.through(axes, cloud)]), cloud)
 
     def roughly(*sides: Points) -> float:
         volume = sum(hull.volume for side in sides if (hull := hull_of(side)) is not None)
         return round(float(volume), 12)
 
     best: tuple[float, list[tuple[Surface, Surface]]] = np.inf, []
-    for volume, (normal, height) in planes.ranked(every, cloud, roughly):
-        if not measured or volume >= chunk.volume:
+    for volume, (normal, height) in planes.ranked(candidates, cloud, roughly):
+        if not plane_count or volume >= chunk.volume:
             break
         sides = [side for side in cut(chunk.surface, normal, height) if len(side.triangles)]
         hulls = [whole_hull(side.vertices) for side in sides]
-        made = [(side, hull) for side, hull in zip(sides, hulls, strict=True) if hull is not None]
-        if len(made) < len(sides):
+        sides_and_hulls = [(side, hull) for side, hull in zip(sides, hulls, strict=True) if hull is not None]
+        if len(sides_and_hulls) < len(sides):
             continue  # a flat side would be bare
-        measured -= 1
-        out = round(sum(outside.sampled(hull).volume for _, hull in made), 15)
+        plane_count -= 1
+        out = round(sum(outside.sampled(hull).volume for _, hull in sides_and_hulls), 15)
         if out < best[0]:
-            best = out, made
-    halves = [Chunk.around(*both, max_vertices, chunk.group) for both in best[1]]
-    found = [half for half in halves if half is not None]
-    return found if len(found) == len(halves) else []
+            best = out, sides_and_hulls
+    halves = [Chunk.around(*side_and_hull, max_vertices, chunk.group) for side_and_hull in best[1]]
+    pieces = [half for half in halves if half is not None]
+    return pieces if len(pieces) == len(halves) else []

@@ -1,4 +1,4 @@
-"""Ends fitted side by side: in this process, and in a second one where there is a second processor."""
+"""Fits ends in parallel: in this process, and in a second one if there is a second processor."""
 
 from __future__ import annotations
 
@@ -25,79 +25,80 @@ if TYPE_CHECKING:
 _BOUNDS = Bounds(seconds=600, memory=8 << 30, reply=1 << 30, shared=4)
 
 FittedEnd = tuple[list[Chunk], End]
-"""The pieces of a link that meets the world, and how near they are to it."""
+"""Pieces of a link that meets the world, and how near they are to the link."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EndToFit:
-    """A link that meets the world: its `surface`, and the pieces that cutting may start from."""
+    """The task of fitting the pieces of a link that meets the world."""
 
     surface: Surface
+    """Surface of the link."""
     starts: tuple[tuple[Chunk, ...], ...]
+    """Sets of pieces with which cutting may start."""
     settings: ContactSettings
 
     def fitted(self) -> FittedEnd:
-        """Takes seconds."""
+        """Fits the pieces, which takes seconds."""
         return fitted_end(self.surface, self.starts, self.settings)
 
     def reply(self) -> bytes:
-        """What a guest answers: a number for each of the pieces that it had before, other pieces themselves,
-        and the `End`."""
-        given = {
+        """Returns the reply of a guest: the pieces, those of the starts by their index, and the `End`."""
+        numbers = {
             chunk: number for number, chunk in enumerate(chunk for start in self.starts for chunk in start)
         }
-        made, fit = self.fitted()
-        return pickle.dumps(([given.get(chunk, chunk) for chunk in made], fit))
+        chunks, fit = self.fitted()
+        return pickle.dumps(([numbers.get(chunk, chunk) for chunk in chunks], fit))
 
 
 class EndFitter:
-    """Fits ends. Its second process, if it has one, starts at once, so that it is there when it is needed."""
+    """Fitter of ends. Its second process, if there is one, starts at once, to be ready when it is needed."""
 
     def __init__(self, guest: Guest | None, pool: ThreadPoolExecutor) -> None:
         self._guest, self._pool = guest, pool
         if guest is not None:
-            pool.submit(self._started, guest)
+            pool.submit(self._start, guest)
 
     def fitted(self, ends: Sequence[EndToFit]) -> list[FittedEnd]:
-        """Each end fitted. The second process begins with the largest, since this one may have other work."""
+        """Fits each end. The second process begins with the largest, since this one may have other work."""
         done: dict[int, FittedEnd] = {}
         sizes = [len(end.surface.triangles) for end in ends]
         waiting = deque(sorted(range(len(ends)), key=lambda number: (sizes[number], number)))
 
         def work(next_end: Callable[[], int], fit: Callable[[EndToFit], FittedEnd]) -> None:
-            with suppress(IndexError):  # when all have been begun
+            with suppress(IndexError):  # raised when no end is waiting
                 while True:
                     number = next_end()
                     done[number] = fit(ends[number])
 
-        beside = self._pool.submit(work, waiting.pop, self._asked) if self._guest else None
+        second_process = self._pool.submit(work, waiting.pop, self._fitted_by_guest) if self._guest else None
         work(waiting.popleft, EndToFit.fitted)
-        if beside is not None:
-            beside.result()
+        if second_process is not None:
+            second_process.result()
         return [done[number] for number in range(len(ends))]
 
     @staticmethod
-    def _started(guest: Guest) -> None:
+    def _start(guest: Guest) -> None:
         with suppress(Ended):
             guest.ask(b"")
 
-    def _asked(self, end: EndToFit) -> FittedEnd:
-        """The same by the second process, or by this one where that fails."""
+    def _fitted_by_guest(self, end: EndToFit) -> FittedEnd:
+        """Fits an end in the second process, or in this process if that fails."""
         assert self._guest is not None
-        given = [chunk for start in end.starts for chunk in start]
+        chunks = [chunk for start in end.starts for chunk in start]
         try:
-            made, fit = pickle.loads(self._guest.ask(pickle.dumps(end)))
+            pieces, fit = pickle.loads(self._guest.ask(pickle.dumps(end)))
         except Ended:
             return end.fitted()
-        return [given[chunk] if isinstance(chunk, int) else chunk for chunk in made], fit
+        return [chunks[chunk] if isinstance(chunk, int) else chunk for chunk in pieces], fit
 
 
 @contextmanager
 def end_fitter(workers: int | None = None) -> Iterator[EndFitter]:
-    """A fitter with as many `workers` as there are processors, at most two; no process is left behind."""
+    """Provides a fitter with as many `workers` as there are processors, at most two, and ends its process."""
     halt = threading.Event()
-    two = (workers or process_usage.processors()) > 1
-    guest = Guest(TASKS, _BOUNDS, ONE_THREAD, halt) if two else None
+    has_second = (workers or process_usage.processors()) > 1
+    guest = Guest(TASKS, _BOUNDS, ONE_THREAD, halt) if has_second else None
     with ThreadPoolExecutor(1, thread_name_prefix="ends") as pool:
         try:
             yield EndFitter(guest, pool)

@@ -1,4 +1,4 @@
-"""The links as they start: a primitive or a hull for each of their colliders, or for each of their parts."""
+"""Makes the first pieces of links: a primitive or a hull for each of their colliders, or for each part."""
 
 from __future__ import annotations
 
@@ -11,63 +11,67 @@ import numpy as np
 from linkwright.stages.formats.meshes.surface import Surface, compacted, joined, moved
 from linkwright.stages.mesh.configuration.collider_settings import ContactSettings, default_tolerance
 from linkwright.stages.mesh.cut.piece import Chunk, hulled
-from linkwright.stages.mesh.fit import CHEAPEST, fits
+from linkwright.stages.mesh.fit import allowed, fits
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.pieces import Piece, placed, surface_of, volume
 from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import Array, Primitive
 
-LARGER = 1.1
-"""How many times the volume of the hull a primitive may have."""
+MAX_VOLUME_RATIO = 1.1
+"""Largest ratio between the volumes of a primitive and of the hull that it replaces."""
 
 Placed = tuple[Hashable, Array]
-"""A part, and link_from_part (4, 4)."""
+"""A part, None for an unknown or mirrored one, and link_from_part (4, 4)."""
 
-_HERE: Placed = (None, np.eye(4))
-_NOTHING = Surface(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64))
+_NO_PART: Placed = (None, np.eye(4))
+"""Stands for the parts of a hull around several parts."""
+
+_EMPTY = Surface(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Touchable:
-    """A link. `groups`: the surfaces of what each of its colliders by contact is made of; `fixed`: the pieces
-    that stay as they are; `parts`: of each surface which part it is of, None where it is mirrored, and
-    link_from_part (4, 4)."""
+    """A link that others may touch."""
 
     link: str
+    """Name of the link."""
     groups: tuple[tuple[Surface, ...], ...]
+    """Surfaces from which each of the link's colliders by contact is made."""
     fixed: tuple[Piece, ...]
+    """Pieces that stay as they are."""
     parts: tuple[tuple[Placed, ...], ...]
+    """Part and pose of each surface of `groups`."""
 
     def surface(self) -> Surface:
-        """All that is touched of the link."""
+        """Returns all that others may touch of the link."""
         parts = [surface for group in self.groups for surface in group]
         return joined([*parts, *map(surface_of, self.fixed)])
 
     def fixed_chunks(self) -> Iterator[Chunk]:
-        """The pieces that stay, as an engine takes them: of a mesh that is not convex its hull."""
+        """Yields the pieces that stay, as an engine takes them: a mesh as its hull."""
         for piece in self.fixed:
             solid = convex_hull(piece.vertices) if isinstance(piece, Surface) else piece
             if solid is not None:
-                yield Chunk.of(_NOTHING, solid)
+                yield Chunk.of(_EMPTY, solid)
 
 
-def started(
-    bodies: Sequence[Touchable], settings: ContactSettings, known: dict[Hashable, Primitive | None]
+def initial_chunks(
+    bodies: Sequence[Touchable], settings: ContactSettings, primitives: dict[Hashable, Primitive | None]
 ) -> tuple[list[list[Chunk]], dict[Chunk, Chunk]]:
-    """One primitive or hull for each group, and the hull of each primitive."""
+    """Makes one primitive or hull for each group; also returns the hull of each primitive."""
     hulls: dict[Chunk, Chunk] = {}
     chunks = []
     for body in bodies:
-        made = list(body.fixed_chunks())
+        pieces = list(body.fixed_chunks())
         for group, (surfaces, parts) in enumerate(zip(body.groups, body.parts, strict=True)):
             hull = hulled(compacted(joined(surfaces)), settings.max_vertices, group)
             if hull is None:
                 continue
-            primitive = _primitive(hull, settings, parts[0] if len(parts) == 1 else _HERE, known)
-            made.append(_with_primitive(hull, primitive))
+            primitive = _primitive(hull, settings, parts[0] if len(parts) == 1 else _NO_PART, primitives)
+            pieces.append(_with_primitive(hull, primitive))
             if primitive is not None:
-                hulls[made[-1]] = hull
-        chunks.append(made)
+                hulls[pieces[-1]] = hull
+        chunks.append(pieces)
     return chunks, hulls
 
 
@@ -75,36 +79,38 @@ def _primitive(
     hull: Chunk,
     settings: ContactSettings,
     placed_part: Placed,
-    known: dict[Hashable, Primitive | None],
+    primitives: dict[Hashable, Primitive | None],
 ) -> Primitive | None:
-    """The cheapest primitive that is as the hull, within the tolerance; of a part that many links have, it is
-    fitted once, in the part's own frame, and `known`."""
+    """Returns the cheapest primitive that equals the hull within the tolerance. For a part that many links
+    have, it is fitted once, in the part's frame, and kept in `primitives`."""
     assert isinstance(hull.piece, Surface)
     part, link_from_part = placed_part
-    if part is None or part not in known:
-        own = moved(hull.piece, inverse(link_from_part))
-        tolerance = default_tolerance(own.diagonal)
-        near = (fit.primitive for fit in fits(own, CHEAPEST[settings.target], tolerance))
-        known[part] = next((shape for shape in near if volume(shape) <= LARGER * hull.volume), None)
-    found = known[part]
-    return None if found is None else cast("Primitive", placed(found, link_from_part))
+    if part is None or part not in primitives:
+        local_hull = moved(hull.piece, inverse(link_from_part))
+        tolerance = default_tolerance(local_hull.diagonal)
+        candidates = (fit.primitive for fit in fits(local_hull, allowed(settings.limits), tolerance))
+        primitives[part] = next(
+            (shape for shape in candidates if volume(shape) <= MAX_VOLUME_RATIO * hull.volume), None
+        )
+    primitive = primitives[part]
+    return None if primitive is None else cast("Primitive", placed(primitive, link_from_part))
 
 
 def _with_primitive(hull: Chunk, primitive: Primitive | None) -> Chunk:
-    """The piece, with the primitive in the place of its hull where it has a primitive."""
+    """Returns the piece with the primitive instead of its hull, if there is a primitive."""
     return hull if primitive is None else Chunk.of(hull.surface, primitive, hull.group)
 
 
-def by_part(
-    body: Touchable, settings: ContactSettings, known: dict[Hashable, Primitive | None] | None = None
+def chunks_by_part(
+    body: Touchable, settings: ContactSettings, primitives: dict[Hashable, Primitive | None] | None = None
 ) -> Iterator[Chunk]:
-    """A hull for each part, or the primitive that is as its hull, where those that are `known` are given: so
-    a foot stays round."""
+    """Yields a hull for each part; with `primitives`, a primitive that equals the hull, if there is one, so
+    that a foot stays round."""
     yield from body.fixed_chunks()
     for group, (surfaces, parts) in enumerate(zip(body.groups, body.parts, strict=True)):
         for surface, part in zip(surfaces, parts, strict=True):
             hull = hulled(compacted(surface), settings.max_vertices, group)
             if hull is None:
                 continue
-            primitive = None if known is None else _primitive(hull, settings, part, known)
+            primitive = None if primitives is None else _primitive(hull, settings, part, primitives)
             yield _with_primitive(hull, primitive)

@@ -1,4 +1,4 @@
-"""Which links meet the world: with these the robot grasps, stands and touches."""
+"""Finds the links that meet the world, with which the robot grasps, stands and touches."""
 
 from __future__ import annotations
 
@@ -15,48 +15,51 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import Array, Joint, Link, Robot
 from linkwright.stages.robot.text.globs import fits, there_are
 
-_NAMED = re.compile(r"foot|tool|grasp|grip|tcp|tip|end_?effector|(^|_)ee($|_)", re.IGNORECASE)
-"""Names of frames by which a robot meets the world."""
+_END_NAMES = re.compile(r"foot|tool|grasp|grip|tcp|tip|end_?effector|(^|_)ee($|_)", re.IGNORECASE)
+"""Names of frames at which a robot meets the world."""
 
-_POINTS = 400
-_OFTEN = 0.1
-_MUCH = 0.02
-"""A link moves in its parent's hollow where, in more than a tenth of the poses, more than a fiftieth of its
-points are within the parent's hull and away from its surface."""
+_POINT_COUNT = 400
+"""Number of points of a link that are tested for lying in its parent's hull."""
 
-_LEVEL = 0.05
-"""As a share of a robot's height: what is higher up by less than this stands on the same ground."""
+_MIN_POSE_SHARE = 0.1
+_MIN_POINT_SHARE = 0.02
+"""A link moves in a hollow of its parent if, in more than a tenth of the poses, more than a fiftieth of its
+points are inside the parent's hull and away from the parent's surface."""
+
+_MAX_HEIGHT_SHARE = 0.05
+"""Largest difference in height of links that stand on the same ground, as a share of the robot's height."""
 
 
 def ends_of_chains(robot: Robot, solid: Collection[str]) -> list[str]:
-    """The links with a collider (`solid`) that nothing with a collider hangs on, and those with a frame that
-    is named for it. What turns without limits stays round, and what closes a loop holds another link."""
-    carries: set[str] = set()
-    holds = {joint.child: joint for joint in robot.joints}
+    """Returns the links with a collider (`solid`) that carry no other such link, or have a frame with a name
+    of an end. Links that turn without limits are left out, since they stay round, and so are links that close
+    a loop, since they hold another link."""
+    carriers: set[str] = set()
+    joint_of = {joint.child: joint for joint in robot.joints}
     for name in solid:
-        above = holds.get(name)
-        while above is not None and above.parent not in carries:
-            carries.add(above.parent)
-            above = holds.get(above.parent)
+        carrying_joint = joint_of.get(name)
+        while carrying_joint is not None and carrying_joint.parent not in carriers:
+            carriers.add(carrying_joint.parent)
+            carrying_joint = joint_of.get(carrying_joint.parent)
     looped = {link for loop in robot.loops for link in (loop.link_a, loop.link_b)}
-    named = {frame.link for frame in robot.frames if _NAMED.search(frame.name)}
+    links_with_named_frames = {frame.link for frame in robot.frames if _END_NAMES.search(frame.name)}
     return [
         link.name
         for link in robot.links
         if link.name in solid
         and (
-            link.name in named
+            link.name in links_with_named_frames
             or (
-                link.name in holds
-                and link.name not in carries
+                link.name in joint_of
+                and link.name not in carriers
                 and link.name not in looped
-                and not _spins(holds[link.name])
+                and not _turns_without_limits(joint_of[link.name])
             )
         )
     ]
 
 
-def _spins(joint: Joint) -> bool:
+def _turns_without_limits(joint: Joint) -> bool:
     return any(dof.kind == "turn" and dof.limits.lower is None for dof in joint.dofs)
 
 
@@ -68,53 +71,56 @@ def with_jaws(
     poses: Mapping[str, Array],
     tolerances: Mapping[str, float],
 ) -> set[str]:
-    """The ends, and those parents of ends whose hull would fill the hollow in which the end moves, as that of
-    the fixed jaw of a gripper: parent and child never collide, so that no pair of links shows it. What a
-    robot stands on is no finger.
+    """Adds to the ends those of their parents whose hull would fill the hollow in which the end moves, such
+    as the fixed jaw of a gripper. Parent and child never collide, so no pair of links would show that. Feet
+    do not add their parents.
 
-    `surfaces`, `hulls`: by link, of those that get colliders by contact; `poses` (n, 4, 4): root_from_link,
-    at `home` first; `tolerances` [m].
+    `surfaces`, `hulls`: by link, for links that get colliders by contact; `poses`: root_from_link (n, 4, 4)
+    by link, at `home` first; `tolerances`: by link [m].
     """
-    found = set(ends)
-    fingers = found - _feet(robot, surfaces, poses)
+    links = set(ends)
+    fingers = links - _feet(robot, surfaces, poses)
     for joint in robot.joints:
         child, parent = joint.child, joint.parent
-        if child in fingers and parent in hulls and parent not in found and joint.dofs:
-            places = relative(poses[parent], poses[child])[:: max(1, len(poses[child]) // 64)]
-            if _fills(surfaces[child], surfaces[parent], hulls[parent], places, tolerances[parent]):
-                found.add(parent)
-    return found
+        if child in fingers and parent in hulls and parent not in links and joint.dofs:
+            relative_poses = relative(poses[parent], poses[child])[:: max(1, len(poses[child]) // 64)]
+            if _fills(surfaces[child], surfaces[parent], hulls[parent], relative_poses, tolerances[parent]):
+                links.add(parent)
+    return links
 
 
 def _feet(robot: Robot, surfaces: Mapping[str, Surface], poses: Mapping[str, Array]) -> set[str]:
-    """The links on which a free robot stands at `home`: those that reach as far down as any."""
+    """Returns the links on which a free robot stands at `home`: those that reach down to the lowest point."""
     if robot.base.fixed:
         return set()
-    places = {link: robot.world_from_root @ poses[link][0] for link in surfaces}
+    world_from_link = {link: robot.world_from_root @ poses[link][0] for link in surfaces}
     heights = {
-        link: surface.vertices @ places[link][2, :3] + places[link][2, 3]
+        link: surface.vertices @ world_from_link[link][2, :3] + world_from_link[link][2, 3]
         for link, surface in surfaces.items()
     }
     lowest = min(float(points.min()) for points in heights.values())
     tall = max(float(points.max()) for points in heights.values()) - lowest
-    return {link for link, points in heights.items() if points.min() <= lowest + _LEVEL * tall}
+    return {link for link, points in heights.items() if points.min() <= lowest + _MAX_HEIGHT_SHARE * tall}
 
 
-def _fills(child: Surface, parent: Surface, hull: Surface, places: Array, tolerance: float) -> bool:
-    points = child.vertices[:: max(1, len(child.vertices) // _POINTS)]
+def _fills(child: Surface, parent: Surface, hull: Surface, poses: Array, tolerance: float) -> bool:
+    points = child.vertices[:: max(1, len(child.vertices) // _POINT_COUNT)]
     normals, heights = half_spaces(hull)
     nearest = Nearest.of(BoxTree.of(parent))
-    often = 0
-    for place in places:
-        here = points @ place[:3, :3].T + place[:3, 3]
-        deep = beyond(normals, heights, here) < -tolerance
-        if deep.mean() > _MUCH:
-            often += bool(np.count_nonzero(nearest(here[deep])[0] > tolerance) > _MUCH * len(points))
-    return often > _OFTEN * len(places)
+    filled_poses = 0
+    for pose in poses:
+        moved_points = points @ pose[:3, :3].T + pose[:3, 3]
+        is_deep = beyond(normals, heights, moved_points) < -tolerance
+        if is_deep.mean() > _MIN_POINT_SHARE:
+            filled_poses += bool(
+                np.count_nonzero(nearest(moved_points[is_deep])[0] > tolerance)
+                > _MIN_POINT_SHARE * len(points)
+            )
+    return filled_poses > _MIN_POSE_SHARE * len(poses)
 
 
-def wanted(fine: str | Sequence[str], links: Sequence[Link], log: Diagnostics) -> set[str] | None:
-    """The links that `mesh.fine` names; None where it leaves that to the robot. E-GLOB for each glob that
+def fine_links(fine: str | Sequence[str], links: Sequence[Link], log: Diagnostics) -> set[str] | None:
+    """Returns the links that `mesh.fine` names; None if it is `auto`. Reports E-GLOB for each glob that
     matches no link."""
     if isinstance(fine, str):
         return None if fine == "auto" else {link.name for link in links}

@@ -1,4 +1,4 @@
-"""Two links that may be false, and how deep their pieces are in each other."""
+"""Measures for two links that may be false how deep their pieces are in each other."""
 
 from __future__ import annotations
 
@@ -14,51 +14,57 @@ from linkwright.stages.robot.model.robot import Array
 
 Numbers = npt.NDArray[np.float64]
 
-_TOO_MANY = 1000
-"""More poses than there are."""
+_HOME_PENALTY = 1000
+"""Number that is larger than that of all poses."""
 
 
 @dataclass(eq=False)
 class Pair:
-    """Two links that may be false: in these poses their meshes are apart and their hulls overlap.
-
-    `one_from_other` (n, 4, 4); `borne` (n,) [m]: how deep colliders may be in each other; `allowed`: in how
-    many poses they may be deeper; `home`: the row in which they may never, -1 for none.
-    """
+    """Two links that may be false, with the poses in which their meshes are apart and their hulls overlap."""
 
     one: int
     other: int
+    """Indices of the links."""
     one_from_other: Array
+    """Relative poses (n, 4, 4)."""
     borne: Numbers
+    """Largest depth (n,) [m] by which the colliders may be in each other."""
     allowed: int
+    """Largest number of poses in which the colliders may be deeper."""
     home: int
+    """Row of the pose `home`, in which they may never be deeper; -1 if it is not among the poses."""
     stuck: bool = False
+    """Whether no cut improves the pair."""
     vain: int = 0
+    """Number of vain cuts in a row."""
     poses: Any = field(init=False)
+    """The poses in the form of the collision engine."""
     _deeper: dict[tuple[Chunk, Chunk], Numbers] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
         self.poses = engine().poses(self.one_from_other)
 
-    def deeper(self, one: Any, other: Any, rows: npt.NDArray[np.int64]) -> Numbers:
-        """(k,): by how much [m] two convex solids are deeper in each other than is borne, 0 where not."""
-        ask = engine().depth
-        found = [ask(one, other, self.poses[row]) for row in rows.tolist()]
-        return np.maximum(np.array(found, dtype=float) - self.borne[rows], 0.0)
+    def deeper(self, first: Any, second: Any, rows: npt.NDArray[np.int64]) -> Numbers:
+        """Returns by how much [m] (k,) two convex solids are deeper in each other than `borne` allows, else
+        0."""
+        depth_of = engine().depth
+        depths = [depth_of(first, second, self.poses[row]) for row in rows.tolist()]
+        return np.maximum(np.array(depths, dtype=float) - self.borne[rows], 0.0)
 
-    def of_chunks(self, one: Chunk, other: Chunk, within: Numbers | None = None) -> Numbers:
-        """(n,): the same of two pieces; only where `within` is more than 0, if it is given."""
-        if (one, other) not in self._deeper:
+    def of_chunks(self, first: Chunk, second: Chunk, within: Numbers | None = None) -> Numbers:
+        """Returns `deeper` (n,) of two pieces in all poses; with `within`, only where that is more than 0."""
+        if (first, second) not in self._deeper:
             rows = np.arange(len(self.borne)) if within is None else np.flatnonzero(within)
-            found = np.zeros(len(self.borne))
-            found[rows] = self.deeper(one.convex, other.convex, rows)
-            self._deeper[one, other] = found
-        return self._deeper[one, other]
+            depths = np.zeros(len(self.borne))
+            depths[rows] = self.deeper(first.convex, second.convex, rows)
+            self._deeper[first, second] = depths
+        return self._deeper[first, second]
 
     def false_at_home(self, deeper: Numbers) -> bool:
-        """Whether the pair is false at `home`."""
+        """Tells whether the pair is false at `home`."""
         return self.home >= 0 and bool(deeper[self.home] > 0)
 
     def badness(self, deeper: Numbers) -> int:
-        """In how many poses a pair is false; one that is false at `home` is never good enough."""
-        return int(np.count_nonzero(deeper > 0)) + _TOO_MANY * self.false_at_home(deeper)
+        """Returns the number of poses in which the pair is false, with a penalty for `home`, which is never
+        allowed."""
+        return int(np.count_nonzero(deeper > 0)) + _HOME_PENALTY * self.false_at_home(deeper)

@@ -1,4 +1,4 @@
-"""What is asked of colliders by contact, and what is reported of those that are still false."""
+"""Defines the request for colliders by contact, and the pairs of links that stay false."""
 
 from __future__ import annotations
 
@@ -18,26 +18,26 @@ if TYPE_CHECKING:
     from linkwright.stages.mesh.collide.make import ColliderJob
 
 POSES = 512
-"""Seeded poses that make colliders: by fewer harmless pairs look bad, by 64 of them 5 to 9 %."""
+"""Number of seeded poses for which colliders are made: with fewer, harmless pairs look bad (with 64 poses, 5
+to 9 % of the pairs)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactRequest:
-    """The colliders that contact decides.
-
-    `jobs`: a collider each; `fixed`: by link the pieces that stay as they are, in its frame; `apart`: pairs
-    of links that do not collide, None where no two do; `fine`: the links that are to be within their
-    tolerance, None for those that meet the world.
-    """
+    """The colliders that contact decides."""
 
     robot: Robot
     jobs: Sequence[ColliderJob]
+    """Jobs, one for each collider."""
     fixed: Mapping[str, Sequence[Piece]]
+    """Link → the pieces that stay as they are, in the link's frame."""
     apart: Collection[Pair] | None
+    """Pairs of links that do not collide; None if no two links do."""
     fine: Collection[str] | None
+    """Links that must be within their tolerance; None for the links that meet the world."""
 
     def key(self) -> dict[str, Any]:
-        """All that the colliders depend on, as plain data."""
+        """Returns all that the colliders depend on, as plain data."""
         frames = sorted([frame.name, frame.link] for frame in self.robot.frames)
         return {
             "jobs": [[job.link, job.key()] for job in self.jobs],
@@ -58,21 +58,21 @@ def _engine() -> str:
 
 @dataclass(frozen=True, slots=True)
 class FalsePair:
-    """Two links whose colliders overlap where the links are apart, in too many of the poses, or at `home`.
-
-    `share`: of the poses; `depth` [m]: how much deeper than is allowed they are then.
-    """
+    """Two links whose colliders overlap while the links are apart, in too many of the poses, or at `home`."""
 
     one: str
     other: str
     share: float
+    """Share of the poses in which they do."""
     home: bool
+    """Whether they do at `home`."""
     depth: float
+    """Largest depth beyond the allowed depth [m]."""
 
     def has(self, link: str) -> bool:
-        """Whether the link is one of the two."""
+        """Tells whether the link is one of the two."""
         return link in (self.one, self.other)
 
     def beside(self, link: str) -> str:
-        """The other link of the two."""
+        """Returns the other link of the two."""
         return self.other if link == self.one else self.one

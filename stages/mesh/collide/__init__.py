@@ -1,18 +1,18 @@
-"""The colliders of links: who makes each, of which pieces, and whether it is near enough.
+"""Chooses the maker of each collider, makes and improves the colliders, and judges whether they are near
+enough.
 
-- acceptance: Whether a collider is near enough to its part.
-- choices: Who makes the collider of each part: the maker of `mesh.collider`, or what a glob says.
-- collision: What a part or a link collides with, how it came about, and how near it is to the part; as bytes
-  too.
-- cut_pieces: Convex pieces of a part: it is cut by planes until little stands out of it, then pieces are
-  joined again.
-- improvement: The second, costly step of a maker of colliders, in a guest process with limits of time and
-  memory: CoACD crashes on some meshes, and never ends on others.
-- make: The colliders of all links: each part's is made once, and the worst ones are improved.
-- merge_across_parts: Fewer convex pieces for several parts of a link: pieces of different parts become one
-  where they may.
-- primitives: Primitives (boxes, spheres, cylinders, capsules) as shapes of a `Geometry`.
-- report: What is reported of colliders: their figures, and those that are not what they should be.
-- side_by_side: Colliders improved side by side, in as many guest processes, which stay for all of them.
-- task_guest: Guest process that does tasks for this project's own process: a request is a task as a pickle.
+- acceptance: Decides whether a collider is near enough to its part.
+- choices: Chooses the maker of each part's collider, by `mesh.collider` or by a glob in `mesh.colliders`.
+- collision: Defines the collider of a part or a link, with its figures, and encodes it as bytes.
+- cut_pieces: Cuts a part by planes into convex pieces until little stands out of it, then joins pieces again.
+- improvement: Runs the second, costly step of a collider maker in a guest process with limits on time and
+  memory, since CoACD crashes on some meshes, and does not terminate on others.
+- make: Makes the colliders of all links: each part's collider once; the worst ones are improved.
+- merge_across_parts: Joins convex pieces of different parts of a link if the result is near enough to the
+  parts.
+- primitives: Converts primitives (boxes, spheres, cylinders, capsules) to shapes of a `Geometry`.
+- reshaped: Reports how the limits of targets change colliders and meshes.
+- report: Reports the figures of colliders, and the colliders that are flat, raw, or miss their tolerance.
+- side_by_side: Improves colliders in parallel, in guest processes that are reused from collider to collider.
+- task_guest: Runs pickled tasks, such as improving a collider, in a guest process.
 """

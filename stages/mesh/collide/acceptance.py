@@ -1,4 +1,4 @@
-"""Whether a collider is near enough to its part."""
+"""Decides whether a collider is near enough to its part."""
 
 from __future__ import annotations
 
@@ -8,29 +8,28 @@ from dataclasses import dataclass
 from linkwright.stages.formats.meshes.surface import Surface, joined
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.configuration.collider_settings import default_tolerance
-from linkwright.stages.mesh.fit.score import MOST_OF_TOLERANCE
-from linkwright.stages.mesh.measure import FEW, Measures, Target, hopeless, measure, near
+from linkwright.stages.mesh.fit.score import MAX_PROTRUSION_TOLERANCES
+from linkwright.stages.mesh.measure import QUICK_SAMPLE_COUNT, Measures, Target, hopeless, measure, near
 from linkwright.stages.mesh.surfaces.clean import clean
 from linkwright.stages.mesh.surfaces.pieces import Piece
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Judge:
-    """A part, cleaned, and how near a collider has to be to it.
-
-    `surface`: what it collides with, without cavities and what is flat; `tolerance` [m]; `extra_volume`:
-    the share of the part's volume that one piece for the whole part may add.
-    """
+    """A cleaned part, and how near a collider must be to it."""
 
     surface: Surface
+    """Surface of the part, without cavities and flat portions."""
     target: Target
     tolerance: float
+    """Tolerance [m]."""
     extra_volume: float
+    """Largest volume that a single piece for the whole part may add, as a share of the part's volume."""
 
     @staticmethod
     def of(surface: Surface, tolerance: float | None = None, extra_volume: float = 0.0) -> Judge | str:
-        """Of any triangles; why there is nothing to judge, in words, where that is so. `tolerance` [m]: None
-        for that of its size."""
+        """Returns the judge of any triangles, or the reason in words why there is nothing to judge.
+        `tolerance` [m]: None for the default of the part's size."""
         bodies = clean(surface).bodies()
         if not bodies:
             return "the part is flat"
@@ -40,54 +39,58 @@ class Judge:
         except ValueError as error:
             return str(error)
         tolerance = default_tolerance(solid.diagonal) if tolerance is None else tolerance
-        # Within the tolerance a collider may be larger than the part all around it: of a thin part that is
-        # a large share of its volume.
+        # A collider may be larger than the part by the tolerance all around, and for a thin part that layer
+        # is a large share of the volume.
         volume = max(target.volume, 0.0)
         skin = solid.area() * tolerance
         allowed = extra_volume * (volume + skin) / volume if volume > 0 else float("inf")
         return Judge(solid, target, tolerance, allowed)
 
-    def hopeless(self, pieces: Sequence[Piece], tolerances: float = 1.0, points: int = FEW) -> bool:
-        """A quick no: whether so many points say already that the pieces are too far off, by so many times
-        the tolerance."""
+    def hopeless(
+        self, pieces: Sequence[Piece], tolerances: float = 1.0, points: int = QUICK_SAMPLE_COUNT
+    ) -> bool:
+        """Tells whether a sample of `points` already shows that the pieces are off by more than this number
+        of `tolerances`."""
         return hopeless(self.target, pieces, tolerances * self.tolerance, points)
 
     def measure(self, pieces: Sequence[Piece], protrusion: tuple[float, float] | None = None) -> Measures:
         return measure(self.target, pieces, protrusion)
 
     def near(self, pieces: Sequence[Piece]) -> bool:
-        """Whether pieces are near enough."""
-        return near(self.target, pieces, self.tolerance, MOST_OF_TOLERANCE * self.tolerance)
+        """Tells whether pieces are near enough."""
+        return near(self.target, pieces, self.tolerance, MAX_PROTRUSION_TOLERANCES * self.tolerance)
 
     def collision(
         self, pieces: Sequence[Piece], measures: Measures, rung: str, meets: bool = True
     ) -> Collision:
-        """Pieces that were judged."""
+        """Returns the collider of pieces that were judged."""
         faces = len(self.surface.triangles)
         return Collision(tuple(pieces), faces, measures, rung, self.tolerance, meets)
 
     def whole_meets(self, measures: Measures) -> bool:
-        """Whether one piece for the whole part is near enough."""
+        """Tells whether a single piece for the whole part is near enough."""
         extra = float("inf") if measures.extra is None else measures.extra
         return miss(measures, self.tolerance) <= 1 and extra <= self.extra_volume
 
 
-def measured(made: Collision, surfaces: Sequence[Surface], tolerance: float | None) -> Collision:
-    """A collider that was made without a look at its measures, with them."""
+def with_measures(collision: Collision, surfaces: Sequence[Surface], tolerance: float | None) -> Collision:
+    """Adds measures to a collider that was made without."""
     judge = Judge.of(joined(surfaces), tolerance)
-    if isinstance(judge, str) or not made.pieces:
-        return made
-    return judge.collision(made.pieces, judge.measure(made.pieces), made.rung).with_note(made.note)
+    if isinstance(judge, str) or not collision.pieces:
+        return collision
+    return judge.collision(collision.pieces, judge.measure(collision.pieces), collision.rung).with_note(
+        collision.note
+    )
 
 
 def miss(measures: Measures, tolerance: float) -> float:
-    """How many times the tolerance [m] a collider is off: at most 1 where it meets it.
+    """Returns by how many tolerances [m] a collider is off; at most 1 if it meets the tolerance.
 
-    95 % of its surface may stand out by the tolerance and all of it by three times as much; no point of the
-    part may be further outside of it than the tolerance.
+    95 % of the collider's surface may stand out by the tolerance, and all of it by three times as much; no
+    point of the part may be further outside of the collider than the tolerance.
     """
     return max(
         measures.protrusion_p95 / tolerance,
-        measures.protrusion_max / (MOST_OF_TOLERANCE * tolerance),
+        measures.protrusion_max / (MAX_PROTRUSION_TOLERANCES * tolerance),
         measures.bareness_max / tolerance,
     )

@@ -1,4 +1,4 @@
-"""Who makes the collider of each part: the maker of `mesh.collider`, or what a glob says."""
+"""Chooses the maker of each part's collider, by `mesh.collider` or by a glob in `mesh.colliders`."""
 
 from __future__ import annotations
 
@@ -12,28 +12,30 @@ from linkwright.stages.mesh.configuration.collider_settings import ColliderSetti
 if TYPE_CHECKING:
     from linkwright.stages.mesh.configuration.collider_section import ColliderSection
     from linkwright.stages.mesh.section import MeshSection
+    from linkwright.stages.targets.engines import ShapeLimits
 
-_OWN = ("tolerance", "extra_volume", "max_vertices")
+_OVERRIDING_KEYS = ("tolerance", "extra_volume", "max_vertices")
+"""Keys of `mesh.colliders` that override the keys of `mesh` with the same names."""
 
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """A maker, how it works, its settings, and who asked for it.
-
-    `entry`: the number of the glob, -1 for `mesh.collider`; `apart`: whether the glob named the part and not
-    its link, so that the part is on its own.
-    """
+    """A chosen maker of colliders, with its settings."""
 
     maker: str
+    """Name of the maker."""
     how: Maker
+    """How the maker works."""
     settings: ColliderSettings
     entry: int = -1
+    """Index of the glob in `mesh.colliders` that chose the maker; -1 for `mesh.collider`."""
     apart: bool = False
+    """Whether the glob names the part and not its link, so that the part has its own collider."""
 
     @staticmethod
     def of(maker: str, values: Mapping[str, Any], entry: int = -1) -> Choice:
-        """Of a maker and the settings of all makers by name. Contact decides, and no tolerance, where nobody
-        asks for a part or for a tolerance."""
+        """Returns the choice of a maker; `values`: the settings of all makers, by name. The ladder of
+        `mesh.collider` goes by contact if there is no tolerance."""
         by_contact = maker == "ladder" and entry < 0 and values["tolerance"] is None
         how = BY_CONTACT if by_contact else GIVEN if maker == "given" else COLLIDERS[maker]
         return Choice(maker, how, how.settings.of(values), entry)
@@ -43,19 +45,26 @@ class Choice:
         return self.how is BY_CONTACT
 
 
-def default_choice(section: MeshSection) -> Choice:
-    """The maker of `mesh.collider`."""
-    return Choice.of(section.collider, dict(section))
+def default_choice(section: MeshSection, limits: ShapeLimits) -> Choice:
+    """Returns the choice of `mesh.collider`, within the limits of the targets."""
+    return Choice.of(section.collider, _within(limits, dict(section)))
 
 
-def chosen_by(section: MeshSection) -> dict[str, Choice]:
-    """The makers that globs ask for."""
-    return {glob: _choice(section, keys, n) for n, (glob, keys) in enumerate(section.colliders.items())}
+def chosen_by(section: MeshSection, limits: ShapeLimits) -> dict[str, Choice]:
+    """Returns the choice of each glob in `mesh.colliders`, within the limits of the targets."""
+    return {
+        glob: _choice(section, keys, limits, number)
+        for number, (glob, keys) in enumerate(section.colliders.items())
+    }
 
 
-def _choice(section: MeshSection, keys: ColliderSection, number: int) -> Choice:
-    own = {name: value for name, value in keys if name in _OWN and value is not None}
-    values = {**dict(section), **own, "coacd": {**section.coacd, **keys.coacd}}
+def _within(limits: ShapeLimits, values: dict[str, Any]) -> dict[str, Any]:
+    return {**values, "limits": limits, "max_vertices": limits.vertices(values["max_vertices"])}
+
+
+def _choice(section: MeshSection, keys: ColliderSection, limits: ShapeLimits, number: int) -> Choice:
+    overrides = {name: value for name, value in keys if name in _OVERRIDING_KEYS and value is not None}
+    values = _within(limits, {**dict(section), **overrides, "coacd": {**section.coacd, **keys.coacd}})
     primitive = keys.primitive()
     if primitive is not None:
         kind, size = primitive

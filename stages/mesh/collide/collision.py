@@ -1,4 +1,4 @@
-"""What a part or a link collides with, how it came about, and how near it is to the part; as bytes too."""
+"""Defines the collider of a part or a link, with its figures, and encodes it as bytes."""
 
 from __future__ import annotations
 
@@ -22,35 +22,39 @@ Collider = MeshFile | Primitive
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Collision:
-    """The collider of a part, or of several parts together, in the frame of what it is made for.
-
-    `pieces`: their union is the collider. `faces`: how many triangles the part has, cleaned.
-    `measures`, `tolerance` [m]: what it was judged by, None where it was not. `rung`: what it is, in a word:
-    "box", "hull", "pieces" ... `meets`: whether it is as near to the part as it should be. `note`: why it is
-    no better, in words. `convex`: whether its surfaces are convex pieces, and not a part's own mesh.
-    `failed`: whether it may be better next time. `reason`: why a collider by contact is what it is, in words.
-    """
+    """The collider of a part, in the part's frame, or of several parts together, in the link's frame."""
 
     pieces: tuple[Piece, ...] = ()
+    """Pieces whose union is the collider."""
     faces: int = 0
+    """Number of triangles of the cleaned part."""
     measures: Measures | None = None
+    """Distances and volumes from the part; None if the collider was not judged."""
     rung: str = "none"
+    """Kind of the collider, in a word: "box", "hull", "pieces" ..."""
     tolerance: float | None = None
+    """Tolerance [m] by which the collider was judged; None if it was not."""
     meets: bool = True
+    """Whether the collider is as near to the part as it should be."""
     note: str = ""
+    """Reason in words why the collider is no better."""
     convex: bool = True
+    """Whether the surfaces are convex pieces, and not the mesh of a part."""
     failed: bool = False
+    """Whether another attempt may give a better collider."""
     reason: str = ""
+    """Reason in words for the number of pieces of a collider by contact."""
 
     def with_note(self, note: str) -> Collision:
+        """Returns the collider with a note."""
         return replace(self, note=note)
 
 
 def colliders(collision: Collision, link_from_part: Array) -> Iterator[Collider]:
-    """The collider as mesh files and primitives in the frame of the link. `link_from_part`: (4, 4)."""
+    """Yields the collider as mesh files and primitives in the link's frame. `link_from_part`: (4, 4)."""
     moves = not np.array_equal(link_from_part, np.eye(4))
-    for one in collision.pieces:
-        piece = placed(one, link_from_part) if moves else one
+    for local in collision.pieces:
+        piece = placed(local, link_from_part) if moves else local
         if isinstance(piece, Primitive):
             yield piece
         elif collision.convex:
@@ -61,15 +65,15 @@ def colliders(collision: Collision, link_from_part: Array) -> Iterator[Collider]
 
 
 def encode(collision: Collision) -> bytes:
-    """A collision as bytes."""
+    """Returns a collision as bytes."""
     return orjson.dumps(codec.plain(collision))
 
 
 def decode(data: bytes) -> Collision:
-    """The collision that `encode` wrote."""
+    """Reads the collision that `encode` wrote."""
     return codec.typed(Collision, orjson.loads(data))  # type: ignore[no-any-return]
 
 
 def digest(pieces: Sequence[Piece]) -> str:
-    """Of the shapes of pieces."""
+    """Returns a digest of the shapes of pieces."""
     return hashlib.sha256(encode(Collision(tuple(pieces)))).hexdigest()

@@ -1,5 +1,5 @@
-"""The second, costly step of a maker of colliders, in a guest process with limits of time and memory: CoACD
-crashes on some meshes, and never ends on others."""
+"""Runs the second, costly step of a collider maker in a guest process with limits on time and memory, since
+CoACD crashes on some meshes, and does not terminate on others."""
 
 from __future__ import annotations
 
@@ -20,34 +20,35 @@ from linkwright.stages.robot.system.guest import ONE_THREAD, Bounds, Ended, Gues
 TASKS = "linkwright.stages.mesh.collide.task_guest"
 
 BOUNDS = Bounds(seconds=120, memory=4 << 30, reply=64 << 20, shared=4)
-"""Limits of one part, the time that of its processor: by the clock it would depend on what else the machine
-does whether a part has pieces."""
+"""Limits for a single part. The time is processor time: with wall-clock time, the load of the machine would
+decide whether a part gets pieces."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Improvement:
-    """What a maker is to improve: its `made` of these surfaces."""
+    """A task: a maker improves the collider that it made from some surfaces."""
 
     maker: str
     surfaces: Sequence[Surface]
     settings: ColliderSettings
-    made: Collision
+    first_collider: Collision
+    """The collider of the first step."""
 
     def reply(self) -> bytes:
-        """The improved collider, as bytes."""
-        return collision.encode(MAKERS[self.maker].improve(self.surfaces, self.settings, self.made))
+        """Makes the improved collider, and returns it as bytes."""
+        return collision.encode(MAKERS[self.maker].improve(self.surfaces, self.settings, self.first_collider))
 
 
 def helper(halt: threading.Event | None = None, module: str = TASKS, bounds: Bounds = BOUNDS) -> Guest:
-    """A guest that improves collider after collider."""
+    """Returns a guest that improves any number of colliders, one after the other."""
     return Guest(module, bounds, ONE_THREAD, halt)
 
 
 def improved(task: Improvement, guest: Guest) -> bytes:
-    """The improved collider, as bytes.
+    """Returns the improved collider of a guest, as bytes.
 
-    Raises DecompositionFailed where the guest takes too long, needs too much memory, crashes, or gives a
-    reply that is none: nothing to keep, since it may not happen again.
+    Raises DecompositionFailed if the guest takes too long, needs too much memory, crashes, or returns an
+    invalid reply. The failure is not cached, since it may not happen again.
     """
     hint = "a larger tolerance, or mesh.effort: low, makes it faster"
     try:
@@ -59,6 +60,6 @@ def improved(task: Improvement, guest: Guest) -> bytes:
         collision.decode(reply)
     except (ValueError, TypeError, KeyError, AttributeError, struct.error):
         guest.close()
-        msg = "the decomposition gave a reply that is none"
+        msg = "the decomposition returned an invalid reply"
         raise DecompositionFailed(msg, hint=hint) from None
     return reply

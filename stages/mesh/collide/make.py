@@ -1,4 +1,4 @@
-"""The colliders of all links: each part's is made once, and the worst ones are improved."""
+"""Makes the colliders of all links: each part's collider once; the worst ones are improved."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from linkwright.stages.mesh.collide.acceptance import miss
 from linkwright.stages.mesh.collide.choices import Choice
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.collide.improvement import Improvement, improved
-from linkwright.stages.mesh.collide.merge_across_parts import MANY, across
+from linkwright.stages.mesh.collide.merge_across_parts import MIN_PIECES, merge_across_parts
 from linkwright.stages.mesh.collide.side_by_side import Making, side_by_side
 from linkwright.stages.mesh.configuration.collider_settings import LadderSettings
 from linkwright.stages.mesh.library import MeshLibrary
-from linkwright.stages.mesh.link_mesh import Use
+from linkwright.stages.mesh.link_mesh import PlacedMesh
 from linkwright.stages.mesh.makers import MAKERS
 from linkwright.stages.mesh.surfaces.pieces import placed
 from linkwright.stages.robot.errors import DecompositionFailed
@@ -32,48 +32,50 @@ from linkwright.stages.robot.system.guest import Guest
 if TYPE_CHECKING:
     from linkwright.stages.mesh import Memo, Shown
 
-_HERE = frozen(np.eye(4))
+_IDENTITY = frozen(np.eye(4))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ColliderJob:
-    """One or several uses of parts in a link that have one collider.
-
-    `name`: of the part, or of the link, for the user; `parts`: indices into the uses of the link.
-    """
+    """The task to make a collider for a part of a link, or for several parts together."""
 
     link: str
     name: str
+    """Name of the part, or of the link if there are several parts, for the user."""
     choice: Choice
-    uses: tuple[Use, ...]
+    """Chosen maker, with its settings."""
+    uses: tuple[PlacedMesh, ...]
+    """Meshes of the parts, with their poses in the link."""
     parts: tuple[int, ...]
+    """Indices of the parts among the uses of the link."""
 
     @property
-    def alone(self) -> bool:
-        """Whether it is a part in its own frame."""
+    def single(self) -> bool:
+        """Whether the collider is for a single part, in the part's frame."""
         return self.choice.how.per == "part" and len(self.uses) == 1
 
     @property
     def link_from_subject(self) -> Array:
-        return self.uses[0].link_from_part if self.alone else _HERE
+        """Pose of the job's frame in the link (4, 4)."""
+        return self.uses[0].link_from_part if self.single else _IDENTITY
 
     def key(self) -> dict[str, Any]:
-        """All that the collider depends on, as plain data."""
+        """Returns all that the collider depends on, as plain data."""
         use = self.uses[0]
-        made_of = [use.mesh.reply, use.mesh.part] if self.alone else [one.key()[:3] for one in self.uses]
-        return {"maker": self.choice.maker, "settings": asdict(self.choice.settings), "of": made_of}
+        meshes = [use.mesh.reply, use.mesh.part] if self.single else [use.key()[:3] for use in self.uses]
+        return {"maker": self.choice.maker, "settings": asdict(self.choice.settings), "of": meshes}
 
     def identity(self) -> str:
-        """The digest of the key."""
+        """Returns the digest of the key."""
         return sha256(json.dumps(self.key(), sort_keys=True).encode()).hexdigest()
 
     def surfaces(self, library: MeshLibrary) -> list[Surface]:
-        """The surfaces of the parts that have a mesh, in the frame of the job."""
-        every = [(use, library.surface(use.mesh, self.choice.how.triangles)) for use in self.uses]
-        found = [(use, surface) for use, surface in every if surface is not None]
-        if self.alone:
-            return [surface for _, surface in found]
-        return [moved(surface, use.link_from_part) for use, surface in found]
+        """Returns the surfaces of the parts that have a mesh, in the frame of the job."""
+        candidates = [(use, library.surface(use.mesh, self.choice.how.triangles)) for use in self.uses]
+        present = [(use, surface) for use, surface in candidates if surface is not None]
+        if self.single:
+            return [surface for _, surface in present]
+        return [moved(surface, use.link_from_part) for use, surface in present]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,16 +89,17 @@ class Collided:
 def collide(
     jobs: Sequence[ColliderJob], library: MeshLibrary, memo: Memo, shown: Shown | None = None
 ) -> list[Collided]:
-    """The collider of each job; those of a link that one primitive or hull serves as well, together."""
-    made = _Made(library, memo)
-    # One after the other, since this is Python's own time: for the 20 parts of the sample two threads take
+    """Makes the collider of each job. Jobs of a link are joined if a single primitive or hull serves them as
+    well."""
+    memory = _ColliderMemory(library, memo)
+    # One after the other, since the time is spent in Python: for the 20 parts of the sample two threads take
     # 5.2 s instead of 5.7 s, and two processes, which start for a second each, would save 2 s of 40.
-    first = made.together([Collided(job, made.first(job)) for job in jobs])
-    return made.across(made.improved(first, shown))
+    first = memory.together([Collided(job, memory.first(job)) for job in jobs])
+    return memory.across(memory.improved(first, shown))
 
 
-class _Made:
-    """Colliders by what they depend on."""
+class _ColliderMemory:
+    """Maker of colliders that remembers them by the key of their job."""
 
     def __init__(self, library: MeshLibrary, memo: Memo) -> None:
         self._library, self._memo = library, memo
@@ -104,7 +107,7 @@ class _Made:
         self._lock = threading.Lock()
 
     def first(self, job: ColliderJob, how: str = "make") -> Collision:
-        """What the first step of a maker gives, or the function `how`."""
+        """Returns the collider from the first step of a maker, or from its function `how`."""
         name = job.identity(), how
         if name not in self._first:
             data = self._remembered(job, how, lambda: collision.encode(self._make(job, how)))
@@ -118,116 +121,137 @@ class _Made:
         surfaces = self._surfaces(job)
         if not surfaces:
             return Collision(note="it has no mesh")
-        made: Collision = getattr(MAKERS[job.choice.maker], how)(surfaces, job.choice.settings)
-        return made
+        result: Collision = getattr(MAKERS[job.choice.maker], how)(surfaces, job.choice.settings)
+        return result
 
     def _surfaces(self, job: ColliderJob) -> list[Surface]:
         with self._lock:
             return job.surfaces(self._library)
 
-    def together(self, every: Sequence[Collided]) -> list[Collided]:
-        """The same with one collider for parts of a link that the same key chose, where one will do."""
-        return [one for group in _of_one_key(every) for one in (self._one_for_all(group) or group)]
+    def together(self, outcomes: Sequence[Collided]) -> list[Collided]:
+        """Returns the colliders. Parts of a link that the same key chose share a single one if that
+        suffices."""
+        return [
+            collided for group in _groups_by_key(outcomes) for collided in (self._one_for_all(group) or group)
+        ]
 
     def _one_for_all(self, group: Sequence[Collided]) -> list[Collided]:
         if len(group) < 2:
             return []
         whole = _whole(group)
-        made = self.first(whole, "together")
-        return [Collided(whole, made)] if made.pieces else []
+        shared = self.first(whole, "together")
+        return [Collided(whole, shared)] if shared.pieces else []
 
-    def across(self, every: Sequence[Collided]) -> list[Collided]:
-        """The same with fewer pieces for parts of a link that the same key chose, where some of one part
-        and of another may be one."""
-        found = []
-        for group in _of_one_key(every):
-            near = [one for one in group if one.collision.meets and len(one.collision.pieces) > 1]
-            joined = self._joined(near) if len(near) > 1 else None
-            found += [joined, *(one for one in group if one not in near)] if joined else group
-        return found
+    def across(self, outcomes: Sequence[Collided]) -> list[Collided]:
+        """Returns the colliders. Parts of a link that the same key chose get fewer pieces if pieces of
+        different parts can be joined."""
+        result = []
+        for group in _groups_by_key(outcomes):
+            accepted = [
+                collided
+                for collided in group
+                if collided.collision.meets and len(collided.collision.pieces) > 1
+            ]
+            joined_collider = self._joined(accepted) if len(accepted) > 1 else None
+            result += (
+                [joined_collider, *(collided for collided in group if collided not in accepted)]
+                if joined_collider
+                else group
+            )
+        return result
 
     def _joined(self, group: Sequence[Collided]) -> Collided | None:
         whole = _whole(group)
-        pieces = [placed(piece, one.job.link_from_subject) for one in group for piece in one.collision.pieces]
-        if len(pieces) < MANY:
+        pieces = [
+            placed(piece, collided.job.link_from_subject)
+            for collided in group
+            for piece in collided.collision.pieces
+        ]
+        if len(pieces) < MIN_PIECES:
             return None
 
         settings = whole.choice.settings
         assert isinstance(settings, LadderSettings)
 
         def make() -> bytes:
-            return collision.encode(across(self._surfaces(whole), pieces, settings))
+            return collision.encode(merge_across_parts(self._surfaces(whole), pieces, settings))
 
         name = whole.identity(), "joined"
         if name not in self._first:
             self._first[name] = collision.decode(self._remembered(whole, "joined", make))
         return Collided(whole, self._first[name]) if self._first[name].pieces else None
 
-    def improved(self, every: Sequence[Collided], shown: Shown | None) -> list[Collided]:
-        """The same with the second step of the makers, the worst first."""
-        wanting: dict[str, Collided] = {}
-        for one in every:
-            if one.job.choice.how.improves and not one.collision.meets and one.collision.faces:
-                wanting.setdefault(one.job.identity(), one)
-        ranked = sorted(wanting, key=lambda name: (-_off(wanting[name].collision), name))
+    def improved(self, outcomes: Sequence[Collided], shown: Shown | None) -> list[Collided]:
+        """Returns the colliders after the second step of their makers, which starts with the worst
+        collider."""
+        candidates: dict[str, Collided] = {}
+        for collided in outcomes:
+            if collided.job.choice.how.improves and not collided.collision.meets and collided.collision.faces:
+                candidates.setdefault(collided.job.identity(), collided)
+        ranked = sorted(candidates, key=lambda name: (-_tolerances_off(candidates[name].collision), name))
         makings: list[Making[Collision | DecompositionFailed]] = [
-            Making(wanting[name].job.name, partial(self._improve, wanting[name])) for name in ranked
+            Making(candidates[name].job.name, partial(self._improve, candidates[name])) for name in ranked
         ]
-        found: dict[str, Collision] = {}
+        results: dict[str, Collision] = {}
         for name, result in zip(ranked, side_by_side(makings, shown), strict=True):
             if isinstance(result, DecompositionFailed):
-                found[name] = replace(wanting[name].collision, note=result.message, failed=True)
+                results[name] = replace(candidates[name].collision, note=result.message, failed=True)
             else:
-                found[name] = result
-        return [replace(one, collision=found.get(one.job.identity(), one.collision)) for one in every]
+                results[name] = result
+        return [
+            replace(collided, collision=results.get(collided.job.identity(), collided.collision))
+            for collided in outcomes
+        ]
 
-    def _improve(self, one: Collided, guest: Guest) -> Collision:
-        job, made = one.job, one.collision
+    def _improve(self, collided: Collided, guest: Guest) -> Collision:
+        job, first_collider = collided.job, collided.collision
 
         def make() -> bytes:
-            task = Improvement(job.choice.maker, self._surfaces(job), job.choice.settings, made)
+            task = Improvement(job.choice.maker, self._surfaces(job), job.choice.settings, first_collider)
             return improved(task, guest)
 
         return collision.decode(self._remembered(job, "improve", make))
 
 
-def _of_one_key(every: Sequence[Collided]) -> list[list[Collided]]:
-    """What of a link one key chose for the ladder, together; all else alone."""
+def _groups_by_key(outcomes: Sequence[Collided]) -> list[list[Collided]]:
+    """Groups colliders: those of a link that the same key chose for the ladder are a group, every other
+    collider is a group by itself."""
     groups: dict[tuple[str, int], list[Collided]] = {}
-    for number, one in enumerate(every):
-        choice = one.job.choice
-        joins = choice.maker == "ladder" and not choice.apart and one.collision.pieces
-        key = (one.job.link, choice.entry) if joins else ("", number)
-        groups.setdefault(key, []).append(one)
+    for number, collided in enumerate(outcomes):
+        choice = collided.job.choice
+        joins = choice.maker == "ladder" and not choice.apart and collided.collision.pieces
+        key = (collided.job.link, choice.entry) if joins else ("", number)
+        groups.setdefault(key, []).append(collided)
     return list(groups.values())
 
 
 def _whole(group: Sequence[Collided]) -> ColliderJob:
-    """The job of one collider for several parts of a link."""
-    jobs = [one.job for one in group]
+    """Returns the job of a single collider for all parts of a group."""
+    jobs = [collided.job for collided in group]
     uses = tuple(use for job in jobs for use in job.uses)
     parts = tuple(part for job in jobs for part in job.parts)
     return replace(jobs[0], name=jobs[0].link, uses=uses, parts=parts)
 
 
-def _off(made: Collision) -> float:
-    if made.measures is None or made.tolerance is None:
+def _tolerances_off(result: Collision) -> float:
+    if result.measures is None or result.tolerance is None:
         return 0.0
-    return miss(made.measures, made.tolerance)
+    return miss(result.measures, result.tolerance)
 
 
 def jobs_of(
-    link: str, uses: Sequence[Use], names: Sequence[str], by: Sequence[Choice]
+    link: str, uses: Sequence[PlacedMesh], names: Sequence[str], choices: Sequence[Choice]
 ) -> Iterator[ColliderJob]:
-    """What has a collider of its own in a link: each part, or the parts together that one key chose.
+    """Yields the jobs of a link: a job for each part, or a job for all parts together that the same key
+    chose.
 
-    `names`, `by`: the name and the choice for each use.
+    `names`, `choices`: name and choice for each use.
     """
-    together: dict[tuple[int, str], list[int]] = {}
-    for index, choice in enumerate(by):
+    groups: dict[tuple[int, str], list[int]] = {}
+    for index, choice in enumerate(choices):
         apart = choice.apart or choice.how.per == "part"
-        together.setdefault((choice.entry, str(index) if apart else ""), []).append(index)
-    for indices in together.values():
+        groups.setdefault((choice.entry, str(index) if apart else ""), []).append(index)
+    for indices in groups.values():
         name = names[indices[0]] if len(indices) == 1 else link
-        chosen = tuple(uses[index] for index in indices)
-        yield ColliderJob(link, name, by[indices[0]], chosen, tuple(indices))
+        part_uses = tuple(uses[index] for index in indices)
+        yield ColliderJob(link, name, choices[indices[0]], part_uses, tuple(indices))

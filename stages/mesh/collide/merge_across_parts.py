@@ -1,7 +1,7 @@
-"""Fewer convex pieces for several parts of a link: pieces of different parts become one where they may.
+"""Joins convex pieces of different parts of a link if the result is near enough to the parts.
 
 Two halves of a case, or a motor in its holder, are each well within the tolerance in eight pieces, and nearly
-as well together. What a step of a simulation costs is the number of pieces.
+as well in eight pieces together. The number of pieces decides what a step of a simulation costs.
 """
 
 from __future__ import annotations
@@ -15,24 +15,27 @@ from linkwright.stages.mesh.collide.cut_pieces import PieceCutter
 from linkwright.stages.mesh.configuration.collider_settings import LadderSettings
 from linkwright.stages.mesh.surfaces.pieces import Piece
 
-_WORTH = 0.9
-"""Pieces are joined where so small a share of them is near enough."""
+_MAX_SHARE_LEFT = 0.9
+"""Largest share of the pieces that may be left, else joining is not worth it."""
 
-MANY = 12
-"""Fewer pieces of a link stay with their parts."""
+MIN_PIECES = 12
+"""Smallest number of pieces of a link that are joined."""
 
 
-def across(surfaces: Sequence[Surface], pieces: Sequence[Piece], settings: LadderSettings) -> Collision:
-    """Of parts and the pieces of all their colliders, in one frame: as few pieces as are near enough to the
-    parts, by the least of their tolerances; none where that saves next to nothing. A joined piece holds those
-    that it is made of, so no part is left barer than before."""
+def merge_across_parts(
+    surfaces: Sequence[Surface], pieces: Sequence[Piece], settings: LadderSettings
+) -> Collision:
+    """Returns the fewest pieces that are near enough to the parts by the smallest of their tolerances; no
+    pieces if that saves next to nothing. `surfaces`: the parts; `pieces`: the pieces of all their colliders,
+    in the same frame. A joined piece contains the pieces from which it is made, so that no part is left barer
+    than before."""
     least = min(map(settings.tolerance_of, surfaces))
     judge = Judge.of(joined(surfaces), least)
     if isinstance(judge, str):
         return Collision(meets=False)
     cutter = PieceCutter(judge, settings.max_vertices)
     fewer = cutter.join(cutter.parts_of(pieces), len(pieces)).pieces
-    if len(fewer) > _WORTH * len(pieces):
+    if len(fewer) > _MAX_SHARE_LEFT * len(pieces):
         return Collision(meets=False)
     measures = judge.measure(fewer)
     return judge.collision(fewer, measures, "pieces", miss(measures, judge.tolerance) <= 1)

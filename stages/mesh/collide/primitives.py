@@ -1,4 +1,4 @@
-"""Primitives (boxes, spheres, cylinders, capsules) as shapes of a `Geometry`."""
+"""Converts primitives (boxes, spheres, cylinders, capsules) to shapes of a `Geometry`."""
 
 import math
 from collections.abc import Iterator
@@ -14,8 +14,8 @@ from linkwright.stages.robot.model.robot import Link, Primitive
 
 
 def shapes(link: Link) -> Iterator[Shape]:
-    """The shapes of a link's primitives: for each the collider first, then the visual. What an MJCF source
-    says of a geom is the collider's, if it has one."""
+    """Yields the shapes of a link's primitives: of each the collider first, then the visual. The form of an
+    MJCF geom goes to the collider, or to the visual if there is no collider."""
     for primitive in link.shapes:
         if primitive.collision:
             yield replace(collider(link.name, primitive), form=primitive.form)
@@ -24,23 +24,28 @@ def shapes(link: Link) -> Iterator[Shape]:
             yield shape if primitive.collision else replace(shape, form=primitive.form)
 
 
-def prism(cylinder: Primitive, sides: int) -> Surface | None:
-    """A prism with a cylinder's length and volume, in the link's frame; None where it is too flat.
+PRISM_SIDES = 16
+"""Number of sides of the prism that replaces a cylinder: every engine takes as many vertices."""
 
-    The area of a regular polygon of n corners at a distance R is n/2 R² sin(2π/n).
-    """
-    radius, length = cylinder.size
-    step = 2 * math.pi / sides
-    radius *= math.sqrt(step / math.sin(step))
+_STEP = 2 * math.pi / PRISM_SIDES
+
+PRISM_GROWTH = math.sqrt(_STEP / math.sin(_STEP))
+"""Distance of the prism's corners from the axis, in radii of the cylinder. Equal volumes need equal areas,
+and a regular polygon with n corners at a distance R has the area n/2 R² sin(2π/n)."""
+
+
+def prism(cylinder: Primitive) -> Surface | None:
+    """Returns a prism with a cylinder's length and volume, in the link's frame; None if it is too flat."""
+    radius, length = cylinder.size[0] * PRISM_GROWTH, cylinder.size[1]
     ends = (-length / 2, length / 2)
-    turns = [step * corner for corner in range(sides)]
+    turns = [_STEP * corner for corner in range(PRISM_SIDES)]
     corners = [[radius * math.cos(turn), radius * math.sin(turn), end] for end in ends for turn in turns]
     pose = cylinder.link_from_shape
     return convex_hull(np.array(corners) @ pose[:3, :3].T + pose[:3, 3])
 
 
 def collider(link: str, primitive: Primitive) -> Shape:
-    """A primitive as a collider of a link."""
+    """Returns a primitive as a collider of a link."""
     return _shape(link, "collision", primitive, None)
 
 
@@ -50,7 +55,7 @@ def _shape(link: str, role: Role, primitive: Primitive, colour: Colour | None) -
 
 
 def _area(primitive: Primitive) -> float:
-    """The surface [m²]."""
+    """Returns the surface area [m²]."""
     if primitive.kind == "box":
         x, y, z = primitive.size
         return 2 * (x * y + y * z + z * x)

@@ -1,4 +1,4 @@
-"""What is reported of colliders: their figures, and those that are not what they should be."""
+"""Reports the figures of colliders, and the colliders that are flat, raw, or miss their tolerance."""
 
 from __future__ import annotations
 
@@ -14,106 +14,108 @@ from linkwright.stages.robot.text.globs import escaped, unnumbered
 from linkwright.stages.robot.text.plural import count
 
 
-def figures_of(one: Collided, names: Sequence[str]) -> ColliderFigures:
-    """The figures of a collider; `names`: of the parts that have it."""
-    made = one.collision
+def figures_of(collided: Collided, names: Sequence[str]) -> ColliderFigures:
+    """Returns the figures of a collider; `names`: names of the parts that share it."""
+    collision = collided.collision
     return ColliderFigures(
-        one.job.link,
+        collided.job.link,
         tuple(names),
-        one.job.choice.maker,
-        made.rung,
-        len(made.pieces),
-        sum(map(vertices, made.pieces)),
-        made.meets,
-        made.tolerance,
-        made.measures,
-        _times_off(made),
-        made.note,
-        made.failed,
-        one.job.identity(),
-        made.reason,
+        collided.job.choice.maker,
+        collision.rung,
+        len(collision.pieces),
+        sum(map(vertices, collision.pieces)),
+        collision.meets,
+        collision.tolerance,
+        collision.measures,
+        _times_off(collision),
+        collision.note,
+        collision.failed,
+        collided.job.identity(),
+        collision.reason,
     )
 
 
-def _times_off(made: Collision) -> float | None:
-    """How many times the tolerance it is off; a collider by contact by what 95 % of it stay within."""
-    if made.measures is None or made.tolerance is None:
+def _times_off(collision: Collision) -> float | None:
+    """Returns by how many tolerances a collider is off; for a collider by contact, by 95 % of its surface."""
+    if collision.measures is None or collision.tolerance is None:
         return None
     return (
-        made.measures.protrusion_p95 / made.tolerance if made.reason else miss(made.measures, made.tolerance)
+        collision.measures.protrusion_p95 / collision.tolerance
+        if collision.reason
+        else miss(collision.measures, collision.tolerance)
     )
 
 
-def colliders_reported(every: Sequence[Collided]) -> list[Diagnostic]:
-    """W-COLLIDER for each part whose collider misses its tolerance, W-FLAT for links without one, I-RAW."""
-    return [*_flat(every), *_missing(every), *_raw(every)]
+def colliders_reported(outcomes: Sequence[Collided]) -> list[Diagnostic]:
+    """Reports W-COLLIDER for colliders that miss their tolerance, W-FLAT for links without one, and I-RAW."""
+    return [*_flat(outcomes), *_tolerance_misses(outcomes), *_raw(outcomes)]
 
 
-def _flat(every: Sequence[Collided]) -> Iterator[Diagnostic]:
+def _flat(outcomes: Sequence[Collided]) -> Iterator[Diagnostic]:
     of_links: dict[str, list[Collided]] = {}
-    for one in every:
-        if one.job.choice.maker != "visual":
-            of_links.setdefault(one.job.link, []).append(one)
-    for link, made in of_links.items():
-        if not any(one.collision.pieces for one in made):
+    for collided in outcomes:
+        if collided.job.choice.maker != "visual":
+            of_links.setdefault(collided.job.link, []).append(collided)
+    for link, flat_candidates in of_links.items():
+        if not any(collided.collision.pieces for collided in flat_candidates):
             text = "the link is flat, so it has no convex hull and no collider"
             yield Diagnostic("W-FLAT", text, link, "give it thickness in CAD")
 
 
-def _missing(every: Sequence[Collided]) -> Iterator[Diagnostic]:
-    """Each part once, wherever it is used."""
-    told: set[tuple[str, str]] = set()
-    for one in every:
-        made, job = one.collision, one.job
-        if made.meets or not made.pieces:
+def _tolerance_misses(outcomes: Sequence[Collided]) -> Iterator[Diagnostic]:
+    """Yields W-COLLIDER once for each part, however often the part is used."""
+    reported: set[tuple[str, str]] = set()
+    for collided in outcomes:
+        collision, job = collided.collision, collided.job
+        if collision.meets or not collision.pieces:
             continue
         name = unnumbered(job.name)
-        text = f"the collider of {name}, {_rung(one)}, {_how_far(one)}"
-        if (name, text) in told:
+        text = f"the collider of {name}, {_rung(collided)}, {_how_far(collided)}"
+        if (name, text) in reported:
             continue
-        told.add((name, text))
-        own = escaped(name.rpartition("/")[2])
+        reported.add((name, text))
+        part_name = escaped(name.rpartition("/")[2])
         hint = (
-            f'a larger tolerance or a collider by hand: `mesh: {{colliders: {{"{own}": {{make: ladder, '
-            f"tolerance: {_wanted(one):.2g}}}}}}}`; or mesh.effort=high"
+            f'a larger tolerance or a collider by hand: `mesh: {{colliders: {{"{part_name}": {{make: ladder, '
+            f"tolerance: {_met_tolerance(collided):.2g}}}}}}}`; or mesh.effort=high"
         )
         yield Diagnostic("W-COLLIDER", text, job.link, hint)
 
 
-def _rung(one: Collided) -> str:
-    made = one.collision
-    if made.rung == "pieces":
-        return f"{len(made.pieces)} convex pieces"
-    return {"hull": "its convex hull"}.get(made.rung, f"a {made.rung}")
+def _rung(collided: Collided) -> str:
+    collision = collided.collision
+    if collision.rung == "pieces":
+        return f"{len(collision.pieces)} convex pieces"
+    return {"hull": "its convex hull"}.get(collision.rung, f"a {collision.rung}")
 
 
-def _how_far(one: Collided) -> str:
-    made = one.collision
-    why = f" ({made.note})" if made.note else ""
-    if made.measures is None or made.tolerance is None:
+def _how_far(collided: Collided) -> str:
+    collision = collided.collision
+    why = f" ({collision.note})" if collision.note else ""
+    if collision.measures is None or collision.tolerance is None:
         return f"was not judged{why}"
-    found, mm = made.measures, 1e3
-    if miss(found, made.tolerance) <= 1:
-        if found.extra is None:
-            return f"has a volume, which the part has not{why}"
-        return f"adds {found.extra:.0%} to the part's volume{why}"
+    measures, mm = collision.measures, 1e3
+    if miss(measures, collision.tolerance) <= 1:
+        if measures.extra is None:
+            return f"encloses a volume, but the part does not{why}"
+        return f"adds {measures.extra:.0%} to the part's volume{why}"
     return (
-        f"is not within the tolerance of {mm * made.tolerance:.2g} mm: it stands out by "
-        f"{mm * found.protrusion_p95:.2g} mm (95 %) and {mm * found.protrusion_max:.2g} mm (at most), and "
-        f"leaves {mm * found.bareness_max:.2g} mm of the part bare{why}"
+        f"is not within the tolerance of {mm * collision.tolerance:.2g} mm: it stands out by "
+        f"{mm * measures.protrusion_p95:.2g} mm (95 %) and {mm * measures.protrusion_max:.2g} mm (at most), "
+        f"and leaves {mm * measures.bareness_max:.2g} mm of the part uncovered{why}"
     )
 
 
-def _wanted(one: Collided) -> float:
-    """A tolerance [m] that the collider meets."""
-    made = one.collision
-    if made.measures is None or made.tolerance is None:
+def _met_tolerance(collided: Collided) -> float:
+    """Returns a tolerance [m] that the collider meets."""
+    collision = collided.collision
+    if collision.measures is None or collision.tolerance is None:
         return 0.001
-    return 1.05 * max(1.0, miss(made.measures, made.tolerance)) * made.tolerance
+    return 1.05 * max(1.0, miss(collision.measures, collision.tolerance)) * collision.tolerance
 
 
-def _raw(every: Sequence[Collided]) -> Iterator[Diagnostic]:
-    number = sum(len(one.collision.pieces) for one in every if one.collision.rung == "raw")
+def _raw(outcomes: Sequence[Collided]) -> Iterator[Diagnostic]:
+    number = sum(len(collided.collision.pieces) for collided in outcomes if collided.collision.rung == "raw")
     if number:
         yield Diagnostic(
             "I-RAW",

@@ -1,4 +1,4 @@
-"""Colliders improved side by side, in as many guest processes, which stay for all of them."""
+"""Improves colliders in parallel, in guest processes that are reused from collider to collider."""
 
 from __future__ import annotations
 
@@ -17,28 +17,27 @@ from linkwright.stages.robot.system.guest import Guest
 
 Made = TypeVar("Made")
 
-_SHOWN_EVERY = 0.2  # s
+_PROGRESS_INTERVAL = 0.2  # s
 
 
 @dataclass(frozen=True, slots=True)
 class Making(Generic[Made]):
-    """What is to be made, and the name by which a user knows it.
-
-    `make` gets a guest that starts when it is asked, and that others asked before it.
-    """
+    """A piece of work for a guest process."""
 
     name: str
+    """Name that the user sees."""
     make: Callable[[Guest], Made]
+    """Function that does the work. Its guest starts with the first request, and may have served others."""
 
 
 def side_by_side(
     makings: Sequence[Making[Made]], shown: Shown | None = None, workers: int | None = None
 ) -> list[Made | DecompositionFailed]:
-    """What each makes, or how it failed, in the order of the makings, whoever is done first.
+    """Returns the result or the failure of each making, in the order of the makings.
 
-    As many run at once as this process may use processors, or `workers`; those given first start first.
-    `shown` is called in this thread. Where this thread is interrupted, or one raises another error, all
-    guests end at once.
+    As many makings run at once as there are `workers`, by default as many as this process may use processors.
+    They start in order. `shown` is called in this thread. If this thread is interrupted, or a making raises
+    another error, all guests end at once.
     """
     halt = threading.Event()
     idle = [helper(halt) for _ in range(max(1, workers or process_usage.processors()))]
@@ -46,7 +45,7 @@ def side_by_side(
 
     def result(number: int, making: Making[Made]) -> Made | DecompositionFailed:
         running[number] = making.name
-        # The one that was used last: it runs already.
+        # The guest that was used last, since it is already running.
         guest = idle.pop()
         try:
             return making.make(guest)
@@ -64,11 +63,11 @@ def side_by_side(
             futures += (pool.submit(result, *numbered) for numbered in enumerate(makings))
             waiting = set(futures)
             while waiting:
-                done, waiting = wait(waiting, _SHOWN_EVERY, FIRST_COMPLETED)
+                done, waiting = wait(waiting, _PROGRESS_INTERVAL, FIRST_COMPLETED)
                 for future in done:
                     future.result()
                 if shown is not None:
-                    # Copied in one step: the threads change it meanwhile.
+                    # A copy, made in one step, since the threads change `running` meanwhile.
                     shown(sorted(running.copy().values()), len(makings) - len(waiting), len(makings))
         except BaseException:
             halt.set()

@@ -1,9 +1,10 @@
-"""Guest process that does tasks for this project's own process: a request is a task as a pickle."""
+"""Runs pickled tasks, such as improving a collider, in a guest process."""
 
 import pickle
 
 
 def answer(request: bytes) -> bytes:
-    """The `reply` of the task; to nothing, nothing."""
+    """Returns the reply of a pickled task; an empty request only starts the process, and gets no data."""
+    # Safe: requests come only from the parent process, never from a file.
     reply: bytes = pickle.loads(request).reply() if request else b""
     return reply

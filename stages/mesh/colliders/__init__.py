@@ -1,12 +1,11 @@
-"""The colliders of a link: one module for each way to make them.
+"""Makes the colliders of a link, with one module for each way to make them.
 
-- coacd: Convex pieces of a part, whatever its shape, as CoACD decomposes it.
-- given: A primitive of the kind, and of the lengths, that the user names.
-- hull: One convex hull of all.
-- ladder: The cheapest collider that is near enough to the part: a primitive, the convex hull, or convex
-  pieces.
-- primitives: The primitive that fits best.
-- raw: The mesh itself.
-- spheres: Spheres that fill a part.
-- visual: No collider: the link is seen, and touches nothing.
+- coacd: Makes convex pieces of a part of any shape with CoACD.
+- given: Makes a primitive of the kind and the lengths that the user chose.
+- hull: Makes one convex hull of all parts.
+- ladder: Makes the cheapest collider that is near enough to a part: a primitive, its hull, or convex pieces.
+- primitives: Makes the primitive that fits best.
+- raw: Uses the mesh itself as the collider.
+- spheres: Makes spheres that fill a part.
+- visual: Makes no collider: the link is drawn, and touches nothing.
 """

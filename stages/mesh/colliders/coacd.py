@@ -1,4 +1,4 @@
-"""Convex pieces of a part, whatever its shape, as CoACD decomposes it."""
+"""Makes convex pieces of a part of any shape with CoACD."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ from linkwright.stages.mesh.decompose import NOT_CLOSED, decomposed, search
 
 
 def make(surfaces: Sequence[Surface], settings: CoacdSettings) -> Collision:
-    """The convex hull, which stays where CoACD fails; none of what lies in a plane."""
-    made = hull.make(surfaces, HullSettings(settings.max_vertices))
-    return replace(made, meets=not made.pieces)
+    """Makes the convex hull, which is kept if CoACD fails; no pieces for a flat part."""
+    hull_collider = hull.make(surfaces, HullSettings(settings.max_vertices))
+    return replace(hull_collider, meets=not hull_collider.pieces)
 
 
-def improve(surfaces: Sequence[Surface], settings: CoacdSettings, made: Collision) -> Collision:
-    """At most 16 pieces; what is not closed is cut by planes."""
+def improve(surfaces: Sequence[Surface], settings: CoacdSettings, hull_collider: Collision) -> Collision:
+    """Makes at most 16 pieces; a surface that CoACD cannot take is cut by planes."""
     judge = Judge.of(joined(surfaces), settings.tolerance)
     if isinstance(judge, str):
-        return made.with_note(judge)
-    found = decomposed(judge.surface, judge.tolerance, search(settings.effort, settings.coacd))
+        return hull_collider.with_note(judge)
+    decomposition = decomposed(judge.surface, judge.tolerance, search(settings.effort, settings.coacd))
     cutter = PieceCutter(judge, settings.max_vertices, settings.effort)
-    if found == NOT_CLOSED:
+    if decomposition == NOT_CLOSED:
         pieces, note = cutter.cut().pieces, f"{NOT_CLOSED}: cut by planes"
-    elif isinstance(found, str):
-        return made.with_note(found)
+    elif isinstance(decomposition, str):
+        return hull_collider.with_note(decomposition)
     else:
-        pieces, note = cutter.join(cutter.parts_of(found)).pieces, ""
+        pieces, note = cutter.join(cutter.parts_of(decomposition)).pieces, ""
     if not pieces:
-        return made.with_note(note)
+        return hull_collider.with_note(note)
     return judge.collision(pieces, judge.measure(pieces), "pieces").with_note(note)

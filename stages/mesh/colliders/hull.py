@@ -1,4 +1,4 @@
-"""One convex hull of all."""
+"""Makes one convex hull of all parts."""
 
 from collections.abc import Sequence
 
@@ -11,12 +11,12 @@ from linkwright.stages.mesh.fit import capped_hull
 
 
 def make(surfaces: Sequence[Surface], settings: HullSettings) -> Collision:
-    """One mesh, which is not judged: that would take longer than to make it. None of what lies in a plane."""
-    every = joined(surfaces)
-    finite = bool(np.isfinite(every.vertices).all())
-    hull = capped_hull(every, settings.max_vertices) if finite else None
+    """Makes one hull, and does not judge it, since that would take longer; no pieces for flat parts."""
+    whole = joined(surfaces)
+    finite = bool(np.isfinite(whole.vertices).all())
+    hull = capped_hull(whole, settings.max_vertices) if finite else None
     return (
         Collision(note="it is flat")
         if hull is None
-        else Collision((hull,), len(every.triangles), rung="hull")
+        else Collision((hull,), len(whole.triangles), rung="hull")
     )

@@ -1,17 +1,17 @@
-"""The primitive that fits best."""
+"""Makes the primitive that fits best."""
 
 from collections.abc import Sequence
 
 from linkwright.stages.formats.meshes.surface import Surface, joined
-from linkwright.stages.mesh.collide.acceptance import measured
+from linkwright.stages.mesh.collide.acceptance import with_measures
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.configuration.collider_settings import PrimitiveSettings
-from linkwright.stages.mesh.fit import fittest
+from linkwright.stages.mesh.fit import allowed, fittest
 
 
 def make(surfaces: Sequence[Surface], settings: PrimitiveSettings) -> Collision:
-    """However well it fits; none of what lies in a plane."""
-    found = fittest(joined(surfaces), settings.target)
-    if found is None:
+    """Makes the primitive, even if it fits badly; no pieces for a flat part."""
+    primitive = fittest(joined(surfaces), allowed(settings.limits))
+    if primitive is None:
         return Collision(note="it is flat")
-    return measured(Collision((found,), rung=found.kind), surfaces, settings.tolerance)
+    return with_measures(Collision((primitive,), rung=primitive.kind), surfaces, settings.tolerance)

@@ -1,21 +1,21 @@
-"""Spheres that fill a part."""
+"""Makes spheres that fill a part."""
 
 from collections.abc import Sequence
 
 from linkwright.stages.formats.meshes.surface import Surface, joined
 from linkwright.stages.mesh import fit
-from linkwright.stages.mesh.collide.acceptance import measured
+from linkwright.stages.mesh.collide.acceptance import with_measures
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.configuration.collider_settings import SphereSettings
 
-MOST = 64
-"""The largest number of spheres of a part."""
+MAX_SPHERES = 64
+"""Largest number of spheres of a part."""
 
 
 def make(surfaces: Sequence[Surface], settings: SphereSettings) -> Collision:
-    """So many that they meet the tolerance, or the most; none of what lies in a plane."""
+    """Makes at most `MAX_SPHERES` spheres that meet the tolerance if possible; no pieces for a flat part."""
     whole = joined(surfaces)
-    found = fit.spheres(whole, settings.tolerance_of(whole), MOST)
-    if not found:
+    spheres = fit.spheres(whole, settings.tolerance_of(whole), MAX_SPHERES)
+    if not spheres:
         return Collision(note="it is flat")
-    return measured(Collision(found, rung="spheres"), surfaces, settings.tolerance)
+    return with_measures(Collision(spheres, rung="spheres"), surfaces, settings.tolerance)

@@ -1,4 +1,4 @@
-"""No collider: the link is seen, and touches nothing."""
+"""Makes no collider: the link is drawn, and touches nothing."""
 
 from collections.abc import Sequence
 
@@ -8,5 +8,5 @@ from linkwright.stages.mesh.configuration.collider_settings import ColliderSetti
 
 
 def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
-    """None."""
+    """Returns a collider without pieces."""
     return Collision()

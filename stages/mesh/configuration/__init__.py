@@ -1,1 +1,1 @@
-"""Configuration of colliders and contact, and what the makers of colliders are told of it."""
+"""Defines the configuration of colliders and contact, and the settings that collider makers get from it."""

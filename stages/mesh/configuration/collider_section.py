@@ -20,16 +20,18 @@ else:
     MakerName = Literal[(*COLLIDERS, "none", *PRIMITIVES)]
 
 
-def _of_coacd(given: dict[str, Any]) -> dict[str, Any]:
+def _checked_coacd(parameters: dict[str, Any]) -> dict[str, Any]:
     try:
-        search("normal", given)
+        search("normal", parameters)
     except ConfigError as error:
         hint = f"; {error.hint}" if error.hint else ""
         raise invalid(f"{error.where.rpartition('.')[2]}: {error.message}{hint}") from None
-    return given
+    return parameters
 
 
-CoacdParameters = Annotated[dict[Text, Any], AfterValidator(_of_coacd), example({"mcts_iterations": 100})]
+CoacdParameters = Annotated[
+    dict[Text, Any], AfterValidator(_checked_coacd), example({"mcts_iterations": 100})
+]
 VertexCount = Annotated[Count, Field(ge=4)]
 
 
@@ -65,42 +67,42 @@ class ColliderSection(Section):
     name of a way to make them alone."""
 
     make: Annotated[MakerName | None, example("coacd")] = None
-    """One of the options of mesh.collider; none: no collider; box, sphere, capsule or cylinder: the best fit
-    of one."""
+    """One of the options of mesh.collider; none: no collider; box, sphere, capsule or cylinder: the
+    best-fitting primitive of that kind."""
 
     sphere: RoundSizeSection | None = None
-    """A sphere of a given size, where it fits best."""
+    """A sphere of this size, where it fits best."""
 
     box: BoxSizeSection | None = None
-    """A box of a given size, where it fits best."""
+    """A box of this size, where it fits best."""
 
     cylinder: LongSizeSection | None = None
-    """A cylinder of a given size, where it fits best."""
+    """A cylinder of this size, where it fits best."""
 
     capsule: LongSizeSection | None = None
-    """A capsule of a given size, where it fits best."""
+    """A capsule of this size, where it fits best."""
 
     tolerance: Annotated[PositiveLength | None, example(0.001)] = None
-    """As mesh.tolerance [m]; null: what that says."""
+    """Overrides mesh.tolerance [m]; null: the value of mesh.tolerance."""
 
     extra_volume: Annotated[NonNegative | None, example(0.3)] = None
-    """As mesh.extra_volume; null: what that says."""
+    """Overrides mesh.extra_volume; null: the value of mesh.extra_volume."""
 
     max_vertices: Annotated[VertexCount | None, example(32)] = None
-    """As mesh.max_vertices; null: what that says."""
+    """Overrides mesh.max_vertices; null: the value of mesh.max_vertices."""
 
     coacd: CoacdParameters = Field(default_factory=dict)
-    """As mesh.coacd, in addition to what that says."""
+    """Parameters as in mesh.coacd, in addition to those."""
 
     @model_validator(mode="after")
-    def _one(self) -> Self:
+    def _checked_maker(self) -> Self:
         if sum(getattr(self, name) is not None for name in ("make", *PRIMITIVES)) != 1:
             raise invalid(f"must have one of make, {', '.join(PRIMITIVES)}")
         return self
 
     def primitive(self) -> tuple[str, tuple[float | None, ...]] | None:
-        """The kind of primitive that is asked for, and its lengths as a `Primitive` has them, where any is
-        given."""
+        """Returns the kind of primitive that the section chooses, and its lengths as in `Primitive.size`;
+        None if it chooses no primitive."""
         if self.make is not None:
             return (self.make, ()) if self.make in PRIMITIVES else None
         if self.sphere is not None:
@@ -112,10 +114,10 @@ class ColliderSection(Section):
         return kind, (size.radius, size.length)
 
 
-def _name_alone(value: Any) -> Any:
+def _section_of_name(value: Any) -> Any:
     return {"make": value} if isinstance(value, str) else value
 
 
 ColliderChoice = Annotated[
-    ColliderSection, BeforeValidator(_name_alone, json_schema_input_type=ColliderSection | MakerName)
+    ColliderSection, BeforeValidator(_section_of_name, json_schema_input_type=ColliderSection | MakerName)
 ]

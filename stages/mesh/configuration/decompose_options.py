@@ -1,4 +1,4 @@
-"""Options of a decomposition, CoACD's own parameters among them."""
+"""Checks the parameters of CoACD, and combines them with the effort of the search."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from typing import Any
 from linkwright.stages.robot.errors import ConfigError
 from linkwright.stages.robot.text.globs import did_you_mean
 
-_OF_TOLERANCE = 2.0
-"""CoACD's threshold, where none is given, in tolerances: its measure is the largest distance anywhere, and
-what counts of a collider is that of 95 % of its surface."""
+_TOLERANCES_IN_THRESHOLD = 2.0
+"""CoACD's default threshold, in tolerances: CoACD measures the largest distance anywhere, while a collider is
+judged by 95 % of its surface."""
 
 _RANGES: Mapping[str, tuple[float, float]] = {
     "max_convex_hull": (-1, 1000),
@@ -25,21 +25,24 @@ _RANGES: Mapping[str, tuple[float, float]] = {
     "extrude_margin": (0.0, 1.0),
     "seed": (0, 2**31 - 1),
 }
-"""The least and the largest value: CoACD ends its process, or never comes back, beyond them."""
+"""Smallest and largest value: beyond them CoACD ends its process, or never returns."""
 
-_WORDS: Mapping[str, tuple[str, ...]] = {"preprocess_mode": ("auto", "on", "off"), "apx_mode": ("ch", "box")}
+_CHOICES: Mapping[str, tuple[str, ...]] = {
+    "preprocess_mode": ("auto", "on", "off"),
+    "apx_mode": ("ch", "box"),
+}
 
 
 @dataclass(frozen=True, slots=True)
 class Search:
     """CoACD's parameters, by its names (https://github.com/SarahWeiii/CoACD).
 
-    `threshold` None: twice the tolerance, in metres (`real_metric`). `merge` is off, since the pieces are
-    merged here, by the volume that it adds: that gives a collider of 8 pieces with half the error of
-    CoACD's own. `preprocess_mode` auto: our own closed surface where the mesh is not manifold.
+    `merge` is off, since `PieceCutter` joins the pieces, by the volume that joining adds: a collider of
+    8 pieces then has half the error of CoACD's own merging.
     """
 
     threshold: float | None = None
+    """None: twice the tolerance, in metres (`real_metric`)."""
     max_convex_hull: int = -1
     preprocess_mode: str = "auto"
     preprocess_resolution: int = 50
@@ -58,11 +61,11 @@ class Search:
     real_metric: bool = False
 
     def arguments(self, tolerance: float) -> dict[str, Any]:
-        """The arguments of `coacd.run_coacd` for a tolerance [m] and a closed mesh."""
-        given = asdict(self)
+        """Returns the arguments of `coacd.run_coacd` for a tolerance [m] and a closed mesh."""
+        arguments = asdict(self)
         if self.threshold is None:
-            given.update(threshold=_OF_TOLERANCE * tolerance, real_metric=True)
-        return given | {"preprocess_mode": "on" if self.preprocess_mode == "on" else "off"}
+            arguments.update(threshold=_TOLERANCES_IN_THRESHOLD * tolerance, real_metric=True)
+        return arguments | {"preprocess_mode": "on" if self.preprocess_mode == "on" else "off"}
 
 
 EFFORTS: Mapping[str, Search] = {
@@ -70,13 +73,13 @@ EFFORTS: Mapping[str, Search] = {
     "normal": Search(),
     "high": Search(mcts_nodes=20, mcts_iterations=100, mcts_max_depth=3, resolution=2000),
 }
-"""How thoroughly each effort searches."""
+"""Parameters of each `mesh.effort`."""
 
 
-def search(effort: str, given: Mapping[str, Any]) -> Search:
-    """The parameters of an effort with those that the user gave; ConfigError where one is wrong."""
-    names = [one.name for one in fields(Search)]
-    for name, value in given.items():
+def search(effort: str, parameters: Mapping[str, Any]) -> Search:
+    """Returns the parameters of an effort, overridden by the user's; raises ConfigError if one is wrong."""
+    names = [parameter.name for parameter in fields(Search)]
+    for name, value in parameters.items():
         where = f"mesh.coacd.{name}"
         if name not in names:
             hint = did_you_mean(name, names) or f"there are {', '.join(names)}"
@@ -84,7 +87,7 @@ def search(effort: str, given: Mapping[str, Any]) -> Search:
         problem = _problem(name, value)
         if problem:
             raise ConfigError(f"{value!r} is {problem}", where)
-    result = replace(EFFORTS[effort], **given)
+    result = replace(EFFORTS[effort], **parameters)
     if result.threshold is not None and not result.real_metric and not 0.01 <= result.threshold <= 1.0:
         msg = f"{result.threshold:g} is not between 0.01 and 1"
         raise ConfigError(msg, "mesh.coacd.threshold", "with real_metric: true it is a length in metres")
@@ -94,12 +97,12 @@ def search(effort: str, given: Mapping[str, Any]) -> Search:
 
 
 def _problem(name: str, value: Any) -> str:
-    """What is wrong with the value of a parameter, or nothing."""
+    """Returns in words what is wrong with a parameter's value; "" for a valid value."""
     if name == "threshold":
         good = isinstance(value, int | float) and not isinstance(value, bool) and 0 < value < math.inf
         return "" if good or value is None else "no positive number"
-    if name in _WORDS:
-        return "" if value in _WORDS[name] else f"none of {', '.join(_WORDS[name])}"
+    if name in _CHOICES:
+        return "" if value in _CHOICES[name] else f"none of {', '.join(_CHOICES[name])}"
     if name not in _RANGES:
         return "" if isinstance(value, bool) else "neither true nor false"
     if isinstance(value, bool) or not isinstance(value, int | float if name == "extrude_margin" else int):

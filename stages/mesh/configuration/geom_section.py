@@ -10,7 +10,7 @@ from linkwright.stages.robot.section import NonNegative, Number, Section, Solref
 Solimp = tuple[Number, Number, Number, Number, Number]
 
 
-def _possible(solimp: Solimp | None) -> Solimp | None:
+def _checked_solimp(solimp: Solimp | None) -> Solimp | None:
     if solimp is None:
         return None
     low, high, width, middle, power = solimp
@@ -38,21 +38,23 @@ class GeomContactSection(Section):
     solref: Annotated[Solref | None, example([0.01, 1])] = None
     """[time constant, damping ratio] in s and without unit, or [-stiffness, -damping]."""
 
-    solimp: Annotated[Solimp | None, AfterValidator(_possible), example([0.9, 0.95, 0.001, 0.5, 2])] = None
+    solimp: Annotated[Solimp | None, AfterValidator(_checked_solimp), example([0.9, 0.95, 0.001, 0.5, 2])] = (
+        None
+    )
     """[d0, dwidth, width, midpoint, power]: impedance from d0 to dwidth over a width [m] of penetration."""
 
     margin: Annotated[NonNegativeLength | None, example(0.001)] = None
     """Distance at which contacts begin [m]."""
 
     priority: Annotated[int | None, Strict(), example(1)] = None
-    """Whose properties count."""
+    """The geom with the higher priority sets the properties of a contact of two geoms."""
 
 
 class GeomSection(Section):
     """Properties of the geoms of the links, or of the colliders of the parts, that a glob matches."""
 
     visual: GeomContactSection = GeomContactSection()
-    """Of visual geoms, which touch nothing unless your own changes to the model make them."""
+    """Properties of visual geoms, which touch nothing unless your own changes to the model let them."""
 
     collision: GeomContactSection = GeomContactSection()
-    """Of colliders."""
+    """Properties of colliders."""

@@ -1,11 +1,10 @@
-"""Contact of the robot with itself: which of its links do not collide, and which touch where it starts.
+"""Analyses contact of the robot with itself: which links do not collide, and which touch at `home`.
 
-- analysis: Which pairs of links do not collide: those next to each other, those that the user names, and
-  those that touch in every pose, of which only what does so is left out; and which others touch at `home`.
-- by_source: Which shapes do not collide by what an MJCF source says: the bits of its geoms, its excludes and
-  pairs, and what MuJoCo leaves out by itself.
-- colliders: The robot's colliders in MuJoCo: how deep those of two links are in each other, at any pose.
-- excluded_pairs: The pairs of links that do not collide: those that the configuration names, and those that
-  colliders by contact need not keep apart.
-- narrow: Which shapes of two links do not collide, where the links touch in every pose: as few as will do.
+- analysis: Finds the pairs of links that do not collide, and the other pairs that touch at `home`.
+- by_source: Finds the shapes that do not collide in an MJCF source: by the bits of its geoms, its excludes
+  and pairs, and by MuJoCo's own rules.
+- colliders: Computes with MuJoCo how deep the colliders of two links overlap, at any pose.
+- excluded_pairs: Collects the pairs of links that do not collide: pairs that the configuration names, and all
+  pairs that colliders by contact need not keep apart.
+- narrow: Finds the fewest shapes of two links that must not collide if the links touch in every pose.
 """

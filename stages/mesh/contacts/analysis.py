@@ -1,5 +1,7 @@
-"""Which pairs of links do not collide: those next to each other, those that the user names, and those that
-touch in every pose, of which only what does so is left out; and which others touch at `home`."""
+"""Finds the pairs of links that do not collide, and the other pairs that touch at `home`.
+
+Neighbouring links do not collide, nor do pairs that the user names, nor those colliders of two links that
+touch in every pose."""
 
 import hashlib
 import importlib.metadata
@@ -11,7 +13,6 @@ import numpy as np
 import orjson
 
 from linkwright.stages.mesh.contacts.by_source import source_excludes
-from linkwright.stages.mesh.contacts.colliders import Colliders
 from linkwright.stages.mesh.contacts.narrow import Mask, narrowed
 from linkwright.stages.mesh.motion_digest import motion_digest
 from linkwright.stages.robot import codec
@@ -33,19 +34,22 @@ if TYPE_CHECKING:
     from linkwright.stages.mesh.section import ContactSection
 
 POSES = 128
-"""In how many poses a pair must touch to count as touching in every one."""
+"""Number of poses in which a pair must touch to count as touching in every pose."""
 
 
 @dataclass(frozen=True, slots=True)
 class Contacts:
-    """Whether the links collide with each other, the pairs that do not, and those of the others that touch
-    at `home`. `by_source`: whether an MJCF source says so."""
+    """The contact of the robot with itself."""
 
     on: bool
+    """Whether links collide with each other."""
     excludes: tuple[Exclude, ...] = ()
+    """Pairs of links, or of their colliders, that do not collide."""
     touching: tuple[Touch, ...] = ()
+    """Other pairs that touch at `home`."""
     diagnostics: tuple[Diagnostic, ...] = ()
     by_source: bool = False
+    """Whether an MJCF source decides what collides."""
 
 
 def self_contacts(
@@ -58,68 +62,75 @@ def self_contacts(
     figures: Sequence[ColliderFigures] = (),
     declared: bool = True,
 ) -> Contacts:
-    """The contact of the robot with itself, by its colliders among `shapes`, whose parts `figures` name.
-    `chosen`: the pairs that the configuration excludes; `declared`: whether colliders are those that an MJCF
-    source declares, so that it says which of those next to each other collide. Diagnostics: I-ALWAYS-CONTACT,
-    W-SELF-CONTACT.
+    """Analyses the contact of the robot with itself, by its colliders among `shapes`, whose parts `figures`
+    name. Reports I-ALWAYS-CONTACT and W-SELF-CONTACT.
 
-    The work is done through `memo`, by the content of the colliders and by how the links move.
+    `chosen`: the pairs that the configuration excludes; `declared`: whether the colliders are those that an
+    MJCF source declares, so that it also says which neighbours collide. The result is cached in `memo` by the
+    content of the colliders and the motion of the links.
     """
     if keys.self_ == "none":
         return Contacts(False)
     colliders = [shape for shape in shapes if shape.role == "collision"]
     by_source = keys.self_ == "auto" and robot.mjcf is not None
     search = keys.self_ == "auto" and not by_source
-    apart = source_excludes(robot, colliders) if by_source else []
-    if apart is None:
+    source_pairs = source_excludes(robot, colliders) if by_source else []
+    if source_pairs is None:
         return Contacts(False, by_source=True)
     solid = {shape.link for shape in colliders}
-    disabled = [(one.link_a, one.link_b) for one in robot.semantics.disabled if one.touches and search]
+    disabled = [(pair.link_a, pair.link_b) for pair in robot.semantics.disabled if pair.touches and search]
     adjacent = adjacent_pairs(robot, solid) if search or (by_source and not declared) else ()
-    whole = [(one.link_a, one.link_b) for one in apart if not one.geoms]
-    given: dict[Pair, ExcludeReason] = {
-        **dict.fromkeys((*whole, *(pair for pair in disabled if solid.issuperset(pair))), "Source"),
+    whole_pairs = [_pair_of(exclude) for exclude in source_pairs if not exclude.geoms]
+    reasons: dict[Pair, ExcludeReason] = {
+        **dict.fromkeys((*whole_pairs, *(pair for pair in disabled if solid.issuperset(pair))), "Source"),
         **dict.fromkeys(chosen, "User"),
         **dict.fromkeys(adjacent, "Adjacent"),
     }
-    some = {
-        (one.link_a, one.link_b): one for one in apart if one.geoms and (one.link_a, one.link_b) not in given
-    }
+    partial_excludes = [
+        exclude for exclude in source_pairs if exclude.geoms and _pair_of(exclude) not in reasons
+    ]
 
     def make() -> bytes:
-        return orjson.dumps(_found(robot, colliders, files, given, search))
+        return orjson.dumps(_analysed(robot, colliders, files, reasons, search))
 
     key = {
         "colliders": [_content(shape, files) for shape in colliders],
         "motion": motion_digest(robot),
-        "given": sorted([*pair, reason] for pair, reason in given.items()),
+        "given": sorted([*pair, reason] for pair, reason in reasons.items()),
         "search": search,
         "poses": POSES,
         "mujoco": importlib.metadata.version("mujoco"),
     }
-    found = orjson.loads(memo("mesh.contacts", key, make))
-    held = {(one, other): depth for one, other, depth in found["held"]}
-    always = [codec.typed(Exclude, one) for one in found["always"]]
-    touching = tuple(codec.typed(Touch, one) for one in found["free"])
-    place = {link.name: index for index, link in enumerate(robot.links)}
-    excludes = [*always, *some.values()]
-    excludes += [Exclude(*pair, reason, held.get(pair, 0.0)) for pair, reason in given.items()]
-    excludes.sort(key=lambda one: (place[one.link_a], place[one.link_b]))
-    named = [(one, excluded_colliders(one, shapes, figures)) for one in always]
-    problems = findings(named, touching if search else (), POSES)
+    analysis = orjson.loads(memo("mesh.contacts", key, make))
+    depth_of = {(first, second): depth for first, second, depth in analysis["held"]}
+    always = [codec.typed(Exclude, exclude) for exclude in analysis["always"]]
+    touching = tuple(codec.typed(Touch, touch) for touch in analysis["free"])
+    position = {link.name: index for index, link in enumerate(robot.links)}
+    excludes = [*always, *partial_excludes]
+    excludes += [Exclude(*pair, reason, depth_of.get(pair, 0.0)) for pair, reason in reasons.items()]
+    excludes.sort(key=lambda exclude: (position[exclude.link_a], position[exclude.link_b]))
+    named_excludes = [(exclude, excluded_colliders(exclude, shapes, figures)) for exclude in always]
+    problems = findings(named_excludes, touching if search else (), POSES)
     return Contacts(True, tuple(excludes), touching, tuple(problems), by_source)
 
 
-def _found(
+def _pair_of(exclude: Exclude) -> Pair:
+    return exclude.link_a, exclude.link_b
+
+
+def _analysed(
     robot: Robot,
     shapes: Sequence[Shape],
     files: Mapping[str, bytes],
-    given: Mapping[Pair, ExcludeReason],
+    reasons: Mapping[Pair, ExcludeReason],
     search: bool,
 ) -> dict[str, Any]:
-    """As plain data. `held`: the given pairs that touch at `home`, with the depth [m]; `always`: the excludes
-    of those others that touch in every sampled pose too; `free`: the rest of what touches at `home`.
-    Without a `search` nothing is excluded that is not given."""
+    """Returns the contacts as plain data. `held`: the pairs with `reasons` that touch at `home`, with the
+    depth [m]; `always`: the excludes of other pairs that also touch in every sampled pose; `free`: the
+    remaining pairs that touch at `home`. Without `search`, only the pairs with `reasons` are excluded."""
+    # Late: contacts from the cache need no MuJoCo.
+    from linkwright.stages.mesh.contacts.colliders import Colliders
+
     colliders = Colliders(shapes, files)
     start = home(robot)
     poses = link_poses(robot, start)
@@ -127,7 +138,7 @@ def _found(
         colliders.place(link, poses[link])
     order = [link.name for link in robot.links if link.name in colliders.links]
     depths = colliders.depths(colliders.meeting(order))
-    free = {pair: found for pair, found in depths.items() if pair not in given}
+    free = {pair: depth for pair, depth in depths.items() if pair not in reasons}
     always: list[Exclude] = []
     if search:
         for pair, masked in _always(robot, shapes, colliders, free, start):
@@ -135,10 +146,10 @@ def _found(
             always.append(Exclude(*pair, "Always", _deepest(free[pair][masked]), geoms))
             free[pair] = np.where(masked, -np.inf, free[pair])
     return {
-        "held": [[*pair, _deepest(found)] for pair, found in depths.items() if pair in given],
-        "always": [codec.plain(one) for one in always],
+        "held": [[*pair, _deepest(depth)] for pair, depth in depths.items() if pair in reasons],
+        "always": [codec.plain(exclude) for exclude in always],
         "free": [
-            codec.plain(Touch(*pair, _deepest(found))) for pair, found in free.items() if (found >= 0).any()
+            codec.plain(Touch(*pair, _deepest(depth))) for pair, depth in free.items() if (depth >= 0).any()
         ],
     }
 
@@ -155,8 +166,9 @@ def _always(
     depths: Mapping[Pair, Array],
     start: Configuration,
 ) -> Iterator[tuple[Pair, Mask]]:
-    """Of those pairs that touch in every sampled pose, which shapes do not collide; none without such a pose.
-    `depths`: of the pairs that touch at `start`, there."""
+    """Yields the pairs that touch in every sampled pose, each with the mask of its shapes that must not
+    collide; yields nothing if no pose can be sampled. `depths`: the depths at `start` of the pairs that touch
+    there."""
     if not depths:
         return
     values = sampled_poses(robot, POSES, colliders.span(), start)
@@ -164,8 +176,8 @@ def _always(
     labels: dict[str, list[Hashable]] = {}
     for index, shape in enumerate(shapes):
         labels.setdefault(shape.link, []).append(("own", index) if shape.collider is None else shape.collider)
-    for pair, found in depths.items():
-        touching = [found >= 0]
+    for pair, depth in depths.items():
+        touching = [depth >= 0]
         for row in range(count_of(values)):
             for link in pair:
                 colliders.place(link, poses[link][row])
@@ -178,7 +190,7 @@ def _always(
 
 
 def _content(shape: Shape, files: Mapping[str, bytes]) -> list[Any]:
-    """A collider as plain data, whatever its file is called."""
+    """Returns a collider as plain data, without the name of its file."""
     if shape.file is not None:
         return [shape.link, shape.collider, hashlib.sha256(files[shape.file]).hexdigest()]
     return [shape.link, shape.collider, codec.plain(shape.primitive)]
@@ -190,16 +202,16 @@ _WHERE = "contact"
 def findings(
     always: Sequence[tuple[Exclude, tuple[Names, Names] | None]], free: Sequence[Touch], poses: int
 ) -> Iterator[Diagnostic]:
-    """I-ALWAYS-CONTACT with the pairs that touch in every one of so many poses, and the names of what does
-    not collide where that is not all of them; and W-SELF-CONTACT with those that touch at `home`, but not in
-    every pose. Each has its depth there."""
+    """Yields I-ALWAYS-CONTACT with the pairs that touch in each of the `poses`, and the names of the
+    colliders that are left out if these are not all; and W-SELF-CONTACT with the pairs that touch at `home`,
+    but not in every pose. Each pair is listed with its depth at `home`."""
     if always:
-        told = "; ".join(_pair(one) + _only(names) for one, names in always)
-        text = f"{_pairs(len(always))} in every one of {poses} poses, so they do not collide: {told}"
+        pairs = "; ".join(_pair(exclude) + _left_out_names(names) for exclude, names in always)
+        text = f"{_pairs(len(always))} in every one of {poses} poses, so they do not collide: {pairs}"
         yield Diagnostic("I-ALWAYS-CONTACT", text, _WHERE, "contact.self=all lets them collide")
     if free:
         text = f"{_pairs(len(free))} at home, but not in every pose: {', '.join(map(_pair, free))}"
-        lines = ", ".join(f"[{as_key(one.link_a)}, {as_key(one.link_b)}]" for one in free)
+        lines = ", ".join(f"[{as_key(touch.link_a)}, {as_key(touch.link_b)}]" for touch in free)
         hint = (
             f"to let them pass through each other: `contact: {{exclude: [{lines}]}}`; "
             "otherwise change the pose or the shapes"
@@ -211,13 +223,13 @@ def _pairs(number: int) -> str:
     return f"{count(number, 'pair')} of links {'touches' if number == 1 else 'touch'}"
 
 
-def _pair(one: Exclude | Touch) -> str:
-    """The pair with its depth in mm."""
-    return f"{one.link_a} and {one.link_b} ({1e3 * one.depth:.2f} mm deep)"
+def _pair(pair: Exclude | Touch) -> str:
+    """Returns the names of a pair, with its depth in mm."""
+    return f"{pair.link_a} and {pair.link_b} ({1e3 * pair.depth:.2f} mm deep)"
 
 
-def _only(names: tuple[Names, Names] | None) -> str:
-    """What of the pair does not collide."""
+def _left_out_names(names: tuple[Names, Names] | None) -> str:
+    """Returns in words the parts of a pair that do not collide; "" if it is all of them."""
     if names is None:
         return ""
-    return f", of which only {listed(names[0])} against {listed(names[1])}"
+    return f", but only {listed(names[0])} against {listed(names[1])}"

@@ -1,5 +1,5 @@
-"""Which shapes do not collide by what an MJCF source says: the bits of its geoms, its excludes and pairs, and
-what MuJoCo leaves out by itself."""
+"""Finds the shapes that do not collide in an MJCF source: by the bits of its geoms, its excludes and pairs,
+and by MuJoCo's own rules."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
@@ -14,50 +14,54 @@ from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.robot.motion.adjacency import Pair
 
 Grid = npt.NDArray[np.bool_]
-"""(n, m): which shapes of one link collide with which of another."""
+"""Tells whether each shape of a link collides with each shape of another (n, m)."""
 
 Bits = tuple[tuple[int, int], ...]
 """`contype` and `conaffinity` of the colliders of a link."""
 
 
 def source_excludes(robot: Robot, shapes: Sequence[Shape]) -> list[Exclude] | None:
-    """The links of which none or only some of the colliders `shapes` collide; None where no two links do."""
+    """Returns the excludes of all pairs of links whose colliders (`shapes`) do not all collide with each
+    other; None if no two links collide."""
     colliders: dict[str, list[Shape]] = {}
     for shape in shapes:
         colliders.setdefault(shape.link, []).append(shape)
     links = [link.name for link in robot.links if link.name in colliders]
     bits = {link: tuple(map(_bits, colliders[link])) for link in links}
-    meet: dict[tuple[Bits, Bits], Grid] = {}
+    grid_of: dict[tuple[Bits, Bits], Grid] = {}
     paired = _pairs(robot, colliders)
-    apart, left_out, some = excluded(robot), LeftOut(robot, _keeps_parents(robot)), False
-    found = []
-    for one, other in combinations(links, 2):
-        kinds = bits[one], bits[other]
-        if kinds not in meet:
-            meet[kinds] = _meet(*kinds)
-        may = meet[kinds].copy()
-        if left_out.contains(one, other) or frozenset((one, other)) in apart:
-            may[:] = False
-        for a, b in paired.get((one, other), ()):
-            may[a, b] = True
-        some = some or bool(may.any())
-        if not may.all():
-            geoms = () if not may.any() else tuple((int(a), int(b)) for a, b in np.argwhere(~may))
-            found.append(Exclude(one, other, "Source", 0.0, geoms))
-    return found if some else None
+    excluded_links = excluded(robot)
+    left_out = LeftOut(robot, _leaves_out_parents(robot))
+    any_collides = False
+    excludes = []
+    for first, second in combinations(links, 2):
+        bit_pair = bits[first], bits[second]
+        if bit_pair not in grid_of:
+            grid_of[bit_pair] = _collision_grid(*bit_pair)
+        colliding = grid_of[bit_pair].copy()
+        if left_out.contains(first, second) or frozenset((first, second)) in excluded_links:
+            colliding[:] = False
+        for a, b in paired.get((first, second), ()):
+            colliding[a, b] = True
+        any_collides = any_collides or bool(colliding.any())
+        if not colliding.all():
+            geoms = () if not colliding.any() else tuple((int(a), int(b)) for a, b in np.argwhere(~colliding))
+            excludes.append(Exclude(first, second, "Source", 0.0, geoms))
+    return excludes if any_collides else None
 
 
 def _bits(shape: Shape) -> tuple[int, int]:
     contact = shape.form.contact
-    own = (None, None) if contact is None else (contact.contype, contact.conaffinity)
-    return 1 if own[0] is None else own[0], 1 if own[1] is None else own[1]
+    source_bits = (None, None) if contact is None else (contact.contype, contact.conaffinity)
+    return 1 if source_bits[0] is None else source_bits[0], 1 if source_bits[1] is None else source_bits[1]
 
 
-def _meet(one: Bits, other: Bits) -> Grid:
-    """By MuJoCo's rule: the bits of two geoms have one in common, either way round."""
-    a, b = (np.array(bits) for bits in (one, other))
-    met: Grid = (a[:, None, 0] & b[None, :, 1] | b[None, :, 0] & a[:, None, 1]) != 0
-    return met
+def _collision_grid(first: Bits, second: Bits) -> Grid:
+    """Tells which geoms collide by MuJoCo's rule: `contype` of either shares a bit with the other's
+    `conaffinity`."""
+    a, b = (np.array(bits) for bits in (first, second))
+    grid: Grid = (a[:, None, 0] & b[None, :, 1] | b[None, :, 0] & a[:, None, 1]) != 0
+    return grid
 
 
 def _contacts(robot: Robot, tag: str) -> Iterator[MjcfElement]:
@@ -66,28 +70,29 @@ def _contacts(robot: Robot, tag: str) -> Iterator[MjcfElement]:
 
 
 def excluded(robot: Robot) -> set[frozenset[str]]:
-    """The pairs of links that the excludes of an MJCF source name."""
+    """Returns the pairs of links that the excludes of an MJCF source name."""
     return {frozenset(name for _, name in exclude.named()) for exclude in _contacts(robot, "exclude")}
 
 
-def _keeps_parents(robot: Robot) -> bool:
-    """Whether MuJoCo leaves out a body and the one that it hangs on."""
+def _leaves_out_parents(robot: Robot) -> bool:
+    """Tells whether MuJoCo leaves out contact of a body with its parent."""
     return robot.mjcf is None or dict(robot.mjcf.flag).get("filterparent") != "disable"
 
 
 def _pairs(robot: Robot, colliders: Mapping[str, Sequence[Shape]]) -> dict[Pair, list[tuple[int, int]]]:
-    """By two links: the positions among their colliders of geoms that collide whatever their bits say."""
-    place = {link.name: index for index, link in enumerate(robot.links)}
-    named = {
-        shape.form.name: (place[link], link, index)
-        for link, every in colliders.items()
-        for index, shape in enumerate(every)
+    """Returns the geoms that the source's pairs let collide, whatever their bits: for two links, indices
+    among the colliders of each."""
+    position = {link.name: index for index, link in enumerate(robot.links)}
+    colliders_by_name = {
+        shape.form.name: (position[link], link, index)
+        for link, shapes in colliders.items()
+        for index, shape in enumerate(shapes)
         if shape.form.name
     }
-    found: dict[Pair, list[tuple[int, int]]] = {}
+    paired: dict[Pair, list[tuple[int, int]]] = {}
     for pair in _contacts(robot, "pair"):
-        ends = sorted(named[name] for _, name in pair.named() if name in named)
+        ends = sorted(colliders_by_name[name] for _, name in pair.named() if name in colliders_by_name)
         if len(ends) == 2:
-            (_, one, a), (_, other, b) = ends
-            found.setdefault((one, other), []).append((a, b))
-    return found
+            (_, first, a), (_, second, b) = ends
+            paired.setdefault((first, second), []).append((a, b))
+    return paired

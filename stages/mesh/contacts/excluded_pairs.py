@@ -1,5 +1,5 @@
-"""The pairs of links that do not collide: those that the configuration names, and those that colliders by
-contact need not keep apart."""
+"""Collects the pairs of links that do not collide: pairs that the configuration names, and all pairs that
+colliders by contact need not keep apart."""
 
 from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING
@@ -14,43 +14,47 @@ if TYPE_CHECKING:
     from linkwright.stages.mesh.section import ContactSection
 
 
-def apart(
+def excluded_pairs(
     robot: Robot, solid: Collection[str], keys: "ContactSection", chosen: Collection[Pair]
 ) -> set[Pair] | None:
-    """The pairs of `solid` links that do not collide: those next to each other, those that the configuration
-    (`chosen`) or the source excludes. None where no two links collide."""
+    """Returns the pairs of `solid` links that do not collide: neighbours, and pairs that the configuration
+    (`chosen`) or the source excludes. None if no two links collide."""
     if keys.self_ == "none":
         return None
-    found = {*chosen, *adjacent_pairs(robot, solid)}
+    pairs = {*chosen, *adjacent_pairs(robot, solid)}
     if keys.self_ == "auto":
-        found |= {(one.link_a, one.link_b) for one in robot.semantics.disabled if one.touches}
-        found |= {(one, other) for one, other in map(sorted, excluded(robot))}
-    return found
+        pairs |= {(pair.link_a, pair.link_b) for pair in robot.semantics.disabled if pair.touches}
+        pairs |= {(first, second) for first, second in map(sorted, excluded(robot))}
+    return pairs
 
 
 _WHERE = "contact.exclude"
 
 
 def chosen_pairs(
-    links: Sequence[str], wanted: Sequence[tuple[str, str]], log: Diagnostics
+    links: Sequence[str], glob_pairs: Sequence[tuple[str, str]], log: Diagnostics
 ) -> frozenset[Pair]:
-    """The pairs of `links` that some pair of globs matches, either way round; each in the order of `links`.
+    """Returns the pairs of `links` that a pair of globs matches in either order; the links of a pair are in
+    the order of `links`.
 
-    E-GLOB for each glob that matches no link, and for each pair of globs that matches no two different links.
+    Reports E-GLOB for each glob that matches no link, and for each pair of globs that does not match two
+    different links.
     """
-    place = {link: index for index, link in enumerate(links)}
-    found: set[Pair] = set()
+    position = {link: index for index, link in enumerate(links)}
+    matching_pairs: set[Pair] = set()
     missing: set[str] = set()
-    for globs in wanted:
+    for globs in glob_pairs:
         sides = [[link for link in links if fits(link, glob)] for glob in globs]
         for glob in (glob for glob, side in zip(globs, sides, strict=True) if not side):
             if glob not in missing:
                 hint = there_are(glob, {"links": links})
                 log.unmatched("E-GLOB", f"no link matches {glob!r}", _WHERE, hint, glob)
             missing.add(glob)
-        pairs = {(a, b) if place[a] < place[b] else (b, a) for a in sides[0] for b in sides[1] if a != b}
+        pairs = {
+            (a, b) if position[a] < position[b] else (b, a) for a in sides[0] for b in sides[1] if a != b
+        }
         if all(sides) and not pairs:
             text = f"{globs[0]!r} and {globs[1]!r} match the same link, which cannot touch itself"
             log.report("E-GLOB", text, _WHERE, there_are("", {"links": links}))
-        found |= pairs
-    return frozenset(found)
+        matching_pairs |= pairs
+    return frozenset(matching_pairs)

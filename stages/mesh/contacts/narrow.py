@@ -1,6 +1,6 @@
-"""Which shapes of two links do not collide, where the links touch in every pose: as few as will do.
+"""Finds the fewest shapes of two links that must not collide if the links touch in every pose.
 
-What meets in every pose is mostly a part of the one link and one of the other: two gears, a pin in a slot.
+Usually a single part of each link touches in every pose: two gears, a pin in a slot.
 """
 
 from collections.abc import Hashable, Sequence
@@ -10,46 +10,47 @@ import numpy.typing as npt
 
 Mask = npt.NDArray[np.bool_]
 
-SELDOM = 0.5
-"""Pieces of two colliders that touch in more than this share of the poses belong to what always touches: such
-as the teeth of two gears, of which no two pieces are always in each other, but some always are."""
+MAX_SHARE_OF_OTHERS = 0.5
+"""Largest share of the poses in which other pieces of two colliders touch, if only the pieces that touch in
+every pose are left out. The teeth of two gears, for example, always touch somewhere, but no two of their
+pieces always do."""
 
 
-def narrowed(touching: Mask, one: Sequence[Hashable], other: Sequence[Hashable]) -> Mask:
-    """The pairs of shapes (m, n) that do not collide; none where the links are apart in some pose.
+def narrowed(touching: Mask, first: Sequence[Hashable], second: Sequence[Hashable]) -> Mask:
+    """Returns the pairs of shapes (m, n) that must not collide; no pairs if the links are apart in some pose.
 
-    `touching` (poses, m, n): whether each shape of the one link touches each of the other. `one` (m) and
-    `other` (n): which collider each shape is a piece of. Of two colliders that touch in every pose those
-    pieces are left out that do so, if the others are mostly apart; else all of them. All shapes are left out
-    where the links touch in every pose, but no two colliders do, or where what is left still does.
+    `touching` (poses, m, n): whether each shape of the first link touches each shape of the second. `first`
+    (m), `second` (n): the collider of which each shape is a piece. If two colliders touch in every pose,
+    those of their pieces that touch in every pose are left out if the other pieces are mostly apart, else all
+    pieces. All shapes are left out if the remaining shapes still touch in every pose.
     """
-    found = np.zeros(touching.shape[1:], dtype=bool)
+    mask = np.zeros(touching.shape[1:], dtype=bool)
     if not _always(touching):
-        return found
-    for rows in _groups(one):
-        for columns in _groups(other):
+        return mask
+    for rows in _groups(first):
+        for columns in _groups(second):
             block = np.ix_(rows, columns)
-            found[block] = _of_two_colliders(touching[:, rows][:, :, columns])
-    return np.ones_like(found) if _always(touching & ~found) else found
+            mask[block] = _narrowed_pieces(touching[:, rows][:, :, columns])
+    return np.ones_like(mask) if _always(touching & ~mask) else mask
 
 
-def _of_two_colliders(touching: Mask) -> Mask:
-    """The pairs of pieces of two colliders that do not collide."""
+def _narrowed_pieces(touching: Mask) -> Mask:
+    """Returns the pairs of pieces of two colliders that must not collide."""
     if not _always(touching):
         return np.zeros(touching.shape[1:], dtype=bool)
     always: Mask = np.logical_and.reduce(touching)
     rest = (touching & ~always).any(axis=(1, 2))
-    return always if rest.mean() <= SELDOM else np.ones_like(always)
+    return always if rest.mean() <= MAX_SHARE_OF_OTHERS else np.ones_like(always)
 
 
 def _always(touching: Mask) -> bool:
-    """Whether something touches in every pose; never without a pose."""
+    """Tells whether something touches in every pose; false without poses."""
     return len(touching) > 0 and bool(touching.any(axis=(1, 2)).all())
 
 
 def _groups(labels: Sequence[Hashable]) -> list[list[int]]:
-    """The positions that have one label, for each label."""
-    found: dict[Hashable, list[int]] = {}
+    """Returns for each label the indices that have it."""
+    groups: dict[Hashable, list[int]] = {}
     for index, label in enumerate(labels):
-        found.setdefault(label, []).append(index)
-    return list(found.values())
+        groups.setdefault(label, []).append(index)
+    return list(groups.values())

@@ -1,1 +1,1 @@
-"""Cutting: planes, the two sides of a cut, and what stands out of a piece."""
+"""Cuts surfaces by planes, and measures how far the pieces of a collider stand out."""

@@ -1,4 +1,4 @@
-"""How far a collider stands out of what can be reached of a link from outside."""
+"""Measures how far a collider stands out of that surface of a link which can be reached from outside."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+import scipy
 
 from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.measure import BoxTree, Nearest, even
@@ -15,115 +16,129 @@ from linkwright.stages.mesh.surfaces.pieces import Distances, Piece, beyond_piec
 Numbers = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
 
-_CELLS = 110
-"""Cells along the diagonal of a link: of a tolerance of 1.5 % there are 1.6."""
+_CELLS_ALONG_DIAGONAL = 110
+"""Number of cells along the diagonal of a link: a tolerance of 1.5 % then has 1.6 cells."""
 
-_SPACED = 0.6
-"""Of a cell: how far apart the points are that mark the cells of a surface."""
+_MARK_SPACING = 0.6
+"""Distance between the points that mark the cells of a surface, in cells."""
 
-_POINTS = 400
-"""On each piece."""
+_POINTS_PER_PIECE = 400
+"""Number of points on each piece."""
 
-_SEAM = 3e-4
-"""Of the diagonal: a point so near to another piece is no point of the outer surface."""
+_SEAM_WIDTH = 3e-4
+"""Points of a piece that are this near to another piece, as a share of the diagonal, are not on the outer
+surface."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sampled:
-    """A piece by how far points are `beyond` it; points (n, 3) spread evenly over it, how far each is out of
-    the link (n,) [m], and the area that each stands for [m²]."""
+    """A piece of a collider with points on it."""
 
     beyond: Distances
+    """Function that returns how far points are beyond the piece."""
     points: Points
+    """Points (n, 3) spread evenly over the piece."""
     distances: Numbers
+    """Distance of each point from the link's reachable surface (n,) [m]."""
     area: float
+    """Area that each point represents [m²]."""
 
     @property
     def volume(self) -> float:
-        """Its area times how far that is out of the link [m³]."""
+        """Volume [m³] between the piece and the link: area times distance, summed over the points."""
         return self.area * float(self.distances.sum())
 
 
 @dataclass(frozen=True, slots=True)
 class StandingOut:
-    """What 95 % of the outer surface of a collider stay within, and all of it [m]; and of each piece the area
-    [m²] of its outer surface that is out by more than the radius of the ball."""
+    """How far the outer surface of a collider stands out of a link."""
 
     p95: float
+    """Largest distance [m] of 95 % of the outer surface."""
     most: float
+    """Largest distance [m] of all of the outer surface."""
     far: tuple[float, ...]
+    """Area [m²] of each piece's outer surface that stands out by more than the radius of the ball."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Outside:
-    """A link's surface as a ball of some radius finds it that comes from outside.
+    """The surface of a link that a ball of some radius can touch from outside.
 
-    Where the ball does not get, inside of solids, in cavities, in hollows with narrow mouths, a collider
-    stands out of nothing: so covers of open sheets are judged by their outer side. `hidden`: those cells of a
-    grid; `low` (3,), `cell` [m]: where it lies.
+    Where the ball cannot go (inside solids, in cavities, in hollows with narrow mouths), a collider does not
+    count as standing out. Covers made of open sheets are therefore judged by their outer side.
     """
 
     nearest: Nearest
+    """Distances from the surface."""
     radius: float
+    """Radius of the ball [m]."""
     hidden: Flags
+    """Cells of a grid where the ball cannot go."""
     low: Points
+    """Lowest corner of the grid (3,) [m]."""
     cell: float
+    """Pitch of the grid [m]."""
     diagonal: float
+    """Diagonal of the link's bounding box [m]."""
 
     @staticmethod
     def of(surface: Surface, radius: float) -> Outside:
-        """Of a surface, closed or not, for a ball of this radius [m]."""
-        # Late: a part from the cache needs no library that makes colliders or decimates.
-        from scipy.ndimage import distance_transform_edt, label
-
+        """Finds the outside of a surface, closed or not, for a ball of this radius [m]."""
         tree = BoxTree.of(surface)
         low, high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
         diagonal = float(np.linalg.norm(high - low))
-        cell = diagonal / _CELLS
+        cell = diagonal / _CELLS_ALONG_DIAGONAL
         margin = int(np.ceil(radius / cell)) + 2
         shape = tuple(int(n) for n in np.ceil((high - low) / cell).astype(int) + 2 * margin + 1)
         start = low - margin * cell
         solid = np.zeros(shape, dtype=bool)
-        count = int(np.ceil(surface.area() / (_SPACED * cell) ** 2)) + 1
-        marked = np.concatenate([even(tree.corners, count).points, surface.vertices])
-        solid[tuple(np.floor((marked - start) / cell).astype(int).T)] = True
-        free = distance_transform_edt(~solid) * cell > radius
-        parts, _ = label(free)
-        reached = parts == parts[0, 0, 0]
-        hidden = distance_transform_edt(~reached) * cell > radius + cell
+        count = int(np.ceil(surface.area() / (_MARK_SPACING * cell) ** 2)) + 1
+        marks = np.concatenate([even(tree.corners, count).points, surface.vertices])
+        solid[tuple(np.floor((marks - start) / cell).astype(int).T)] = True
+        free = scipy.ndimage.distance_transform_edt(~solid) * cell > radius
+        parts, _ = scipy.ndimage.label(free)
+        reachable = parts == parts[0, 0, 0]
+        hidden = scipy.ndimage.distance_transform_edt(~reachable) * cell > radius + cell
         return Outside(Nearest.of(tree), radius, hidden, start, cell, diagonal)
 
     def distances(self, points: Points) -> Numbers:
-        """(n,): how far [m] points (n, 3) are from the surface, 0 where the ball does not get."""
+        """Returns the distance [m] (n,) of points (n, 3) from the surface, 0 where the ball cannot go."""
         cells = np.floor((points - self.low) / self.cell).astype(int)
         within = ((cells >= 0) & (cells < self.hidden.shape)).all(axis=1)
         open_air = np.array(~within)
         open_air[within] = ~self.hidden[tuple(cells[within].T)]
-        found = np.zeros(len(points))
+        distances = np.zeros(len(points))
         if open_air.any():
-            found[open_air] = self.nearest(points[open_air])[0]
-        return found
+            distances[open_air] = self.nearest(points[open_air])[0]
+        return distances
 
     def sampled(self, piece: Piece) -> Sampled:
-        """Points on a piece."""
+        """Samples a piece."""
         surface = surface_of(piece)
-        points = even(surface.corners, _POINTS).points
-        return Sampled(beyond_piece(piece), points, self.distances(points), surface.area() / _POINTS)
+        points = even(surface.corners, _POINTS_PER_PIECE).points
+        return Sampled(
+            beyond_piece(piece), points, self.distances(points), surface.area() / _POINTS_PER_PIECE
+        )
 
     def standing_out(self, pieces: Sequence[Sampled]) -> StandingOut:
-        """How far the outer surface of a collider, the union of the pieces, is out of the link."""
+        """Measures how far the outer surface of a collider, the union of the pieces, is out of the link."""
         distances = []
-        for number, one in enumerate(pieces):
-            outer = np.ones(len(one.points), dtype=bool)
-            for other, solid in enumerate(pieces):
+        for number, piece in enumerate(pieces):
+            outer = np.ones(len(piece.points), dtype=bool)
+            for other, other_piece in enumerate(pieces):
                 if other != number:
-                    outer[outer] = solid.beyond(one.points[outer]) > _SEAM * self.diagonal
-            distances.append(one.distances[outer])
-        every = np.concatenate(distances)
-        weights = np.repeat([one.area for one in pieces], [len(found) for found in distances])
-        order = np.argsort(every)
+                    outer[outer] = other_piece.beyond(piece.points[outer]) > _SEAM_WIDTH * self.diagonal
+            distances.append(piece.distances[outer])
+        all_distances = np.concatenate(distances)
+        weights = np.repeat([piece.area for piece in pieces], [len(values) for values in distances])
+        order = np.argsort(all_distances)
         share = np.cumsum(weights[order])
-        p95 = float(every[order][np.searchsorted(share, 0.95 * share[-1])]) if len(every) else 0.0
-        far = [np.count_nonzero(found > self.radius) for found in distances]
-        areas = tuple(one.area * number for one, number in zip(pieces, far, strict=True))
-        return StandingOut(p95, float(every.max(initial=0.0)), areas)
+        p95 = (
+            float(all_distances[order][np.searchsorted(share, 0.95 * share[-1])])
+            if len(all_distances)
+            else 0.0
+        )
+        far_counts = [np.count_nonzero(values > self.radius) for values in distances]
+        areas = tuple(piece.area * number for piece, number in zip(pieces, far_counts, strict=True))
+        return StandingOut(p95, float(all_distances.max(initial=0.0)), areas)

@@ -1,9 +1,9 @@
-"""Convex pieces as CoACD makes them: it crashes on some meshes, and never ends on others, so only guest
-processes come here.
+"""Makes convex pieces with CoACD. Only guest processes call it, since it crashes on some meshes, and does not
+terminate on others.
 
-CoACD takes minutes for a mesh as CAD gives it and seconds for the same shape of some thousand triangles; it
-needs it closed, so the simplification is that of manifold3d, which keeps it so. Bubbles inside a body are
-filled: nothing gets there. A body that lies across itself CoACD cuts without end.
+CoACD takes minutes for a mesh from CAD, and seconds for the same shape with some thousand triangles. It needs
+a closed mesh, so manifold3d simplifies it, which keeps it closed. Bubbles inside a body are filled, since
+nothing reaches them. CoACD does not terminate on self-intersecting bodies.
 
 The only module that imports `coacd`.
 """
@@ -22,18 +22,18 @@ from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.inside import Inside
 from linkwright.stages.mesh.surfaces.snapping import grid, on_grid, snapped
 
-_CONVEX = 1.002
-"""A body whose hull has at most so many times its volume is one piece; so is one smaller than the
-tolerance."""
+_MAX_HULL_RATIO = 1.002
+"""A body stays a single piece if its hull has at most this many times its volume, or if it is smaller than
+the tolerance."""
 
 _OVERLAP_OF_SIZE = 4e-5
-"""How far each piece is grown, as a share of the part's diagonal: as far apart CoACD leaves pieces that touch
-along a cut."""
+"""Distance by which each piece is grown, as a share of the part's diagonal: CoACD leaves such a gap between
+pieces that touch along a cut."""
 
 
 def decomposed(surface: Surface, tolerance: float, search: Search) -> tuple[Surface, ...] | str:
-    """The convex pieces of a surface for a tolerance [m], more than are wanted; where there are none, the
-    reason in words."""
+    """Returns the convex pieces of a surface for a tolerance [m], more than needed; or the reason in words
+    why there are none."""
     surface, arguments = snapped(surface), search.arguments(tolerance)
     bodies = prepared(surface, tolerance)
     if bodies == NOT_CLOSED and arguments["preprocess_mode"] == "on":
@@ -48,13 +48,13 @@ def decomposed(surface: Surface, tolerance: float, search: Search) -> tuple[Surf
 
 
 def _pieces(body: Surface, tolerance: float, arguments: dict[str, Any]) -> list[Points]:
-    """The corners of the convex pieces of one closed body."""
+    """Returns the corners of each convex piece of a closed body."""
     hull = convex_hull(body.vertices)
     if hull is None:
         return []
-    if body.diagonal < tolerance or hull.volume() <= _CONVEX * body.volume():
+    if body.diagonal < tolerance or hull.volume() <= _MAX_HULL_RATIO * body.volume():
         return [hull.vertices]
-    # Late: only what planes do not cut needs CoACD.
+    # Late: only the maker `coacd` needs it.
     import coacd
 
     coacd.set_log_level("error")
@@ -64,23 +64,25 @@ def _pieces(body: Surface, tolerance: float, arguments: dict[str, Any]) -> list[
     return [grown(hull, overlap) for hull in hulls if hull]
 
 
-_PASSES = (0.1, 0.1, 0.1, 0.1)
-"""How far each pass of simplification may move the surface, in tolerances."""
+_SIMPLIFICATION_STEPS = (0.1, 0.1, 0.1, 0.1)
+"""Distances, in tolerances, by which the passes of simplification may move the surface."""
 
-_FEW_FACES = 2500
-"""So few triangles need no further pass. Two short passes leave fewer of them than a long one."""
+_MAX_FACES = 2500
+"""Number of triangles at which no further pass is made. Two short passes leave fewer triangles than a long
+one."""
 
-_ACROSS = 0.005
-"""The share of a body that it may go round more often than once."""
+_MAX_SELF_OVERLAP = 0.005
+"""Largest share of a body in which the winding number may differ from 1."""
 
-_ALONG = 16
-"""Points along each side of a body's box that tell how often it goes round them."""
+_POINTS_PER_SIDE = 16
+"""Number of points along each side of a body's box at which the winding number is computed."""
 
-NOT_CLOSED = "the mesh is not closed, or lies across itself"
+NOT_CLOSED = "the mesh is not closed, or intersects itself"
+"""Reason in words why CoACD cannot take a mesh; planes cut it instead."""
 
 
 def prepared(surface: Surface, tolerance: float) -> tuple[Surface, ...] | str:
-    """The bodies of a part, in the order of their size; where CoACD cannot have them, the reason in words."""
+    """Returns the bodies of a part, the largest first; or the reason in words why CoACD cannot take them."""
     if convex_hull(surface.vertices) is None:
         return "the mesh is flat"
     solid = body_of(surface)
@@ -88,19 +90,19 @@ def prepared(surface: Surface, tolerance: float) -> tuple[Surface, ...] | str:
         solid = body_of(surface.flipped())
     if solid is None:
         return NOT_CLOSED
-    for share in _PASSES:
+    for share in _SIMPLIFICATION_STEPS:
         solid = solid.simplify(share * tolerance)
-        if solid.num_tri() <= _FEW_FACES:
+        if solid.num_tri() <= _MAX_FACES:
             break
     bodies = [surface_of_body(body) for body in solid.decompose() if body.volume() > 0]
-    if any(map(_lies_across_itself, bodies)):
+    if any(map(_intersects_itself, bodies)):
         return NOT_CLOSED
     bodies.sort(key=lambda body: (-len(body.triangles), body.vertices.tobytes()))
     return tuple(bodies) or "the mesh has no inside"
 
 
-def _lies_across_itself(body: Surface) -> bool:
+def _intersects_itself(body: Surface) -> bool:
     low, high = body.vertices.min(axis=0), body.vertices.max(axis=0)
-    places = (np.indices((_ALONG,) * 3).reshape(3, -1).T + 0.5) / _ALONG
+    places = (np.indices((_POINTS_PER_SIDE,) * 3).reshape(3, -1).T + 0.5) / _POINTS_PER_SIDE
     times = Inside.of(body).times_around(low + (high - low) * places)
-    return int((times > 1).sum() + (times < 0).sum()) > _ACROSS * int((times != 0).sum())
+    return int((times > 1).sum() + (times < 0).sum()) > _MAX_SELF_OVERLAP * int((times != 0).sum())

@@ -1,1 +1,1 @@
-"""Mesh files: OBJ and STL, and their names."""
+"""Writes mesh files, OBJ and STL, and names them."""

@@ -1,4 +1,4 @@
-"""Mesh files: surfaces in a form that every reader accepts."""
+"""Converts surfaces to mesh files that every reader accepts."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -9,55 +9,62 @@ from linkwright.stages.formats.meshes.surface import Surface, chosen, joined, ro
 from linkwright.stages.mesh.files import obj, stl
 from linkwright.stages.robot.model.geometry import Colour
 
-MOST_FACES = 200_000
-"""The largest number of triangles in one file: MuJoCo reads no more."""
+MAX_FACES = 200_000
+"""Largest number of triangles in a file: MuJoCo reads no more."""
 
-_SKIN = 1e-6
-_SPECK = 1e-14
+_BACK_DISTANCE = 1e-6
+"""Distance [m] of the back of a flat surface."""
+
+_MIN_SPAN = 1e-14
+"""Smallest volume [m³] that a mesh must span."""
 
 
 @dataclass(frozen=True, slots=True)
 class MeshFile:
-    """One mesh file of a link, with the figures that `Shape` has: a binary STL, or an OBJ where it has a
-    `texture`, the digest of an image, "" for none."""
+    """A mesh file of a link, with the figures that `Shape` has."""
 
     colour: Colour | None
     vertices: int
     faces: int
     area: float
+    """Surface area [m²]."""
     volume: float
+    """Signed volume [m³]."""
     data: bytes
+    """Content of the file: a binary STL, or an OBJ if there is a texture."""
     texture: str = ""
+    """SHA-256 of the image, "" for no image."""
     bounds: tuple[float, ...] = ()
+    """Smallest x, y and z, then the largest [m]."""
 
 
 def collider(surface: Surface) -> MeshFile:
-    """The mesh file of a convex hull."""
+    """Returns the mesh file of a convex hull."""
     return _mesh_file(rounded(surface), None)
 
 
 def visuals(surface: Surface, colour: Colour, texture: str = "") -> Iterator[MeshFile]:
-    """The mesh files of a surface of one colour and texture, each with at most `MOST_FACES` triangles.
+    """Yields the mesh files of a surface of one colour and texture, each with at most `MAX_FACES` triangles.
 
-    MuJoCo refuses meshes that span no volume, and a single coloured face is one: it gets a back,
-    a thousandth of a millimetre behind. Specks too small even for that, below 1e-14 m³, are left out.
+    MuJoCo refuses meshes that span no volume, such as a single coloured face. A flat surface therefore gets a
+    back, a thousandth of a millimetre behind it. Specks that span less than 1e-14 m³ even then are left out.
     """
     for part, span in _portions(rounded(surface)):
         solid = part
         if _flat(part, span):
             solid = rounded(_backed(part))
             span = _span(solid)
-        if len(solid.triangles) and span >= _SPECK:
+        if len(solid.triangles) and span >= _MIN_SPAN:
             yield _mesh_file(solid, colour, texture)
 
 
 def _portions(surface: Surface) -> Iterator[tuple[Surface, float]]:
-    """Parts of the surface that are small enough for one file, and the span [m³] of each."""
+    """Yields portions of the surface that are small enough for a file, and the span [m³] of each."""
     count = len(surface.triangles)
     if not count:
         return
     span = _span(surface)
-    if count <= (MOST_FACES // 2 if _flat(surface, span) else MOST_FACES):
+    if count <= (MAX_FACES // 2 if _flat(surface, span) else MAX_FACES):
         yield surface, span
         return
     for half in np.array_split(np.arange(count), 2):
@@ -65,17 +72,17 @@ def _portions(surface: Surface) -> Iterator[tuple[Surface, float]]:
 
 
 def _scale(surface: Surface) -> float:
-    """1 for coordinates up to a metre, and as many as they are above: single precision is relative."""
+    """Returns the largest coordinate [m], at least 1: rounding to single precision is relative."""
     return max(1.0, float(np.abs(surface.vertices).max()))
 
 
 def _flat(surface: Surface, span: float) -> bool:
-    """Whether a surface of that span lies in a plane, within single precision."""
-    return span <= 0.2 * _SKIN * _scale(surface) * surface.area()
+    """Tells whether a surface of the given span [m³] lies in a plane, within single precision."""
+    return span <= 0.2 * _BACK_DISTANCE * _scale(surface) * surface.area()
 
 
 def _span(surface: Surface) -> float:
-    """The volume [m³] between the surface and its middle: what MuJoCo calls a mesh's volume."""
+    """Returns the volume [m³] between a surface and its centroid, which MuJoCo calls a mesh's volume."""
     weights = np.linalg.norm(surface.normals(), axis=1)
     total = float(weights.sum())
     if total == 0.0:
@@ -85,7 +92,7 @@ def _span(surface: Surface) -> float:
 
 
 def _backed(surface: Surface) -> Surface:
-    """A flat surface with a back close behind it."""
+    """Returns a flat surface with a back close behind it."""
     normals = surface.normals()
     lengths = np.linalg.norm(normals, axis=1)
     largest = int(lengths.argmax())
@@ -93,7 +100,7 @@ def _backed(surface: Surface) -> Surface:
         return surface
     area = float(lengths.sum() / 2)
     # Specks need a thicker back to be more than nothing, but never thicker than they are wide.
-    depth = max(_SKIN * _scale(surface), min(1e-12 / area, float(np.sqrt(area))))
+    depth = max(_BACK_DISTANCE * _scale(surface), min(1e-12 / area, float(np.sqrt(area))))
     behind = surface.vertices - depth * normals[largest] / lengths[largest]
     return joined([surface, replace(surface, vertices=behind).flipped()])
 

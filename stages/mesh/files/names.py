@@ -1,49 +1,53 @@
-"""Names of mesh files: one scheme, unique on every file system."""
+"""Names mesh files by a single scheme, with names that are unique on every file system."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
 from linkwright.stages.robot.text.names import plain, shortest_unique
 
-_LONGEST = 200
-"""Letters of a link's name in that of a file, which may have 255."""
+_MAX_LINK_LETTERS = 200
+"""Largest number of letters of a link's name in a file name, which may have 255 in all."""
 
 
 def file_names(
     files: Mapping[str, tuple[int | Sequence[str], int]],
 ) -> dict[str, tuple[list[str], list[str]]]:
-    """For each link, in order: the names of its visual files and of its collision files.
+    """Returns the names of the visual files and of the collision files of each link, in order.
 
-    `files`: for each link, the number of its visual files, or a word for each, and that of its collision
-    files. With words they are named `<link>_<word>.stl`, else `<link>.stl`, or
-    `<link>_<k>.stl` with k from 1 for several, and `<link>_collision.stl`, or `<link>_collision_<k>.stl`.
-    Where another link has a file of that name (links `arm` and `arm_1`), underscores are added until none
-    has. Names that differ only in case count as the same. Letters that some file systems lack are left out,
-    and long names are shortened.
+    `files`: link → either the number of its visual files or a word for each, and the number of its collision
+    files. Visual files are named `<link>_<word>.stl` if there are words, else `<link>.stl`, or
+    `<link>_<k>.stl`, counted from 1, if there are several; collision files are named
+    `<link>_collision.stl` or `<link>_collision_<k>.stl`. If another link has a file of the same name (links
+    `arm` and `arm_1`), underscores are added until the name is unique. Case is ignored when names are
+    compared. Letters that some file systems lack are left out, and long names are shortened.
     """
-    stem_of = _stems(files)
-    stems = {stem.casefold() for stem in stem_of.values()}
-    taken: set[str] = set()
+    stem_of = stems(files)
+    folded_stems = {stem.casefold() for stem in stem_of.values()}
+    names_in_use: set[str] = set()
     names = {}
     for link, (visuals, colliders) in files.items():
         stem = stem_of[link]
         words = _numbered("", visuals) if isinstance(visuals, int) else list(visuals)
         suffixes = words + _numbered("collision", colliders)
-        gap = "_"
-        while any(_key(stem, gap, suffix) in stems | taken for suffix in suffixes if suffix):
-            gap += "_"
-        taken |= {_key(stem, gap, suffix) for suffix in suffixes if suffix}
-        own = [f"{stem}{gap}{suffix}.stl" if suffix else f"{stem}.stl" for suffix in suffixes]
-        names[link] = (own[: len(words)], own[len(words) :])
+        separator = "_"
+        while any(
+            _folded_name(stem, separator, suffix) in folded_stems | names_in_use
+            for suffix in suffixes
+            if suffix
+        ):
+            separator += "_"
+        names_in_use |= {_folded_name(stem, separator, suffix) for suffix in suffixes if suffix}
+        names_of_link = [f"{stem}{separator}{suffix}.stl" if suffix else f"{stem}.stl" for suffix in suffixes]
+        names[link] = (names_of_link[: len(words)], names_of_link[len(words) :])
     return names
 
 
 def part_words(names: Sequence[str]) -> list[str]:
-    """A word for each visual file of a link by the name of its part, unique within the link: the shortest end
-    of the name that no other part has, and a number where a part has several files."""
+    """Returns a short word for each visual file of a link, unique within the link. It is the shortest ending
+    of its part's name that no other part shares, with a number if the part has several files."""
     counts = Counter(names)
     paths = {name: name.split("/") for name in counts}
-    # Colliders have the word "collision".
+    # A part called "collision" must not look like a collider's file.
     short = {
         name: f"part_{word}" if word.startswith("collision") else word
         for name, word in shortest_unique(paths).items()
@@ -57,31 +61,31 @@ def part_words(names: Sequence[str]) -> list[str]:
 
 
 def _numbered(word: str, count: int) -> list[str]:
-    """The endings of the names of `count` files of one kind: the word, with numbers if there are several."""
+    """Returns the name endings of `count` files of a kind: the word, with numbers if there are several."""
     if count < 2:
         return [word] * count
     width = len(str(count))
     return [f"{word}_{k:0{width}d}".lstrip("_") for k in range(1, count + 1)]
 
 
-def _stems(links: Iterable[str]) -> dict[str, str]:
-    """The stem of each link's file names: its name where that can name files, else the nearest name that no
-    other link has."""
-    stems: dict[str, str] = {}
-    taken: set[str] = set()
+def stems(links: Iterable[str]) -> dict[str, str]:
+    """Maps each link to the stem of its file names: its own name if that is a valid file name, else a similar
+    name that no other link has."""
+    stem_of: dict[str, str] = {}
+    stems_in_use: set[str] = set()
     for link in sorted(links, key=lambda name: (_stem(name) != name, name)):
         stem, count = _stem(link), 1
-        while stem.casefold() in taken:
+        while stem.casefold() in stems_in_use:
             count += 1
             stem = f"{_stem(link)}_{count}"
-        stems[link] = stem
-        taken.add(stem.casefold())
-    return stems
+        stem_of[link] = stem
+        stems_in_use.add(stem.casefold())
+    return stem_of
 
 
 def _stem(link: str) -> str:
-    return plain(link)[:_LONGEST]
+    return plain(link)[:_MAX_LINK_LETTERS]
 
 
-def _key(link: str, gap: str, suffix: str) -> str:
-    return f"{link}{gap}{suffix}".casefold()
+def _folded_name(link: str, separator: str, suffix: str) -> str:
+    return f"{link}{separator}{suffix}".casefold()

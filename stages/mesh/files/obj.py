@@ -1,4 +1,5 @@
-"""Wavefront OBJ: points, triangles, texture coordinates; metres, the same surface always the same bytes."""
+"""Writes and reads Wavefront OBJ: points, triangles and texture coordinates, in metres; equal surfaces give
+equal bytes."""
 
 import numpy as np
 import numpy.typing as npt
@@ -8,8 +9,8 @@ from linkwright.stages.robot.model.geometry import Colour
 
 
 def write(surface: Surface) -> bytes:
-    """The file of a surface: `v` and `f` only, and `vt` where it has texture coordinates; numbers in single
-    precision, as short as they are exact."""
+    """Returns the OBJ file of a surface: lines of `v` and `f`, and of `vt` if it has texture coordinates.
+    Numbers are the shortest ones that are exact in single precision."""
     lines = _lines("v", surface.vertices.astype(np.float32))
     corners = (surface.triangles + 1).tolist()
     if surface.texcoords is None:
@@ -23,7 +24,7 @@ def write(surface: Surface) -> bytes:
 
 
 def read(data: bytes) -> npt.NDArray[np.float64]:
-    """(m, 3, 3): the corners of each triangle of a file that `write` made, with a material or without."""
+    """Returns the corners (m, 3, 3) of the triangles of a file that `write` or `with_material` made."""
     lines = data.decode().splitlines()
     points = np.array([line.split()[1:] for line in lines if line.startswith("v ")], dtype=np.float64)
     faces = [[word.partition("/")[0] for word in line.split()[1:]] for line in lines if line.startswith("f ")]
@@ -34,12 +35,12 @@ def read(data: bytes) -> npt.NDArray[np.float64]:
 
 
 def with_material(data: bytes, library: str, material: str) -> bytes:
-    """The file with all triangles in a material of the library, a file beside it."""
+    """Returns the file with all triangles in a material of `library`, the name of an MTL file beside it."""
     return f"mtllib {library}\nusemtl {material}\n".encode() + data
 
 
 def library(material: str, colour: Colour, image: str) -> bytes:
-    """The library of materials (MTL) with one: an image, beside the file, times a colour."""
+    """Returns an MTL file with a single material: an image, a file beside it, multiplied by a colour."""
     red, green, blue, alpha = (f"{channel:.9g}" for channel in colour)
     return f"newmtl {material}\nKd {red} {green} {blue}\nd {alpha}\nmap_Kd {image}\n".encode()
 

@@ -1,58 +1,66 @@
-"""A part as a union of spheres."""
+"""Approximates a part by a union of spheres."""
 
 import numpy as np
 import numpy.typing as npt
+import scipy
 
 from linkwright.stages.formats.meshes.surface import Points
 from linkwright.stages.mesh.fit.outline import Floats, Outline
 from linkwright.stages.robot.model.poses import from_parts
 from linkwright.stages.robot.model.robot import Primitive, frozen
 
-_CENTRES = 700
-_WANTED = 2500
-_ROUNDS = 30
-_SHARE = 0.85  # of the tolerance, since points are not the whole surface
-_BARE = 0.75
-_WIDER = 1.25
+_TARGET_CENTRES = 700
+_TARGET_POINTS = 2500
+"""Numbers of candidates for centres, and of points that the spheres must cover; at most twice as many."""
+
+_MAX_ROUNDS = 30
+_PROTRUSION_SHARE = 0.85
+_BARENESS_SHARE = 0.75
+"""Protrusion and bareness that are allowed at points, as shares of the tolerance, since the points are not
+the whole surface."""
+
+_GROWTH = 1.25
+"""Factor by which the tolerance grows if too many spheres are needed, and the grid if it keeps too many
+points."""
+
 _DECIMALS = 12
+"""Decimals [m] of radii and centres, so that they do not depend on how a processor rounds."""
 
 
-def spheres(outline: Outline, closed: bool, tolerance: float, most: int) -> tuple[Primitive, ...]:
-    """At most `most` spheres whose union stands out of a part, and leaves it bare, by `tolerance` [m] where
-    so many suffice, else by as little more as they can.
+def spheres(outline: Outline, closed: bool, tolerance: float, max_spheres: int) -> tuple[Primitive, ...]:
+    """Returns at most `max_spheres` spheres. Their union stands out of a part, and leaves it bare, by at most
+    `tolerance` [m], or by as little more as so few spheres allow.
 
-    Each is a ball in the part that touches its surface from within at two places or more, grown by the
-    tolerance, so that it stands out by no more than that. Chosen is always the one that covers most of what
-    is still bare. In a surface that is not `closed` they are centred on it.
+    Each sphere is a ball inside the part that touches its surface in two places or more, grown by the
+    tolerance, so that it stands out by no more than that. Spheres are chosen greedily: next is the one that
+    covers most of the surface that is still bare. If the surface is not `closed`, spheres are centred on it.
     """
-    # Late: a part from the cache needs no library that makes colliders or decimates.
-    from scipy.spatial.distance import cdist
-
     spots, owners = _spots(outline)
     centres, radii = spots, np.zeros(len(spots))
     if closed:
-        centres, radii = _within(outline, spots, outline.normals[owners])
+        centres, radii = _inner_balls(outline, spots, outline.normals[owners])
     surface = np.concatenate([outline.tree.data, outline.faces.reshape(-1, 3)])
-    wanted = surface[_spread(surface, outline, _WANTED)]
-    apart = cdist(wanted, centres) - radii
-    reach = _SHARE * tolerance
-    while (chosen := _cover(apart <= (1 + _BARE) * reach, most)) is None:
-        reach *= _WIDER
+    points = surface[_spread(surface, outline, _TARGET_POINTS)]
+    distances = scipy.spatial.distance.cdist(points, centres) - radii
+    reach = _PROTRUSION_SHARE * tolerance
+    while (indices := _cover(distances <= (1 + _BARENESS_SHARE) * reach, max_spheres)) is None:
+        reach *= _GROWTH
     poses = np.round(centres, _DECIMALS) + 0.0
     sizes = [round(float(radius + reach), _DECIMALS) for radius in radii]
-    return tuple(Primitive("sphere", (sizes[k],), frozen(from_parts(np.eye(3), poses[k]))) for k in chosen)
+    return tuple(Primitive("sphere", (sizes[k],), frozen(from_parts(np.eye(3), poses[k]))) for k in indices)
 
 
 def _spots(outline: Outline) -> tuple[Points, npt.NDArray[np.int64]]:
-    """Points all over the surface, about as many in each place, and the triangle of each."""
+    """Returns points spread about evenly over the surface, and the triangle of each."""
     points = np.asarray(outline.tree.data)
-    kept = _spread(points, outline, _CENTRES)
-    return points[kept], outline.sample_faces[kept]
+    indices = _spread(points, outline, _TARGET_CENTRES)
+    return points[indices], outline.sample_faces[indices]
 
 
 def _spread(points: Points, outline: Outline, count: int) -> npt.NDArray[np.int64]:
-    """Indices of points, at most twice `count`, as far apart as so many on the whole surface are: the first
-    of each cell of a grid, in the order of their coordinates, so that their own order does not matter."""
+    """Returns the indices of at most twice `count` points, about as far apart as `count` points on the whole
+    surface would be: the first point of each cell of a grid, in the order of coordinates, so that the order
+    of the points does not matter."""
     order = np.lexsort(points.T[::-1])
     width = np.sqrt(outline.areas.sum() / count)
     while True:
@@ -60,46 +68,47 @@ def _spread(points: Points, outline: Outline, count: int) -> npt.NDArray[np.int6
         _, first = np.unique(cells, axis=0, return_index=True)
         if len(first) <= 2 * count:
             return order[np.sort(first)]
-        width *= _WIDER
+        width *= _GROWTH
 
 
-def _within(outline: Outline, spots: Points, normals: Points) -> tuple[Points, Floats]:
-    """Centres and radii of the largest balls in the part that touch its surface at these spots.
+def _inner_balls(outline: Outline, spots: Points, normals: Points) -> tuple[Points, Floats]:
+    """Returns the centres and radii of the largest balls inside the part that touch its surface at the spots.
 
     By shrinking balls (Ma, Bae, Choi: "3D medial axis point approximation using nearest neighbors and the
-    normal field", 2012): a ball behind a spot is made smaller until the part's nearest point is the spot.
+    normal field", 2012): a ball behind a spot shrinks until the spot is the point of the surface nearest to
+    its centre.
     """
     radii = np.full(len(spots), outline.size / 2)
     active = np.arange(len(spots))
-    for _ in range(_ROUNDS):
+    for _ in range(_MAX_ROUNDS):
         centres = spots[active] - normals[active] * radii[active, None]
-        near, which = outline.tree.query(centres)
-        inside = near < radii[active] * (1 - 1e-6)
-        active, which = active[inside], which[inside]
+        distances, indices = outline.tree.query(centres)
+        inside = distances < radii[active] * (1 - 1e-6)
+        active, indices = active[inside], indices[inside]
         if not len(active):
             break
-        chords = spots[active] - outline.tree.data[which]
+        chords = spots[active] - outline.tree.data[indices]
         depths = (chords * normals[active]).sum(axis=1)
         squares = (chords**2).sum(axis=1)
         usable = (depths > 1e-6 * np.sqrt(squares)) & (squares > 0)
         active = active[usable]
         radii[active] = np.minimum(radii[active], squares[usable] / (2 * depths[usable]))
     centres = spots - normals * radii[:, None]
-    # Behind a wall that is thinner than the samples are apart a centre may lie outside: then at the spot.
+    # Where a wall is thinner than the spacing of the samples, a centre may be outside; the spot replaces it.
     outside = outline.protrusion(centres) > 0
     centres[outside], radii[outside] = spots[outside], 0.0
     return centres, np.minimum(radii, outline.distance(centres))
 
 
-def _cover(covers: npt.NDArray[np.bool_], most: int) -> list[int] | None:
-    """Of columns as few as a greedy choice needs so that each row is covered, ties to the first; None where
-    that is more than `most`."""
+def _cover(covers: npt.NDArray[np.bool_], max_spheres: int) -> list[int] | None:
+    """Returns the columns that a greedy choice needs to cover each row, the first of equal columns; None if
+    it needs more than `max_spheres`."""
     bare = np.ones(len(covers), dtype=bool)
     by_column = np.ascontiguousarray(covers.T)
     gains = by_column.sum(axis=1)
-    chosen: list[int] = []
+    columns: list[int] = []
     while bare.any():
-        if len(chosen) == most:
+        if len(columns) == max_spheres:
             return None
         best = int(gains.argmax())
         if not gains[best]:
@@ -107,5 +116,5 @@ def _cover(covers: npt.NDArray[np.bool_], most: int) -> list[int] | None:
         new = bare & by_column[best]
         gains = gains - by_column[:, new].sum(axis=1)
         bare &= ~new
-        chosen.append(best)
-    return chosen
+        columns.append(best)
+    return columns

@@ -1,28 +1,28 @@
-"""Convex hulls of few vertices."""
+"""Makes convex hulls with few vertices."""
 
 import numpy as np
 import numpy.typing as npt
+import scipy
 
 from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.pieces import along, beyond, half_spaces
 
-_OUTWARDS = 0.5
-"""How far the vertices are moved out, as a share of what they leave bare: so the hull stands out as far as it
-leaves bare. On the hulls of 49 robot parts, with 64 vertices, that is an error of 0.12 times the usual
-tolerance (at most 0.57), without it 0.21 (1.1); that of quadric simplification has 2.8 (23)."""
+_OUTWARD_SHARE = 0.5
+"""Distance by which the vertices are moved out, as a share of the bareness: the hull then stands out as far
+as it leaves bare. On the hulls of 49 robot parts, with 64 vertices, the error is 0.12 default tolerances (at
+most 0.57); without the move it is 0.21 (1.1), and by quadric simplification 2.8 (23)."""
 
-_LOOKED_AT = 150
-"""Points looked at first. All of a hull's thousand corners at each step take twice as long, and leave as much
-bare."""
+_FIRST_BATCH = 150
+"""Number of points that are tried first. Trying all thousand corners of a hull in each step takes twice as
+long, and leaves as much bare."""
 
 
 def capped_hull(surface: Surface, max_vertices: int) -> Surface | None:
-    """The convex hull of a surface, with at most `max_vertices` (≥ 4); None where the surface is flat.
+    """Returns the convex hull of a surface with at most `max_vertices` (≥ 4); None if the surface is flat.
 
-    Of a hull with more it has those that, one after the other, are farthest outside of the hull of the ones
-    before, moved outwards by half of what they leave bare.
-    """
+    If the hull has more vertices, they are chosen one by one: next is the vertex that is farthest outside the
+    hull of those chosen before. All chosen vertices are then moved outwards by half of the bareness."""
     whole = convex_hull(surface.vertices)
     if whole is None or len(whole.vertices) <= max_vertices:
         return whole
@@ -30,11 +30,11 @@ def capped_hull(surface: Surface, max_vertices: int) -> Surface | None:
     if inner is None:
         return None
     bare = float(beyond(*half_spaces(inner), whole.vertices).max())
-    return _moved_out(inner, _OUTWARDS * bare)
+    return _moved_out(inner, _OUTWARD_SHARE * bare)
 
 
 def _moved_out(hull: Surface, distance: float) -> Surface:
-    """The hull with its vertices moved by `distance` [m] along their normals."""
+    """Returns the hull with its vertices moved by `distance` [m] along their normals."""
     normals = np.zeros_like(hull.vertices)
     faces = hull.normals()
     for corner in range(3):
@@ -44,51 +44,48 @@ def _moved_out(hull: Surface, distance: float) -> Surface:
 
 
 def _farthest(points: Points, count: int) -> npt.NDArray[np.int64]:
-    """Indices of `count` points, each far from the hull of those before, ties to the first.
+    """Returns the indices of `count` points, each far from the hull of those before, the first of equal ones.
 
-    A point is seldom farther from a larger hull: those that were near to a smaller hull are not looked at
-    while another one is farther than they were.
+    A larger hull is seldom farther from a point: points that were near to a smaller hull are not tried as
+    long as another point is farther away than they were.
     """
-    # Late: a part from the cache needs no library that makes colliders or decimates.
-    from scipy.spatial import ConvexHull
-
-    chosen = _start(points)
-    known = np.full(len(points), np.inf)
-    known[chosen] = 0.0
-    while len(chosen) < count:
-        # Anew each time: a hull to which Qhull adds points gets wide faces where many are nearly in one.
-        planes, before = ConvexHull(points[chosen]).equations, known.copy()
-        order = _largest(before, _LOOKED_AT)
-        begin, end, farthest = 0, _LOOKED_AT, 0.0
-        while begin < len(order) and before[order[begin]] > farthest:
-            some = order[begin:end]
-            heights = along(planes[:, :3], points[some]) + planes[:, 3:]
-            known[some] = np.where(known[some] > 0.0, heights.max(axis=0), 0.0)
-            farthest = max(farthest, float(known[some].max()))
+    indices = _start(points)
+    distances = np.full(len(points), np.inf)
+    distances[indices] = 0.0
+    while len(indices) < count:
+        # From scratch each time: Qhull gives a hull wide faces if it adds points that are nearly in a face.
+        planes, previous = scipy.spatial.ConvexHull(points[indices]).equations, distances.copy()
+        order = _largest(previous, _FIRST_BATCH)
+        begin, end, farthest = 0, _FIRST_BATCH, 0.0
+        while begin < len(order) and previous[order[begin]] > farthest:
+            batch = order[begin:end]
+            heights = along(planes[:, :3], points[batch]) + planes[:, 3:]
+            distances[batch] = np.where(distances[batch] > 0.0, heights.max(axis=0), 0.0)
+            farthest = max(farthest, float(distances[batch].max()))
             begin, end = end, 3 * end
-            order = _largest(before, end) if begin == len(order) else order
+            order = _largest(previous, end) if begin == len(order) else order
         if farthest <= 0.0:
             break
-        chosen.append(int(known.argmax()))
-        known[chosen[-1]] = 0.0
-    return np.array(sorted(chosen), dtype=np.int64)
+        indices.append(int(distances.argmax()))
+        distances[indices[-1]] = 0.0
+    return np.array(sorted(indices), dtype=np.int64)
 
 
 def _largest(numbers: npt.NDArray[np.float64], count: int) -> npt.NDArray[np.int64]:
-    """Indices of the `count` largest numbers, the largest first, ties to the first."""
-    least = np.partition(numbers, -count)[-count] if count < len(numbers) else -np.inf
-    some = np.flatnonzero(numbers >= least)
-    return some[np.argsort(-numbers[some], kind="stable")][:count]
+    """Returns the indices of the `count` largest numbers, the largest first, and the first of equal ones."""
+    threshold = np.partition(numbers, -count)[-count] if count < len(numbers) else -np.inf
+    candidates = np.flatnonzero(numbers >= threshold)
+    return candidates[np.argsort(-numbers[candidates], kind="stable")][:count]
 
 
 def _start(points: Points) -> list[int]:
-    """Four points of a large tetrahedron."""
-    apart = points - points.mean(axis=0)
-    first = int((apart**2).sum(axis=1).argmax())
-    apart = points - points[first]
-    second = int((apart**2).sum(axis=1).argmax())
-    axis = apart[second] / np.linalg.norm(apart[second])
-    sideways = apart - np.outer(apart @ axis, axis)
+    """Returns the indices of four points that span a large tetrahedron."""
+    offsets = points - points.mean(axis=0)
+    first = int((offsets**2).sum(axis=1).argmax())
+    offsets = points - points[first]
+    second = int((offsets**2).sum(axis=1).argmax())
+    axis = offsets[second] / np.linalg.norm(offsets[second])
+    sideways = offsets - np.outer(offsets @ axis, axis)
     third = int((sideways**2).sum(axis=1).argmax())
-    fourth = int(np.abs(apart @ np.cross(axis, sideways[third])).argmax())
+    fourth = int(np.abs(offsets @ np.cross(axis, sideways[third])).argmax())
     return [first, second, third, fourth]

@@ -1,19 +1,20 @@
-"""The smallest ball around points, in two or three dimensions."""
+"""Finds the smallest ball around points, in two or three dimensions."""
 
 import numpy as np
 import numpy.typing as npt
 
 from linkwright.stages.mesh.fit.outline import Floats
 
-_WITHIN = 1e-12
-_ROUNDS = 1000
+_TOLERANCE = 1e-12  # of squared distances, with points scaled into a unit ball
+_MAX_ROUNDS = 1000
 
 
 def smallest_ball(points: npt.NDArray[np.float64]) -> tuple[Floats, float]:
-    """Centre (d,) and radius of the smallest ball around points (n, d), d = 2 or 3.
+    """Returns the centre (d,) and radius of the smallest ball around points (n, d), d = 2 or 3.
 
-    The support grows by the farthest point, and is the smallest of the balls through some of it that holds
-    the rest, as in Gärtner's pivoting ("Fast and robust smallest enclosing balls", 1999).
+    In each round, the farthest point joins the support, the points that determine the ball. The new ball is
+    the smallest one through points of the support that contains all of the support, as in Gärtner's pivoting
+    ("Fast and robust smallest enclosing balls", 1999).
     """
     middle = points.mean(axis=0)
     local = points - middle
@@ -23,10 +24,10 @@ def smallest_ball(points: npt.NDArray[np.float64]) -> tuple[Floats, float]:
     local = local / size
     support = [int((local**2).sum(axis=1).argmax())]
     centre, radius = local[support[0]], 0.0
-    for _ in range(_ROUNDS):
+    for _ in range(_MAX_ROUNDS):
         squares = ((local - centre) ** 2).sum(axis=1)
         farthest = int(squares.argmax())
-        if squares[farthest] <= radius**2 + _WITHIN or farthest in support:
+        if squares[farthest] <= radius**2 + _TOLERANCE or farthest in support:
             break
         support, centre, radius = _through(local, [*support, farthest])
     radius = float(np.sqrt(((local - centre) ** 2).sum(axis=1).max()))
@@ -34,25 +35,25 @@ def smallest_ball(points: npt.NDArray[np.float64]) -> tuple[Floats, float]:
 
 
 def _through(points: npt.NDArray[np.float64], indices: list[int]) -> tuple[list[int], Floats, float]:
-    """Of the smallest balls with some of these points on them, the last among them, the smallest that holds
-    all of them."""
+    """Returns the smallest ball that contains all of these points, with some of them on its surface, the last
+    point included: the points on the surface, the centre and the radius."""
     best: tuple[list[int], Floats, float] | None = None
     count = len(indices)
     for mask in range(1 << count - 1):
-        chosen = [indices[k] for k in range(count - 1) if mask >> k & 1] + indices[-1:]
-        if len(chosen) > points.shape[1] + 1:
+        support = [indices[k] for k in range(count - 1) if mask >> k & 1] + indices[-1:]
+        if len(support) > points.shape[1] + 1:
             continue
-        centre = _circumcentre(points[chosen])
+        centre = _circumcentre(points[support])
         squares = ((points[indices] - centre) ** 2).sum(axis=1)
-        radius = float(np.sqrt(((points[chosen] - centre) ** 2).sum(axis=1).max()))
-        if squares.max() <= radius**2 + _WITHIN and (best is None or radius < best[2] - _WITHIN):
-            best = chosen, centre, radius
+        radius = float(np.sqrt(((points[support] - centre) ** 2).sum(axis=1).max()))
+        if squares.max() <= radius**2 + _TOLERANCE and (best is None or radius < best[2] - _TOLERANCE):
+            best = support, centre, radius
     assert best is not None
     return best
 
 
 def _circumcentre(points: npt.NDArray[np.float64]) -> Floats:
-    """The point of their span that is as far from each."""
+    """Returns the point in the span of the points that is equally far from each."""
     edges = points[1:] - points[0]
     if not len(edges):
         return np.asarray(points[0], dtype=np.float64)

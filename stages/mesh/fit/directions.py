@@ -1,51 +1,66 @@
-"""Directions that a part may be made along, and the boxes around it."""
+"""Finds directions along which a part may be made, and the smallest boxes around it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+import scipy
 
 from linkwright.stages.formats.meshes.surface import Points
 from linkwright.stages.mesh.fit.outline import Floats, Outline
 
-_SNAP = np.cos(np.radians(0.5))
-_SAME = np.cos(np.radians(0.25))
-_FLAT = np.cos(np.radians(1.0))
-_APART = np.cos(np.radians(10.0))
-_SEEDS = 24
-_SPECK = 1e-4
-_LEAST_FLAT = 0.02
-_FLATS = 5
-_BOXES = 3
-_TIE = 1e-6
+_SNAP_COSINE = np.cos(np.radians(0.5))
+"""Directions nearer to a coordinate axis become that axis."""
+
+_SAME_COSINE = np.cos(np.radians(0.25))
+"""Directions nearer to each other count as the same."""
+
+_FLAT_COSINE = np.cos(np.radians(1.0))
+"""Triangles whose normals are nearer to a seed's normal belong to its flat face."""
+
+_SEPARATE_COSINE = np.cos(np.radians(10.0))
+"""After a flat face is found, triangles whose normals are nearer to its normal are left out."""
+
+_MAX_SEEDS = 24
+"""Largest number of triangles, the largest first, that are tried as seeds of a flat face."""
+
+_MIN_TRIANGLE_SHARE = 1e-4
+_MIN_FACE_SHARE = 0.02
+"""Smallest triangles and flat faces that count, as shares of the whole area."""
+
+_MAX_FACES = 5
+_MAX_BOXES = 3
+_EQUAL_SHARE = 1e-6
+"""Relative difference up to which areas and volumes count as equal, so that rounding decides nothing."""
 
 
 def directions(outline: Outline) -> list[Floats]:
-    """Unit vectors (3,), none of them twice nor with its opposite: the coordinate axes, the normals of large
-    flat faces, the axes of the distribution of all normals (of a tube one is its own), and those of the mass
-    of the surface."""
-    middle = np.average(outline.centroids, axis=0, weights=outline.areas)
-    spread = outline.centroids - middle
-    found = [*np.eye(3), *_flats(outline), *_main(outline.normals, outline.areas)]
-    found += _main(spread, outline.areas)
+    """Returns unit vectors (3,) without duplicates and opposites: the coordinate axes, the normals of large
+    flat faces, the principal axes of all normals (the axis of a tube is among them), and the principal axes
+    of the surface's area."""
+    centroid = np.average(outline.centroids, axis=0, weights=outline.areas)
+    offsets = outline.centroids - centroid
+    candidates = [*np.eye(3), *_face_normals(outline), *_principal_axes(outline.normals, outline.areas)]
+    candidates += _principal_axes(offsets, outline.areas)
     distinct: list[Floats] = []
-    for direction in map(snapped, found):
-        if all(abs(direction @ other) < _SAME for other in distinct):
+    for direction in map(snapped, candidates):
+        if all(abs(direction @ other) < _SAME_COSINE for other in distinct):
             distinct.append(direction)
     return distinct
 
 
 def snapped(direction: Floats) -> Floats:
-    """The direction, upwards along its largest component; a coordinate axis within 0.5° of it."""
+    """Returns the direction with a positive largest component, or a coordinate axis within 0.5° of it."""
     largest = int(np.abs(direction).argmax())
-    if abs(direction[largest]) > _SNAP:
+    if abs(direction[largest]) > _SNAP_COSINE:
         return np.asarray(np.eye(3)[largest], dtype=np.float64)
     return np.asarray(direction * np.sign(direction[largest]), dtype=np.float64)
 
 
 def across(direction: Floats) -> tuple[Floats, Floats]:
-    """Two unit vectors that make a right-handed frame with a direction; coordinate axes where it is one."""
+    """Returns two unit vectors that make a right-handed frame with a direction; for a coordinate axis they
+    are coordinate axes."""
     largest = int(np.abs(direction).argmax())
     first = np.eye(3)[(largest + 1) % 3]
     first = first - direction * direction[(largest + 1) % 3]
@@ -55,106 +70,106 @@ def across(direction: Floats) -> tuple[Floats, Floats]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Silhouette:
-    """What a part looks like along a direction `axis`: `ring` (k, 2) [m], the convex polygon around it in
-    terms of `u` and `v`, and the lowest and highest point along the axis."""
+    """The silhouette of a part, seen along an axis."""
 
     axis: Floats
+    """Unit vector (3,) of the view."""
     u: Floats
     v: Floats
+    """Unit vectors (3,) that make a right-handed frame with the axis."""
     ring: npt.NDArray[np.float64]
+    """Convex polygon around the part (k, 2) [m], in coordinates along `u` and `v`."""
     low: float
     high: float
+    """Lowest and highest point of the part along the axis [m]."""
 
 
 def silhouettes(outline: Outline) -> list[Silhouette]:
-    """A part along each of its directions, but where it is too close to a line."""
-    # Late: a part from the cache needs no library that makes colliders or decimates.
-    from scipy.spatial import ConvexHull, QhullError
-
-    found = []
+    """Returns the silhouette along each direction of a part, except those that are nearly a line."""
+    result = []
     for axis in directions(outline):
         u, v = across(axis)
         flat = np.stack([outline.corners @ u, outline.corners @ v], axis=1)
         heights = outline.corners @ axis
         try:
-            ring = flat[ConvexHull(flat).vertices]
-        except QhullError:
+            ring = flat[scipy.spatial.ConvexHull(flat).vertices]
+        except scipy.spatial.QhullError:
             continue
-        found.append(Silhouette(axis, u, v, ring, float(heights.min()), float(heights.max())))
-    return found
+        result.append(Silhouette(axis, u, v, ring, float(heights.min()), float(heights.max())))
+    return result
 
 
-def frames(outline: Outline, seen: Sequence[Silhouette]) -> list[npt.NDArray[np.float64]]:
-    """The axes of the smallest boxes around the part, as rotations (3, 3) with the axes as columns."""
-    found = [np.eye(3), *(_around(one) for one in seen)]
-    # Equal boxes come once, by the first of them.
-    volumes = [float(np.prod(np.ptp(outline.corners @ frame, axis=0))) for frame in found]
-    ranks = np.round(np.log(volumes) / _TIE)
+def frames(outline: Outline, parts_seen: Sequence[Silhouette]) -> list[npt.NDArray[np.float64]]:
+    """Returns the axes of the smallest boxes around the part, as columns of rotations (3, 3)."""
+    rotations = [np.eye(3), *(_smallest_box(silhouette) for silhouette in parts_seen)]
+    # Of equal boxes only the first is kept.
+    volumes = [float(np.prod(np.ptp(outline.corners @ frame, axis=0))) for frame in rotations]
+    ranks = np.round(np.log(volumes) / _EQUAL_SHARE)
     _, first = np.unique(ranks, return_index=True)
-    return [found[index] for index in first[:_BOXES]]
+    return [rotations[index] for index in first[:_MAX_BOXES]]
 
 
 def upright(axes: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """The rotation nearest to none that has these axes (3, 3), its columns, in any order and sense; where one
-    of them is within 0.5° of a coordinate axis, it is that axis."""
+    """Returns the smallest rotation whose columns are these axes (3, 3), in any order and sense; an axis
+    within 0.5° of a coordinate axis becomes that axis."""
     order = []
     for axis in range(3):
-        left = [column for column in range(3) if column not in order]
-        order.append(max(left, key=lambda column: round(abs(float(axes[axis, column])), 6)))
-    turned = axes[:, order] * np.sign(np.diag(axes[:, order]) + (np.diag(axes[:, order]) == 0))
-    exact = [axis for axis in range(3) if turned[axis, axis] > _SNAP]
+        remaining = [column for column in range(3) if column not in order]
+        order.append(max(remaining, key=lambda column: round(abs(float(axes[axis, column])), 6)))
+    rotation = axes[:, order] * np.sign(np.diag(axes[:, order]) + (np.diag(axes[:, order]) == 0))
+    exact = [axis for axis in range(3) if rotation[axis, axis] > _SNAP_COSINE]
     if len(exact) > 1:
         return np.eye(3)
     for axis in exact:
         second, third = (axis + 1) % 3, (axis + 2) % 3
-        angle = np.arctan2(turned[third, second], turned[second, second])
-        turned = np.eye(3)
-        turned[second, second] = turned[third, third] = np.cos(angle)
-        turned[third, second], turned[second, third] = np.sin(angle), -np.sin(angle)
-    if np.linalg.det(turned) < 0:
-        turned[:, 2] *= -1
-    return np.asarray(turned, dtype=np.float64)
+        angle = np.arctan2(rotation[third, second], rotation[second, second])
+        rotation = np.eye(3)
+        rotation[second, second] = rotation[third, third] = np.cos(angle)
+        rotation[third, second], rotation[second, third] = np.sin(angle), -np.sin(angle)
+    if np.linalg.det(rotation) < 0:
+        rotation[:, 2] *= -1
+    return np.asarray(rotation, dtype=np.float64)
 
 
-def _main(vectors: Points, weights: Floats) -> list[Floats]:
-    """The eigenvectors of the vectors' second moment, but where they are not determined."""
+def _principal_axes(vectors: Points, weights: Floats) -> list[Floats]:
+    """Returns the eigenvectors of the vectors' second moment whose eigenvalues differ from the others."""
     values, axes = np.linalg.eigh(np.einsum("ni,nj,n->ij", vectors, vectors, weights))
     gaps = np.diff(values) > 1e-3 * values[-1]
     certain = [gaps[0], gaps[0] and gaps[1], gaps[1]]
     return [axes[:, index] for index in range(3) if certain[index]]
 
 
-def _flats(outline: Outline) -> list[Floats]:
-    """The normals of the largest flat faces, the largest first."""
+def _face_normals(outline: Outline) -> list[Floats]:
+    """Returns the normals of the largest flat faces, the largest first."""
     total = outline.areas.sum()
-    large = outline.areas > _SPECK * total
+    large = outline.areas > _MIN_TRIANGLE_SHARE * total
     areas, normals = outline.areas[large], outline.normals[large]
-    found: list[Floats] = []
-    for _ in range(_FLATS):
-        seeds = np.argsort(-areas, kind="stable")[:_SEEDS]
+    flats: list[Floats] = []
+    for _ in range(_MAX_FACES):
+        seeds = np.argsort(-areas, kind="stable")[:_MAX_SEEDS]
         cosines = normals @ normals[seeds].T
-        near = np.abs(cosines) > _FLAT
-        if not near.any():
+        near_seed = np.abs(cosines) > _FLAT_COSINE
+        if not near_seed.any():
             break
-        weights = (near * areas[:, None]).sum(axis=0)
-        best = int((weights >= weights.max() * (1 - _TIE)).argmax())
-        if weights[best] <= _LEAST_FLAT * total:
+        weights = (near_seed * areas[:, None]).sum(axis=0)
+        best = int((weights >= weights.max() * (1 - _EQUAL_SHARE)).argmax())
+        if weights[best] <= _MIN_FACE_SHARE * total:
             break
-        signs = np.sign(cosines[:, best]) * near[:, best] * areas
+        signs = np.sign(cosines[:, best]) * near_seed[:, best] * areas
         mean = (normals * signs[:, None]).sum(axis=0)
-        found.append(mean / np.linalg.norm(mean))
-        areas[np.abs(cosines[:, best]) > _APART] = 0.0
-    return found
+        flats.append(mean / np.linalg.norm(mean))
+        areas[np.abs(cosines[:, best]) > _SEPARATE_COSINE] = 0.0
+    return flats
 
 
-def _around(seen: Silhouette) -> npt.NDArray[np.float64]:
-    """The axes of the smallest box that has a side across the direction."""
-    edges = np.roll(seen.ring, -1, axis=0) - seen.ring
+def _smallest_box(silhouette: Silhouette) -> npt.NDArray[np.float64]:
+    """Returns the axes of the smallest box around a part with two sides across the silhouette's axis."""
+    edges = np.roll(silhouette.ring, -1, axis=0) - silhouette.ring
     lengths = np.linalg.norm(edges, axis=1)
     edges = edges[lengths > 0] / lengths[lengths > 0, None]
-    along = edges @ seen.ring.T
-    beside = np.stack([-edges[:, 1], edges[:, 0]], axis=1) @ seen.ring.T
-    areas = np.ptp(along, axis=1) * np.ptp(beside, axis=1)
-    best = int((areas <= areas.min() * (1 + _TIE)).argmax())
-    first = edges[best, 0] * seen.u + edges[best, 1] * seen.v
-    return upright(np.stack([first, np.cross(seen.axis, first), seen.axis], axis=1))
+    along_edges = edges @ silhouette.ring.T
+    across_edges = np.stack([-edges[:, 1], edges[:, 0]], axis=1) @ silhouette.ring.T
+    areas = np.ptp(along_edges, axis=1) * np.ptp(across_edges, axis=1)
+    best = int((areas <= areas.min() * (1 + _EQUAL_SHARE)).argmax())
+    first = edges[best, 0] * silhouette.u + edges[best, 1] * silhouette.v
+    return upright(np.stack([first, np.cross(silhouette.axis, first), silhouette.axis], axis=1))

@@ -1,4 +1,4 @@
-"""The best fit of each kind of primitive."""
+"""Finds the best fit of each kind of primitive."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -16,89 +16,110 @@ from linkwright.stages.mesh.fit.score import error, least_error
 from linkwright.stages.robot.model.poses import from_parts
 from linkwright.stages.robot.model.robot import Primitive, PrimitiveKind, frozen
 
-_ALIKE = 1e-3
-"""Errors that differ by less than this share, or by a thousandth of it of the part's size, are alike."""
+_EQUAL_ERRORS = 1e-3
+"""Errors count as equal if they differ by less than this share of the error, or by less than a thousandth of
+this share of the part's size."""
 
-_AXES = 3
-_LOOKED_AT = 3
-_WORTH_IT = 4.0
-"""Of an error of more than so many times the usual tolerance no second fit is looked at closely."""
+_MAX_AXES = 3
+"""Largest number of axes of cylinders and capsules: those of the smallest cylinders."""
+
+_MAX_CLOSE_FITS = 3
+"""Largest number of fits of a kind whose error is computed by many points."""
+
+_MAX_CLOSE_ERROR = 4.0
+"""If the best coarse error exceeds this many default tolerances, only one fit is computed by many points."""
+
 _DECIMALS = 12
-_SHORTEST = 0.02
+"""Decimals [m] of sizes and places, so that they do not depend on how a processor rounds."""
+
+_MIN_CAPSULE_LENGTH = 0.02
+"""Smallest length of a capsule without its caps, in radii."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fitted:
-    """A primitive and its error [m]: the least tolerance that it meets."""
+    """A primitive, and its error [m]: the smallest tolerance that it meets."""
 
     primitive: Primitive
     error: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Turned:
-    """A circle around a part: its axis, a point on it, the radius of the farthest vertex, and that of the
-    bulk of the surface around it [m]."""
+class RevolutionCircle:
+    """A circle around a part, from which cylinders and capsules are made."""
 
     axis: Floats
+    """Unit vector (3,)."""
     centre: Floats
+    """Point on the axis (3,) [m]."""
     radius: float
+    """Distance of the farthest vertex from the axis [m]."""
     bulk: float
+    """Radius of most of the surface around the axis [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Subject:
-    """A part, and what several kinds of primitives ask about it."""
+    """A part, with the frames and circles that several kinds of primitives share."""
 
     outline: Outline
     frames: Sequence[npt.NDArray[np.float64]]
-    turned: Sequence[Turned]
+    revolution_circles: Sequence[RevolutionCircle]
 
 
 def subject_of(surface: Surface) -> Subject | None:
-    """None of what lies in a plane."""
+    """Returns the subject of a surface; None if it is flat."""
     outline = outline_of(surface)
     if outline is None:
         return None
-    seen = silhouettes(outline)
-    return Subject(outline, frames(outline, seen), tuple(_turned(outline, seen)))
+    outlines_across = silhouettes(outline)
+    return Subject(
+        outline, frames(outline, outlines_across), tuple(_revolution_circles(outline, outlines_across))
+    )
 
 
 def best(kind: PrimitiveKind, subject: Subject) -> Fitted:
-    """The fit of one kind with the least error."""
-    return _best(list(_MAKERS[kind](subject)), subject.outline)
+    """Returns the fit of a kind with the least error."""
+    return _best(list(_CANDIDATES[kind](subject)), subject.outline)
 
 
-def best_within(kind: PrimitiveKind, subject: Subject, within: float) -> Fitted | None:
-    """The same, if its error is at most `within` [m], else None; what is certainly farther off is not looked
-    at."""
-    near = max(within, refined_below(subject.outline))
-    shapes = [shape for shape in _MAKERS[kind](subject) if least_error(shape, subject.outline) <= near]
+def best_within(kind: PrimitiveKind, subject: Subject, max_error: float) -> Fitted | None:
+    """Returns the best fit of a kind if its error is at most `max_error` [m], else None. Shapes that
+    certainly have a larger error are skipped."""
+    max_coarse_error = max(max_error, refined_below(subject.outline))
+    shapes = [
+        shape
+        for shape in _CANDIDATES[kind](subject)
+        if least_error(shape, subject.outline) <= max_coarse_error
+    ]
     fit = _best(shapes, subject.outline) if shapes else None
-    return fit if fit and fit.error <= within else None
+    return fit if fit and fit.error <= max_error else None
 
 
 def _best(shapes: Sequence[Primitive], outline: Outline) -> Fitted:
-    found = [Fitted(shape, error(shape, outline, fine=False)) for shape in shapes]
-    found.sort(key=lambda one: one.error)
-    closer = _LOOKED_AT if found[0].error < _WORTH_IT * outline.tolerance else 1
-    looked = [Fitted(one.primitive, error(one.primitive, outline)) for one in found[:closer]]
-    first = least(looked, outline)
+    fits = [Fitted(shape, error(shape, outline, fine=False)) for shape in shapes]
+    fits.sort(key=lambda fit: fit.error)
+    measured_count = _MAX_CLOSE_FITS if fits[0].error < _MAX_CLOSE_ERROR * outline.tolerance else 1
+    measured_fits = [Fitted(fit.primitive, error(fit.primitive, outline)) for fit in fits[:measured_count]]
+    first = least(measured_fits, outline)
     return Fitted(*refined(first.primitive, first.error, outline))
 
 
-def least(found: Sequence[Fitted], outline: Outline) -> Fitted:
-    """The first of those whose error is not larger than the least, or hardly."""
-    limit = min(one.error for one in found) * (1 + _ALIKE) + _ALIKE**2 * outline.size
-    return next(one for one in found if one.error <= limit)
+def least(fits: Sequence[Fitted], outline: Outline) -> Fitted:
+    """Returns the first fit whose error equals the least error."""
+    limit = min(fit.error for fit in fits) * (1 + _EQUAL_ERRORS) + _EQUAL_ERRORS**2 * outline.size
+    return next(fit for fit in fits if fit.error <= limit)
 
 
-def given(kind: PrimitiveKind, subject: Subject, size: Sequence[float | None]) -> Primitive:
-    """The best fit of one kind with these sizes; None in `size` is free. A box stands along x, y and z."""
+def sized(kind: PrimitiveKind, subject: Subject, size: Sequence[float | None]) -> Primitive:
+    """Returns the best fit of a kind with these lengths; None in `size` is fitted. A box is not rotated."""
     fitted = _box(subject.outline, np.eye(3)) if kind == "box" else best(kind, subject).primitive
     return replace(
         fitted,
-        size=tuple(free if said is None else said for free, said in zip(fitted.size, size, strict=True)),
+        size=tuple(
+            fitted_length if chosen_length is None else chosen_length
+            for fitted_length, chosen_length in zip(fitted.size, size, strict=True)
+        ),
     )
 
 
@@ -118,69 +139,87 @@ def _box(outline: Outline, frame: npt.NDArray[np.float64], balanced: bool = Fals
 
 
 def _ends(outline: Outline, axis: Floats, low: float, high: float) -> tuple[float, float]:
-    """Between the outermost points and the bulk of the faces that face along `axis`, on either side."""
+    """Returns the lowest and the highest end along `axis`, each half-way between the outermost point and most
+    of the faces on that side, so that the primitive protrudes as much as it leaves bare."""
     depth = high - low
-    below = (levels.flat(outline, -axis, -low, depth) - low) / 2
-    above = (levels.flat(outline, axis, high, depth) + high) / 2
+    below = (levels.face_height(outline, -axis, -low, depth) - low) / 2
+    above = (levels.face_height(outline, axis, high, depth) + high) / 2
     return -below, above
 
 
-def _turned(outline: Outline, seen: Sequence[Silhouette]) -> Iterator[Turned]:
-    """Circles around the axes of the smallest cylinders: the smallest circle, and that of the normals."""
-    found = []
-    for one in seen:
-        centre, radius = smallest_ball(one.ring)
-        found.append((radius * radius * (one.high - one.low), one, centre, radius))
-    found.sort(key=lambda row: row[0])
-    for _, one, centre, radius in found[:_AXES]:
-        point = centre[0] * one.u + centre[1] * one.v
-        yield Turned(one.axis, point, radius, levels.around(outline, point, one.axis, radius))
-        other = levels.centre_of_turn(outline, one.axis, point, radius)
-        if other is not None:
-            other = other - one.axis * float(other @ one.axis)
-            farthest = float(np.hypot(one.ring[:, 0] - other @ one.u, one.ring[:, 1] - other @ one.v).max())
-            yield Turned(one.axis, other, farthest, levels.around(outline, other, one.axis, farthest))
+def _revolution_circles(
+    outline: Outline, outlines_across: Sequence[Silhouette]
+) -> Iterator[RevolutionCircle]:
+    """Yields circles around the axes of the smallest cylinders: the smallest circle, and one by the
+    normals."""
+    circles = []
+    for silhouette in outlines_across:
+        centre, radius = smallest_ball(silhouette.ring)
+        circles.append((radius * radius * (silhouette.high - silhouette.low), silhouette, centre, radius))
+    circles.sort(key=lambda row: row[0])
+    for _, silhouette, centre, radius in circles[:_MAX_AXES]:
+        point = centre[0] * silhouette.u + centre[1] * silhouette.v
+        yield RevolutionCircle(
+            silhouette.axis, point, radius, levels.median_radius(outline, point, silhouette.axis, radius)
+        )
+        second_centre = levels.revolution_centre(outline, silhouette.axis, point, radius)
+        if second_centre is not None:
+            second_centre = second_centre - silhouette.axis * float(second_centre @ silhouette.axis)
+            farthest = float(
+                np.hypot(
+                    silhouette.ring[:, 0] - second_centre @ silhouette.u,
+                    silhouette.ring[:, 1] - second_centre @ silhouette.v,
+                ).max()
+            )
+            yield RevolutionCircle(
+                silhouette.axis,
+                second_centre,
+                farthest,
+                levels.median_radius(outline, second_centre, silhouette.axis, farthest),
+            )
 
 
 def _cylinders(subject: Subject) -> Iterator[Primitive]:
-    for one in subject.turned:
-        heights = subject.outline.corners @ one.axis
+    for circle in subject.revolution_circles:
+        heights = subject.outline.corners @ circle.axis
         low, high = float(heights.min()), float(heights.max())
-        yield _along("cylinder", one, one.radius, low, high)
-        low, high = _ends(subject.outline, one.axis, low, high)
-        yield _along("cylinder", one, (one.radius + one.bulk) / 2, low, high)
+        yield _along("cylinder", circle, circle.radius, low, high)
+        low, high = _ends(subject.outline, circle.axis, low, high)
+        yield _along("cylinder", circle, (circle.radius + circle.bulk) / 2, low, high)
 
 
 def _capsules(subject: Subject) -> Iterator[Primitive]:
-    for one in subject.turned:
-        apart = subject.outline.corners - one.centre
-        heights = apart @ one.axis
-        widths = np.linalg.norm(apart - np.outer(heights, one.axis), axis=1)
-        # Every vertex is within the farthest one's distance of the segment.
-        caps = np.sqrt(np.maximum(one.radius**2 - widths**2, 0.0))
+    for circle in subject.revolution_circles:
+        offsets = subject.outline.corners - circle.centre
+        heights = offsets @ circle.axis
+        widths = np.linalg.norm(offsets - np.outer(heights, circle.axis), axis=1)
+        # Each vertex may be at most `radius` from the segment between the centres of the caps.
+        caps = np.sqrt(np.maximum(circle.radius**2 - widths**2, 0.0))
         low, high = float((heights + caps).min()), float((heights - caps).max())
-        if high - low < _SHORTEST * one.radius:
-            middle, half = float(heights.min() + heights.max()) / 2, _SHORTEST * one.radius / 2
+        if high - low < _MIN_CAPSULE_LENGTH * circle.radius:
+            middle, half = float(heights.min() + heights.max()) / 2, _MIN_CAPSULE_LENGTH * circle.radius / 2
             low, high = middle - half, middle + half
-        yield _along("capsule", one, one.radius, low, high)
-        yield _along("capsule", one, (one.radius + one.bulk) / 2, low, high)
+        yield _along("capsule", circle, circle.radius, low, high)
+        yield _along("capsule", circle, (circle.radius + circle.bulk) / 2, low, high)
 
 
 def _spheres(subject: Subject) -> Iterator[Primitive]:
     corners = subject.outline.corners
     centre, radius = smallest_ball(corners)
-    other = levels.centre_of_turn(subject.outline, None, centre, radius)
-    for point in [centre] if other is None else [centre, other]:
+    second_centre = levels.revolution_centre(subject.outline, None, centre, radius)
+    for point in [centre] if second_centre is None else [centre, second_centre]:
         farthest = float(np.linalg.norm(corners - point, axis=1).max())
-        bulk = levels.around(subject.outline, point, None, farthest)
+        bulk = levels.median_radius(subject.outline, point, None, farthest)
         yield _primitive("sphere", [farthest], np.eye(3), point)
         yield _primitive("sphere", [(farthest + bulk) / 2], np.eye(3), point)
 
 
-def _along(kind: PrimitiveKind, turned: Turned, radius: float, low: float, high: float) -> Primitive:
-    """A cylinder or capsule between two heights along its axis."""
-    frame = np.stack([*across(turned.axis), turned.axis], axis=1)
-    return _primitive(kind, [radius, high - low], frame, turned.centre + turned.axis * (low + high) / 2)
+def _along(
+    kind: PrimitiveKind, circle: RevolutionCircle, radius: float, low: float, high: float
+) -> Primitive:
+    """Returns a cylinder or capsule between two heights along its axis."""
+    frame = np.stack([*across(circle.axis), circle.axis], axis=1)
+    return _primitive(kind, [radius, high - low], frame, circle.centre + circle.axis * (low + high) / 2)
 
 
 def _primitive(
@@ -190,7 +229,7 @@ def _primitive(
     return Primitive(kind, lengths, frozen(from_parts(frame, np.round(centre, _DECIMALS) + 0.0)))
 
 
-_MAKERS: Mapping[PrimitiveKind, Callable[[Subject], Iterator[Primitive]]] = {
+_CANDIDATES: Mapping[PrimitiveKind, Callable[[Subject], Iterator[Primitive]]] = {
     "sphere": _spheres,
     "capsule": _capsules,
     "box": _boxes,

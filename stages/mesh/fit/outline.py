@@ -1,4 +1,4 @@
-"""What is fitted: a surface with its hull, prepared for questions of distance."""
+"""Prepares a surface and its hull for the fits: for distances from them, by samples in a tree."""
 
 from __future__ import annotations
 
@@ -7,75 +7,81 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
+import scipy
 
 from linkwright.stages.formats.meshes.surface import Points, Surface
-from linkwright.stages.mesh.configuration.collider_settings import LEAST_TOLERANCE, TOLERANCE_OF_SIZE
+from linkwright.stages.mesh.configuration.collider_settings import MIN_TOLERANCE, TOLERANCE_SHARE
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.pieces import signed_distance
 
 if TYPE_CHECKING:
-    from scipy.spatial import cKDTree
-
     from linkwright.stages.robot.model.robot import Primitive
 
 Floats = npt.NDArray[np.float64]
 
-_SAMPLES = 2000
-_MOST_SAMPLES = 40_000
-_NEAREST = 4
-_ROUNDS = 12
-_TIE = 1e-6
+_TARGET_SAMPLES = 2000
+_MAX_SAMPLES = 40_000
+"""Numbers of samples: for triangles of equal size, and at most."""
+
+_NEAREST_SAMPLES = 4
+"""Number of samples near a point whose triangles are searched for the nearest one."""
+
+_MAX_HALVINGS = 12  # of a triangle, so that slivers end it
+_EQUAL_LENGTHS = 1e-6
+"""Relative difference up to which two edges count as equally long."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Outline:
-    """A surface and its hull.
-
-    `corners` (k, 3): the hull's vertices [m]; `volume`: of the hull [m³]. `centroids`, `normals` (m, 3) and
-    `areas` (m,) [m²]: of the surface's triangles that have an area. `sample_faces` (s,): which of them each
-    sample of the tree is on.
-    """
+    """A surface and its hull. Triangles without area are left out."""
 
     corners: Points
+    """Vertices (k, 3) of the hull [m]."""
     hull: Surface
     volume: float
+    """Volume of the hull [m³]."""
     faces: npt.NDArray[np.float64]
+    """Corners of the triangles (m, 3, 3) [m]."""
     centroids: Points
+    """Centroids of the triangles (m, 3) [m]."""
     normals: Points
+    """Unit normals of the triangles (m, 3)."""
     areas: Floats
-    tree: cKDTree
+    """Areas of the triangles (m,) [m²]."""
+    tree: scipy.spatial.cKDTree
+    """Samples all over the surface."""
     sample_faces: npt.NDArray[np.int64]
+    """Index of each sample's triangle (s,)."""
     size: float
+    """Diagonal of the hull's bounding box [m]."""
 
     @property
     def tolerance(self) -> float:
-        """The usual tolerance of a part of this size [m]."""
-        return max(LEAST_TOLERANCE, TOLERANCE_OF_SIZE * self.size)
+        """Default tolerance of a part of this size [m]."""
+        return max(MIN_TOLERANCE, TOLERANCE_SHARE * self.size)
 
     def bareness(self, primitive: Primitive) -> float:
-        """How far [m] the part stands out of a primitive, at most: that is at a vertex of its hull."""
+        """Returns how far [m] the part stands out of a primitive at most, which is at a vertex of its
+        hull."""
         return max(0.0, float(signed_distance(primitive, self.corners).max()))
 
     def protrusion(self, points: Points) -> Floats:
-        """(n,): how far [m] each point (n, 3) is outside of the part; 0 inside."""
+        """Returns how far [m] (n,) each point (n, 3) is outside of the part; 0 inside."""
         distances, ahead = self._nearest(points)
         return np.where(ahead, distances, 0.0)
 
     def distance(self, points: Points) -> Floats:
-        """(n,): how far [m] each point (n, 3) is from the surface."""
+        """Returns the distance [m] (n,) of each point (n, 3) from the surface."""
         return self._nearest(points)[0]
 
     def _nearest(self, points: Points) -> tuple[Floats, npt.NDArray[np.bool_]]:
-        _, near = self.tree.query(points, k=min(_NEAREST, len(self.sample_faces)))
-        faces = self.sample_faces[np.asarray(near).reshape(len(points), -1)]
-        return _apart(points, self.faces[faces], self.normals[faces])
+        _, nearest_samples = self.tree.query(points, k=min(_NEAREST_SAMPLES, len(self.sample_faces)))
+        faces = self.sample_faces[np.asarray(nearest_samples).reshape(len(points), -1)]
+        return _distances(points, self.faces[faces], self.normals[faces])
 
 
 def outline_of(surface: Surface) -> Outline | None:
-    """The outline of a surface; None where it lies in a plane."""
-    # Late: a part from the cache needs no library that makes colliders or decimates.
-    from scipy.spatial import cKDTree
-
+    """Returns the outline of a surface; None if it lies in a plane."""
     hull = convex_hull(surface.vertices)
     if hull is None:
         return None
@@ -83,8 +89,8 @@ def outline_of(surface: Surface) -> Outline | None:
         surface = surface.flipped()
     doubled = surface.normals()
     lengths = np.linalg.norm(doubled, axis=1)
-    real = lengths > 0
-    faces, areas = surface.corners[real], lengths[real] / 2
+    has_area = lengths > 0
+    faces, areas = surface.corners[has_area], lengths[has_area] / 2
     points, owners = _samples(faces, areas)
     return Outline(
         corners=hull.vertices,
@@ -92,36 +98,37 @@ def outline_of(surface: Surface) -> Outline | None:
         volume=hull.volume(),
         faces=faces,
         centroids=faces.mean(axis=1),
-        normals=doubled[real] / lengths[real, None],
+        normals=doubled[has_area] / lengths[has_area, None],
         areas=areas,
-        tree=cKDTree(points),
+        tree=scipy.spatial.cKDTree(points),
         sample_faces=owners,
         size=hull.diagonal,
     )
 
 
 def _samples(faces: npt.NDArray[np.float64], areas: Floats) -> tuple[Points, npt.NDArray[np.int64]]:
-    """Points all over the triangles, close enough to find the nearest triangle by, and the triangle of each.
+    """Returns points all over the triangles, dense enough to find the nearest triangle by the nearest points,
+    and the index of each point's triangle.
 
-    A triangle is halved at its longest edge, or quartered where two are as long, so that the order of its
-    corners does not matter.
+    A triangle is halved at its longest edge, or quartered if two edges are equally long, so that the order of
+    its corners does not matter.
     """
-    wanted = 1.5 * np.sqrt(areas.sum() / _SAMPLES)
+    longest_edge = 1.5 * np.sqrt(areas.sum() / _TARGET_SAMPLES)
     owners = np.arange(len(faces))
     small: list[Points] = []
-    found: list[npt.NDArray[np.int64]] = []
-    for _ in range(_ROUNDS):
+    small_owners: list[npt.NDArray[np.int64]] = []
+    for _ in range(_MAX_HALVINGS):
         edges = np.linalg.norm(np.roll(faces, -1, axis=1) - faces, axis=2)
-        enough = edges.max(axis=1) <= wanted
-        small.append(faces[enough].mean(axis=1))
-        found.append(owners[enough])
-        faces, owners, edges = faces[~enough], owners[~enough], edges[~enough]
-        if not len(faces) or sum(map(len, found)) + 2 * len(faces) > _MOST_SAMPLES:
+        fine = edges.max(axis=1) <= longest_edge
+        small.append(faces[fine].mean(axis=1))
+        small_owners.append(owners[fine])
+        faces, owners, edges = faces[~fine], owners[~fine], edges[~fine]
+        if not len(faces) or sum(map(len, small_owners)) + 2 * len(faces) > _MAX_SAMPLES:
             break
         faces, owners = _divided(faces, owners, edges)
     small.append(faces.mean(axis=1))
-    found.append(owners)
-    return np.concatenate(small), np.concatenate(found)
+    small_owners.append(owners)
+    return np.concatenate(small), np.concatenate(small_owners)
 
 
 def _divided(
@@ -130,10 +137,10 @@ def _divided(
     rows = np.arange(len(faces))
     longest = edges.argmax(axis=1)
     second = np.sort(edges, axis=1)[:, 1]
-    tied = second > edges[rows, longest] * (1 - _TIE)
+    tied = second > edges[rows, longest] * (1 - _EQUAL_LENGTHS)
     # Turned so that the longest edge is the first.
-    turned = np.take_along_axis(faces, ((longest[:, None] + np.arange(3)) % 3)[:, :, None], axis=1)
-    a, b, c = np.moveaxis(turned, 1, 0)
+    rotated_faces = np.take_along_axis(faces, ((longest[:, None] + np.arange(3)) % 3)[:, :, None], axis=1)
+    a, b, c = np.moveaxis(rotated_faces, 1, 0)
     ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
     halves = [(a, ab, c), (ab, b, c)]
     quarters = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
@@ -142,20 +149,21 @@ def _divided(
     return np.concatenate(parts), np.concatenate([*[owners[~tied]] * 2, *[owners[tied]] * 4])
 
 
-def _apart(
+def _distances(
     points: Points, faces: npt.NDArray[np.float64], normals: npt.NDArray[np.float64]
 ) -> tuple[Floats, npt.NDArray[np.bool_]]:
-    """(n,): the distance of each point from the nearest of its triangles (n, k, 3, 3), and whether it is in
-    front of it; of several that are as near, in front of them together."""
-    offset = points[:, None, None] - faces
+    """Returns the distance (n,) of each point from the nearest of its triangles (n, k, 3, 3), and whether the
+    point is in front of it. If several triangles are equally near, the sum of the signed heights above them
+    decides."""
+    from_corners = points[:, None, None] - faces
     edges = np.roll(faces, -1, axis=2) - faces
     squares = np.maximum((edges * edges).sum(axis=3), 1e-300)
-    along = np.clip((offset * edges).sum(axis=3) / squares, 0.0, 1.0)
-    to_edges = ((offset - along[..., None] * edges) ** 2).sum(axis=3)
-    inside = ((np.cross(edges, offset) * normals[:, :, None]).sum(axis=3) >= 0).all(axis=2)
-    heights = (offset[:, :, 0] * normals).sum(axis=2)
+    along = np.clip((from_corners * edges).sum(axis=3) / squares, 0.0, 1.0)
+    to_edges = ((from_corners - along[..., None] * edges) ** 2).sum(axis=3)
+    inside = ((np.cross(edges, from_corners) * normals[:, :, None]).sum(axis=3) >= 0).all(axis=2)
+    heights = (from_corners[:, :, 0] * normals).sum(axis=2)
     squared = np.where(inside, heights**2, to_edges.min(axis=2))
     least = squared.min(axis=1, keepdims=True)
     nearest = squared <= least * (1 + 1e-6) + 1e-24
-    ahead = (heights * nearest).sum(axis=1) > 0
-    return np.sqrt(least[:, 0]), ahead
+    in_front = (heights * nearest).sum(axis=1) > 0
+    return np.sqrt(least[:, 0]), in_front

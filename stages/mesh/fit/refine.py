@@ -1,4 +1,4 @@
-"""Small steps towards a better fit: single sides of a primitive in or out."""
+"""Improves a fit in small steps, which move single sides of a primitive in or out."""
 
 from dataclasses import replace
 
@@ -8,43 +8,46 @@ from linkwright.stages.mesh.fit.outline import Outline
 from linkwright.stages.mesh.fit.score import error
 from linkwright.stages.robot.model.robot import Primitive, frozen
 
-_WORTH_IT = 2.0
-"""Of an error of more than so many times the usual tolerance no small steps make a good fit."""
+_MAX_FIRST_ERROR = 2.0
+"""Largest error, in default tolerances, of a fit that small steps can make good."""
 
-_GOOD = 0.5
+_GOOD_ERROR = 0.5
+"""Error, in default tolerances, below which a fit is good enough without steps."""
+
 _STEPS = (0.5, 0.25, 0.125)
-"""Lengths of steps, as shares of the error at first."""
+"""Lengths of the steps, as shares of the error before the first step."""
 
-_GAIN = 0.99
+_MAX_ERROR_RATIO = 0.99
+"""Largest ratio between the errors after and before a step that is taken."""
 
 Side = tuple[int, int]
-"""Which of a primitive's sizes, and at which of its ends: -1 or 1, or 0 for a radius."""
+"""Index of one of a primitive's lengths, and the end that moves: -1 or 1, or 0 for a radius."""
 
 
 def refined_below(outline: Outline) -> float:
-    """The error [m] from which on a fit gets no small steps."""
-    return _WORTH_IT * outline.tolerance
+    """Returns the error [m] from which on a fit is not refined."""
+    return _MAX_FIRST_ERROR * outline.tolerance
 
 
 def refined(primitive: Primitive, first: float, outline: Outline) -> tuple[Primitive, float]:
-    """The primitive with its sides moved so that its error [m], `first`, is less, and that error.
+    """Moves the sides of a primitive to reduce its error [m], `first`; returns the primitive and its error.
 
-    All sides that are better moved alone are moved together, so that neither their order nor their sense
-    matters; where that is worse, the best of them is moved alone.
+    In each step, all sides whose single moves reduce the error are moved together, so that neither their
+    order nor their sense matters; if that is worse than the best single move, only that one is made.
     """
-    if not _GOOD * outline.tolerance < first < refined_below(outline):
+    if not _GOOD_ERROR * outline.tolerance < first < refined_below(outline):
         return primitive, first
     least = first
     for share in _STEPS:
-        step, limit = share * first, _GAIN * least
+        step, limit = share * first, _MAX_ERROR_RATIO * least
         moves = [_best_move(primitive, side, step, limit, outline) for side in _sides(primitive)]
-        better = [move for move in moves if move is not None]
-        if not better:
+        better_moves = [move for move in moves if move is not None]
+        if not better_moves:
             continue
         together = primitive
-        for _, side, amount in better:
+        for _, side, amount in better_moves:
             together = _stretched(together, side, amount)
-        score, side, amount = min(better)
+        score, side, amount = min(better_moves)
         common = error(together, outline)
         primitive = together if common <= score else _stretched(primitive, side, amount)
         least = min(common, score)
@@ -54,16 +57,16 @@ def refined(primitive: Primitive, first: float, outline: Outline) -> tuple[Primi
 def _best_move(
     primitive: Primitive, side: Side, step: float, limit: float, outline: Outline
 ) -> tuple[float, Side, float] | None:
-    """The error [m] after a side has moved by `step` in or out, whichever is better, the side, and how far;
-    None where it is not below `limit`."""
+    """Moves a side by `step` [m] in or out, whichever is better; returns the error [m], the side, and the
+    signed distance. None if the error is not below `limit`."""
     index, _ = side
-    found = []
+    moves = []
     for amount in (-step, step):
         if primitive.size[index] + amount > step:
-            there = _stretched(primitive, side, amount)
-            if outline.bareness(there) < limit and (score := error(there, outline)) < limit:
-                found.append((score, side, amount))
-    return min(found, default=None)
+            moved = _stretched(primitive, side, amount)
+            if outline.bareness(moved) < limit and (score := error(moved, outline)) < limit:
+                moves.append((score, side, amount))
+    return min(moves, default=None)
 
 
 def _sides(primitive: Primitive) -> tuple[Side, ...]:
@@ -73,7 +76,7 @@ def _sides(primitive: Primitive) -> tuple[Side, ...]:
 
 
 def _stretched(primitive: Primitive, side: Side, amount: float) -> Primitive:
-    """The primitive with one side further out by `amount` [m]."""
+    """Returns the primitive with a side moved outwards by `amount` [m]."""
     index, end = side
     size = list(primitive.size)
     size[index] += amount

@@ -1,4 +1,4 @@
-"""The error of a primitive, as the tolerance of colliders sees it."""
+"""Computes the error of a primitive: the smallest tolerance of a collider that it meets."""
 
 from collections.abc import Iterator
 
@@ -10,55 +10,59 @@ from linkwright.stages.robot.dynamics.inertia import primitive_area, primitive_v
 from linkwright.stages.robot.model.poses import from_parts
 from linkwright.stages.robot.model.robot import Array, Primitive
 
-MOST_OF_TOLERANCE = 3.0
-"""How many times the tolerance a collider may stand out at most, where 95 % of it stay within."""
+MAX_PROTRUSION_TOLERANCES = 3.0
+"""Largest protrusion of a collider, in tolerances, while 95 % of its surface stay within one tolerance."""
 
-_FINE = (7, 23)
-_COARSE = (3, 7)
-"""Points along a side, or a generating line, and around an axis: as many as gears seldom have teeth."""
+_FINE_GRID = (7, 23)
+_COARSE_GRID = (3, 7)
+"""Numbers of points along a side or a generating line, and around an axis: gears seldom have as many
+teeth."""
 
 
 def error(primitive: Primitive, outline: Outline, fine: bool = True) -> float:
-    """The least tolerance [m] that a primitive meets: the largest of its greatest bareness, the protrusion
-    of 95 % of its surface, and a third of its greatest protrusion; by few points unless it is `fine`."""
-    local, weights = _points(primitive, *(_FINE if fine else _COARSE))
-    pose = _sampled(primitive, outline)
+    """Returns the smallest tolerance [m] that a primitive meets: the largest of its greatest bareness, the
+    95 % quantile of its protrusion, and a third of its greatest protrusion. Without `fine`, few points are
+    sampled."""
+    local, weights = _points(primitive, *(_FINE_GRID if fine else _COARSE_GRID))
+    pose = _sample_pose(primitive, outline)
     protrusion = outline.protrusion(local @ pose[:3, :3].T + pose[:3, 3])
     order = np.argsort(protrusion, kind="stable")
-    # Each point stands for a share of the surface around it, half of which is below it.
+    # Each point stands for the surface around it, half of which counts as below the point's value.
     covered = np.cumsum(weights[order]) - weights[order] / 2
-    most = np.interp(0.95 * weights.sum(), covered, protrusion[order])
-    return max(outline.bareness(primitive), float(most), float(protrusion.max()) / MOST_OF_TOLERANCE)
+    p95 = np.interp(0.95 * weights.sum(), covered, protrusion[order])
+    return max(outline.bareness(primitive), float(p95), float(protrusion.max()) / MAX_PROTRUSION_TOLERANCES)
 
 
 def least_error(primitive: Primitive, outline: Outline) -> float:
-    """A bound from below of the error [m]: what a primitive has more volume than the part's hull lies between
-    the hull and its own surface, of which 5 % may stand out by more than the error."""
-    more = primitive_volume(primitive.kind, primitive.size) - outline.volume
-    mean = 0.95 + 0.05 * MOST_OF_TOLERANCE
-    return more / (mean * primitive_area(primitive.kind, primitive.size))
+    """Returns a lower bound of the error [m]. The volume by which a primitive exceeds the part's hull lies
+    between the hull and the primitive's surface; 95 % of that surface stand out by at most the error, and the
+    rest by at most three times as much."""
+    extra_volume = primitive_volume(primitive.kind, primitive.size) - outline.volume
+    mean_protrusion = 0.95 + 0.05 * MAX_PROTRUSION_TOLERANCES
+    return extra_volume / (mean_protrusion * primitive_area(primitive.kind, primitive.size))
 
 
-def _sampled(primitive: Primitive, outline: Outline) -> Array:
-    """The pose of the points: around its axis a primitive has no place of its own, so it is turned to the
-    farthest vertex of the part, and a sphere's axis to the farthest from its centre."""
+def _sample_pose(primitive: Primitive, outline: Outline) -> Array:
+    """Returns the pose of the sample points. The pose of a round primitive is arbitrary around its axis, so
+    its points are turned towards the farthest vertex of the part; the axis of a sphere's points goes through
+    the vertex that is farthest from its centre."""
     pose = primitive.link_from_shape
     if primitive.kind == "box":
         return pose
-    apart = outline.corners - pose[:3, 3]
+    from_centre = outline.corners - pose[:3, 3]
     axis = pose[:3, 2]
     if primitive.kind == "sphere":
-        axis = apart[_farthest(apart, outline)]
+        axis = from_centre[_farthest(from_centre, outline)]
         axis = axis / np.linalg.norm(axis)
-    sideways = apart - np.outer(apart @ axis, axis)
+    sideways = from_centre - np.outer(from_centre @ axis, axis)
     first = sideways[_farthest(sideways, outline)]
     first = first / np.linalg.norm(first)
     return from_parts(np.stack([first, np.cross(axis, first), axis], axis=1), pose[:3, 3])
 
 
 def _farthest(vectors: Points, outline: Outline) -> int:
-    """Index of the longest of the vectors that belong to the hull's vertices; of several, as a symmetric hull
-    has them, that of the vertex that is farthest from the middle of the surface itself."""
+    """Returns the index of the longest of the vectors, one for each vertex of the hull. A symmetric hull has
+    several; then the vertex counts that is farthest from the centroid of the surface."""
     squares = (vectors**2).sum(axis=1)
     longest = squares >= squares.max() * (1 - 1e-6)
     middle = np.average(outline.centroids, axis=0, weights=outline.areas)
@@ -66,8 +70,8 @@ def _farthest(vectors: Points, outline: Outline) -> int:
 
 
 def _points(primitive: Primitive, along: int, around: int) -> tuple[Points, Floats]:
-    """Points (n, 3) all over a primitive's surface in its own frame, its edges and corners among them, and
-    the share of the surface that each stands for."""
+    """Returns points (n, 3) all over a primitive's surface in its own frame, edges and corners included, and
+    the weight of each point: its share of the surface."""
     if primitive.kind == "box":
         return _box(primitive.size, along)
     rings = np.array(list(_rings(primitive, along)))
@@ -78,13 +82,13 @@ def _points(primitive: Primitive, along: int, around: int) -> tuple[Points, Floa
 
 
 def _rings(primitive: Primitive, along: int) -> Iterator[tuple[float, float, float]]:
-    """Radius and height of each ring of points, and its area but for a common factor."""
+    """Yields the radius and height of each ring of points, and its area up to a common factor."""
     radius = primitive.size[0]
     half = 0.0 if primitive.kind == "sphere" else primitive.size[1] / 2
     if half:
         for k in range(along):
-            end = k in (0, along - 1)
-            yield radius, half * (2 * k / (along - 1) - 1), 2 * half * radius / (along - 1) / (1 + end)
+            halved = k in (0, along - 1)
+            yield radius, half * (2 * k / (along - 1) - 1), 2 * half * radius / (along - 1) / (1 + halved)
     for k in range(along):
         for sign in (-1, 1):
             if primitive.kind == "cylinder":
@@ -99,7 +103,7 @@ def _rings(primitive: Primitive, along: int) -> Iterator[tuple[float, float, flo
 
 
 def _box(lengths: tuple[float, ...], along: int) -> tuple[Points, Floats]:
-    """The middles of cells, and the corners, which stand out most but have no area."""
+    """Returns the centres of cells on a box, and its corners, which stand out most but have no area."""
     steps = (np.arange(along) + 0.5) / along - 0.5
     ends = np.array([-0.5, 0.5])
     points = [np.stack(np.meshgrid(ends, ends, ends), axis=-1).reshape(-1, 3) * lengths]

@@ -1,18 +1,19 @@
-"""Measures: how well pieces stand for a part, as distances and volumes.
+"""Measures how well pieces represent a part, as distances and volumes.
 
 Every rung of the ladder, and every figure of a report, is judged by `measure(Target.of(part), pieces)`.
 
-- field: How far places are outside of a part, on a grid over it: worked out once, and then read off for
-  thousands of hulls.
-- judge: The measures of a collider: samples, then a search for what lies between them.
-- samples: Points on surfaces, spread evenly by area, the same for the same surface.
-- target: A part made ready to be compared with colliders.
-- tree: Triangles in a tree of boxes: exact distances from them, and the largest value of a function on them.
-- union: The union of a collider's pieces: what is in it, and how far from it points are.
-- volumes: How much a collider has too much and too little, as volumes.
+- field: Computes the distance from a part on a grid around it: once, to be interpolated for thousands of
+  hulls.
+- judge: Measures how far a collider is from a part, first at samples, then by a search between them.
+- samples: Spreads points over surfaces evenly by area, in the same way whenever the surface is the same.
+- target: Prepares a part for comparison with colliders.
+- tree: Sorts triangles into a tree of boxes, for exact distances and for the largest value of a function on
+  them.
+- union: Tells whether points are in the union of a collider's pieces, and how far from it they are.
+- volumes: Computes the volumes that a collider has too much and too little.
 """
 
-from linkwright.stages.mesh.measure.judge import FEW as FEW
+from linkwright.stages.mesh.measure.judge import QUICK_SAMPLE_COUNT as QUICK_SAMPLE_COUNT
 from linkwright.stages.mesh.measure.judge import hopeless as hopeless
 from linkwright.stages.mesh.measure.judge import measure as measure
 from linkwright.stages.mesh.measure.judge import near as near

@@ -1,4 +1,4 @@
-"""The union of a collider's pieces: what is in it, and how far from it points are."""
+"""Tells whether points are in the union of a collider's pieces, and how far from it they are."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,31 +14,36 @@ from linkwright.stages.robot.model.robot import Primitive
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Union:
-    """Convex pieces together. `tree` has the surfaces of all, `owners` (m,) which piece each of its triangles
-    is of, `normals` (m, 3) where that faces; `beyond`: of each how far points are beyond it, see
-    `beyond_piece`; `hulls` measures from those that are no primitives."""
+    """The union of convex pieces."""
 
     tree: BoxTree
+    """Triangles of all pieces."""
     owners: Indices
+    """Index of the piece of each triangle of the tree (m,)."""
     normals: Points
+    """Unit normal of each triangle of the tree (m, 3)."""
     pieces: tuple[Piece, ...]
     beyond: tuple[Distances, ...]
+    """Function `beyond_piece` of each piece."""
     low: Points
     high: Points
+    """Bounds of each piece (k, 3) [m]."""
     hulls: Nearest | None
+    """Distances from the pieces that are not primitives; None without such pieces."""
     surfaces: tuple[Surface, ...]
+    """Closed surface of each piece."""
 
     @staticmethod
     def of(pieces: Sequence[Piece]) -> "Union":
-        """ValueError where there is no piece."""
+        """Returns the union of pieces; raises ValueError without pieces."""
         if not pieces:
             msg = "a collider without pieces has no measures"
             raise ValueError(msg)
         surfaces = tuple(surface_of(piece) for piece in pieces)
-        every = joined(surfaces)
+        whole = joined(surfaces)
         owners = np.repeat(np.arange(len(surfaces)), [len(surface.triangles) for surface in surfaces])
-        tree = BoxTree.of(every)
-        normals = unit_normals(every)
+        tree = BoxTree.of(whole)
+        normals = unit_normals(whole)
         hulls = [piece for piece in pieces if isinstance(piece, Surface)]
         nearest = None
         if hulls:
@@ -47,7 +52,7 @@ class Union:
             np.array([getattr(surface.vertices, side)(axis=0) for surface in surfaces])
             for side in ("min", "max")
         )
-        # The polyhedra of primitives lie a little within them here and there.
+        # The polyhedron of a primitive lies inside the primitive in some places.
         slack = 0.005 * (high - low).max(axis=1, keepdims=True)
         return Union(
             tree,
@@ -61,51 +66,51 @@ class Union:
             surfaces,
         )
 
-    def corners(self, most: int) -> tuple[Corners, Indices, Points]:
-        """The corners (m, 3, 3) of the pieces of at most so many triangles: hulls, boxes and cylinders; the
-        piece and the unit normal of each triangle. Of what is round no point is a corner."""
-        chosen = [
+    def corners(self, max_triangles: int) -> tuple[Corners, Indices, Points]:
+        """Returns the triangles (m, 3, 3) of all pieces with at most `max_triangles`, except spheres and
+        capsules, which have no corners; and the index of the piece and the unit normal of each triangle."""
+        piece_indices = [
             number
             for number, body in enumerate(self.pieces)
-            if len(self.surfaces[number].triangles) <= most
+            if len(self.surfaces[number].triangles) <= max_triangles
             and not (isinstance(body, Primitive) and body.kind in ("sphere", "capsule"))
         ]
-        if not chosen:
+        if not piece_indices:
             return np.zeros((0, 3, 3)), np.zeros(0, dtype=np.int64), np.zeros((0, 3))
-        surfaces = [self.surfaces[number] for number in chosen]
-        owners = np.repeat(chosen, [len(surface.triangles) for surface in surfaces])
-        every = joined(surfaces)
-        return every.corners, owners, unit_normals(every)
+        surfaces = [self.surfaces[number] for number in piece_indices]
+        owners = np.repeat(piece_indices, [len(surface.triangles) for surface in surfaces])
+        chosen_surface = joined(surfaces)
+        return chosen_surface.corners, owners, unit_normals(chosen_surface)
 
     def depth(self, points: Points, without: Indices | None = None) -> Numbers:
-        """(n,): how deep [m] each point is in some piece, but not in its own of `without`; −inf where it is
-        in none, and at most 0 where only its bounds have it."""
+        """Returns how deep [m] (n,) each point is in the pieces, except in the piece whose index `without`
+        has for it. The value is −inf outside the bounds of all pieces, and at most 0 outside the pieces."""
         result = np.full(len(points), -np.inf)
         for number, beyond in enumerate(self.beyond):
-            near = ((points >= self.low[number]) & (points <= self.high[number])).all(axis=1)
+            in_bounds = ((points >= self.low[number]) & (points <= self.high[number])).all(axis=1)
             if without is not None:
-                near &= without != number
-            some = np.flatnonzero(near)
-            if len(some):
-                result[some] = np.maximum(result[some], -beyond(points[some]))
+                in_bounds &= without != number
+            indices = np.flatnonzero(in_bounds)
+            if len(indices):
+                result[indices] = np.maximum(result[indices], -beyond(points[indices]))
         return result
 
-    def distance(self, points: Points, from_on: Numbers | float) -> tuple[Numbers, npt.NDArray[np.bool_]]:
-        """The distance [m] of points (n, 3) outside from the union, and whether it is exact: it is, where it
-        is `from_on` (n,) or more; elsewhere it is no more than the first value."""
-        best, exact = np.full(len(points), np.inf), np.ones(len(points), dtype=bool)
+    def distance(self, points: Points, exact_from: Numbers | float) -> tuple[Numbers, npt.NDArray[np.bool_]]:
+        """Returns the distance [m] of points (n, 3) outside of the union, and whether it is exact. Distances
+        of `exact_from` (n,) or more are exact; other values may be upper bounds."""
+        distances, exact = np.full(len(points), np.inf), np.ones(len(points), dtype=bool)
         for body in self.pieces:
             if isinstance(body, Primitive):
-                best = np.minimum(best, signed_distance(body, points))
+                distances = np.minimum(distances, signed_distance(body, points))
         if self.hulls is not None:
-            far, exact = self.hulls(points, from_on)
-            exact |= best <= 0
-            best = np.minimum(best, far)
-        return np.maximum(best, 0.0), exact
+            hull_distances, exact = self.hulls(points, exact_from)
+            exact |= distances <= 0
+            distances = np.minimum(distances, hull_distances)
+        return np.maximum(distances, 0.0), exact
 
 
 def unit_normals(surface: Surface) -> Points:
-    """(m, 3): where each triangle faces; (0, 0, 0) for one without area."""
+    """Returns the unit normal of each triangle (m, 3); (0, 0, 0) for a triangle without area."""
     normals = surface.normals()
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     result: Points = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)

@@ -1,12 +1,13 @@
-"""Triangle surfaces and what is asked of them: closed, inside, rays, hulls.
+"""Works on triangle surfaces: shells, cleaning, points inside, crossings of lines, hulls and pieces.
 
-- booleans: Closed surfaces as bodies of the boolean library, and back.
-- clean: Cleaning: from any triangles to closed solids that face outwards, and what is left of them.
-- convex_hull: The convex hull of points.
-- inside: What is inside of a surface.
-- neighbours: The neighbours of a surface's triangles.
-- pieces: The pieces of a collider: closed convex surfaces and primitives, and what they have in common.
-- rays: Where straight lines cross a surface.
-- shells: The shells of a surface: faces connected by edges; which are closed, and which lies within which.
-- snapping: Coordinates on a grid: what is hashed or written does not show how a processor rounds.
+- booleans: Converts closed surfaces to bodies of the boolean library, and back.
+- clean: Cleans a mesh: splits any triangles into closed solids that face outwards, and an open remainder.
+- convex_hull: Computes the convex hull of points.
+- inside: Finds which points are inside of a surface.
+- neighbours: Finds the neighbours of a surface's triangles.
+- pieces: Defines the pieces of a collider, closed convex surfaces and primitives, and their common functions.
+- rays: Finds where straight lines cross a surface.
+- shells: Finds the shells of a surface (faces connected by edges), which are closed, and which contain
+  others.
+- snapping: Moves coordinates to a grid, so that hashes and files do not depend on how a processor rounds.
 """

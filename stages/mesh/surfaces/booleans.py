@@ -1,4 +1,4 @@
-"""Closed surfaces as bodies of the boolean library, and back."""
+"""Converts closed surfaces to bodies of the boolean library, and back."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
 
 def body_of(surface: Surface) -> Manifold | None:
-    """A surface as a body, inside out as it is; None where the library takes it for no manifold, or as
-    empty."""
+    """Returns a surface as a body; a surface that is inside out stays so. None if the library finds it empty
+    or not manifold."""
     # Late: a part from the cache needs no library that makes colliders or decimates.
     from manifold3d import Error, Manifold, Mesh64
 
@@ -24,7 +24,7 @@ def body_of(surface: Surface) -> Manifold | None:
 
 
 def surface_of_body(body: Manifold) -> Surface:
-    """The surface of a body."""
+    """Returns the surface of a body."""
     mesh = body.to_mesh64()
     vertices = np.array(mesh.vert_properties, dtype=np.float64)[:, :3]
     return Surface(vertices, np.array(mesh.tri_verts).astype(np.int64))

@@ -1,35 +1,33 @@
-"""The convex hull of points."""
+"""Computes the convex hull of points."""
 
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import scipy
 
+from linkwright.stages.formats.meshes.body_arrays import distinct
 from linkwright.stages.formats.meshes.surface import Points, Surface, compacted, weld
-from linkwright.stages.formats.triangles import distinct
 
-_THIN = 1e-6
-"""A hull of less mean thickness [m], or a millionth of its size, has no inside to collide with."""
+_MIN_THICKNESS = 1e-6
+"""Smallest mean thickness of a hull that is not flat, in metres, or for small hulls in diagonals."""
 
 
 def convex_hull(points: Points) -> Surface | None:
-    """The hull of (n, 3) points, facing outwards; None where they are flat.
+    """Returns the hull of points (n, 3), facing outwards; None if they are flat.
 
-    Points and faces are sorted, and Qhull sees the points sorted, so that their order in the input
-    does not matter.
+    Qhull gets the points sorted, and the points and faces of the result are sorted, so that the order of the
+    input does not matter.
     """
-    # Late: a part from the cache needs no library that makes colliders or decimates.
-    from scipy.spatial import ConvexHull, QhullError
-
     corners, _ = distinct(points)
     if len(corners) < 4:
         return None
     try:
-        hull = ConvexHull(corners)
-    except QhullError:
+        hull = scipy.spatial.ConvexHull(corners)
+    except scipy.spatial.QhullError:
         return None
     size = float(np.linalg.norm(np.ptp(corners, axis=0)))
-    if hull.volume <= hull.area / 2 * _THIN * min(1.0, size):
+    if hull.volume <= hull.area / 2 * _MIN_THICKNESS * min(1.0, size):
         return None
     surface = compacted(Surface(corners, hull.simplices.astype(np.int64)))
     welded, _ = weld(surface.vertices, outwards(surface, hull))
@@ -37,7 +35,7 @@ def convex_hull(points: Points) -> Surface | None:
 
 
 def outwards(surface: Surface, hull: Any) -> npt.NDArray[np.int64]:
-    """The triangles (m, 3) of a surface made of Qhull's hull, in its order, facing outwards: Qhull gives each
-    the outward normal of its plane, but its corners in any sense."""
+    """Returns the triangles (m, 3) of a surface made from Qhull's hull, in the same order, facing outwards.
+    Qhull gives the outward normal of each triangle's plane, but its corners in either sense."""
     inward = np.einsum("ij,ij->i", surface.normals(), hull.equations[:, :3]) < 0
     return np.where(inward[:, None], surface.triangles[:, ::-1], surface.triangles)

@@ -1,4 +1,4 @@
-"""The pieces of a collider: closed convex surfaces and primitives, and what they have in common."""
+"""Defines the pieces of a collider, closed convex surfaces and primitives, and their common functions."""
 
 import math
 from collections.abc import Callable
@@ -13,28 +13,30 @@ from linkwright.stages.robot.dynamics.inertia import primitive_volume
 from linkwright.stages.robot.model.robot import Array, Primitive, frozen
 
 Piece = Surface | Primitive
-"""A `Surface` here is closed, convex and faces outwards."""
+"""A piece of a collider. As a `Surface` it is closed, convex, and faces outwards."""
 
 Distances = Callable[[Points], npt.NDArray[np.float64]]
-"""A distance [m] for each of the points (n, 3)."""
+"""Function that returns a distance [m] for each of the points (n, 3)."""
 
-_AROUND = 64
-_UPWARDS = 32
-_MOST = 1 << 20  # elements of one intermediate array
+_SIDES_AROUND = 64
+_SIDES_FROM_POLE_TO_POLE = 32
+"""Numbers of sides of a curved primitive's polyhedron, around its axis and along a half circle."""
+
+_MAX_ELEMENTS = 1 << 20  # of an intermediate array
 
 
 def vertices(piece: Piece) -> int:
-    """How many vertices an engine has to look at; a primitive has none."""
+    """Returns the number of vertices that an engine has to process; 0 for a primitive."""
     return len(piece.vertices) if isinstance(piece, Surface) else 0
 
 
 def volume(piece: Piece) -> float:
-    """The volume [m³]."""
+    """Returns the volume [m³]."""
     return piece.volume() if isinstance(piece, Surface) else primitive_volume(piece.kind, piece.size)
 
 
 def placed(piece: Piece, transform: Array) -> Piece:
-    """The piece under `transform` (4, 4), a rotation or mirroring and a shift."""
+    """Returns the piece moved by `transform` (4, 4): a rotation or reflection, and a translation."""
     if isinstance(piece, Surface):
         return moved(piece, transform)
     rows = [[_product(row, column) for column in piece.link_from_shape.T] for row in transform]
@@ -45,17 +47,17 @@ def placed(piece: Piece, transform: Array) -> Piece:
 
 
 def half_spaces(surface: Surface) -> tuple[Points, npt.NDArray[np.float64]]:
-    """A convex surface as planes: unit normals (k, 3) and heights (k,) [m], with n·x ≤ height inside.
+    """Returns a convex surface as planes: unit normals (k, 3) and heights (k,) [m], with n·x ≤ height inside.
 
-    Each plane touches a vertex and has all others behind it, however badly the normal of a sliver is known.
-    Planes that are equal to nine digits come once.
+    Each plane touches a vertex and has all others behind it, even if the normal of a sliver is inaccurate.
+    Planes whose normals are equal to nine digits are merged.
     """
     normals = surface.normals()
     lengths = np.linalg.norm(normals, axis=1)
     normals = normals[lengths > 0] / lengths[lengths > 0, None]
     _, first = np.unique(normals.round(9) + 0.0, axis=0, return_index=True)
     normals = normals[first]
-    step = max(1, _MOST // max(1, len(surface.vertices)))
+    step = max(1, _MAX_ELEMENTS // max(1, len(surface.vertices)))
     heights = [
         along(normals[begin : begin + step], surface.vertices).max(axis=1)
         for begin in range(0, len(normals), step)
@@ -64,9 +66,9 @@ def half_spaces(surface: Surface) -> tuple[Points, npt.NDArray[np.float64]]:
 
 
 def along(normals: Points, points: Points) -> npt.NDArray[np.float64]:
-    """(k, n): each of the points (n, 3) along each of the normals (k, 3).
+    """Returns the dot products (k, n) of normals (k, 3) and points (n, 3).
 
-    Written out by element: a matrix product may round differently from one processor to the next.
+    They are written out by element, since a matrix product may round differently on another processor.
     """
     result = normals[:, 0, None] * points[:, 0]
     result += normals[:, 1, None] * points[:, 1]
@@ -75,18 +77,18 @@ def along(normals: Points, points: Points) -> npt.NDArray[np.float64]:
 
 
 def beyond(normals: Points, heights: npt.NDArray[np.float64], points: Points) -> npt.NDArray[np.float64]:
-    """(n,): how far points (n, 3) are beyond that of the planes of which they are farthest: less than 0
-    inside, and at most the distance [m] from the solid outside."""
+    """Returns how far [m] (n,) each of the points (n, 3) is beyond the plane that it is farthest beyond:
+    negative inside; outside, at most the distance from the solid."""
     return np.asarray((along(normals, points) - heights[:, None]).max(axis=0))
 
 
 def beyond_piece(piece: Piece) -> Distances:
-    """A bound of how far [m] points are from a piece, negative inside: exact of a primitive, of others how
-    far they are beyond its planes."""
+    """Returns a function that gives a lower bound of the distance [m] of points from a piece, negative
+    inside. It is exact for a primitive; for a surface it is how far the points are beyond its planes."""
     if isinstance(piece, Primitive):
         return partial(signed_distance, piece)
     normals, heights = half_spaces(piece)
-    step = max(1, _MOST // 4 // max(1, len(normals)))
+    step = max(1, _MAX_ELEMENTS // 4 // max(1, len(normals)))
 
     def distances(points: Points) -> npt.NDArray[np.float64]:
         parts = range(0, max(1, len(points)), step)
@@ -96,7 +98,7 @@ def beyond_piece(piece: Piece) -> Distances:
 
 
 def signed_distance(primitive: Primitive, points: Points) -> npt.NDArray[np.float64]:
-    """(n,): the distance [m] of points (n, 3) from the primitive's surface, negative inside; exact."""
+    """Returns the exact distance [m] (n,) of points (n, 3) from a primitive's surface, negative inside."""
     x, y, z = _local(primitive, points).T
     if primitive.kind == "sphere":
         return np.asarray(np.sqrt(x * x + y * y + z * z) - primitive.size[0], dtype=np.float64)
@@ -112,30 +114,30 @@ def signed_distance(primitive: Primitive, points: Points) -> npt.NDArray[np.floa
 
 
 def surface_of(piece: Piece) -> Surface:
-    """The closed surface of a piece, for booleans and sampling.
+    """Returns the closed surface of a piece, for booleans and sampling.
 
-    A curved one becomes a polyhedron of 64 sides that has the primitive's exact volume; no point of it is
-    further than 0.2 % of the radius from the primitive's surface.
+    A curved primitive becomes a polyhedron with 64 sides around its axis and the primitive's exact volume; no
+    point of it is further than 0.2 % of the radius from the primitive's surface.
     """
     if isinstance(piece, Surface):
         return piece
     if piece.kind == "box":
         local = _box(piece.size)
     else:
-        local = _turned(_profile(piece))
-        wanted = primitive_volume(piece.kind, piece.size)
-        # The volume of what is turned grows with the square of its widths.
-        wider = math.sqrt(wanted / local.volume())
-        local = Surface(local.vertices * [wider, wider, 1.0], local.triangles)
+        local = _surface_of_revolution(_profile(piece))
+        exact_volume = primitive_volume(piece.kind, piece.size)
+        # The volume of a turned solid grows with the square of its width.
+        growth = math.sqrt(exact_volume / local.volume())
+        local = Surface(local.vertices * [growth, growth, 1.0], local.triangles)
     return moved(local, piece.link_from_shape)
 
 
-def around(primitive: Primitive) -> Points:
-    """(n, 3): points whose convex hull contains the shape and hardly more."""
-    middle = primitive.link_from_shape[:3, 3]
-    # A box has its corners; no point of another is further out of its polyhedron.
-    wider = 1.0 if primitive.kind == "box" else 1.0025
-    return np.asarray(middle + wider * (surface_of(primitive).vertices - middle), dtype=np.float64)
+def enclosing_points(primitive: Primitive) -> Points:
+    """Returns points (n, 3) whose convex hull contains the primitive, and hardly more."""
+    centre = primitive.link_from_shape[:3, 3]
+    # A box has its exact corners; a curved shape is inside its polyhedron enlarged by this factor.
+    growth = 1.0 if primitive.kind == "box" else 1.0025
+    return np.asarray(centre + growth * (surface_of(primitive).vertices - centre), dtype=np.float64)
 
 
 def _product(row: Array, column: Array) -> float:
@@ -143,15 +145,16 @@ def _product(row: Array, column: Array) -> float:
 
 
 def _local(primitive: Primitive, points: Points) -> Points:
-    """The points in the primitive's own frame, whose axes are the columns of its pose."""
+    """Returns the points in the primitive's frame, whose axes are the columns of its pose."""
     pose = primitive.link_from_shape
     return along(pose[:3, :3].T, points - pose[:3, 3]).T
 
 
 def _outside(beyond: list[npt.NDArray[np.float64]]) -> npt.NDArray[np.float64]:
-    """The signed distance from a product of intervals, by how far each coordinate is beyond its own."""
-    far = np.sqrt(sum(np.maximum(one, 0.0) ** 2 for one in beyond))
-    return np.asarray(far + np.minimum(np.maximum.reduce(beyond), 0.0), dtype=np.float64)
+    """Returns the signed distance from a product of intervals, by how far each coordinate is `beyond` its
+    own."""
+    outside_distance = np.sqrt(sum(np.maximum(distance, 0.0) ** 2 for distance in beyond))
+    return np.asarray(outside_distance + np.minimum(np.maximum.reduce(beyond), 0.0), dtype=np.float64)
 
 
 def _box(lengths: tuple[float, ...]) -> Surface:
@@ -162,33 +165,40 @@ def _box(lengths: tuple[float, ...]) -> Surface:
 
 
 def _profile(primitive: Primitive) -> list[tuple[float, float]]:
-    """Radius and height of each ring around the axis, from below."""
+    """Returns the radius and height of each ring around the axis, from below."""
     radius = primitive.size[0]
     half = 0.0 if primitive.kind == "sphere" else primitive.size[1] / 2
     if primitive.kind == "cylinder":
         return [(radius, -half), (radius, half)]
-    angles = [math.pi / _UPWARDS * k for k in range(1, _UPWARDS // 2 + 1)]
+    angles = [math.pi / _SIDES_FROM_POLE_TO_POLE * k for k in range(1, _SIDES_FROM_POLE_TO_POLE // 2 + 1)]
     lower = [(radius * math.sin(angle), -half - radius * math.cos(angle)) for angle in angles]
     upper = [(r, -z) for r, z in reversed(lower)]
     return lower + (upper if half else upper[1:])
 
 
-def _turned(profile: list[tuple[float, float]]) -> Surface:
-    """The closed surface of rings around z; their discs close it where it is no pole."""
+def _surface_of_revolution(profile: list[tuple[float, float]]) -> Surface:
+    """Returns the closed surface through rings around z, with a disc or a pole at either end."""
     bottom, top = profile[0][1], profile[-1][1]
     if len(profile) > 2:
-        radius = profile[0][0] / math.sin(math.pi / _UPWARDS)
-        cap = radius * (1 - math.cos(math.pi / _UPWARDS))
+        radius = profile[0][0] / math.sin(math.pi / _SIDES_FROM_POLE_TO_POLE)
+        cap = radius * (1 - math.cos(math.pi / _SIDES_FROM_POLE_TO_POLE))
         bottom, top = bottom - cap, top + cap
-    turns = [2 * math.pi / _AROUND * k for k in range(_AROUND)]
+    turns = [2 * math.pi / _SIDES_AROUND * k for k in range(_SIDES_AROUND)]
     rings = [(r * math.cos(turn), r * math.sin(turn), z) for r, z in profile for turn in turns]
     points = np.array([(0.0, 0.0, bottom), *rings, (0.0, 0.0, top)])
-    here = np.arange(_AROUND)
-    there = (here + 1) % _AROUND
-    last = 1 + (len(profile) - 1) * _AROUND
-    faces = [np.stack([np.zeros_like(here), there + 1, here + 1], axis=1)]
-    for start in range(1, last, _AROUND):
-        a, b, c, d = start + here, start + there, start + there + _AROUND, start + here + _AROUND
+    columns = np.arange(_SIDES_AROUND)
+    next_columns = (columns + 1) % _SIDES_AROUND
+    last = 1 + (len(profile) - 1) * _SIDES_AROUND
+    faces = [np.stack([np.zeros_like(columns), next_columns + 1, columns + 1], axis=1)]
+    for start in range(1, last, _SIDES_AROUND):
+        a, b, c, d = (
+            start + columns,
+            start + next_columns,
+            start + next_columns + _SIDES_AROUND,
+            start + columns + _SIDES_AROUND,
+        )
         faces += [np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)]
-    faces.append(np.stack([last + here, last + there, np.full_like(here, len(points) - 1)], axis=1))
+    faces.append(
+        np.stack([last + columns, last + next_columns, np.full_like(columns, len(points) - 1)], axis=1)
+    )
     return Surface(points, np.concatenate(faces).astype(np.int64))

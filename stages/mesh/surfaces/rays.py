@@ -1,4 +1,4 @@
-"""Where straight lines cross a surface."""
+"""Finds where straight lines cross a surface."""
 
 import itertools
 import math
@@ -13,51 +13,59 @@ from linkwright.stages.mesh.surfaces.pieces import along
 
 Indices = npt.NDArray[np.int64]
 
-_PAIRS = 1 << 18  # pairs of a point and a triangle looked at in one go
-_LEVELS = 24
-_SIDE = 1 << 25  # cells of a level, at most, along each axis
-DIRECTIONS = 6
-_MOST_STRIPS = 16
-_FINEST = 128  # strips over the whole size, at most
-_TURN = (3 - math.sqrt(5)) * math.pi  # between neighbours of a Fibonacci lattice
+_MAX_PAIRS = 1 << 18  # pairs of a point and a strip that are tested at once
+_MAX_LEVEL = 24
+_MAX_CELLS = 1 << 25  # of a level along each axis
+DIRECTIONS = 6  # of lines through a surface with holes
+_MAX_STRIPS = 16  # of a triangle
+_MAX_STRIPS_OVER_SIZE = 128  # of an edge as long as the whole surface
+_GOLDEN_ANGLE = (3 - math.sqrt(5)) * math.pi  # between neighbours of a Fibonacci lattice [rad]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Crossings:
-    """Which of the points see which triangles straight above or below: one entry for each crossing.
-
-    `sign`: +1 where the line, upwards, leaves through the triangle's outside, −1 where it enters.
-    """
+    """Crossings of vertical lines through points with triangles."""
 
     points: Indices
+    """Index of the point of each crossing."""
     triangles: Indices
+    """Index of the crossed triangle."""
     sign: npt.NDArray[np.int8]
+    """+1 if the line, upwards, leaves through the triangle's outside, −1 if it enters."""
     above: npt.NDArray[np.bool_]
+    """Whether the crossing is above the point."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LineGrid:
-    """A surface made ready to be crossed by lines of one direction.
+    """A surface that is prepared for crossings with lines of one direction.
 
-    Each triangle is cut across its longest edge into strips about as long as they are wide. The strips lie
-    in squares of a hierarchy of grids across the direction, each in the grid whose squares are about as large
-    as it is, so that it lies in four of them at most. `keys`, sorted, name a grid and a square, `members` the
-    strip that lies there; of the strips `owners` are the triangles.
+    Each triangle is cut across its longest edge into strips that are about as long as they are wide. The
+    strips lie in squares of a hierarchy of grids across the direction: each strip in the grid whose squares
+    are about as large as the strip, so that few squares contain it.
     """
 
     axes: Points
+    """Frame of the grids (3, 3), as rows; the last axis is the direction."""
     vertices: Points
+    """Vertices (n, 3) in that frame."""
     triangles: Triangles
     low: npt.NDArray[np.float64]
+    """Lowest corner (2,) of the grids."""
     size: float
+    """Side length of the grids [m]."""
     levels: Indices
+    """Levels of the hierarchy that have strips."""
     keys: Indices
+    """Grid and square of each entry, as a number; sorted."""
     members: Indices
+    """Index of the strip of each entry."""
     strips: "_Strips"
 
     @staticmethod
     def of(surface: Surface, number: int = 0) -> "LineGrid":
-        """For direction `number`, 0 to 5, of a lattice on the half sphere that has no axis in it."""
+        """Prepares a surface for direction `number`, 0 to 5, of a lattice on the half sphere that avoids the
+        coordinate axes."""
         axes = _axes(number)
         vertices = along(axes, surface.vertices).T.copy()
         flat = vertices[:, :2]
@@ -67,64 +75,77 @@ class LineGrid:
         strips = _Strips.of(flat[surface.triangles], size)
         width = (strips.high - strips.low).max(axis=1, initial=0.0)
         with np.errstate(divide="ignore"):
-            level = np.floor(np.log2(size / np.maximum(width, size * 2.0**-_LEVELS))).astype(np.int64)
+            level = np.floor(np.log2(size / np.maximum(width, size * 2.0**-_MAX_LEVEL))).astype(np.int64)
         level = np.maximum(level, 0)
         cells = np.exp2(level)[:, None] / size
         begin, end = ((edge - low) * cells for edge in (strips.low, strips.high))
         begin, end = np.floor(begin).astype(np.int64), np.floor(end).astype(np.int64)
         keys, members = [], []
         for offset in itertools.product((0, 1, 2), repeat=2):
-            here = begin + offset
-            within = np.flatnonzero((here <= end).all(axis=1))
-            keys.append(_key(level[within], here[within]))
+            cells_at_offset = begin + offset
+            within = np.flatnonzero((cells_at_offset <= end).all(axis=1))
+            keys.append(_key(level[within], cells_at_offset[within]))
             members.append(within)
-        every, whose = np.concatenate(keys), np.concatenate(members)
-        order = np.argsort(every, kind="stable")
-        used = np.unique(level)
+        all_keys, all_members = np.concatenate(keys), np.concatenate(members)
+        order = np.argsort(all_keys, kind="stable")
+        used_levels = np.unique(level)
         return LineGrid(
-            axes, vertices, surface.triangles, low, size, used, every[order], whose[order], strips
+            axes,
+            vertices,
+            surface.triangles,
+            low,
+            size,
+            used_levels,
+            all_keys[order],
+            all_members[order],
+            strips,
         )
 
     def crossings(self, points: Points) -> Iterator[Crossings]:
-        """The crossings of the lines through points (n, 3), in portions."""
+        """Yields the crossings of the lines through points (n, 3), in portions."""
         local = along(self.axes, points).T
         cells = (local[:, :2] - self.low) / self.size
-        beside = ((cells < 0) | (cells >= 1)).any(axis=1)
+        outside = ((cells < 0) | (cells >= 1)).any(axis=1)
         for level in self.levels:
             key = _key(level, np.floor(cells * 2.0**level).astype(np.int64))
             begin = np.searchsorted(self.keys, key, side="left")
             count = np.searchsorted(self.keys, key, side="right") - begin
-            count[beside] = 0
-            for chosen in _portions(count):
-                whose = np.repeat(chosen, count[chosen])
-                starts = np.repeat(begin[chosen] - np.cumsum(count[chosen]) + count[chosen], count[chosen])
-                found = self._crossed(whose, local, self.members[starts + np.arange(len(whose))])
-                if len(found.points):
-                    yield found
+            count[outside] = 0
+            for group in _portions(count):
+                point_indices = np.repeat(group, count[group])
+                starts = np.repeat(begin[group] - np.cumsum(count[group]) + count[group], count[group])
+                crossed = self._crossed(
+                    point_indices, local, self.members[starts + np.arange(len(point_indices))]
+                )
+                if len(crossed.points):
+                    yield crossed
 
-    def _crossed(self, whose: Indices, points: Points, strips: Indices) -> Crossings:
-        """The pairs of a point and a strip that cross.
+    def _crossed(self, point_indices: Indices, points: Points, strips: Indices) -> Crossings:
+        """Returns the crossings among pairs of a point and a strip.
 
-        The side of an edge on which a point lies is worked out from the edge alone, in one sense, so that
-        a line through it crosses exactly one of its two triangles.
+        The side of an edge on which a point lies is computed from the edge in a fixed sense, the same for
+        both of its triangles, so that a line near the edge crosses exactly one of them.
         """
-        near = self.strips.near(strips, points[whose, :2])
-        whose, strips = whose[near], strips[near]
-        which, here = self.strips.owners[strips], points[whose]
-        corners = self.triangles[which]
-        sides = [self._side(corners[:, k], corners[:, (k + 1) % 3], here) for k in range(3)]
+        in_bounds = self.strips.near(strips, points[point_indices, :2])
+        point_indices, strips = point_indices[in_bounds], strips[in_bounds]
+        triangle_indices, points_of_pairs = self.strips.owners[strips], points[point_indices]
+        corners = self.triangles[triangle_indices]
+        sides = [self._side(corners[:, k], corners[:, (k + 1) % 3], points_of_pairs) for k in range(3)]
         left = [side > 0 for side in sides]
         hit = np.flatnonzero((left[0] == left[1]) & (left[1] == left[2]))
-        hit = hit[self.strips.own(strips[hit], here[hit, :2])]
+        hit = hit[self.strips.own(strips[hit], points_of_pairs[hit, :2])]
         corners, sides = corners[hit], [side[hit] for side in sides]
         total = sides[0] + sides[1] + sides[2]
         weights = [np.divide(side, total, out=np.full(len(total), 1 / 3), where=total != 0) for side in sides]
         heights = [self.vertices[corners[:, (k + 2) % 3], 2] * weights[k] for k in range(3)]
-        above = heights[0] + heights[1] + heights[2] > here[hit, 2]
-        return Crossings(whose[hit], which[hit], np.where(left[0][hit], 1, -1).astype(np.int8), above)
+        above = heights[0] + heights[1] + heights[2] > points_of_pairs[hit, 2]
+        return Crossings(
+            point_indices[hit], triangle_indices[hit], np.where(left[0][hit], 1, -1).astype(np.int8), above
+        )
 
     def _side(self, a: Indices, b: Indices, points: Points) -> npt.NDArray[np.float64]:
-        """Twice the area of the triangle of edge and point, > 0 on the left; never 0."""
+        """Returns twice the area of the triangle of an edge and a point, > 0 if the point is left; never
+        0."""
         first, second = self.vertices[np.minimum(a, b)], self.vertices[np.maximum(a, b)]
         ahead, aside = second[:, :2] - first[:, :2], points[:, :2] - first[:, :2]
         area = ahead[:, 0] * aside[:, 1] - ahead[:, 1] * aside[:, 0]
@@ -134,31 +155,36 @@ class LineGrid:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Strips:
-    """Triangles in the plane, cut across their longest edges: for each strip its triangle (`owners`), which
-    of its strips it is (`number` of `of_all`), and its bounds; for each triangle where the longest edge
-    starts, and that edge over its squared length, so that a point's place along it is a product."""
+    """Strips of triangles in the plane, cut across the longest edge of each triangle."""
 
     owners: Indices
+    """Index of each strip's triangle."""
     number: Indices
+    """Index of each strip among the strips of its triangle."""
     of_all: Indices
+    """Number of strips of each triangle."""
     low: npt.NDArray[np.float64]
     high: npt.NDArray[np.float64]
+    """Bounds of each strip (k, 2)."""
     starts: npt.NDArray[np.float64]
+    """Start of each triangle's longest edge (m, 2)."""
     edges: npt.NDArray[np.float64]
+    """Longest edge of each triangle over its squared length (m, 2): the share of the edge at which a point
+    lies is the dot product with this vector."""
 
     @staticmethod
     def of(corners: npt.NDArray[np.float64], size: float) -> "_Strips":
-        """Of triangles (m, 3, 2) that are `size` across in all."""
-        every = np.roll(corners, -1, axis=1) - corners
-        squares = (every * every).sum(axis=2)
+        """Cuts triangles (m, 3, 2) into strips. `size`: extent of all triangles together."""
+        all_edges = np.roll(corners, -1, axis=1) - corners
+        squares = (all_edges * all_edges).sum(axis=2)
         longest = squares.argmax(axis=1)
         rows = np.arange(len(corners))
-        starts, edge, square = corners[rows, longest], every[rows, longest], squares[rows, longest]
+        starts, edge, square = corners[rows, longest], all_edges[rows, longest], squares[rows, longest]
         apex = corners[rows, (longest + 2) % 3] - starts
         square = np.where(square > 0, square, 1.0)
         double = np.abs(edge[:, 0] * apex[:, 1] - edge[:, 1] * apex[:, 0])
         most = np.minimum(
-            square / np.maximum(double, square / _MOST_STRIPS), np.sqrt(square) * _FINEST / size
+            square / np.maximum(double, square / _MAX_STRIPS), np.sqrt(square) * _MAX_STRIPS_OVER_SIZE / size
         )
         of_all = np.maximum(most.astype(np.int64), 1)
         owners = np.repeat(rows, of_all)
@@ -179,13 +205,13 @@ class _Strips:
         return _Strips(owners, number, of_all, low, high, starts, edges)
 
     def near(self, strips: Indices, points: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
-        """Whether each point (n, 2) is within the bounds of its strip (n,)."""
+        """Tells whether each point (n, 2) is within the bounds of its strip (n,)."""
         low, high = self.low[strips], self.high[strips]
         x, y = points.T
         return np.asarray((low[:, 0] <= x) & (x <= high[:, 0]) & (low[:, 1] <= y) & (y <= high[:, 1]))
 
     def own(self, strips: Indices, points: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
-        """Whether each strip (n,) is the one of its triangle that has the point (n, 2)."""
+        """Tells whether each point (n, 2) belongs to its strip (n,), and not to another of the triangle."""
         owners = self.owners[strips]
         place = ((points - self.starts[owners]) * self.edges[owners]).sum(axis=1)
         count = self.of_all[owners]
@@ -193,9 +219,9 @@ class _Strips:
 
 
 def _axes(number: int) -> Points:
-    """(3, 3): rows are a frame whose last axis is the direction."""
+    """Returns a frame (3, 3), as rows, whose last axis is the direction `number`."""
     height = (number + 0.37) / DIRECTIONS
-    turn = 0.61 + number * _TURN
+    turn = 0.61 + number * _GOLDEN_ANGLE
     width = math.sqrt(1 - height * height)
     direction = [width * math.cos(turn), width * math.sin(turn), height]
     aside = [-math.sin(turn + 0.83), math.cos(turn + 0.83), 0.23]
@@ -205,14 +231,14 @@ def _axes(number: int) -> Points:
 
 
 def _key(level: npt.NDArray[np.int64] | np.int64, cell: Indices) -> Indices:
-    """A grid and a square of it as one number."""
-    return np.asarray((level * _SIDE + cell[:, 0]) * _SIDE + cell[:, 1], dtype=np.int64)
+    """Returns a number for a grid and a square of it."""
+    return np.asarray((level * _MAX_CELLS + cell[:, 0]) * _MAX_CELLS + cell[:, 1], dtype=np.int64)
 
 
 def _portions(count: Indices) -> Iterator[Indices]:
-    """The points with anything to look at, in groups with so many pairs in all as fit in memory."""
-    some = np.flatnonzero(count)
-    group = np.cumsum(count[some]) // _PAIRS
-    for portion in np.split(some, np.flatnonzero(np.diff(group)) + 1):
+    """Yields the points with any pairs, in groups whose pairs fit in memory."""
+    with_pairs = np.flatnonzero(count)
+    group = np.cumsum(count[with_pairs]) // _MAX_PAIRS
+    for portion in np.split(with_pairs, np.flatnonzero(np.diff(group)) + 1):
         if len(portion):
             yield portion

@@ -1,30 +1,33 @@
-"""The shells of a surface: faces connected by edges; which are closed, and which lies within which."""
+"""Finds the shells of a surface (faces connected by edges), which are closed, and which contain others."""
 
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
+from linkwright.stages.formats.meshes.components import Indices, components
 from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.surfaces.rays import LineGrid
 
-Indices = npt.NDArray[np.int64]
 Flags = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Edges:
-    """The sides of all triangles, in groups that lie on one edge. `faces` (3 m,): the triangle of each side;
-    `forward`: whether it runs from the lower vertex to the higher; `starts` (k,): where each edge's sides
-    begin; `ends` (k, 2): its vertices."""
+    """The sides of all triangles, sorted so that the sides of an edge follow each other."""
 
     faces: Indices
+    """Index of the triangle of each side (3 m,)."""
     forward: Flags
+    """Whether each side runs from the lower vertex index to the higher (3 m,)."""
     starts: Indices
+    """Index of each edge's first side (k,)."""
     ends: Indices
+    """Vertices of each edge (k, 2), the lower index first."""
 
     @staticmethod
     def of(surface: Surface) -> "Edges":
+        """Sorts the sides of a surface."""
         first = surface.triangles.ravel()
         second = np.roll(surface.triangles, -1, axis=1).ravel()
         low, high = np.minimum(first, second), np.maximum(first, second)
@@ -38,74 +41,67 @@ class Edges:
         return Edges(order // 3, (first < second)[order], starts, ends)
 
     def counts(self) -> Indices:
-        """(k,): how many sides each edge has."""
+        """Returns the number of sides of each edge (k,)."""
         return np.diff(np.append(self.starts, len(self.faces)))
 
     def excess(self) -> Indices:
-        """(k,): how many more sides run forward than back: 0 on a closed surface."""
+        """Returns how many more sides of each edge (k,) run forward than back: 0 on a closed surface."""
         if not len(self.starts):
             return np.zeros(0, dtype=np.int64)
         return np.add.reduceat(np.where(self.forward, 1, -1), self.starts)
 
     def pairs(self) -> tuple[Indices, Indices, Flags]:
-        """The two triangles at each edge that has exactly two, and whether they face the same way."""
+        """Returns the two triangles at each edge that has exactly two, and whether they face the same way."""
         first = self.starts[self.counts() == 2]
         return self.faces[first], self.faces[first + 1], self.forward[first] != self.forward[first + 1]
 
 
-def components(count: int, first: Indices, second: Indices) -> Indices:
-    """(count,): which component each node is in, numbered by their first nodes."""
-    # Late: a part from the cache needs no library that makes colliders or decimates.
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    links = coo_array((np.ones(len(first), dtype=np.int8), (first, second)), (count, count))
-    _, label = connected_components(links, directed=False)
-    _, leaders, member = np.unique(label, return_index=True, return_inverse=True)
-    rank = np.empty(len(leaders), dtype=np.int64)
-    rank[np.argsort(leaders)] = np.arange(len(leaders))
-    return rank[member.ravel()]
-
-
 def turned_alike(surface: Surface) -> Surface:
-    """The surface with the faces of each shell facing the same way, as most of them do. A shell with one side
-    only (a Möbius strip) stays as it is.
+    """Returns the surface with all faces of a shell facing the same way, as most of them did before. A shell
+    with a single side (a Möbius strip) stays unchanged.
 
-    Two copies of each face, one turned, hang together as their neighbours agree or not: the copies that hang
-    together with a shell's first face are one way to turn it.
+    Each face has two copies, one of them turned. Copies of neighbouring faces are connected if they face the
+    same way; the copies that are connected to a shell's first face are one consistent way to turn the shell.
     """
-    first, second, alike = Edges.of(surface).pairs()
+    first, second, agreeing = Edges.of(surface).pairs()
     count = len(surface.triangles)
-    if alike.all():
+    if agreeing.all():
         return surface
     shells = components(count, first, second)
-    other = np.where(alike, second, second + count)
-    another = np.where(alike, second + count, second)
-    copies = components(2 * count, np.concatenate([first, first + count]), np.concatenate([other, another]))
+    same_side = np.where(agreeing, second, second + count)
+    other_side = np.where(agreeing, second + count, second)
+    copies = components(
+        2 * count, np.concatenate([first, first + count]), np.concatenate([same_side, other_side])
+    )
     leaders = np.unique(shells, return_index=True)[1]
-    turned = copies[:count] != copies[leaders][shells]
-    turned &= copies[:count] != copies[count:]
-    most = np.bincount(shells[turned], minlength=len(leaders)) * 2 > np.bincount(shells)
-    turned ^= most[shells] & (copies[:count] != copies[count:])
-    triangles = np.where(turned[:, None], surface.triangles[:, ::-1], surface.triangles)
+    is_turned = copies[:count] != copies[leaders][shells]
+    is_turned &= copies[:count] != copies[count:]
+    mostly_turned = np.bincount(shells[is_turned], minlength=len(leaders)) * 2 > np.bincount(shells)
+    is_turned ^= mostly_turned[shells] & (copies[:count] != copies[count:])
+    triangles = np.where(is_turned[:, None], surface.triangles[:, ::-1], surface.triangles)
     return Surface(surface.vertices, triangles)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shells:
-    """`label` (m,): the shell of each face; of each shell (k,) whether it is `closed`, and its signed
-    `volume` [m³], `area` [m²] and `size` [m], the diagonal of its bounds."""
+    """The shells of a surface."""
 
     surface: Surface
     label: Indices
+    """Index of each face's shell (m,)."""
     closed: Flags
+    """Whether each shell is closed (k,)."""
     volume: npt.NDArray[np.float64]
+    """Signed volume of each shell (k,) [m³]."""
     area: npt.NDArray[np.float64]
+    """Area of each shell (k,) [m²]."""
     size: npt.NDArray[np.float64]
+    """Diagonal of each shell's bounding box (k,) [m]."""
 
     @staticmethod
     def of(surface: Surface) -> "Shells":
-        """Shells hang together at edges of two faces; where more meet, only those not closed without."""
+        """Returns the shells of a surface. Faces are connected at edges with two faces; at edges with more
+        faces they are connected only if their shells would not be closed otherwise."""
         edges = Edges.of(surface)
         count = len(surface.triangles)
         first, second, _ = edges.pairs()
@@ -115,15 +111,15 @@ class Shells:
             sides = np.ones(len(edges.faces), dtype=bool)
             sides[edges.starts] = False
             neighbours = np.flatnonzero(sides)
-            one, two = edges.faces[neighbours - 1], edges.faces[neighbours]
-            open_too = ~closed[label[one]] & ~closed[label[two]]
+            face, next_face = edges.faces[neighbours - 1], edges.faces[neighbours]
+            open_too = ~closed[label[face]] & ~closed[label[next_face]]
             label = components(
-                count, np.concatenate([first, one[open_too]]), np.concatenate([second, two[open_too]])
+                count, np.concatenate([first, face[open_too]]), np.concatenate([second, next_face[open_too]])
             )
             closed = _closed(edges, label)
         number = len(closed)
-        volume = _sums(label, surface.cone_volumes(surface.vertices.mean(axis=0)), number)
-        area = _sums(label, np.linalg.norm(surface.normals(), axis=1) / 2, number)
+        volume = _sums_by_label(label, surface.cone_volumes(surface.vertices.mean(axis=0)), number)
+        area = _sums_by_label(label, np.linalg.norm(surface.normals(), axis=1) / 2, number)
         order = np.argsort(label, kind="stable")
         starts = np.searchsorted(label[order], np.arange(number))
         corners = surface.corners[order]
@@ -132,10 +128,8 @@ class Shells:
         return Shells(surface, label, closed, volume, area, np.linalg.norm(high - low, axis=1))
 
     def holders(self, chosen: Indices) -> dict[int, list[int]]:
-        """For each of some closed shells the others of them that it is inside of.
-
-        By three of its vertices: it is inside of what has them all inside.
-        """
+        """Returns for each of the `chosen` closed shells the other chosen shells that contain it, judged by
+        three of its vertices."""
         if len(chosen) < 2:
             return {int(shell): [] for shell in chosen}
         rank = np.full(len(self.closed), -1)
@@ -143,26 +137,26 @@ class Shells:
         faces = np.flatnonzero(rank[self.label] >= 0)
         part = Surface(self.surface.vertices, self.surface.triangles[faces])
         shell = rank[self.label[faces]]
-        points = self.surface.vertices[part.triangles[_thirds(shell, len(chosen)), 0].ravel()]
+        points = self.surface.vertices[part.triangles[_three_faces(shell, len(chosen)), 0].ravel()]
         keys, sums = [], []
-        for some in LineGrid.of(part).crossings(points):
-            other = shell[some.triangles] != some.points // 3
-            keys.append((some.points * len(chosen) + shell[some.triangles])[other])
-            sums.append(np.where(some.above, some.sign, -some.sign)[other])
-        every, member = np.unique(np.concatenate([*keys, np.zeros(0, np.int64)]), return_inverse=True)
-        twice = np.bincount(member.ravel(), np.concatenate([*sums, np.zeros(0, np.int8)]), len(every))
-        within = every[np.abs(twice) >= 2]
+        for crossings in LineGrid.of(part).crossings(points):
+            of_other_shell = shell[crossings.triangles] != crossings.points // 3
+            keys.append((crossings.points * len(chosen) + shell[crossings.triangles])[of_other_shell])
+            sums.append(np.where(crossings.above, crossings.sign, -crossings.sign)[of_other_shell])
+        pair_keys, member = np.unique(np.concatenate([*keys, np.zeros(0, np.int64)]), return_inverse=True)
+        twice = np.bincount(member.ravel(), np.concatenate([*sums, np.zeros(0, np.int8)]), len(pair_keys))
+        holding = pair_keys[np.abs(twice) >= 2]
         pairs, hits = np.unique(
-            within // len(chosen) // 3 * len(chosen) + within % len(chosen), return_counts=True
+            holding // len(chosen) // 3 * len(chosen) + holding % len(chosen), return_counts=True
         )
-        found: dict[int, list[int]] = {int(one): [] for one in chosen}
+        holders: dict[int, list[int]] = {int(shell): [] for shell in chosen}
         for pair in pairs[hits == 3].tolist():
-            found[int(chosen[pair // len(chosen)])].append(int(chosen[pair % len(chosen)]))
-        return found
+            holders[int(chosen[pair // len(chosen)])].append(int(chosen[pair % len(chosen)]))
+        return holders
 
 
 def _closed(edges: Edges, label: Indices) -> Flags:
-    """(k,): whether the sides of each shell cancel at every edge."""
+    """Tells for each shell (k,) whether its sides cancel at every edge."""
     number = int(label.max(initial=-1)) + 1
     edge = np.repeat(np.arange(len(edges.starts)), edges.counts())
     key = edge * np.int64(max(number, 1)) + label[edges.faces]
@@ -178,12 +172,12 @@ def _closed(edges: Edges, label: Indices) -> Flags:
     return closed
 
 
-def _sums(label: Indices, values: npt.NDArray[np.float64], number: int) -> npt.NDArray[np.float64]:
+def _sums_by_label(label: Indices, values: npt.NDArray[np.float64], number: int) -> npt.NDArray[np.float64]:
     return np.bincount(label, values, number).astype(np.float64)
 
 
-def _thirds(shell: Indices, number: int) -> Indices:
-    """(number, 3): three faces of each shell, spread over its faces."""
+def _three_faces(shell: Indices, number: int) -> Indices:
+    """Returns three faces of each shell (number, 3): the first, the middle and the last."""
     order = np.argsort(shell, kind="stable")
     begin = np.searchsorted(shell[order], np.arange(number))
     end = np.append(begin[1:], len(shell))

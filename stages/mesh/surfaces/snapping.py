@@ -1,4 +1,4 @@
-"""Coordinates on a grid: what is hashed or written does not show how a processor rounds."""
+"""Moves coordinates to a grid, so that hashes and files do not depend on how a processor rounds."""
 
 import math
 
@@ -6,22 +6,22 @@ import numpy as np
 
 from linkwright.stages.formats.meshes.surface import Points, Surface, weld
 
-_OF_SIZE = 1e-6
+_PITCH_SHARE = 1e-6
 
 
 def grid(size: float) -> float:
-    """The pitch [m] of the grid of a surface that is `size` [m] across: a power of two, about a millionth of
-    it, so that the last digit of the size does not matter."""
-    return math.ldexp(1.0, round(math.log2(size * _OF_SIZE))) if size > 0 else 0.0
+    """Returns the pitch [m] of the grid of a surface with a diagonal of `size` [m]: a power of two, about a
+    millionth of the size, so that the last digit of the size does not matter."""
+    return math.ldexp(1.0, round(math.log2(size * _PITCH_SHARE))) if size > 0 else 0.0
 
 
 def on_grid(points: Points, pitch: float) -> Points:
-    """The points (n, 3), each moved to the nearest place of the grid."""
+    """Returns the points (n, 3), each moved to the nearest node of the grid."""
     return np.rint(points / pitch) * pitch + 0.0 if pitch > 0 else points + 0.0
 
 
 def snapped(surface: Surface) -> Surface:
-    """The surface with its vertices on the grid of its size, welded, in canonical order."""
+    """Returns the surface with its vertices on the grid of its size, welded, in canonical order."""
     size = surface.diagonal if len(surface.vertices) else 0.0
     welded, _ = weld(on_grid(surface.vertices, grid(size)), surface.triangles)
     return welded

@@ -1,1 +1,1 @@
-"""Pictures of links: what is seen of them, beside what they collide with."""
+"""Draws pictures of links: their visual meshes beside their colliders."""

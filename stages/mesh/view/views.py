@@ -1,4 +1,4 @@
-"""The views of a geometry: a file of the mesh stage beside its value."""
+"""Makes the views of a geometry: the file that the mesh stage writes beside its value."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ PICTURES = "pictures.json"
 
 
 def views(geometry: Geometry, memo: Memo) -> dict[str, bytes]:
-    """The pictures of links whose colliders were judged, by file name; no file where none was."""
+    """Returns the pictures of links with judged colliders, by file name; no file if no collider was
+    judged."""
     # Late: only a page that shows colliders needs it.
     from linkwright.stages.mesh.view.pictures import pictures
 
-    drawn = pictures(geometry, memo)
-    return {PICTURES: drawn} if drawn else {}
+    table = pictures(geometry, memo)
+    return {PICTURES: table} if table else {}

@@ -1,1 +1,1 @@
-"""The visual meshes of a link: decimated to what a viewer needs, within a measured error."""
+"""Makes the visual meshes of links, decimated within a measured error."""

@@ -1,4 +1,4 @@
-"""The images of textured meshes, and what their OBJ files need beside them."""
+"""Names and collects the image files of textured meshes, and the MTL files of their OBJ files."""
 
 from collections.abc import Iterable
 
@@ -7,25 +7,25 @@ from linkwright.stages.mesh.visuals.make import LinkVisuals
 from linkwright.stages.robot.bundle import Bundle
 from linkwright.stages.robot.model.geometry import NEUTRAL, Shape
 
-IMAGE = ".png"
+IMAGE_SUFFIX = ".png"
 
 
-def name(digest: str) -> str:
-    """The name of an image's file by its SHA-256: the same image is one file, however many meshes have it."""
-    return f"texture_{digest[:16]}{IMAGE}"
+def image_name(digest: str) -> str:
+    """Returns an image's file name, made from its SHA-256, so that meshes share the files of equal images."""
+    return f"texture_{digest[:16]}{IMAGE_SUFFIX}"
 
 
 def images(links: Iterable[LinkVisuals], bundle: Bundle) -> dict[str, bytes]:
-    """The images of all visual meshes, by name."""
+    """Returns the images of all visual meshes, by file name."""
     digests = {file.texture for link in links for file in link.files if file.texture}
-    return {name(digest): bundle.body(digest) for digest in sorted(digests)}
+    return {image_name(digest): bundle.body(digest) for digest in sorted(digests)}
 
 
-def dressed(shape: Shape, file: str, data: bytes) -> dict[str, bytes]:
-    """The OBJ `file` of a textured shape, and the library with its material, by name."""
+def with_material_files(shape: Shape, file: str, data: bytes) -> dict[str, bytes]:
+    """Returns the OBJ `file` of a textured shape, and the MTL file that holds its material, by name."""
     assert shape.texture is not None
     stem = file.removesuffix(".obj")
-    material = shape.texture.removesuffix(IMAGE)
+    material = shape.texture.removesuffix(IMAGE_SUFFIX)
     return {
         file: obj.with_material(data, f"{stem}.mtl", material),
         f"{stem}.mtl": obj.library(material, shape.colour or NEUTRAL, shape.texture),

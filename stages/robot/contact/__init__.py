@@ -1,1 +1,1 @@
-"""Which shapes of a robot are near each other, and which pairs do not collide."""
+"""Contacts: finds the shapes of a robot that are near each other, and the pairs that do not collide."""

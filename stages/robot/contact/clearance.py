@@ -1,8 +1,8 @@
-"""Whether two meshes are near each other, and how deep two convex solids are in each other, at many poses.
+"""Measures the distance of two meshes, and the penetration depth of two convex solids, at many poses.
 
-Coal answers both (the BVH and GJK/EPA library of Pinocchio); where it has no wheel, as on Windows,
-python-fcl does. Their answers are the same on the robots that they were compared on, and manifold3d's
-`min_gap` takes a hundred times as long.
+Both come from Coal, the BVH and GJK/EPA library of Pinocchio, or from python-fcl where Coal has no wheel, as
+on Windows. The results of the two agreed on all robots on which they were compared. manifold3d's `min_gap`
+takes a hundred times as long.
 """
 
 from __future__ import annotations
@@ -28,31 +28,35 @@ Poses = Sequence[Any]
 
 
 class DistanceEngine(Protocol):
-    """What answers. All points are (n, 3) [m], triangles (m, 3); poses say where the other is in the frame
-    of the one (one_from_other)."""
+    """A library that measures distances. All points are (n, 3) [m], triangles (m, 3); a pose is that of the
+    second shape in the frame of the first (first_from_second)."""
 
     def mesh(self, points: Array, triangles: npt.NDArray[np.int64]) -> Mesh:
-        """A mesh, open or closed, of any shape."""
+        """Returns a mesh, open or closed, of any shape."""
 
     def convex(self, points: Array, triangles: npt.NDArray[np.int64]) -> Convex:
-        """The convex hull of points that are all its corners; triangles face outwards."""
+        """Returns a convex solid. All points must be vertices of the hull, and the triangles face
+        outwards."""
 
-    def poses(self, one_from_other: Array) -> Poses:
-        """Transforms (n, 4, 4)."""
+    def poses(self, first_from_second: Array) -> Poses:
+        """Converts transforms (n, 4, 4) to poses of the engine."""
 
-    def near(self, one: Mesh, other: Mesh, pose: Any, margin: float) -> bool:
-        """Whether two surfaces are within `margin` [m] of each other."""
+    def near(self, first: Mesh, second: Mesh, pose: Any, margin: float) -> bool:
+        """Returns whether two surfaces are within `margin` [m] of each other."""
 
-    def apart(self, one: Mesh, other: Mesh, pose: Any) -> float:
-        """How far apart [m] two surfaces are, at most 0 where they cut. It takes five times as long."""
+    def distance(self, first: Mesh, second: Mesh, pose: Any) -> float:
+        """Returns the distance [m] between two surfaces; at most 0 if they intersect. Takes five times as
+        long as `near`."""
 
-    def depth(self, one: Convex, other: Convex, pose: Any) -> float:
-        """How far [m] the other has to move until both only touch; less than 0: how far they are apart."""
+    def depth(self, first: Convex, second: Convex, pose: Any) -> float:
+        """Returns the penetration depth [m]: how far the second must move until both just touch. If they are
+        apart, the negative distance."""
 
 
 @functools.cache
 def engine() -> DistanceEngine:
-    """The engine that is installed; coal where both are."""
+    """Returns the installed engine: Coal, else python-fcl."""
+    # Each class imports its library itself, since only one of the two is installed.
     try:
         return _Coal()
     except ImportError:
@@ -61,24 +65,23 @@ def engine() -> DistanceEngine:
 
 class _Coal:
     def __init__(self) -> None:
-        # Late: one of the two is installed.
-        import coal
+        import coal  # late: only one of the two libraries is installed
 
         self._coal = coal
-        self._here = coal.Transform3s.Identity()
-        self._asked = coal.DistanceRequest()
-        self._asked.enable_signed_distance = True
-        self._found = coal.DistanceResult()
-        self._near = coal.CollisionRequest()
-        self._nearer = coal.CollisionResult()
+        self._identity = coal.Transform3s.Identity()
+        self._distance_request = coal.DistanceRequest()
+        self._distance_request.enable_signed_distance = True
+        self._distance_result = coal.DistanceResult()
+        self._collision_request = coal.CollisionRequest()
+        self._collision_result = coal.CollisionResult()
 
     def mesh(self, points: Array, triangles: npt.NDArray[np.int64]) -> Mesh:
-        made = self._coal.BVHModelOBBRSS()
-        made.beginModel(len(triangles), len(points))
-        made.addVertices(np.asfortranarray(points))
-        made.addTriangles(np.asfortranarray(triangles.astype(np.uint64)))
-        made.endModel()
-        return made
+        mesh = self._coal.BVHModelOBBRSS()
+        mesh.beginModel(len(triangles), len(points))
+        mesh.addVertices(np.asfortranarray(points))
+        mesh.addTriangles(np.asfortranarray(triangles.astype(np.uint64)))
+        mesh.endModel()
+        return mesh
 
     def convex(self, points: Array, triangles: npt.NDArray[np.int64]) -> Convex:
         # Not `ConvexBase.convexHull`, which crashes on thin sets (coal 3.0.3).
@@ -89,56 +92,63 @@ class _Coal:
             faces.append(self._coal.Triangle(a, b, c))
         return self._coal.Convex(corners, faces)
 
-    def poses(self, one_from_other: Array) -> Poses:
-        return [self._coal.Transform3s(pose[:3, :3], pose[:3, 3]) for pose in one_from_other]
+    def poses(self, first_from_second: Array) -> Poses:
+        return [self._coal.Transform3s(pose[:3, :3], pose[:3, 3]) for pose in first_from_second]
 
-    def near(self, one: Mesh, other: Mesh, pose: Any, margin: float) -> bool:
-        self._near.security_margin = margin
-        self._nearer.clear()
-        return bool(self._coal.collide(one, self._here, other, pose, self._near, self._nearer))
+    def near(self, first: Mesh, second: Mesh, pose: Any, margin: float) -> bool:
+        self._collision_request.security_margin = margin
+        self._collision_result.clear()
+        return bool(
+            self._coal.collide(
+                first, self._identity, second, pose, self._collision_request, self._collision_result
+            )
+        )
 
-    def apart(self, one: Mesh, other: Mesh, pose: Any) -> float:
-        asked, found = self._coal.DistanceRequest(), self._coal.DistanceResult()
-        return float(self._coal.distance(one, self._here, other, pose, asked, found))
+    def distance(self, first: Mesh, second: Mesh, pose: Any) -> float:
+        request, result = self._coal.DistanceRequest(), self._coal.DistanceResult()
+        return float(self._coal.distance(first, self._identity, second, pose, request, result))
 
-    def depth(self, one: Convex, other: Convex, pose: Any) -> float:
-        self._found.clear()
-        return -float(self._coal.distance(one, self._here, other, pose, self._asked, self._found))
+    def depth(self, first: Convex, second: Convex, pose: Any) -> float:
+        self._distance_result.clear()
+        return -float(
+            self._coal.distance(
+                first, self._identity, second, pose, self._distance_request, self._distance_result
+            )
+        )
 
 
 class _Fcl:
     def __init__(self) -> None:
-        # Late: one of the two is installed.
-        import fcl
+        import fcl  # late: only one of the two libraries is installed
 
         self._fcl = fcl
-        self._here = fcl.Transform()
+        self._identity = fcl.Transform()
 
     def mesh(self, points: Array, triangles: npt.NDArray[np.int64]) -> Mesh:
-        made = self._fcl.BVHModel()
-        made.beginModel(len(triangles), len(points))
-        made.addSubModel(points, triangles)
-        made.endModel()
-        return made
+        mesh = self._fcl.BVHModel()
+        mesh.beginModel(len(triangles), len(points))
+        mesh.addSubModel(points, triangles)
+        mesh.endModel()
+        return mesh
 
     def convex(self, points: Array, triangles: npt.NDArray[np.int64]) -> Convex:
         faces = np.column_stack([np.full(len(triangles), 3), triangles]).ravel()
         return self._fcl.Convex(points, len(triangles), faces)
 
-    def poses(self, one_from_other: Array) -> Poses:
-        return [self._fcl.Transform(pose[:3, :3], pose[:3, 3]) for pose in one_from_other]
+    def poses(self, first_from_second: Array) -> Poses:
+        return [self._fcl.Transform(pose[:3, :3], pose[:3, 3]) for pose in first_from_second]
 
-    def near(self, one: Mesh, other: Mesh, pose: Any, margin: float) -> bool:
-        return self.apart(one, other, pose) <= margin
+    def near(self, first: Mesh, second: Mesh, pose: Any, margin: float) -> bool:
+        return self.distance(first, second, pose) <= margin
 
-    def apart(self, one: Mesh, other: Mesh, pose: Any) -> float:
-        ends = self._fcl.CollisionObject(one, self._here), self._fcl.CollisionObject(other, pose)
-        return float(self._fcl.distance(*ends, self._fcl.DistanceRequest(), self._fcl.DistanceResult()))
+    def distance(self, first: Mesh, second: Mesh, pose: Any) -> float:
+        objects = self._fcl.CollisionObject(first, self._identity), self._fcl.CollisionObject(second, pose)
+        return float(self._fcl.distance(*objects, self._fcl.DistanceRequest(), self._fcl.DistanceResult()))
 
-    def depth(self, one: Convex, other: Convex, pose: Any) -> float:
-        ends = self._fcl.CollisionObject(one, self._here), self._fcl.CollisionObject(other, pose)
-        asked = self._fcl.CollisionRequest(num_max_contacts=1, enable_contact=True)
-        found = self._fcl.CollisionResult()
-        if self._fcl.collide(*ends, asked, found):
-            return max(float(one.penetration_depth) for one in found.contacts)
-        return -float(self._fcl.distance(*ends, self._fcl.DistanceRequest(), self._fcl.DistanceResult()))
+    def depth(self, first: Convex, second: Convex, pose: Any) -> float:
+        objects = self._fcl.CollisionObject(first, self._identity), self._fcl.CollisionObject(second, pose)
+        request = self._fcl.CollisionRequest(num_max_contacts=1, enable_contact=True)
+        result = self._fcl.CollisionResult()
+        if self._fcl.collide(*objects, request, result):
+            return max(float(contact.penetration_depth) for contact in result.contacts)
+        return -float(self._fcl.distance(*objects, self._fcl.DistanceRequest(), self._fcl.DistanceResult()))

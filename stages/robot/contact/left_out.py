@@ -1,4 +1,4 @@
-"""Which links MuJoCo never lets collide."""
+"""Finds the links that MuJoCo never lets collide."""
 
 from linkwright.stages.robot.model.robot import Robot
 
@@ -7,14 +7,12 @@ _WORLD = ""
 
 
 class LeftOut:
-    """The pairs of links that MuJoCo never lets collide: those on one rigid body, and a rigid body and the
-    one that it hangs on, unless that is the world (its documentation, "Computation", on collisions).
-
-    A loop's carrier has no geoms, and no link hangs on it.
-    """
+    """The pairs of links that MuJoCo never lets collide. They are on the same rigid body, or on a rigid body
+    and its parent, unless that is the world (its documentation, "Computation", on collisions). A loop's
+    carrier has no geoms and no child links."""
 
     def __init__(self, robot: Robot, parents: bool = True) -> None:
-        """`parents`: whether it leaves out a body and the one that it hangs on (flag `filterparent`)."""
+        """`parents`: whether it leaves out a body and its parent (flag `filterparent`)."""
         self._parents = parents
         root = robot.root.name
         self._body = {root: _WORLD if robot.base.fixed else root}
@@ -25,9 +23,9 @@ class LeftOut:
             if joint.dofs:
                 self._above[joint.child] = _WORLD if joint.type == "free" else parent
 
-    def contains(self, one: str, other: str) -> bool:
-        """Whether MuJoCo leaves out this pair by itself."""
-        a, b = self._body[one], self._body[other]
+    def contains(self, link: str, other_link: str) -> bool:
+        """Returns whether MuJoCo leaves out this pair by itself."""
+        a, b = self._body[link], self._body[other_link]
         if not self._parents:
             return a == b
         return a == b or (_WORLD not in (a, b) and (self._above[a] == b or self._above[b] == a))

@@ -1,4 +1,4 @@
-"""Which of many boxes meet, without looking at all pairs."""
+"""Finds the pairs of boxes that meet, without looking at all pairs."""
 
 import numpy as np
 import numpy.typing as npt
@@ -7,10 +7,10 @@ from linkwright.stages.robot.model.robot import Array
 
 
 def meeting_boxes(low: Array, high: Array) -> npt.NDArray[np.intp]:
-    """The pairs (k, 2) of boxes that meet, by number, sorted, the smaller number first.
+    """Returns the pairs (k, 2) of boxes that meet, by number, sorted, the smaller number first.
 
     `low`, `high`: their corners (n, 3). A sweep along the axis on which they are spread most: the work grows
-    with the pairs that are near along it.
+    with the number of pairs that are near along it.
     """
     if not len(low):
         return np.zeros((0, 2), dtype=np.intp)
@@ -21,7 +21,7 @@ def meeting_boxes(low: Array, high: Array) -> npt.NDArray[np.intp]:
     first = np.repeat(np.arange(len(low)), counts)
     second = first + 1 + np.arange(len(first)) - np.repeat(np.cumsum(counts) - counts, counts)
     pairs = np.sort(np.stack([order[first], order[second]], axis=1), axis=1)
-    one, other = pairs.T
-    pairs = pairs[((low[one] <= high[other]) & (low[other] <= high[one])).all(axis=1)]
-    found: npt.NDArray[np.intp] = pairs[np.lexsort(pairs.T[::-1])]
-    return found
+    a, b = pairs.T
+    pairs = pairs[((low[a] <= high[b]) & (low[b] <= high[a])).all(axis=1)]
+    meeting: npt.NDArray[np.intp] = pairs[np.lexsort(pairs.T[::-1])]
+    return meeting

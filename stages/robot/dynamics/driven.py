@@ -1,4 +1,4 @@
-"""The robot as it is built: with what its motors give the dofs, and the armatures that were added."""
+"""Gives a robot's dofs the dynamics of its motors, and added armatures."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
@@ -8,18 +8,23 @@ from linkwright.stages.robot.model.robot import Dof, Robot
 
 
 def as_driven(robot: Robot, actuation: Actuation) -> Robot:
-    """The robot whose dofs have what `actuation` gives them."""
-    added = [(one.dof, one.quantity, one.value) for one in actuation.supplied]
-    return _with(robot, [*added, *((one.dof, "armature", one.value) for one in actuation.armatures)])
+    """Returns the robot whose dofs have the dynamics that `actuation` gives them."""
+    added = [(supplied.dof, supplied.quantity, supplied.value) for supplied in actuation.supplied]
+    return _with_dynamics(
+        robot, [*added, *((armature.dof, "armature", armature.value) for armature in actuation.armatures)]
+    )
 
 
 def with_motors(robot: Robot, supplied: Iterable[Supplied]) -> Robot:
-    """The robot whose dofs have what motors give them."""
-    return _with(robot, [(one.dof, one.quantity, one.value) for one in supplied])
+    """Returns the robot whose dofs have the dynamics that motors give them."""
+    return _with_dynamics(
+        robot,
+        [(entry.dof, entry.quantity, entry.value) for entry in supplied],
+    )
 
 
-def _with(robot: Robot, added: Iterable[tuple[str, str, float]]) -> Robot:
-    """`added`: (dof, quantity of its dynamics, value)."""
+def _with_dynamics(robot: Robot, added: Iterable[tuple[str, str, float]]) -> Robot:
+    """Returns the robot with `added` dynamics: (dof, quantity, value)."""
     values: dict[str, dict[str, float]] = {}
     for name, quantity, value in added:
         values.setdefault(name, {})[quantity] = value

@@ -1,4 +1,4 @@
-"""The shapes of a robot whose links on fixed joints are part of others."""
+"""Merges the shapes of links on fixed joints into those of the links that hold them."""
 
 from dataclasses import dataclass, replace
 from itertools import product
@@ -10,17 +10,19 @@ from linkwright.stages.robot.model.robot import Robot
 
 @dataclass(frozen=True, slots=True)
 class _Colliders:
-    """The collision shapes of a link: the first of them among those of its holder, and how many they are."""
+    """The collision shapes of a link."""
 
     holder: str
     first: int
+    """Index of the first among the shapes of its holder."""
     count: int
+    """Number of shapes."""
 
 
-def fused_geometry(robot: Robot, geometry: Geometry, held: Holders) -> Geometry:
-    """The shapes, excludes and contacts by the holders of the links. A mesh stays in the frame of its own
-    link: this says which shapes a body has, and in which order, not where they are."""
-    groups = members(robot, held)
+def fused_geometry(robot: Robot, geometry: Geometry, holders: Holders) -> Geometry:
+    """Returns the shapes, excludes and contacts by the holders of the links. A mesh stays in the frame of its
+    own link: the result gives the shapes of a body and their order, not their poses."""
+    groups = members(robot, holders)
     if len(groups) == len(robot.links):
         return geometry
     by_link: dict[str, list[Shape]] = {}
@@ -32,9 +34,9 @@ def fused_geometry(robot: Robot, geometry: Geometry, held: Holders) -> Geometry:
     for holder, group in groups.items():
         total = 0
         for link, _ in group:
-            own = by_link.get(link, [])
-            shapes += [replace(shape, link=holder) for shape in own]
-            count = sum(shape.role == "collision" for shape in own)
+            link_shapes = by_link.get(link, [])
+            shapes += [replace(shape, link=holder) for shape in link_shapes]
+            count = sum(shape.role == "collision" for shape in link_shapes)
             colliders[link] = _Colliders(holder, total, count)
             total += count
         totals[holder] = total
@@ -49,37 +51,43 @@ def fused_geometry(robot: Robot, geometry: Geometry, held: Holders) -> Geometry:
 def _excludes(
     geometry: Geometry, colliders: dict[str, _Colliders], totals: dict[str, int]
 ) -> tuple[Exclude, ...]:
-    """One for each two holders: of them as a whole where all of their shapes are apart."""
+    """Returns an exclude for each two holders: for them as a whole where none of their shapes collide."""
     order = {holder: index for index, holder in enumerate(totals)}
-    found: dict[tuple[str, str], Exclude] = {}
-    for one in geometry.excludes:
-        a, b = colliders[one.link_a], colliders[one.link_b]
+    by_holders: dict[tuple[str, str], Exclude] = {}
+    for exclude in geometry.excludes:
+        a, b = colliders[exclude.link_a], colliders[exclude.link_b]
         if a.holder == b.holder:
             continue
-        pairs = one.geoms or product(range(a.count), range(b.count))
-        apart = {(a.first + i, b.first + j) for i, j in pairs}
+        pairs = exclude.geoms or product(range(a.count), range(b.count))
+        geom_pairs = {(a.first + i, b.first + j) for i, j in pairs}
         if order[a.holder] > order[b.holder]:
-            a, b, apart = b, a, {(j, i) for i, j in apart}
-        before = found.get((a.holder, b.holder))
-        if before is not None:
-            apart |= set(before.geoms)
-            one = replace(one, reason=before.reason, depth=max(one.depth, before.depth))
-        found[a.holder, b.holder] = Exclude(a.holder, b.holder, one.reason, one.depth, tuple(sorted(apart)))
-    whole = []
-    for (a_name, b_name), one in sorted(found.items(), key=lambda item: [order[name] for name in item[0]]):
-        every = totals[a_name] * totals[b_name]
-        if one.geoms or not every:
-            whole.append(replace(one, geoms=()) if len(one.geoms) == every else one)
-    return tuple(whole)
+            a, b, geom_pairs = b, a, {(j, i) for i, j in geom_pairs}
+        previous = by_holders.get((a.holder, b.holder))
+        if previous is not None:
+            geom_pairs |= set(previous.geoms)
+            exclude = replace(exclude, reason=previous.reason, depth=max(exclude.depth, previous.depth))
+        by_holders[a.holder, b.holder] = Exclude(
+            a.holder, b.holder, exclude.reason, exclude.depth, tuple(sorted(geom_pairs))
+        )
+    merged = []
+    for (a_name, b_name), exclude in sorted(
+        by_holders.items(), key=lambda item: [order[name] for name in item[0]]
+    ):
+        pair_count = totals[a_name] * totals[b_name]
+        if exclude.geoms or not pair_count:
+            merged.append(replace(exclude, geoms=()) if len(exclude.geoms) == pair_count else exclude)
+    return tuple(merged)
 
 
 def _touching(
     geometry: Geometry, colliders: dict[str, _Colliders], totals: dict[str, int]
 ) -> tuple[Touch, ...]:
     order = {holder: index for index, holder in enumerate(totals)}
-    found: dict[tuple[str, str], float] = {}
-    for one in geometry.touching:
-        a, b = sorted((colliders[link].holder for link in (one.link_a, one.link_b)), key=order.__getitem__)
+    depths: dict[tuple[str, str], float] = {}
+    for touch in geometry.touching:
+        a, b = sorted(
+            (colliders[link].holder for link in (touch.link_a, touch.link_b)), key=order.__getitem__
+        )
         if a != b:
-            found[a, b] = max(one.depth, found.get((a, b), 0.0))
-    return tuple(Touch(a, b, depth) for (a, b), depth in found.items())
+            depths[a, b] = max(touch.depth, depths.get((a, b), 0.0))
+    return tuple(Touch(a, b, depth) for (a, b), depth in depths.items())

@@ -1,4 +1,4 @@
-"""Moving and merging inertias, and those of solids of even density.
+"""Moves, merges and checks inertias, and computes those of solids of even density.
 
 All tensors have true signs (off-diagonal −∫xy dm) and are about the centre of mass.
 """
@@ -14,30 +14,37 @@ from linkwright.stages.robot.model.robot import Array, Inertial, PrimitiveKind, 
 
 ZERO = Inertial(0.0, frozen(np.zeros(3)), frozen(np.zeros((3, 3))))
 
-LEAST_MOMENT = 1e-14
-"""The smallest principal moment [kg m²] that we write: MuJoCo takes none of 1e-15 for a body that moves, and
-a link may be shared by several bodies."""
+MIN_MOMENT = 1e-14
+"""Smallest principal moment [kg m²] that we write: MuJoCo refuses 1e-15 for a body that moves, and a link
+may be shared by several bodies."""
 
-LEAST_MASS = 1e-14
-"""The smallest mass [kg] likewise."""
+MIN_MASS = 1e-14
+"""Smallest mass [kg] that we write, for the same reason."""
 
 NEXT_TO_NOTHING = 1e-12
-"""Mass [kg] and moments of inertia [kg m²] of a link that only stands between two joints."""
+"""Mass [kg] and moments of inertia [kg m²] of a link that only connects two joints."""
 
-FLATTEST_WRITTEN = 1e-11
-"""Of the largest moment: how flat a body may be without that its digits, as they are written, lose it."""
+MIN_WRITTEN_SPREAD = 1e-11
+"""Smallest `spread` of a body, as a share of its largest moment, that the written digits keep."""
 
-_ROUNDING = 1e-14
-"""Entries off the diagonal, relative to the largest, that are rounding."""
+_OFF_DIAGONAL_TOLERANCE = 1e-14
+"""Largest entry off the diagonal, as a share of the largest entry, that counts as rounding."""
 
 _SWEEPS = 12
-"""Jacobi's method squares what is left in each sweep: six are the most that a (3, 3) tensor takes."""
+"""Largest number of sweeps of Jacobi's method. It squares the remainder in each: a (3, 3) tensor takes
+six."""
 
 SPECK = Inertial(NEXT_TO_NOTHING, frozen(np.zeros(3)), frozen(NEXT_TO_NOTHING * np.eye(3)))
 
 
+def tensor(values: Sequence[float]) -> Array:
+    """Returns the symmetric (3, 3) tensor of [ixx, iyy, izz] or [ixx, iyy, izz, ixy, ixz, iyz]."""
+    xx, yy, zz, xy, xz, yz = (*values, 0.0, 0.0, 0.0)[:6]
+    return frozen([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
 def moved(inertial: Inertial, a_from_b: Array) -> Inertial:
-    """The same body with its inertial given in frame a, from frame b: I' = R I Rᵀ, c' = R c + p.
+    """Returns the same body with its inertial given in frame a, from frame b: I' = R I Rᵀ, c' = R c + p.
 
     Holds for a reflecting transform too, as R I Rᵀ needs only an orthogonal R.
     """
@@ -48,12 +55,12 @@ def moved(inertial: Inertial, a_from_b: Array) -> Inertial:
 
 
 def scaled(inertial: Inertial, mass: float) -> Inertial:
-    """The same shape with another mass [kg]; the given one must not be zero."""
+    """Returns the same shape with another mass [kg]; the inertial's own mass must not be zero."""
     return Inertial(mass, inertial.com, frozen(inertial.inertia * (mass / inertial.mass)))
 
 
 def merged(bodies: Sequence[Inertial]) -> Inertial:
-    """One rigid body from several in the same frame, by the parallel axis theorem.
+    """Returns a rigid body from several in the same frame, by the parallel axis theorem.
 
     I = Σ Iᵢ + mᵢ (|dᵢ|² 1 − dᵢ dᵢᵀ), dᵢ from the common centre of mass. Bodies without mass
     leave the result unchanged.
@@ -74,24 +81,25 @@ def merged(bodies: Sequence[Inertial]) -> Inertial:
 
 
 def principal(inertia: Array) -> Array:
-    """Principal moments (3,) of a tensor (3, 3), ascending."""
+    """Returns principal moments (3,) of a tensor (3, 3), ascending."""
     return np.asarray(np.linalg.eigvalsh(inertia), dtype=np.float64)
 
 
 def principal_axes(inertia: Array) -> tuple[Array, Array]:
-    """Principal moments (3,) and axes (3, 3; columns, right-handed): I = A diag(moments) Aᵀ.
+    """Returns principal moments (3,) and axes (3, 3; columns, right-handed): I = A diag(moments) Aᵀ.
 
     Jacobi's method in plain arithmetic, so that the same tensor has the same axes on every machine, also
-    where moments are equal and any axes between them would do. What is diagonal keeps its axes.
+    where moments are equal and any axes between them would do. A diagonal tensor keeps its axes.
     """
     (xx, xy, xz), (_, yy, yz), (_, _, zz) = np.asarray(inertia, dtype=float).tolist()
     moments, axes = [xx, yy, zz], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
-    products = [yz, xz, xy]  # each at the index that it is not of
-    negligible = _ROUNDING * max(map(abs, (*moments, *products)))
+    products = [yz, xz, xy]  # each at the index of the axis that it lacks
+    negligible = _OFF_DIAGONAL_TOLERANCE * max(map(abs, (*moments, *products)))
     for _ in range(_SWEEPS):
         for p, q, r in ((0, 1, 2), (0, 2, 1), (1, 2, 0)):
             product = products[r]
             if abs(product) > negligible:
+                # The smaller of the two turns that make the product zero, by its tangent.
                 half = (moments[q] - moments[p]) / (2 * product)
                 tangent = math.copysign(1.0, half) / (abs(half) + math.sqrt(half * half + 1))
                 cosine = 1 / math.sqrt(tangent * tangent + 1)
@@ -106,45 +114,46 @@ def principal_axes(inertia: Array) -> tuple[Array, Array]:
 
 
 def is_physical(inertial: Inertial) -> bool:
-    """Positive mass and moments, and the triangle inequality A + B ≥ C up to rounding."""
+    """Returns whether mass and moments are positive and fulfil the triangle inequality A + B ≥ C up to
+    rounding."""
     low, middle, high = principal(inertial.inertia)
     return bool(inertial.mass > 0 and low > 0 and low + middle >= high * (1 - 1e-12))
 
 
 def spread(inertia: Array) -> Array:
-    """How a body's matter is spread (3,), ascending: the eigenvalues of S = ∫ x xᵀ dm = ½ tr(I) 1 − I, about
-    its centre of mass. There is a solid with the inertia I exactly where none is negative, which says
-    A + B ≥ C of the moments too."""
+    """Returns the spread (3,) of a body's matter, ascending: the eigenvalues of S = ∫ x xᵀ dm = ½ tr(I) 1 −
+    I, about its centre of mass. A solid with the inertia I exists exactly if none is negative, which implies
+    A + B ≥ C for the moments too."""
     return np.asarray(np.linalg.eigvalsh(np.trace(inertia) / 2 * np.eye(3) - inertia), dtype=np.float64)
 
 
 def no_thinner(inertia: Array, least: float) -> Array:
-    """The inertia (3, 3) nearest to this one whose `spread` is nowhere below `least`."""
+    """Returns the inertia (3, 3) nearest to this one whose `spread` is nowhere below `least`."""
     values, axes = np.linalg.eigh(np.trace(inertia) / 2 * np.eye(3) - inertia)
     second = axes @ np.diag(np.maximum(values, least)) @ axes.T
-    found = np.trace(second) * np.eye(3) - second
-    return frozen((found + found.T) / 2)
+    thickened = np.trace(second) * np.eye(3) - second
+    return frozen((thickened + thickened.T) / 2)
 
 
 def large_enough(inertial: Inertial) -> Inertial:
-    """The same where MuJoCo takes it; else with the least mass and moments that it takes."""
+    """Returns the inertial, raised to the least mass and moments that MuJoCo accepts."""
     moments = principal(inertial.inertia)
-    mass = max(inertial.mass, LEAST_MASS)
-    if moments[0] >= LEAST_MOMENT:
+    mass = max(inertial.mass, MIN_MASS)
+    if moments[0] >= MIN_MOMENT:
         return inertial if mass == inertial.mass else replace(inertial, mass=mass)
-    # Each moment is the sum of two of the spread; and what is far below the largest is lost in its digits.
-    floor = max(LEAST_MOMENT / 2, FLATTEST_WRITTEN * float(moments[2]))
+    # Each moment is the sum of two spreads; and numbers far below the largest are lost in its digits.
+    floor = max(MIN_MOMENT / 2, MIN_WRITTEN_SPREAD * float(moments[2]))
     return replace(inertial, mass=mass, inertia=no_thinner(inertial.inertia, floor))
 
 
 def solid_inertia(vertices: Array, triangles: npt.NDArray[np.integer], density: float) -> Inertial:
-    """The solid of even `density` [kg/m³] inside a closed mesh: `vertices` (n, 3) [m], `triangles`
-    (m, 3) indices into them, all facing outwards or all inwards. ValueError where it encloses nothing.
+    """Returns the solid of even `density` [kg/m³] inside a closed mesh: `vertices` (n, 3) [m], `triangles`
+    (m, 3) indices into them, all facing outwards or all inwards. Raises ValueError where it encloses nothing.
 
-    Exact, as a sum over the signed tetrahedra between the triangles and one point. One with its other
-    corners at a, b, c from there has ∫x xᵀ dV = V/20 (a aᵀ + b bᵀ + c cᵀ + s sᵀ), s = a + b + c, and
-    ∫x dV = V/4 s (Blow and Binstock, "How to find the inertia tensor (or other mass properties) of a
-    3D solid body represented by a triangle mesh", 2004).
+    Exact, as a sum over the signed tetrahedra between the triangles and a point. A tetrahedron with its other
+    corners at a, b, c from there has ∫x xᵀ dV = V/20 (a aᵀ + b bᵀ + c cᵀ + s sᵀ), s = a + b + c, and ∫x dV =
+    V/4 s (Blow and Binstock, "How to find the inertia tensor (or other mass properties) of a 3D solid body
+    represented by a triangle mesh", 2004).
     """
     if not len(triangles):
         msg = "a mesh without triangles encloses nothing"
@@ -169,7 +178,7 @@ def solid_inertia(vertices: Array, triangles: npt.NDArray[np.integer], density: 
 
 
 def primitive_volume(kind: PrimitiveKind, size: Sequence[float]) -> float:
-    """The volume [m³] of a primitive; `size` [m] as in `model.Primitive`."""
+    """Returns the volume [m³] of a primitive; `size` [m] as in `model.Primitive`."""
     if kind == "box":
         return math.prod(size)
     radius = size[0]
@@ -181,7 +190,7 @@ def primitive_volume(kind: PrimitiveKind, size: Sequence[float]) -> float:
 
 
 def primitive_area(kind: PrimitiveKind, size: Sequence[float]) -> float:
-    """The surface area [m²] of a primitive; `size` [m] as in `model.Primitive`."""
+    """Returns the surface area [m²] of a primitive; `size` [m] as in `model.Primitive`."""
     if kind == "box":
         x, y, z = size
         return 2 * (x * y + y * z + z * x)
@@ -193,7 +202,7 @@ def primitive_area(kind: PrimitiveKind, size: Sequence[float]) -> float:
 
 
 def primitive_inertial(kind: PrimitiveKind, size: Sequence[float], mass: float) -> Inertial:
-    """A solid primitive of even density and `mass` [kg], in the shape's own frame; `size` [m] as in
+    """Returns a solid primitive of even density and `mass` [kg], in the shape's own frame; `size` [m] as in
     `model.Primitive`.
 
     Textbook moments. A capsule is its barrel and two halves of a ball, each with its centre of mass

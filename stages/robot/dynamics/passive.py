@@ -1,4 +1,4 @@
-"""The joints that nothing drives: neither an actuator, nor a relation."""
+"""Finds the joints that neither an actuator nor a relation drives."""
 
 from linkwright.stages.robot.model.actuation import Actuation
 from linkwright.stages.robot.model.robot import Robot
@@ -7,17 +7,19 @@ from linkwright.stages.robot.motion.pose_batch import repeated
 from linkwright.stages.robot.motion.start_pose import home
 
 
-def passive_dofs(robot: Robot, written: Robot, actuation: Actuation) -> tuple[str, ...]:
-    """The dofs that nothing drives and that follow none, in the order of the robot. `written`: the robot as
-    its URDF has it. Of a robot without actuators it is those of closed loops that the others determine, and
-    those that the source's SRDF says."""
-    followers = {one.follower for one in written.relations}
-    driven = {one.dof for one in actuation.actuators} | {one.joint for one in robot.transmissions}
+def passive_dofs(robot: Robot, urdf_robot: Robot, actuation: Actuation) -> tuple[str, ...]:
+    """Returns the dofs that no actuator drives and that follow no other dof, in the order of the robot.
+    `urdf_robot`: the robot as its URDF has it. For a robot without actuators they are the dofs of closed
+    loops that the other dofs determine, and the passive joints of the source's SRDF."""
+    followers = {relation.follower for relation in urdf_robot.relations}
+    driven = {actuator.dof for actuator in actuation.actuators} | {
+        transmission.joint for transmission in robot.transmissions
+    }
     if driven:
-        return tuple(one.name for one in robot.dofs if one.name not in followers | driven)
-    said = {*robot.semantics.passive} - followers
+        return tuple(dof.name for dof in robot.dofs if dof.name not in followers | driven)
+    source_dofs = {*robot.semantics.passive} - followers
     if not robot.loops:
-        return tuple(one.name for one in robot.dofs if one.name in said)
+        return tuple(dof.name for dof in robot.dofs if dof.name in source_dofs)
     couplings = Couplings(robot, repeated(home(robot), 1))
     rest = couplings.in_loops - followers - set(couplings.independent(nearest_first(robot)))
-    return tuple(one.name for one in robot.dofs if one.name in rest | said)
+    return tuple(dof.name for dof in robot.dofs if dof.name in rest | source_dofs)

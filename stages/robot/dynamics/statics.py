@@ -1,4 +1,4 @@
-"""The forces that hold a robot's weight, at many configurations at once."""
+"""Computes the forces that hold a robot's weight, at many configurations at once."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,29 +9,30 @@ from linkwright.stages.robot.model.robot import Array, Dof, Robot
 from linkwright.stages.robot.motion.pose_batch import Values, count_of, placed
 
 GRAVITY = (0.0, 0.0, -9.81)
-"""m/s², MuJoCo's own."""
+"""MuJoCo's default gravity [m/s²]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GroundSupport:
-    """A point of a link that the ground carries: `point` (3,) [m] in the root link's axes, and the `mass`
-    [kg] whose weight it bears."""
+    """A point of a link that the ground carries."""
 
     link: str
     point: Array
+    """Position (3,) [m] in the root link's axes."""
     mass: float
+    """Mass [kg] whose weight it bears."""
 
 
 def holding_forces(
     robot: Robot, values: Values, up: Array, support: float = 0.0, ground: Sequence[GroundSupport] = ()
 ) -> dict[str, Array]:
-    """By dof of the tree, but for free motion: the force (n, 1) [N m or N], of a ball the torque (n, 3) in
-    its child's axes, that holds the weight of all that it moves, where every dof is on its own and the root
-    is held.
+    """Returns the force (n, 1) [N m or N] by dof of the tree, for a ball the torque (n, 3) in its child's
+    axes, that holds the weight of all links that the dof moves; dofs do not share loads, and the root is
+    held. Free motion is left out.
 
     `up` (3,) [m/s²]: against gravity, in the root link's axes. With `support` above 0 the dof's own child is
-    held instead, and that share of the rest of the robot's weight is on it: as of a leg on the ground. What
-    the `ground` carries is weight that no dof holds: its force is along `up`, as that of a mass taken away.
+    held instead, and that share of the rest of the robot's weight is on it, as for a leg on the ground. No
+    dof holds the weight that the `ground` carries: its force is along `up`, as if that mass were taken away.
     """
     poses, frames = placed(robot.root.name, robot.joints, values)
     count = count_of(values)
@@ -46,25 +47,25 @@ def holding_forces(
     for joint in reversed(robot.joints):
         weights[joint.parent] = weights[joint.parent] + weights[joint.child]
         moments[joint.parent] = moments[joint.parent] + moments[joint.child]
-    whole = weights[robot.root.name], moments[robot.root.name]
-    found: dict[str, Array] = {}
+    totals = weights[robot.root.name], moments[robot.root.name]
+    forces: dict[str, Array] = {}
     for joint in robot.joints:
         load = weights[joint.child], moments[joint.child]
         if support:
-            load = support * (load[0] - whole[0]), support * (load[1] - whole[1])
+            load = support * (load[0] - totals[0]), support * (load[1] - totals[1])
         for dof in joint.dofs:
             if dof.kind != "free":
-                found[dof.name] = _against(dof, *frames[dof.name], *load, up)
-    return found
+                forces[dof.name] = _against(dof, *frames[dof.name], *load, up)
+    return forces
 
 
-def _against(dof: Dof, before: Array, after: Array, mass: Array, moment: Array, up: Array) -> Array:
-    """The rise (n, 1 or 3) of Σ m x along `up` for unit speeds of the dof: power against gravity."""
-    axis = before[:, :3, :3] @ dof.axis
+def _against(dof: Dof, frame: Array, moved_frame: Array, mass: Array, moment: Array, up: Array) -> Array:
+    """Returns the rise (n, 1 or 3) of Σ m x along `up` for unit speeds of the dof: power against gravity."""
+    axis = frame[:, :3, :3] @ dof.axis
     if dof.kind == "slide":
         rise: Array = (mass * (axis @ up))[:, None]
         return rise
-    axes = axis[:, :, None] if dof.kind == "turn" else after[:, :3, :3]
-    arm = moment - mass[:, None] * after[:, :3, 3]
+    axes = axis[:, :, None] if dof.kind == "turn" else moved_frame[:, :3, :3]
+    arm = moment - mass[:, None] * moved_frame[:, :3, 3]
     turned: Array = np.einsum("i,nij->nj", up, np.cross(axes, arm[:, :, None], axis=1))
     return turned

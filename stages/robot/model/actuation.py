@@ -1,4 +1,4 @@
-"""What drives a robot's dofs: actuators, in no format's words but MuJoCo's own model of a force.
+"""Describes the actuators of a robot's dofs by MuJoCo's model of a force, apart from any format.
 
 An actuator's force is gain · control + bias, along the dof's value times its gear; the bias of a servo is
 affine in that length and its speed (MuJoCo's documentation, "Computation", on actuation).
@@ -17,42 +17,46 @@ SERVOS = ("position", "intvelocity", "pid")
 
 @dataclass(frozen=True, slots=True)
 class Actuator:
-    """An actuator of one dof.
-
-    `gear`: length of the actuator per value of the dof. `kp` [N m/rad or N/m] and `kv` [N m s/rad or N s/m]
-    of servos. `control` and `force`: (lowest, highest), None without limits; control in the unit of the type,
-    force at the actuator. `terms`: MJCF's other attributes, those of `general` and of single types. `home`:
-    the control at the keyframe `home`; `holds`: (keyframe, the force [N m or N] at the dof, with its sign,
-    that holds the robot there), where one is needed. `motor`: of the library, "" for none; `sources`:
-    (parameter, where its value comes from) of those that it gives.
-
-    `load` [N m or N]: the largest force at the dof that holds the robot's weight, over its range, None where
-    the weight is unknown. `estimated`: the values that Linkwright has chosen.
-    """
+    """An actuator of a dof."""
 
     name: str
     dof: str
     type: ActuatorType
     gear: float = 1.0
+    """Length of the actuator per value of the dof."""
     kp: float | None = None
+    """Stiffness of a servo [N m/rad or N/m]."""
     kv: float | None = None
+    """Damping of a servo [N m s/rad or N s/m]."""
     control: tuple[float, float] | None = None
+    """(lowest, highest) control, in the unit of the type; None without limits."""
     force: tuple[float, float] | None = None
+    """(lowest, highest) force at the actuator; None without limits."""
     terms: tuple[tuple[str, str], ...] = ()
+    """MJCF's other attributes, those of `general` and of single types: (name, text)."""
     home: float = 0.0
+    """The control at the keyframe `home`."""
     load: float | None = None
+    """Largest force [N m or N] at the dof that holds the robot's weight, over its range; None if the weight
+    is unknown."""
     holds: tuple[tuple[str, float], ...] = ()
+    """(keyframe, force [N m or N] at the dof, with its sign, that holds the robot there), where a force is
+    needed."""
     estimated: tuple[str, ...] = ()
+    """Names of the values that Linkwright has chosen."""
     motor: str = ""
+    """The motor of the library; "" for none."""
     sources: tuple[tuple[str, str], ...] = ()
+    """(parameter, origin of its value) for the parameters that the motor gives."""
 
     def moves(self, dof: str) -> str:
-        """What the actuator's own motion is before the gear, where it drives a dof of the kind `dof`: a motor
-        of the library turns, also where the dof slides."""
+        """Returns the kind of the actuator's own motion before the gear, if it drives a dof of the kind
+        `dof`. A motor of the library turns, even if the dof slides."""
         return "turn" if self.motor else dof
 
     def force_at(self, keyframe: str) -> float:
-        """The force [N m or N] at the dof that holds the robot in this keyframe; 0 where none is known."""
+        """Returns the force [N m or N] at the dof that holds the robot in this keyframe; 0 if it is
+        unknown."""
         return dict(self.holds).get(keyframe, 0.0)
 
     @property
@@ -63,7 +67,7 @@ class Actuator:
 
     @property
     def sag(self) -> float | None:
-        """How far [rad or m] a servo's dof is from its target at `home`, by the weight; None without kp."""
+        """The sag [rad or m] of a servo's dof below its target at `home`, by the weight; None without kp."""
         if self.type not in SERVOS or not self.kp or self.home_load is None:
             return None
         if any(name == "ki" for name, _ in self.terms):
@@ -73,43 +77,48 @@ class Actuator:
 
 @dataclass(frozen=True, slots=True)
 class Armature:
-    """An inertia [kg m² or kg] that Linkwright adds to a dof that has none. `reason`: why."""
+    """An inertia that Linkwright adds to a dof that has none."""
 
     dof: str
     value: float
+    """Inertia [kg m² or kg]."""
     reason: str
+    """Why it is added."""
 
 
 @dataclass(frozen=True, slots=True)
 class Supplied:
-    """What a motor of the library gives a dof: a `quantity` of its dynamics, at the dof. `source`: the motor,
-    and where its value comes from."""
+    """A quantity of a dof's dynamics that a motor of the library gives."""
 
     dof: str
     quantity: str
+    """Name of the quantity, as in `Dynamics`."""
     value: float
+    """Value at the dof."""
     source: str
+    """The motor, and the origin of the value."""
 
 
 @dataclass(frozen=True, slots=True)
 class Actuation:
-    """What drives a robot, in the order of its dofs.
-
-    `supplied`: by motors; `overruled`: the dofs where a value of the motor loses to the configuration;
-    `armatures`: of dofs that have none by then. `compensated`: (link, share of its
-    weight) that actuators carry; `compensating`: the dofs whose actuators do so.
-    """
+    """The actuators of a robot, and what they add to its dofs and links."""
 
     actuators: tuple[Actuator, ...] = ()
+    """In the order of the dofs."""
     armatures: tuple[Armature, ...] = ()
+    """Added inertias, for dofs without any other."""
     compensated: tuple[tuple[str, float], ...] = ()
+    """(link, share of its weight that actuators carry)."""
     compensating: tuple[str, ...] = ()
+    """Dofs whose actuators carry weight of links."""
     supplied: tuple[Supplied, ...] = ()
+    """Dynamics that motors give."""
     overruled: tuple[str, ...] = ()
+    """Dofs for which a value of the configuration replaces that of the motor."""
 
     def of(self, dof: str) -> Actuator | None:
-        """The first actuator of a dof."""
-        return next((one for one in self.actuators if one.dof == dof), None)
+        """Returns the first actuator of a dof."""
+        return next((actuator for actuator in self.actuators if actuator.dof == dof), None)
 
 
 NONE = Actuation()

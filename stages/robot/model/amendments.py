@@ -1,11 +1,11 @@
-"""What the configuration's own XML changed in the exported files, for who checks and describes them."""
+"""Describes the changes of exported files by the configuration's own XML."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
 class Amendment:
-    """What one entry of `elements` or `attributes` did to a file.
+    """The change of a file by an entry of `elements` or `attributes`.
 
     key: of the entry.
     file: the path of the file.
@@ -26,14 +26,14 @@ class Amendment:
         return frozenset(map(tag_of, self.adds))
 
 
-def tag_of(said: str) -> str:
-    """The tag of an element in words: "body torso", or "<body>" of one without a name."""
-    return said.split()[0].strip("<>")
+def tag_of(description: str) -> str:
+    """Returns the tag of an element in words: "body torso", or "<body>" for an unnamed element."""
+    return description.split()[0].strip("<>")
 
 
 @dataclass(frozen=True, slots=True)
 class Surplus:
-    """How many things a file has that are not the robot's own: they come after these.
+    """The numbers of things in a file that are not the robot's own: they come after the robot's.
 
     file: the path of the file.
     dofs: number of degrees of freedom.
@@ -55,11 +55,12 @@ class Amendments:
     surplus: tuple[Surplus, ...] = ()
 
     def surplus_of(self, file: str) -> Surplus:
-        return next((one for one in self.surplus if one.file == file), Surplus(file))
+        """Returns the surplus of a file; zeros if it has none."""
+        return next((surplus for surplus in self.surplus if surplus.file == file), Surplus(file))
 
     def of(self, *files: str) -> tuple[Amendment, ...]:
-        """What was done to these files."""
-        return tuple(one for one in self.changes if one.file in files)
+        """Returns the changes of these files."""
+        return tuple(amendment for amendment in self.changes if amendment.file in files)
 
 
 UNCHANGED = Amendments()

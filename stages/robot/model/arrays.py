@@ -1,4 +1,4 @@
-"""Arrays of the model: float64 and read-only."""
+"""Makes the arrays of the model: float64 and read-only."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ Array = npt.NDArray[np.float64]
 
 
 def frozen(values: object, numbers: Any = np.float64) -> npt.NDArray[Any]:
-    """A read-only array of `values`."""
+    """Returns a read-only array of `values`."""
     array = np.array(values, dtype=numbers)
     array.setflags(write=False)
     return array

@@ -1,4 +1,4 @@
-"""A joint's coordinates: their kinds, values, limits and dynamics."""
+"""Describes a joint's coordinates: their kinds, values, limits and dynamics."""
 
 import math
 from collections.abc import Mapping
@@ -19,16 +19,18 @@ Configuration = Mapping[str, Value]
 
 @dataclass(frozen=True, slots=True)
 class LimitOrigin:
-    """How the limits of a mate were read from CAD. `unknown`: why they are unknown, or not known exactly; ""
-    if they are known. `doubts`: contradictions, and how they were resolved. `open`: the open side where only
-    the other was typed."""
+    """How the limits of a mate were read from CAD."""
 
     unknown: str = ""
+    """Why they are unknown, or not known exactly; "" if they are known."""
     doubts: tuple[str, ...] = ()
+    """Contradictions, and how they were resolved."""
     open: tuple[str, ...] = ()
+    """The open side, if only the other was typed."""
 
     def with_those_of(self, title: str, other: "LimitOrigin") -> "LimitOrigin":
-        """The same with that of another mate, called `title` in CAD, whose limits these take in."""
+        """Returns this origin merged with that of another mate, called `title` in CAD, whose limits these
+        include."""
         mark = f" (of {title})"
         unknown = [self.unknown, other.unknown and other.unknown + mark]
         doubts, sides = (tuple(text + mark for text in texts) for texts in (other.doubts, other.open))
@@ -36,20 +38,23 @@ class LimitOrigin:
 
 
 AS_TYPED = LimitOrigin()
-"""Limits that are known, or that there are none."""
+"""The origin of limits that are known, or known to be absent."""
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """The dof's range [rad or m]; None is open. A ball's `upper` is the half
-    angle [rad] of the cone that its z axis stays in. Equal ranges are equal, whatever their `origin`."""
+    """The range of a dof. Equal ranges are equal, whatever their `origin`."""
 
     lower: float | None = None
+    """Lower end [rad or m]; None is open."""
     upper: float | None = None
+    """Upper end [rad or m]; None is open. For a ball, the half angle [rad] of the cone that its z axis stays
+    in."""
     origin: LimitOrigin = field(default=AS_TYPED, compare=False, kw_only=True)
+    """How they were read from CAD."""
 
     def mapped(self, factor: float, shift: float = 0.0) -> "Limits":
-        """The range of factor · value + shift."""
+        """Returns the range of factor · value + shift."""
         if factor == 0:
             return Limits(shift, shift, origin=self.origin)
         ends = [None if end is None else factor * end + shift + 0.0 for end in (self.lower, self.upper)]
@@ -57,22 +62,23 @@ class Limits:
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Both ends; an open one is infinite."""
+        """Both ends; an open end is infinite."""
         low = -math.inf if self.lower is None else self.lower
         return low, math.inf if self.upper is None else self.upper
 
     def contains(self, value: float, tolerance: float = 0.0) -> bool:
-        """Whether a value lies within the range, or no further outside than `tolerance`."""
+        """Returns whether a value is within the range, or no further outside than `tolerance`."""
         low, high = self.interval
         return low - tolerance <= value <= high + tolerance
 
     def clip(self, value: float) -> float:
-        """The value of the range that is nearest to this one."""
+        """Returns the value of the range that is nearest to this value."""
         low, high = self.interval
         return min(max(value, low), high)
 
     def unwrap(self, angle: float, tolerance: float = 0.0) -> float:
-        """The angle [rad] moved into the range by the fewest whole turns; unchanged where none fits."""
+        """Returns the angle [rad] moved into the range by the fewest whole turns; unchanged where that is
+        impossible."""
         low, high = self.interval
         turns = 0
         if angle < low - tolerance:
@@ -85,45 +91,47 @@ class Limits:
 
 @dataclass(frozen=True, slots=True)
 class Dynamics:
-    """What moves and resists a dof; None is unset.
-
-    damping [N m s/rad or N s/m], friction [N m or N], armature [kg m² or kg],
-    effort [N m or N], velocity [rad/s or m/s].
-    """
+    """The resistance and the limits of a dof's motion; None is unset."""
 
     damping: float | None = None
+    """Viscous damping [N m s/rad or N s/m]."""
     friction: float | None = None
+    """Dry (Coulomb) friction [N m or N]."""
     armature: float | None = None
+    """Inertia of the rotor, reflected to the joint [kg m² or kg]."""
     effort: float | None = None
+    """Largest torque or force [N m or N]."""
     velocity: float | None = None
+    """Largest speed [rad/s or m/s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Spring:
-    """A spring of a dof: its stiffness [N m/rad or N/m], and the value [rad or m] at which it is slack: 0
-    of a ball, whose spring is slack at the pose of qpos0."""
+    """A spring of a dof."""
 
     stiffness: float
+    """Stiffness [N m/rad or N/m]."""
     reference: float = 0.0
+    """Value [rad or m] at which it is slack; 0 for a ball, whose spring is slack at the pose of qpos0."""
 
 
 @dataclass(frozen=True, slots=True)
 class MateValue:
-    """The way from a dof's value back to the mate's own: `zero` + `sign` · value, for a turn or a slide.
+    """The conversion of a dof's value to the mate's own: `zero` + `sign` · value, for a turn or a slide.
 
-    Of a ball the quaternion `zero` times the value; `sign` is 1. Each as the dof's chain has it, from parent
-    to child.
+    For a ball it is the quaternion `zero` times the value, and `sign` is 1. Each is as in the dof's chain,
+    from parent to child.
     """
 
     sign: int = 1
     zero: Value = 0.0
 
     def of(self, value: float) -> float:
-        """The mate's own value [rad or m] of a turn or slide."""
+        """Returns the mate's own value [rad or m] of a turn or slide."""
         return float(self.zero) + self.sign * value if isinstance(self.zero, float) else value
 
     def inverse(self, mate: float) -> float:
-        """The value [rad or m] at which the mate's own is `mate`."""
+        """Returns the value [rad or m] at which the mate's own is `mate`."""
         return self.sign * (mate - self.zero) + 0.0 if isinstance(self.zero, float) else mate
 
 
@@ -133,24 +141,25 @@ AS_THE_MATE = MateValue()
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Dof:
-    """A coordinate of a joint: a turn about or a slide along `axis` (3,), a ball, or free motion.
-
-    `axis` is a unit vector in the dof's own frame, zero for a ball and for free motion. `origin`
-    (4, 4) is that frame in the one which the dof before it moves (previous_from_dof); the first has
-    the identity. The only dof of a joint has the joint's name. `saved`: the value in the pose that
-    CAD was left in. `given`: those of `limits` and of the dynamics, by name, that the configuration gives;
-    the others are the source's. `named`: those of `given` that an entry with the dof's own name gives.
-    `in_mate`: how its value is counted in the mate's own. `spring`: that of an MJCF source.
-    """
+    """A coordinate of a joint: a turn about an axis, a slide along it, a ball, or free motion. The only dof
+    of a joint has the name of the joint."""
 
     name: str
     kind: DofKind
     axis: Array
+    """Unit vector (3,) in the dof's own frame; zero for a ball and for free motion."""
     origin: Array
+    """The dof's frame in the frame that the dof before it moves (4, 4: previous_from_dof); the identity for
+    the first."""
     limits: Limits
     dynamics: Dynamics
     saved: Value
+    """Value in the pose that CAD was left in."""
     given: tuple[str, ...] = ()
+    """Names of the limits and dynamics that the configuration gives; the others are the source's."""
     named: tuple[str, ...] = ()
+    """Names in `given` that an entry with the dof's own name gives."""
     in_mate: MateValue = AS_THE_MATE
+    """Conversion of the value to the mate's own."""
     spring: Spring | None = None
+    """The spring in an MJCF source."""

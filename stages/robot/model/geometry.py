@@ -1,10 +1,10 @@
-"""The result of the mesh stage: the shapes of every link and their mesh files."""
+"""Describes the result of the mesh stage: the shapes of every link and their mesh files."""
 
 from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 from linkwright.stages.robot.errors import Diagnostic
@@ -22,85 +22,88 @@ NEUTRAL: Colour = (0.7, 0.7, 0.7, 1.0)
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """One shape of a link: a mesh in the link's frame, or a primitive; the other one is None.
-
-    `file` names an entry of `Geometry.files`; `colour` is RGBA in 0..1 (visual shapes only);
-    `area` [m²] and `volume` [m³] are the shape's own (volume 0 where a mesh is not closed). A
-    primitive has neither `vertices` nor `faces`, and is a shape once for each role that it has.
-    `contact`: what the configuration says of its contacts. `texture`: the entry of `Geometry.files` that is
-    the image of a mesh with texture coordinates, times `colour`. `collider`: which of its link's colliders it
-    is, or is a piece of, counted as in `Geometry.colliders`; None of what the user gave. `bounds` [m]: of a
-    mesh, in the link's frame, the least x, y and z and the largest. `form`: how an MJCF source has it;
-    `ellipsoid`: what it is in an MJCF, of a mesh that stands for it elsewhere.
-    """
+    """A shape of a link: a mesh in the link's frame, or a primitive. A primitive is a shape once for each
+    role that it has."""
 
     link: str
     role: Role
     file: str | None
+    """The mesh: an entry of `Geometry.files`; None for a primitive."""
     colour: Colour | None
+    """RGBA in 0..1; None for collision shapes."""
     vertices: int
+    """Number of vertices of the mesh; 0 for a primitive."""
     faces: int
+    """Number of triangles of the mesh; 0 for a primitive."""
     area: float
+    """Surface area [m²]."""
     volume: float
+    """Volume [m³]; 0 for a mesh that is not closed."""
     primitive: Primitive | None = None
+    """The primitive; None for a mesh."""
     contact: ContactProperties | None = None
+    """The configuration's contact properties of the shape."""
     texture: str | None = None
+    """The image of a mesh with texture coordinates, an entry of `Geometry.files`; `colour` multiplies it."""
     collider: int | None = None
+    """The number of the link's collider in `Geometry.colliders` that the shape is, or is a piece of; None for
+    the user's own shapes."""
     bounds: tuple[float, ...] = ()
+    """The least x, y and z and the largest of a mesh, in the link's frame [m]."""
     form: GeomForm = PLAIN
+    """The properties of the geom in an MJCF source."""
     ellipsoid: Primitive | None = None
+    """The ellipsoid that an MJCF has in place of this mesh."""
 
 
 ExcludeReason = Literal["Adjacent", "Always", "Source", "User"]
-"""Why two links do not collide: a joint or a rigid connection between them; they touch in whatever pose; the
-source says so, an MJCF or an SRDF; the configuration does."""
+"""The reason why two links do not collide. Adjacent: a joint or a rigid connection between them; Always: they
+touch in every pose; Source: an MJCF or an SRDF says so; User: the configuration says so."""
 
 
 @dataclass(frozen=True, slots=True)
 class Exclude:
-    """Two links that do not collide, in the order of the robot's links, or only some of their shapes.
-
-    `depth` [m]: how deep what does not collide is in each other at `home`, 0 where it does not touch.
-    `geoms`: the pairs that do not collide, where the others do: positions among the collision shapes of
-    `link_a` and of `link_b`, sorted. A format that knows only whole links leaves the links out.
-    """
+    """Two links that do not collide, in the order of the robot's links, or only some of their shapes."""
 
     link_a: str
     link_b: str
     reason: ExcludeReason
     depth: float
+    """Penetration at `home` [m] of the shapes that do not collide; 0 if they do not touch."""
     geoms: tuple[tuple[int, int], ...] = ()
+    """Pairs of shapes that do not collide, if others do: positions among the collision shapes of `link_a` and
+    of `link_b`, sorted. A format that knows only whole links leaves this exclude out."""
 
 
 @dataclass(frozen=True, slots=True)
 class Touch:
-    """Two links that may collide, in the order of the robot's links, and touch at `home`. `depth` [m]: how
-    deep they are in each other there, without the shapes that do not collide."""
+    """Two links that may collide and that touch at `home`, in the order of the robot's links."""
 
     link_a: str
     link_b: str
     depth: float
+    """Penetration at `home` [m], without the shapes that do not collide."""
 
 
 By = Literal["boolean", "sampling"]
-"""How volumes were worked out."""
+"""The method by which volumes were computed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Measures:
-    """How a collider, the union of its pieces, differs from its part.
+    """The differences of a collider, the union of its pieces, from its part.
 
-    `extra`, `missing`: volume of the collider outside the part, and of the part outside the collider, as
-    shares of the part's volume, `extra` None where the part has none; `by` what they were worked out.
-    Protrusion [m] is the distance from the part of a point of the collider's outer surface, 0 where that is
-    within the part; bareness [m] the distance from the collider of a point of the part's surface, 0 where
-    that is within a piece. `max` is over all points; `p95` is what 95 % of the area stays within, and no
-    area counts for less because it is within.
+    Protrusion is the distance [m] from the part of a point of the collider's outer surface, 0 within the
+    part. Bareness is the distance [m] from the collider of a point of the part's surface, 0 within a piece.
+    `max` is over all points; `p95` bounds 95 % of the area, where area within counts fully.
     """
 
     extra: float | None
+    """Volume of the collider outside the part, as a share of the part's volume; None if that is 0."""
     missing: float
+    """Volume of the part outside the collider, as a share of the part's volume."""
     by: By
+    """The method by which the volumes were computed."""
     protrusion_p95: float
     protrusion_max: float
     bareness_p95: float
@@ -109,65 +112,103 @@ class Measures:
 
 @dataclass(frozen=True, slots=True)
 class ColliderFigures:
-    """How one or several parts of a link collide.
-
-    `maker`: an option of `mesh.collider`, or "given"; `rung`: what it made, in a word: a kind of primitive,
-    "hull", "pieces", "spheres", "raw", or "none". `vertices`: of all its meshes. `tolerance` [m] and
-    `measures`: what it was judged by, None where it was not; `meets`: whether it is within the tolerance,
-    where its maker goes by one. `miss`: how many times the tolerance it is off, at most 1 where it is within,
-    whether its maker goes by that or not. `note`: why it is no better, in words. `failed`: whether that may
-    go better next time, since a time limit was hit or a process crashed. `key`: the digest of all that it
-    depends on: colliders with the same are made once. `reason`: why a collider by contact is what it is, in
-    words.
-    """
+    """The collider of a part, or of several parts, of a link."""
 
     link: str
     parts: tuple[str, ...]
     maker: str
+    """The option of `mesh.collider` that made it, or "given"."""
     rung: str
+    """Its kind: a kind of primitive, "hull", "pieces", "spheres", "raw", or "none"."""
     pieces: int
     vertices: int
+    """Number of vertices of all its meshes."""
     meets: bool
+    """Whether it is within the tolerance, where its maker has one."""
     tolerance: float | None
+    """The tolerance [m] by which it was judged; None if it was not judged."""
     measures: Measures | None
+    """The measures by which it was judged; None if it was not judged."""
     miss: float | None = None
+    """Its error in units of the tolerance: at most 1 within the tolerance, whether its maker uses one or
+    not."""
     note: str = ""
+    """Why it is no better, in words."""
     failed: bool = False
+    """Whether another run may do better, since a time limit was hit or a process crashed."""
     key: str = ""
+    """Digest of all that it depends on: colliders with the same key are made once."""
     reason: str = ""
+    """Why a collider by contact is as it is, in words."""
 
 
 @dataclass(frozen=True, slots=True)
 class Geometry:
-    """Shapes in the order of the links; of a link its colliders, then its visual meshes, then the primitives
-    that the user gave it, in their own order. `files`: binary STL or OBJ by name, metres; of textured meshes
-    always OBJ, each with its library of materials (MTL), and the images (PNG). `self_contact`:
-    whether the robot's links collide with each other; then `excludes` are the pairs that do not, in the
-    order of the links: also those that an engine leaves out by itself; and `touching` those of the others
-    that touch at `home`. `colliders`: of each link in its own order, how its parts collide. `by_source`:
-    whether what collides is what an MJCF source says, by the bits of its geoms, its pairs and excludes."""
+    """The shapes of a robot, and the files of their meshes."""
 
     shapes: tuple[Shape, ...]
+    """In the order of the links; for each link its colliders, then its visual meshes, then the user's
+    primitives."""
     files: Mapping[str, bytes]
+    """File name → content, in metres: binary STL or OBJ; textured meshes are OBJ files, with a library of
+    materials (MTL) and images (PNG)."""
     diagnostics: tuple[Diagnostic, ...] = ()
     self_contact: bool = False
+    """Whether the robot's links collide with each other."""
     excludes: tuple[Exclude, ...] = ()
+    """With `self_contact`, the pairs that do not collide, in the order of the links; also those that an
+    engine leaves out by itself."""
     touching: tuple[Touch, ...] = ()
+    """With `self_contact`, the other pairs that touch at `home`."""
     colliders: tuple[ColliderFigures, ...] = ()
+    """The colliders of the parts, link by link."""
     by_source: bool = False
+    """Whether contacts follow an MJCF source: the bits of its geoms, its pairs and its excludes."""
+    whole_visuals: tuple[Shape, ...] = ()
+    """For each link with visual meshes, a shape that has all of them in one file (GLB), for formats whose
+    readers take it; () without `mesh.format: glb`."""
+
+    @property
+    def with_whole_visuals(self) -> Geometry:
+        """The geometry as URDF and SDF have it: in the place of a link's visual meshes all of them as one."""
+        whole_visuals = {shape.link: shape for shape in self.whole_visuals}
+        if not whole_visuals:
+            return self
+        shapes: list[Shape] = []
+        for shape in self.shapes:
+            if shape.role == "collision" or shape.file is None:
+                shapes.append(shape)
+            elif shape.link in whole_visuals:
+                shapes.append(whole_visuals.pop(shape.link))
+        return replace(self, shapes=tuple(shapes))
+
+    def shown(self, *, meshes: bool, whole: bool) -> Geometry:
+        """Returns the geometry of formats that show the visual meshes themselves, or all of a link as one, or
+        both, with the files that they name."""
+        if not self.whole_visuals:
+            return self
+        geometry = self if meshes else self.with_whole_visuals
+        geometry = geometry if meshes and whole else replace(geometry, whole_visuals=())
+        shapes = (*geometry.shapes, *geometry.whole_visuals)
+        file_names = {name for shape in shapes for name in (shape.file, shape.texture) if name is not None}
+        # The materials of a textured OBJ are beside it.
+        file_names |= {f"{name.removesuffix('.obj')}.mtl" for name in file_names if name.endswith(".obj")}
+        return replace(
+            geometry, files={name: data for name, data in self.files.items() if name in file_names}
+        )
 
     @property
     def lasts(self) -> bool:
-        """Whether the same inputs give the same again: nothing failed."""
-        return not any(one.failed for one in self.colliders)
+        """Whether the same inputs would give the same result: nothing failed."""
+        return not any(collider.failed for collider in self.colliders)
 
     def of(self, link: str, role: Role) -> tuple[Shape, ...]:
-        """Looks through all shapes: `by_link` is for who asks for every link."""
+        """Returns the shapes of a link in a role. It scans all shapes; `by_link` is faster for every link."""
         return tuple(shape for shape in self.shapes if shape.link == link and shape.role == role)
 
     def by_link(self) -> defaultdict[tuple[str, Role], list[Shape]]:
-        """The same of all links at once, an empty list where there is none."""
-        found: defaultdict[tuple[str, Role], list[Shape]] = defaultdict(list)
+        """Returns the shapes of all links by link and role; an empty list where there are none."""
+        shapes: defaultdict[tuple[str, Role], list[Shape]] = defaultdict(list)
         for shape in self.shapes:
-            found[shape.link, shape.role].append(shape)
-        return found
+            shapes[shape.link, shape.role].append(shape)
+        return shapes

@@ -1,4 +1,4 @@
-"""What an MJCF source says of a robot that no other format has, and that only an MJCF can carry."""
+"""Describes the content of an MJCF source that only an MJCF can carry."""
 
 from __future__ import annotations
 
@@ -15,38 +15,39 @@ Attributes = tuple[tuple[str, str], ...]
 """Attributes of an element of an MJCF: (name, text)."""
 
 NewName = Callable[[str, str], str]
-"""From a kind and a name to the new name of what is called so."""
+"""A function from a kind and a name to the new name."""
 
 
 @dataclass(frozen=True, slots=True)
 class MjcfElement:
-    """An element of an MJCF. `names`: the attributes that name other elements, as (attribute, kind, name);
-    the kind is the tag of what is named, "body" also for an xbody."""
+    """An element of an MJCF."""
 
     tag: str
     attributes: Attributes = ()
     names: tuple[tuple[str, str, str], ...] = ()
+    """The attributes that name other elements: (attribute, kind, name). The kind is the tag of the named
+    element; "body" also for an xbody."""
     children: tuple[MjcfElement, ...] = ()
 
     @property
     def name(self) -> str:
-        """Its own name, "" where it has none."""
+        """Its own name, "" if it is unnamed."""
         return dict(self.attributes).get("name", "")
 
     def inside(self) -> Iterator[MjcfElement]:
-        """The elements in it, at any depth."""
+        """Yields the elements in it, at any depth."""
         for child in self.children:
             yield child
             yield from child.inside()
 
     def named(self) -> Iterator[tuple[str, str]]:
-        """(kind, name) of all that it and the elements in it name."""
+        """Yields (kind, name) of everything that it and the elements in it name."""
         yield from ((kind, name) for _, kind, name in self.names)
         for child in self.children:
             yield from child.named()
 
     def renamed(self, new_name: NewName) -> MjcfElement:
-        """The element with other names of what it names."""
+        """Returns the element with new names for the things that it refers to."""
         return replace(
             self,
             names=tuple((attribute, kind, new_name(kind, name)) for attribute, kind, name in self.names),
@@ -56,78 +57,86 @@ class MjcfElement:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MjcfBodyFrame:
-    """Where the source's body of a link is: `link_from_body` (4, 4). `body_from_inertial` (3, 3): the axes of
-    its inertia, in the order of the source, None for a body without mass."""
+    """The pose of the source's body in its link."""
 
     link: str
     link_from_body: Array
+    """Pose of the body in the link (4, 4)."""
     body_from_inertial: Array | None = None
+    """Axes of its inertia (3, 3), in the order of the source; None for a body without mass."""
 
 
 @dataclass(frozen=True, slots=True)
 class MjcfAttributes:
-    """Attributes of a thing that the robot has itself: `kind` is joint (by the name of its dof), freejoint
-    (of the floating root, by its link), body (of its link), site (of its frame), equality (of its loop or
-    relation), actuator or sensor."""
+    """Attributes of an element that the robot itself has."""
 
     kind: str
+    """joint (named by its dof), freejoint (of the floating root, by its link), body (by its link), site (by
+    its frame), equality (by its loop or relation), actuator or sensor."""
     name: str
     attributes: Attributes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MjcfMounted:
-    """An element on the body of a link, at `body_from_element` (4, 4)."""
+    """An element on the body of a link."""
 
     link: str
     body_from_element: Array
+    """Pose of the element in the body (4, 4)."""
     element: MjcfElement
 
 
 @dataclass(frozen=True, slots=True)
 class MjcfKeyframe:
-    """What a keyframe has beside the values of the robot's turns and slides. `world_from_root`: position and
-    quaternion (x, y, z, qw, qx, qy, qz) of a floating root, () for none; `scene`: the numbers in `qpos` of
-    what lies in the scene."""
+    """The content of a keyframe beside the values of the robot's turns and slides."""
 
     name: str
     world_from_root: tuple[float, ...] = ()
+    """Position and quaternion (x, y, z, qw, qx, qy, qz) of a floating root; () for none."""
     scene: tuple[float, ...] = ()
+    """The numbers in `qpos` of the scene's objects."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MjcfExtras:
-    """`bodies`: of each link that is a body of the source. `sections`: elements in a section of an MJCF, as
-    tendons, that name things of the robot alone; `order`: by section, the names of all of the source in its
-    order. `scene`: the sections of what is in the scene beside the robot, and `scene_qpos` its numbers in
-    `qpos0`; `has_ground`: whether something of that is fixed to the world and may be touched. `option`,
-    `flag`: the attributes of MuJoCo's elements of these names that the source sets."""
+    """The extras of an MJCF source."""
 
     bodies: tuple[MjcfBodyFrame, ...] = ()
+    """An entry for each link that is a body of the source."""
     attributes: tuple[MjcfAttributes, ...] = ()
     mounted: tuple[MjcfMounted, ...] = ()
     sections: tuple[MjcfElement, ...] = ()
+    """Elements in a section of an MJCF, such as tendons, that name only parts of the robot."""
     order: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    """(section, names of all elements of the source in its order)."""
     scene: tuple[MjcfElement, ...] = ()
+    """The sections of the objects beside the robot."""
     scene_qpos: tuple[float, ...] = ()
+    """The numbers in `qpos0` of the scene's objects."""
     keyframes: tuple[MjcfKeyframe, ...] = ()
     has_ground: bool = False
+    """Whether an object of the scene is fixed to the world and can be touched."""
     option: tuple[tuple[str, Setting], ...] = ()
+    """Attributes of MuJoCo's element <option> that the source sets."""
     flag: Attributes = ()
+    """Attributes of MuJoCo's element <flag> that the source sets."""
 
     def renamed(self, new_name: NewName) -> MjcfExtras:
-        """The extras of a robot with other names."""
+        """Returns the extras of a robot with other names."""
         kinds = {"freejoint": "body"}
         return replace(
             self,
-            bodies=tuple(replace(one, link=new_name("body", one.link)) for one in self.bodies),
+            bodies=tuple(replace(body, link=new_name("body", body.link)) for body in self.bodies),
             attributes=tuple(
-                replace(one, name=new_name(kinds.get(one.kind, one.kind), one.name))
-                for one in self.attributes
+                replace(entry, name=new_name(kinds.get(entry.kind, entry.kind), entry.name))
+                for entry in self.attributes
             ),
             mounted=tuple(
-                replace(one, link=new_name("body", one.link), element=one.element.renamed(new_name))
-                for one in self.mounted
+                replace(
+                    mounted, link=new_name("body", mounted.link), element=mounted.element.renamed(new_name)
+                )
+                for mounted in self.mounted
             ),
             sections=tuple(section.renamed(new_name) for section in self.sections),
             scene=tuple(section.renamed(new_name) for section in self.scene),
@@ -140,21 +149,21 @@ class MjcfExtras:
         return bool(self.scene_qpos) or any(section.tag == "actuator" for section in self.scene)
 
     def attributes_of(self, kind: str) -> dict[str, dict[str, str]]:
-        """By name, the attributes of the things of this kind."""
-        return {one.name: dict(one.attributes) for one in self.attributes if one.kind == kind}
+        """Returns the attributes of the things of this kind, by name."""
+        return {entry.name: dict(entry.attributes) for entry in self.attributes if entry.kind == kind}
 
     def in_order(self, section: str, names: Iterable[str]) -> list[str]:
-        """The names as the source orders them, those that it has not at the end."""
+        """Returns the names as the source orders them, with names that it lacks at the end."""
         place = {name: index for index, name in enumerate(dict(self.order).get(section, ()))}
         return sorted(names, key=lambda name: place.get(name, len(place)))
 
 
 def children_of(sections: Iterable[MjcfElement], tag: str) -> Iterator[MjcfElement]:
-    """The elements in the sections of this tag."""
+    """Yields the elements in the sections of this tag."""
     for section in sections:
         if section.tag == tag:
             yield from section.children
 
 
 NO_EXTRAS = MjcfExtras()
-"""Those of a robot of another source."""
+"""The extras of a robot from another source."""

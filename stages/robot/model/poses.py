@@ -1,4 +1,4 @@
-"""Rigid transforms and rotations: (4, 4) and (3, 3) arrays, quaternions as (w, x, y, z)."""
+"""Computes rigid transforms and rotations: (4, 4) and (3, 3) arrays, quaternions as (w, x, y, z)."""
 
 import math
 
@@ -7,11 +7,11 @@ import numpy as np
 from linkwright.stages.robot.model.robot import Array, DofKind, Value, frozen
 
 UNMOVED = frozen(np.eye(4))
-"""The pose (4, 4) of what has not moved; not to be written to."""
+"""The pose (4, 4) of an unmoved frame; it must not be written to."""
 
 
 def inverse(a_from_b: Array) -> Array:
-    """b_from_a of a rigid (or reflecting) transform (4, 4)."""
+    """Returns the inverse b_from_a of a rigid (or reflecting) transform (4, 4)."""
     rotation = a_from_b[:3, :3]
     out = UNMOVED.copy()
     out[:3, :3] = rotation.T
@@ -20,7 +20,7 @@ def inverse(a_from_b: Array) -> Array:
 
 
 def from_parts(rotation: Array, position: Array) -> Array:
-    """The (4, 4) transform with this rotation (3, 3) and position (3,)."""
+    """Returns the (4, 4) transform with this rotation (3, 3) and position (3,)."""
     out = UNMOVED.copy()
     out[:3, :3] = rotation
     out[:3, 3] = position
@@ -28,7 +28,7 @@ def from_parts(rotation: Array, position: Array) -> Array:
 
 
 def at_rest(kind: DofKind) -> Value:
-    """The value of a dof that moves nothing."""
+    """Returns the value of a dof at which it moves nothing."""
     if kind == "ball":
         return (1.0, 0.0, 0.0, 0.0)
     if kind == "free":
@@ -37,7 +37,7 @@ def at_rest(kind: DofKind) -> Value:
 
 
 def motion(kind: DofKind, axis: Array, value: Value) -> Array:
-    """The transform of a dof at `value` (see `model.Value`); `axis` (3,) of a turn or a slide."""
+    """Returns the transform of a dof at `value` (see `model.Value`); `axis` (3,) of a turn or a slide."""
     out = UNMOVED.copy()
     if isinstance(value, tuple):
         out[:3, :3] = rotation_from_quat(np.array(value[-4:]))
@@ -50,7 +50,7 @@ def motion(kind: DofKind, axis: Array, value: Value) -> Array:
 
 
 def turn(axis: Array, angle: float) -> Array:
-    """Rodrigues' rotation (3, 3) by `angle` [rad] about the unit vector `axis` (3,)."""
+    """Returns Rodrigues' rotation (3, 3) by `angle` [rad] about the unit vector `axis` (3,)."""
     x, y, z = axis
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     # 1 − cos from the half angle keeps full precision near zero.
@@ -59,17 +59,17 @@ def turn(axis: Array, angle: float) -> Array:
 
 
 def rotation_from_rpy(rpy: tuple[float, float, float]) -> Array:
-    """URDF's roll, pitch, yaw [rad], extrinsic xyz: Rz(yaw) Ry(pitch) Rx(roll)."""
+    """Returns URDF's roll, pitch, yaw [rad], extrinsic xyz: Rz(yaw) Ry(pitch) Rx(roll)."""
     roll, pitch, yaw = rpy
     x, y, z = np.eye(3)
     return turn(z, yaw) @ turn(y, pitch) @ turn(x, roll)
 
 
 def rpy_from_rotation(rotation: Array) -> tuple[float, float, float]:
-    """Roll, pitch, yaw [rad] of a rotation (3, 3): URDF's extrinsic xyz.
+    """Returns roll, pitch, yaw [rad] of a rotation (3, 3): URDF's extrinsic xyz.
 
-    Exact near pitch = ±90° too: there roll is what the yaw chosen from the last two rows leaves,
-    so that the product is the rotation again whatever the split between roll and yaw.
+    Exact near pitch = ±90° too: there the roll is computed after the yaw from the last two rows, so that the
+    product is the rotation again, however it is split between roll and yaw.
     """
     r = rotation
     cos_pitch = math.hypot(r[0, 0], r[1, 0])
@@ -86,7 +86,7 @@ def rpy_from_rotation(rotation: Array) -> tuple[float, float, float]:
 
 
 def quat_from_rotation(rotation: Array) -> Array:
-    """The unit quaternion (4,) as (w, x, y, z), w ≥ 0, of a rotation (3, 3).
+    """Returns the unit quaternion (4,) as (w, x, y, z), w ≥ 0, of a rotation (3, 3).
 
     Shepperd's method: the largest of the four squares is the divisor, so no branch loses digits.
     """
@@ -108,7 +108,7 @@ def quat_from_rotation(rotation: Array) -> Array:
 
 
 def rotation_from_quat(quat: Array) -> Array:
-    """The rotation (3, 3) of a quaternion (w, x, y, z), normalised here."""
+    """Returns the rotation (3, 3) of a quaternion (w, x, y, z), normalised here."""
     w, x, y, z = np.asarray(quat, dtype=float) / np.linalg.norm(quat)
     return np.array(
         [
@@ -120,7 +120,7 @@ def rotation_from_quat(quat: Array) -> Array:
 
 
 def turns_from_rotation(rotation: Array) -> tuple[float, float, float]:
-    """(x, y, z) [rad] with Rx(x) Ry(y) Rz(z) = `rotation` (3, 3); z is 0 where y is ±90°."""
+    """Returns (x, y, z) [rad] with Rx(x) Ry(y) Rz(z) = `rotation` (3, 3); z is 0 where y is ±90°."""
     r = rotation
     y = math.atan2(r[0, 2], math.hypot(r[0, 0], r[0, 1]))
     z = math.atan2(-r[0, 1], r[0, 0]) if math.hypot(r[0, 0], r[0, 1]) > 1e-12 else 0.0

@@ -1,4 +1,4 @@
-"""The robot as a value: links, joints, loops, relations, frames.
+"""Describes the robot as a value: links, joints, loops, relations, frames.
 
 Conventions: SI units; radians; a transform `a_from_b` is a (4, 4) array that takes coordinates in
 frame b to frame a, so names read left to right and cancel. Arrays are float64 and read-only.
@@ -48,7 +48,8 @@ JointType = Literal[
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Inertial:
-    """Mass [kg], centre of mass [m] (3,), inertia about it [kg m²] (3, 3), axes of the owning frame.
+    """The mass [kg], the centre of mass [m] (3,) and the inertia about it [kg m²] (3, 3) of a body, in the
+    axes of the owning frame.
 
     The tensor has true signs: off-diagonal entries are −∫xy dm.
     """
@@ -60,7 +61,7 @@ class Inertial:
 
 @dataclass(frozen=True, slots=True)
 class MeshRef:
-    """Where a part's triangles are: a reply of the bundle (by digest) and the part's id in it."""
+    """A reference to a part's triangles: a reply of the bundle (by digest) and the part's id in it."""
 
     reply: str
     part: str
@@ -68,17 +69,12 @@ class MeshRef:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Part:
-    """One occurrence of a part, as CAD has it.
-
-    `path`: instance ids from the root; `name`: the same in words, joined by "/". `inertial` and `volume` [m³]
-    are CAD's, in the part's own frame. `collides`: whether its shape takes part in contact; a sheet without
-    mass is only visual. `seen`: whether it is visual; a mesh made only for contact is not. `standard`:
-    whether it is standard content, such as a screw. `estimated`: whether its mass is, from its volume.
-    `form`: how an MJCF source has it.
-    """
+    """An occurrence of a part, as CAD has it. Its inertial and volume [m³] are in its own frame."""
 
     path: tuple[str, ...]
+    """Ids of instances from the root."""
     name: str
+    """The same in words, joined by "/"."""
     part_id: str
     mesh: MeshRef | None
     link_from_part: Array
@@ -86,26 +82,31 @@ class Part:
     inertial: Inertial
     volume: float
     collides: bool = True
+    """Whether its shape takes part in contact; a sheet without mass is only visual."""
     seen: bool = True
+    """Whether it is visual; a mesh made only for contact is not."""
     standard: bool = False
+    """Whether it is standard content, such as a screw."""
     estimated: bool = False
+    """Whether its mass is estimated from its volume."""
     form: GeomForm = PLAIN
 
 
 PrimitiveKind = Literal["box", "sphere", "cylinder", "capsule", "ellipsoid"]
-"""An ellipsoid is one in an MJCF alone: no link has it as a shape."""
+"""Only an MJCF has ellipsoids: no link has an ellipsoid as a shape."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Primitive:
-    """A shape that is no mesh. `size` [m]: a box's lengths along x, y, z; a sphere's (radius,); a
-    cylinder's or capsule's (radius, length), along z, the caps of a capsule beyond its length.
-    `colour`: RGBA in 0..1, None for neutral grey. `form`: how an MJCF source has it."""
+    """A shape that is no mesh."""
 
     kind: PrimitiveKind
     size: tuple[float, ...]
+    """[m]: lengths of a box along x, y, z; (radius,) of a sphere; (radius, length) of a cylinder or capsule
+    along z, without the capsule's caps."""
     link_from_shape: Array
     colour: tuple[float, float, float, float] | None = None
+    """RGBA in 0..1; None for neutral grey."""
     visual: bool = True
     collision: bool = True
     form: GeomForm = PLAIN
@@ -113,19 +114,19 @@ class Primitive:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Link:
-    """A rigid body. `path`: the occurrence that names it; `parts` are sorted by path.
-
-    `given`: the inertial that replaces the sum of the parts, as the user wants it or because engines
-    take no less. `shapes`: primitives beside the parts. A link that CAD does not have has no path and
-    no parts.
-    """
+    """A rigid body. A link that CAD does not have has no path and no parts."""
 
     name: str
     inertial: Inertial
     parts: tuple[Part, ...]
+    """Sorted by path."""
     path: tuple[str, ...]
+    """The occurrence that names it."""
     given: Inertial | None = None
+    """The inertial that replaces the sum of the parts, given by the user or raised to the minimum of
+    engines."""
     shapes: tuple[Primitive, ...] = ()
+    """Primitives beside the parts."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,7 +193,7 @@ class Loop:
 
 @dataclass(frozen=True, slots=True)
 class Relation:
-    """`follower` = multiplier · `driver` + offset: names of dofs."""
+    """A relation: `follower` = multiplier · `driver` + offset, by names of dofs."""
 
     name: str
     follower: str
@@ -211,29 +212,32 @@ class Keyframe:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
-    """A named frame fixed to a link. `source`: the mate connector's name as typed; "" if it is not one.
-    `joint`: the name of the fixed joint that holds it in the source; "" for none."""
+    """A named frame fixed to a link."""
 
     name: str
     link: str
     link_from_frame: Array
     source: str
+    """The mate connector's name as typed; "" without a connector."""
     joint: str = ""
+    """Name of the fixed joint that holds it in the source; "" for none."""
 
 
 @dataclass(frozen=True, slots=True)
 class Base:
-    """Whether the root link is fixed to the world, and why. `joint`: what the source calls the joint by
-    which it floats; "" for no name."""
+    """How the root link is connected to the world."""
 
     fixed: bool
+    """Whether it is fixed to the world."""
     reason: str
+    """Why."""
     joint: str = ""
+    """Name in the source of the joint by which it floats; "" for no name."""
 
 
 @dataclass(frozen=True, slots=True)
 class Provenance:
-    """Which document this robot is: not the kind of source, nor the host.
+    """The document of this robot, without the kind of source and the host.
 
     document: id of the document.
     element: id of its tab.
@@ -249,28 +253,23 @@ class Provenance:
 
 @dataclass(frozen=True, slots=True)
 class Mobility:
-    """How a mechanism can move. `coordinates`: dofs of the tree. `gruebler`: these less the conditions of
-    relations and loops, counted as if all were independent. `dof`: the same by the rank of the conditions at
-    the saved pose. `redundant`: (loop, how many of its conditions follow from others)."""
+    """The mobility of a mechanism."""
 
     coordinates: int
+    """Dofs of the tree."""
     gruebler: int
+    """Coordinates less the conditions of relations and loops, counted as if all were independent."""
     dof: int
+    """Coordinates less the rank of these conditions at the saved pose."""
     redundant: tuple[tuple[str, int], ...]
+    """(loop, number of its conditions that follow from others)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Robot:
-    """Links and joints in tree order (a parent before its children; the root first).
-
-    `world_from_root` (4, 4): where the root link's frame is in the assembly at the saved pose. A root
-    link called `world` is the assembly's origin itself. Names are unique among links, among joints and
-    dofs (those of loops too), among frames, and among loops and relations. `controls`: how the joints are
-    driven, in the words of the source's URDF: the text of its <transmission>s and <ros2_control>s.
-    `actuators` and `sensors`: those that the source has itself.
-    `keyframes`: the poses that the user gives; `home` may be one of them. `semantics`: what the source's
-    SRDF says. `mjcf`: what only an MJCF has, of a source that is one.
-    """
+    """A robot, with links and joints in tree order: the root first, a parent before its children. A root link
+    called `world` is the assembly's origin. Names are unique among links, among joints and dofs (those of
+    loops too), among frames, and among loops and relations."""
 
     name: str
     links: tuple[Link, ...]
@@ -280,19 +279,27 @@ class Robot:
     frames: tuple[Frame, ...]
     base: Base
     world_from_root: Array
+    """Pose (4, 4) of the root link's frame in the assembly at the saved pose."""
     mobility: Mobility
     provenance: Provenance
     diagnostics: tuple[Diagnostic, ...] = field(default=())
     transmissions: tuple[Transmission, ...] = ()
     controls: tuple[str, ...] = ()
+    """Texts of the <transmission>s and <ros2_control>s of the source's URDF."""
     actuators: tuple[Actuator, ...] = ()
+    """Those of the source."""
     sensors: tuple[Sensor, ...] = ()
+    """Those of the source."""
     keyframes: tuple[Keyframe, ...] = ()
+    """Poses that the user gives; `home` may be among them."""
     semantics: RobotSemantics = NOTHING_MORE
+    """Content of the source's SRDF."""
     mjcf: MjcfExtras | None = None
+    """Extras of an MJCF source."""
 
     @property
     def root(self) -> Link:
+        """The root link."""
         return self.links[0]
 
     @property
@@ -301,4 +308,5 @@ class Robot:
         return tuple(dof for joint in self.joints for dof in joint.dofs)
 
     def link(self, name: str) -> Link:
+        """Returns the link with a name."""
         return next(link for link in self.links if link.name == name)

@@ -1,4 +1,4 @@
-"""The scene that the files put a robot into, as far as a simulation of it depends on that."""
+"""Describes the scene of the exported files around a robot, as far as a simulation depends on it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,26 +11,29 @@ FLOOR = "floor"
 """The geom of a scene that is its ground."""
 
 Setting = str | float | tuple[float, ...]
-"""What MuJoCo takes: a word, a number, or several."""
+"""A value of a MuJoCo setting: a word, a number, or several."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ground:
-    """A plane: its z axis is what points out of it. `friction`: MuJoCo's sliding [-], torsional [m] and
-    rolling [m] friction."""
+    """A plane, whose z axis points out of it."""
 
     world_from_ground: "Array"
     friction: tuple[float, float, float]
+    """MuJoCo's sliding [-], torsional [m] and rolling [m] friction."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
-    """`world_from_root` (4, 4): the pose of the robot's root at qpos0; `keyframes`: (name, pose) of each,
-    since a free robot touches the ground in every one; `ground`: None where there is none; `option`, `flag`:
-    what MuJoCo's elements of these names say, by attribute. What these leave out is MuJoCo's default."""
+    """The scene of the exported files. Missing settings have MuJoCo's defaults."""
 
     world_from_root: "Array"
+    """Pose (4, 4) of the robot's root at qpos0."""
     keyframes: "tuple[tuple[str, Array], ...]"
+    """(name, pose of the root) of each keyframe: a free robot touches the ground in all of them."""
     ground: Ground | None
+    """The ground; None if there is no ground."""
     option: Mapping[str, Setting] = field(default_factory=dict)
+    """Attributes of MuJoCo's element <option>."""
     flag: Mapping[str, str] = field(default_factory=dict)
+    """Attributes of MuJoCo's element <flag>."""

@@ -1,4 +1,4 @@
-"""What a robot's SRDF says beside its URDF (Semantic Robot Description Format), by the robot's names."""
+"""Describes the content of a robot's SRDF (Semantic Robot Description Format), by the robot's names."""
 
 from dataclasses import dataclass
 
@@ -12,8 +12,8 @@ class JointGroup:
 
     name: unique among groups.
     joints: the names of their dofs.
-    base: the link at the beginning of the chain that the group is; "" where it is none.
-    tip: the link at the end of that chain; "" where the group is none.
+    base: the link at the beginning of the group's chain; "" where it is no chain.
+    tip: the link at the end of the group's chain; "" where it is no chain.
     """
 
     name: str
@@ -59,7 +59,7 @@ class DisabledPair:
 
 @dataclass(frozen=True, slots=True)
 class VirtualJoint:
-    """The joint by which the root is in the world.
+    """The joint that places the root in the world.
 
     name: as the source has it.
     parent_frame: what the source calls the world.
@@ -71,13 +71,13 @@ class VirtualJoint:
 
 @dataclass(frozen=True, slots=True)
 class RobotSemantics:
-    """What a source's SRDF says beside its URDF, by the robot's names. Empty where the robot has no SRDF.
+    """The content of a source's SRDF, by the robot's names; empty where the robot has no SRDF.
 
     groups: joints that are planned for together.
     end_effectors: tools and hands.
     passive: dofs that nothing drives.
     disabled: pairs of links whose collisions are not checked.
-    virtual_joint: the joint by which the root is in the world; null where that is not said.
+    virtual_joint: the joint that places the root in the world; null where that is not said.
     """
 
     groups: tuple[JointGroup, ...] = ()
@@ -88,4 +88,4 @@ class RobotSemantics:
 
 
 NOTHING_MORE = RobotSemantics()
-"""Of a robot without an SRDF."""
+"""The semantics of a robot without an SRDF."""

@@ -1,4 +1,4 @@
-"""What measures a robot: sensors, in the words of MJCF, and the places and cameras that they need."""
+"""Describes the sensors of a robot, in MJCF's terms, and the sites and cameras that they need."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     from linkwright.stages.robot.model.arrays import Array
 
 SensorTarget = Literal["", "joint", "actuator", "site", "body", "xbody", "camera"]
-"""What a sensor is on; "" for the whole model. body: a link's centre of mass; xbody: its frame."""
+"""The kind of a sensor's object; "" for the whole model. body: a link's centre of mass; xbody: its frame."""
 
 
 ZoneShape = Literal["", "sphere", "capsule", "ellipsoid", "cylinder", "box"]
@@ -16,46 +16,53 @@ ZoneShape = Literal["", "sphere", "capsule", "ellipsoid", "cylinder", "box"]
 
 @dataclass(frozen=True, slots=True)
 class Sensor:
-    """A sensor of MJCF's `type`, on the `target` of that `name_of_target`: a dof, an actuator, a frame or a
-    link. `relative_to`: likewise, of a sensor of a frame in another, and of one in the image of a camera.
-    `noise`: standard deviation; `cutoff`: the largest value, 0 for none; both in the unit of the sensor.
-    `shape` and `size`: as of a `SensorSite`, of one that the source has."""
+    """A sensor of MJCF's `type`."""
 
     name: str
     type: str
     target: SensorTarget = ""
+    """Kind of the object that it measures."""
     name_of_target: str = ""
+    """Name of that object: a dof, an actuator, a frame or a link."""
     relative_to: SensorTarget = ""
+    """Kind of a second object, for a frame's sensor in another frame or in a camera's image."""
     name_of_relative: str = ""
+    """Name of the second object."""
     noise: float = 0.0
+    """Standard deviation, in the unit of the sensor."""
     cutoff: float = 0.0
+    """Largest value, in the unit of the sensor; 0 for none."""
     shape: ZoneShape = ""
+    """As in `SensorSite`, for a sensor of the source."""
     size: tuple[float, ...] = ()
+    """As in `SensorSite`, for a sensor of the source."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SensorSite:
-    """A place on a link that is there for a sensor alone. `size` [m]: of the `shape` around it, inside which
-    contact is felt: (radius,) of a sphere, (radius, length) of a cylinder or capsule, lengths along x, y and
-    z of a box or ellipsoid."""
+    """A place on a link that exists only for a sensor."""
 
     name: str
     link: str
     link_from_site: "Array"
     shape: ZoneShape = ""
+    """The shape around it inside which contact is felt."""
     size: tuple[float, ...] = ()
+    """Size of the shape [m]: (radius,) of a sphere, (radius, length) of a cylinder or capsule, lengths along
+    x, y and z of a box or ellipsoid."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SensorCamera:
-    """A camera on a link, which looks along its z axis, with x to the right and y down in the image. `fovy`:
-    vertical field of view [deg]; `resolution`: width and height [pixels]."""
+    """A camera on a link, which looks along its z axis, with x to the right and y down in the image."""
 
     name: str
     link: str
     link_from_camera: "Array"
     fovy: float
+    """Vertical field of view [deg]."""
     resolution: tuple[int, int]
+    """Width and height [pixels]."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""How many numbers MuJoCo's sensors give, and their units."""
+"""Tells the number of values of each kind of MuJoCo sensor, and their units."""
 
 from collections.abc import Mapping
 
@@ -15,7 +15,7 @@ DIMENSIONS: Mapping[str, int] = {
     **dict.fromkeys(("ballquat", "framequat"), 4),
     "fromto": 6,
 }
-"""Element → how many numbers it gives; others depend on their attributes."""
+"""Element → the number of its values; other elements depend on their attributes."""
 
 QUATERNION = "quaternion (w, x, y, z)"
 
@@ -37,15 +37,15 @@ _ALWAYS: Mapping[str, str] = {
 }
 
 _OF_A_DOF: Mapping[str, str] = {"pos": "{}", "vel": "{}/s", "frc": "{force}"}
-"""What the name of a sensor of a joint or actuator ends with → its unit."""
+"""Ending of the name of a sensor of a joint or actuator → its unit."""
 
 LENGTHS: Mapping[str, tuple[str, str]] = {"turn": ("rad", "N m"), "slide": ("m", "N")}
-"""Kind of dof → units of its value and of what moves it."""
+"""Kind of dof → units of its value and of its force."""
 
 
 def unit_of(kind: str, dof: str) -> str | None:
-    """The unit of a sensor of MJCF's type `kind`, on a dof of the kind `dof` ("" for none); None where it is
-    not known."""
+    """Returns the unit of a sensor of MJCF's type `kind`, on a dof of the kind `dof` ("" for none); None
+    where it is not known."""
     if kind in _ALWAYS:
         return _ALWAYS[kind]
     if not kind.startswith(("joint", "actuator")) or dof not in LENGTHS:

@@ -1,4 +1,4 @@
-"""The transmissions by which a source's actuators move its joints."""
+"""Describes the transmissions by which a source's actuators move its joints."""
 
 from dataclasses import dataclass
 

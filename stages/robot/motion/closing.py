@@ -1,7 +1,7 @@
-"""Configurations whose loops are closed, within limits and by the relations.
+"""Finds configurations whose loops are closed, within limits and by the relations.
 
-Gauss-Newton steps on the closure of all loops, whose Jacobian is that of the twists on both ways to each
-loop's frames (Siciliano et al., "Robotics", 3.1 and 3.5: the closest step to a wanted one by the damped
+Gauss-Newton steps on the closure of all loops, whose Jacobian is that of the twists on both paths to each
+loop's frames (Siciliano et al., "Robotics", 3.1 and 3.5: the closest step to a target step by the damped
 pseudo-inverse; 3.7.3), for many configurations at once.
 """
 
@@ -24,16 +24,17 @@ from linkwright.stages.robot.motion.pose_batch import (
     rotations_of_quats,
     turns_of,
 )
-from linkwright.stages.robot.motion.tree_paths import Ways
+from linkwright.stages.robot.motion.tree_paths import TreePaths
 
-_DAMPED = 1e-10
-"""Of the mean square of the Jacobian's rows: what keeps conditions that follow from others from counting."""
+_DAMPING = 1e-10
+"""The damping, as a share of the mean square of the Jacobian's rows: dependent conditions do not count."""
 
-_SETTLING = 30
-"""Steps within which configurations near a closed one close."""
+_MAX_STEPS = 30
+"""Largest number of steps in which configurations near a closed configuration close."""
 
-_SETTLED, _WILD = 1e-13, 1e-2
-"""Movements [rad, m]: of the last step of one that is closed, and of later steps of one that cannot be."""
+_CLOSED_MOVEMENT, _OPEN_MOVEMENT = 1e-13, 1e-2
+"""Largest movement [rad, m] of the last step to a closed configuration, and of late steps that may still lead
+to one."""
 
 
 class Closer:
@@ -45,11 +46,11 @@ class Closer:
     def __init__(self, robot: Robot, held: Collection[str] = ()) -> None:
         self._relations = robot.relations
         self._loops = tuple(sorted(robot.loops, key=lambda loop: loop.name))
-        ways = Ways(robot)
-        self._ways = tuple(ways.of_loop(loop) for loop in self._loops)
+        paths = TreePaths(robot)
+        self._ways = tuple(paths.of_loop(loop) for loop in self._loops)
         ends = {end for loop in self._loops for end in (loop.link_a, loop.link_b)}
-        self._top, self._joints = ways.tree_of(sorted(ends)) if ends else (robot.root.name, [])
-        drivers = {one.follower: (one.driver, one.multiplier) for one in robot.relations}
+        self._top, self._joints = paths.tree_of(sorted(ends)) if ends else (robot.root.name, [])
+        drivers = {relation.follower: (relation.driver, relation.multiplier) for relation in robot.relations}
         self._share = {dof.name: drivers.get(dof.name, (dof.name, 1.0)) for dof in robot.dofs}
         self._share |= {dof.name: (dof.name, 1.0) for loop in self._loops for dof in loop.dofs}
         kinds = {dof.name: dof.kind for dof in (*robot.dofs, *(d for loop in robot.loops for d in loop.dofs))}
@@ -70,12 +71,12 @@ class Closer:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The dofs that are moved, but for followers."""
+        """The dofs that are moved, except followers."""
         return tuple(self._kinds)
 
     @property
     def columns(self) -> Mapping[str, slice]:
-        """The columns of `jacobian` by the dofs that are moved: one, of a ball three."""
+        """The columns of `jacobian` by the dofs that are moved: one for each dof, three for a ball."""
         return self._columns
 
     @property
@@ -84,70 +85,74 @@ class Closer:
         return self._scales
 
     def jacobian(self, values: Values) -> Array:
-        """The derivative (n, 6 L, size) of how far the loops' frames are apart: the speeds of the dofs that
-        keep the loops closed are those that it maps to zero. Followers count with their drivers."""
+        """Returns the derivative (n, 6 L, size) of the gaps between the loops' frames: it maps the speeds of
+        the dofs that keep the loops closed to zero. Followers count with their drivers."""
         return self._conditions(values)[1]
 
     def settled(
-        self, values: Values, patience: int = _SETTLING
+        self, values: Values, patience: int = _MAX_STEPS
     ) -> tuple[dict[str, Array], npt.NDArray[np.bool_]]:
-        """The nearest configurations with closed loops, and which of them (n,) are closed. After `patience`
-        steps those that still go far are given up."""
-        now = dict(values)
-        for step in range(_SETTLING):
-            now, moved = self._step(now, None, 1.0)
-            if ((moved <= _SETTLED) | ((moved > _WILD) & (step >= patience))).all():
+        """Returns the nearest configurations with closed loops, and whether each (n,) is closed. After
+        `patience` steps those that still move far are given up."""
+        current = dict(values)
+        for step in range(_MAX_STEPS):
+            current, moved = self._step(current, None, 1.0)
+            if ((moved <= _CLOSED_MOVEMENT) | ((moved > _OPEN_MOVEMENT) & (step >= patience))).all():
                 break
-        off = self._conditions(now)[0]
+        gaps = self._conditions(current)[0]
+        # A loop that the source leaves open by its residual counts as closed up to twice that.
         allowed = np.array([max(CLOSED, 2 * loop.residual) for loop in self._loops])
-        apart = np.linalg.norm(off.reshape(len(off), -1, 2, 3), axis=3).max(axis=2)
-        return now, (apart <= allowed).all(axis=1)
+        distances = np.linalg.norm(gaps.reshape(len(gaps), -1, 2, 3), axis=3).max(axis=2)
+        return current, (distances <= allowed).all(axis=1)
 
     def towards(self, values: Values, target: Values, steps: int) -> dict[str, Array]:
-        """From closed configurations as near to the target as closed loops allow, in small steps: so they
-        stay on the same side of where a mechanism could fold the other way."""
-        now = dict(values)
+        """Returns closed configurations as near to the target as closed loops allow, reached in small steps:
+        so mechanisms do not fold the other way."""
+        current = dict(values)
         for step in range(steps):
-            now, _ = self._step(now, target, 1.0 / (steps - step))
-        return now
+            current, _ = self._step(current, target, 1.0 / (steps - step))
+        return current
 
     def nearest(self, values: Values, target: Values, steps: int = 200) -> dict[str, Array]:
-        """The configurations with closed loops that are nearest to the target, found from `values`: by the
-        sum of squares of what each dof is off as a share of its range; where a side is open, of a whole turn
-        or a metre."""
-        now = dict(values)
+        """Returns the configurations with closed loops that are nearest to the target, reached from `values`.
+        The distance is the sum of squares over the dofs, each as a share of its range; if a side is open, of
+        a whole turn or a metre."""
+        current = dict(values)
         for _ in range(steps):
-            now, moved = self._step(now, target, 1.0)
+            current, moved = self._step(current, target, 1.0)
             if moved.max(initial=0.0) <= 1e-12:
                 break
-        return now
+        return current
 
     def _step(self, values: Values, target: Values | None, share: float) -> tuple[dict[str, Array], Array]:
-        """One step, by `share` of the way to the target, and the largest movement (n,) [rad, m] of each."""
-        off, jacobian = self._conditions(values)
-        wanted = np.zeros((len(off), self._size))
+        """Returns a step, by `share` of the distance to the target, and the largest movement (n,) [rad, m] of
+        each."""
+        gaps, jacobian = self._conditions(values)
+        target_step = np.zeros((len(gaps), self._size))
         if target is not None:
             for name, part in self._columns.items():
-                wanted[:, part] = share * self._difference(name, values[name], target[name])
-        at = np.zeros_like(wanted)
+                target_step[:, part] = share * self._difference(name, values[name], target[name])
+        total_step = np.zeros_like(target_step)
         for name, part in self._columns.items():
             if self._kinds[name] != "ball":
-                at[:, part] = values[name][:, None]
+                total_step[:, part] = values[name][:, None]
         low, high = self._bounds.T
-        step = self._closest(jacobian, off, wanted)
-        stopped = (at + step < low) | (at + step > high)
+        step = self._closest(jacobian, gaps, target_step)
+        stopped = (total_step + step < low) | (total_step + step > high)
         if stopped.any():
-            held = np.where(stopped, np.clip(at + step, low, high) - at, 0.0)
-            off = off + np.einsum("nij,nj->ni", jacobian, held)
+            stopped_step = np.where(stopped, np.clip(total_step + step, low, high) - total_step, 0.0)
+            gaps = gaps + np.einsum("nij,nj->ni", jacobian, stopped_step)
             free = jacobian * ~stopped[:, None, :]
-            step = np.where(stopped, held, self._closest(free, off, np.where(stopped, 0.0, wanted)))
-            step = np.clip(at + step, low, high) - at
-        return self._moved(values, step), np.abs(step).max(axis=1, initial=0.0)
+            step = np.where(
+                stopped, stopped_step, self._closest(free, gaps, np.where(stopped, 0.0, target_step))
+            )
+            step = np.clip(total_step + step, low, high) - total_step
+        return self._apply_step(values, step), np.abs(step).max(axis=1, initial=0.0)
 
-    def _closest(self, jacobian: Array, off: Array, wanted: Array) -> Array:
-        """As `_closest`, of shares of the ranges."""
+    def _closest(self, jacobian: Array, gaps: Array, target_step: Array) -> Array:
+        """Returns the closest steps, measured in shares of the ranges."""
         scales = self._scales
-        steps: Array = _closest(jacobian * scales, off, wanted / scales) * scales
+        steps: Array = _closest(jacobian * scales, gaps, target_step / scales) * scales
         return steps
 
     def _difference(self, name: str, value: Array, target: Array) -> Array:
@@ -156,20 +161,22 @@ class Closer:
         back = value * [1, -1, -1, -1]
         return turns_of(rotations_of_quats(product_of_quats(back, target)))
 
-    def _moved(self, values: Values, step: Array) -> dict[str, Array]:
-        now = dict(values)
+    def _apply_step(self, values: Values, step: Array) -> dict[str, Array]:
+        moved_values = dict(values)
         for name, part in self._columns.items():
             if self._kinds[name] == "ball":
-                now[name] = product_of_quats(values[name], quats_of(step[:, part]))
+                moved_values[name] = product_of_quats(values[name], quats_of(step[:, part]))
             else:
-                now[name] = values[name] + step[:, part.start]
-        for one in self._relations:
-            now[one.follower] = one.multiplier * now[one.driver] + one.offset
-        return now
+                moved_values[name] = values[name] + step[:, part.start]
+        for relation in self._relations:
+            moved_values[relation.follower] = (
+                relation.multiplier * moved_values[relation.driver] + relation.offset
+            )
+        return moved_values
 
     def _conditions(self, values: Values) -> tuple[Array, Array]:
-        """How far the loops' frames are apart (n, 6 L), shift [m] and turn [rad] in the axes of the
-        link where all ways to them meet, and its derivative (n, 6 L, size)."""
+        """Returns the gaps between the loops' frames (n, 6 L), and their derivative (n, 6 L, size). A gap is
+        a shift [m] and a turn [rad], in the axes of the link where all paths to the loops meet."""
         poses, frames = placed(self._top, self._joints, values)
         ends = []
         for loop in self._loops:
@@ -179,8 +186,8 @@ class Closer:
         for first, second in ends:
             turned = first[:, :3, :3] @ np.swapaxes(second[:, :3, :3], 1, 2)
             parts += [first[:, :3, 3] - second[:, :3, 3], turns_of(turned)]
-        off = np.concatenate(parts, axis=1)
-        jacobian = np.zeros((len(off), 6 * len(self._loops), self._size))
+        gaps = np.concatenate(parts, axis=1)
+        jacobian = np.zeros((len(gaps), 6 * len(self._loops), self._size))
         for (index, sign), dof in self._moving():
             driver, multiplier = self._share[dof.name]
             if driver not in self._columns:
@@ -188,45 +195,47 @@ class Closer:
             point = ends[index][0 if sign > 0 else 1][:, :3, 3]
             twist = _twists(dof, *frames[dof.name], point)
             jacobian[:, 6 * index : 6 * index + 6, self._columns[driver]] += sign * multiplier * twist
-        return off, jacobian
+        return gaps, jacobian
 
     def _moving(self) -> Iterator[tuple[tuple[int, int], Dof]]:
-        """The index of a loop, the sign of its frame, and a dof by which that frame moves."""
+        """Yields the index of a loop, the sign of its frame, and a dof by which that frame moves."""
         for index, (loop, (to_a, to_b)) in enumerate(zip(self._loops, self._ways, strict=True)):
-            for sign, way in ((1, to_a), (-1, to_b)):
-                for joint in way:
+            for sign, path in ((1, to_a), (-1, to_b)):
+                for joint in path:
                     yield from (((index, sign), dof) for dof in joint.dofs)
             yield from (((index, -1), dof) for dof in loop.dofs)
 
 
 def _scale(kind: DofKind, low: float, high: float) -> float:
-    """A dof's range [rad or m], or what stands for it where a side is open."""
+    """Returns a dof's range [rad or m], or a substitute where a side is open."""
     if 0.0 < high - low < np.inf:
         return high - low
     return 1.0 if kind == "slide" else 2.0 * np.pi
 
 
-def _twists(dof: Dof, before: Array, after: Array, point: Array) -> Array:
-    """(n, 6, 1), of a ball (n, 6, 3): the velocity of `point` (n, 3) and the angular velocity, in the axes
-    of these poses, for unit speeds of a dof."""
+def _twists(dof: Dof, frame: Array, moved_frame: Array, point: Array) -> Array:
+    """Returns the twists (n, 6, 1), for a ball (n, 6, 3), of unit speeds of a dof. A twist is the velocity of
+    `point` (n, 3) and the angular velocity, in the axes of these poses."""
     if dof.kind == "slide":
-        axis = before[:, :3, :3] @ dof.axis
+        axis = frame[:, :3, :3] @ dof.axis
         return np.concatenate([axis, np.zeros_like(axis)], axis=1)[:, :, None]
     if dof.kind == "turn":
-        axes = (before[:, :3, :3] @ dof.axis)[:, :, None]
+        axes = (frame[:, :3, :3] @ dof.axis)[:, :, None]
     else:
-        axes = after[:, :3, :3]
-    arms = (point - after[:, :3, 3])[:, :, None]
+        axes = moved_frame[:, :3, :3]
+    arms = (point - moved_frame[:, :3, 3])[:, :, None]
     return np.concatenate([cross(axes, arms), axes], axis=1)
 
 
-def _closest(jacobian: Array, off: Array, wanted: Array) -> Array:
-    """The steps (n, size) nearest to the wanted ones that take `off` (n, m) away, to first order."""
+def _closest(jacobian: Array, gaps: Array, target_step: Array) -> Array:
+    """Returns the steps (n, size) nearest to the target steps that take `gaps` (n, m) away, to first
+    order."""
+    # J Jᵀ is singular where conditions depend on each other, so it is damped; the constant serves J = 0.
     square = jacobian @ np.swapaxes(jacobian, 1, 2)
     rows = square.shape[1]
-    damped = _DAMPED * np.trace(square, axis1=1, axis2=2) / max(rows, 1) + 1e-30
+    damped = _DAMPING * np.trace(square, axis1=1, axis2=2) / max(rows, 1) + 1e-30
     square = square + damped[:, None, None] * np.eye(rows)
-    left = off + np.einsum("nij,nj->ni", jacobian, wanted)
-    forces = np.linalg.solve(square, left[:, :, None])[:, :, 0]
-    steps: Array = wanted - np.einsum("nij,ni->nj", jacobian, forces)
+    residuals = gaps + np.einsum("nij,nj->ni", jacobian, target_step)
+    forces = np.linalg.solve(square, residuals[:, :, None])[:, :, 0]
+    steps: Array = target_step - np.einsum("nij,ni->nj", jacobian, forces)
     return steps

@@ -1,4 +1,4 @@
-"""Which dofs move together, by relations and closed loops, and which of them can be driven at once.
+"""Finds the dofs that move together, by relations and closed loops, and can be driven at once.
 
 In closed loops the speeds q̇ satisfy J q̇ = 0. With some of the dofs driven, the others follow them:
 q̇ₚ = −Jₚ⁺ J_d q̇_d (Featherstone, "Rigid Body Dynamics Algorithms", 8.2: the null space as a map from
@@ -14,21 +14,21 @@ from linkwright.stages.robot.model.robot import Array, Robot
 from linkwright.stages.robot.motion.closing import Closer
 from linkwright.stages.robot.motion.pose_batch import Values, count_of
 
-RANK = 1e-6
-"""A singular value below this share of the largest counts as zero: poses close to about 1e-8."""
+RANK_TOLERANCE = 1e-6
+"""Singular values below this share of the largest count as zero: poses close to about 1e-8."""
 
-SINGULAR = 10.0
-"""A pose is near a singular pose where the least singular value is this many times smaller than elsewhere."""
+SINGULAR_RATIO = 10.0
+"""A pose is near a singular pose if its least singular value is this many times smaller than elsewhere."""
 
 Rates = Mapping[str, Array]
-"""By dof: its speeds (n, 1), of a ball (n, 3), for a unit speed of one dof."""
+"""Dof → its speeds (n, 1), for a ball (n, 3), at a unit speed of a driver."""
 
 
 class Couplings:
     """A robot's couplings at configurations (n) whose loops are closed."""
 
     def __init__(self, robot: Robot, values: Values) -> None:
-        shares = {one.follower: (one.driver, one.multiplier) for one in robot.relations}
+        shares = {relation.follower: (relation.driver, relation.multiplier) for relation in robot.relations}
         self._count = count_of(values)
         self._shares = shares
         self._followers: dict[str, list[tuple[str, float]]] = {}
@@ -44,7 +44,7 @@ class Couplings:
 
     @property
     def in_loops(self) -> frozenset[str]:
-        """The dofs on which the closed loops depend, but for followers."""
+        """The dofs on which the closed loops depend, except followers."""
         return frozenset(self._columns)
 
     @property
@@ -53,60 +53,65 @@ class Couplings:
         return self.in_loops | self._shares.keys() | self._followers.keys()
 
     def independent(self, dofs: Iterable[str]) -> tuple[str, ...]:
-        """As many of the dofs as move independently of each other, the first ones first."""
+        """Returns as many of the dofs as move independently of each other; earlier dofs are preferred."""
         chosen: list[str] = []
-        taken: set[str] = set()
+        drivers: set[str] = set()
         motions = self._motions()
         rows: list[int] = []
         for dof in dofs:
             driver, multiplier = self._shares.get(dof, (dof, 1.0))
-            if driver in taken or multiplier == 0.0:
+            if driver in drivers or multiplier == 0.0:
                 continue
             if driver in self._columns:
-                more = [*rows, self._columns[driver].start]
-                # The basis has unit columns: what stays below this share of it is what its algebra left.
-                if np.linalg.matrix_rank(motions[more], tol=RANK) < len(more):
+                columns = [*rows, self._columns[driver].start]
+                # The basis has unit columns: singular values below this share are rounding.
+                if np.linalg.matrix_rank(motions[columns], tol=RANK_TOLERANCE) < len(columns):
                     continue
-                rows = more
-            taken.add(driver)
+                rows = columns
+            drivers.add(driver)
             chosen.append(dof)
         return tuple(chosen)
 
     def _motions(self) -> Array:
-        """An orthonormal basis (size, k) of the speeds that keep the loops closed, at the configuration where
-        there are the fewest: others may be singular, where speeds exist that lead nowhere."""
+        """Returns an orthonormal basis (size, k) of the speeds that keep the loops closed. It is that of the
+        configuration with the fewest such speeds: others may be singular, with speeds that lead nowhere."""
         best = np.zeros((self._jacobian.shape[2], 0))
         for count, jacobian in enumerate(self._jacobian):
             _, sizes, across = np.linalg.svd(jacobian)
-            rank = int((sizes > RANK * max(1.0, float(sizes[0]))).sum()) if sizes.size else 0
+            rank = int((sizes > RANK_TOLERANCE * max(1.0, float(sizes[0]))).sum()) if sizes.size else 0
             if not count or len(across) - rank < best.shape[1]:
                 best = across[rank:].T
         return best
 
     def near_singular(self, driven: Sequence[str]) -> dict[str, npt.NDArray[np.bool_]]:
-        """By driven dof of a loop: at which configurations (n,) its mechanism is near a singular pose, where
-        what follows can move although what drives rests, and so a dof that drives has a leverage without end
-        (Gosselin and Angeles, "Singularity analysis of closed-loop kinematic chains", 1990: the second kind).
-        Measured by the least singular value of the Jacobian of what follows, in shares of the ranges."""
+        """Returns by driven dof of a loop whether its mechanism is near a singular pose, at each
+        configuration (n,). There followers can move although the drivers rest, so a driver has an unbounded
+        leverage (Gosselin and Angeles, "Singularity analysis of closed-loop kinematic chains", 1990: the
+        second kind).
+
+        The measure is the least singular value of the Jacobian of the followers, in shares of the ranges.
+        """
         drivers = {dof: self._shares.get(dof, (dof, 1.0))[0] for dof in driven}
-        held = {self._columns[driver].start for driver in drivers.values() if driver in self._columns}
-        near: dict[int, npt.NDArray[np.bool_]] = {}
+        driver_columns = {
+            self._columns[driver].start for driver in drivers.values() if driver in self._columns
+        }
+        near_by_row: dict[int, npt.NDArray[np.bool_]] = {}
         for rows, columns in self._mechanisms():
-            rest = [column for column in columns if column not in held]
+            rest = [column for column in columns if column not in driver_columns]
             block = self._jacobian[:, rows][:, :, rest] * self._scales[rest]
             sizes = np.linalg.svd(block, compute_uv=False)
-            ranks = (sizes > RANK * sizes.max(initial=0.0)).sum(axis=1)
+            ranks = (sizes > RANK_TOLERANCE * sizes.max(initial=0.0)).sum(axis=1)
             if not ranks.max(initial=0):
                 continue
             least = sizes[:, ranks.max() - 1]
-            near |= dict.fromkeys(columns, least * SINGULAR < least.max())
+            near_by_row |= dict.fromkeys(columns, least * SINGULAR_RATIO < least.max())
         starts = {
             dof: self._columns[driver].start for dof, driver in drivers.items() if driver in self._columns
         }
-        return {dof: near[start] for dof, start in starts.items() if start in near}
+        return {dof: near_by_row[start] for dof, start in starts.items() if start in near_by_row}
 
     def _mechanisms(self) -> list[tuple[list[int], list[int]]]:
-        """The rows and the columns of the Jacobian of each group of loops that share a dof."""
+        """Returns the rows and the columns of the Jacobian of each group of loops that share a dof."""
         groups: list[tuple[list[int], set[int]]] = []
         for first in range(0, self._jacobian.shape[1], 6):
             rows = list(range(first, first + 6))
@@ -118,33 +123,33 @@ class Couplings:
         return [(rows, sorted(columns)) for rows, columns in groups]
 
     def moved_by(self, driven: Sequence[str]) -> dict[str, Rates]:
-        """By driven dof: the speeds of all dofs that move with it, itself included, while the other driven
-        ones rest."""
+        """Returns the speeds of all dofs that move with each driven dof, itself included, while the other
+        driven dofs rest."""
         drivers = {dof: self._shares.get(dof, (dof, 1.0)) for dof in driven}
         inside = [driver for driver, _ in drivers.values() if driver in self._columns]
-        held = [self._columns[driver].start for driver in inside]
-        rest = [column for column in range(self._jacobian.shape[2]) if column not in held]
-        answers = np.zeros((self._count, len(rest), len(held)))
-        if held and rest:
-            back = np.linalg.pinv(self._jacobian[:, :, rest], rcond=RANK)
-            answers = -back @ self._jacobian[:, :, held]
-        found: dict[str, Rates] = {}
+        driver_columns = [self._columns[driver].start for driver in inside]
+        rest = [column for column in range(self._jacobian.shape[2]) if column not in driver_columns]
+        answers = np.zeros((self._count, len(rest), len(driver_columns)))
+        if driver_columns and rest:
+            back = np.linalg.pinv(self._jacobian[:, :, rest], rcond=RANK_TOLERANCE)
+            answers = -back @ self._jacobian[:, :, driver_columns]
+        rates_by_driver: dict[str, Rates] = {}
         for dof, (driver, multiplier) in drivers.items():
             rates = {driver: np.ones((self._count, 1))}
             if driver in self._columns:
-                whole = np.zeros((self._count, self._jacobian.shape[2]))
-                whole[:, rest] = answers[:, :, inside.index(driver)]
-                whole[:, self._columns[driver]] = 1.0
-                rates = {name: whole[:, part] for name, part in self._columns.items()}
+                columns = np.zeros((self._count, self._jacobian.shape[2]))
+                columns[:, rest] = answers[:, :, inside.index(driver)]
+                columns[:, self._columns[driver]] = 1.0
+                rates = {name: columns[:, part] for name, part in self._columns.items()}
             for name, speeds in list(rates.items()):
                 rates |= {follower: factor * speeds for follower, factor in self._followers.get(name, ())}
-            found[dof] = {name: speeds / (multiplier or 1.0) for name, speeds in rates.items()}
-        return found
+            rates_by_driver[dof] = {name: speeds / (multiplier or 1.0) for name, speeds in rates.items()}
+        return rates_by_driver
 
 
 def nearest_first(robot: Robot) -> list[str]:
-    """The names of the tree's dofs, those nearest to the root first; of several, that which moves the most
-    mass."""
+    """Returns the names of the tree's dofs, those nearest to the root first; at the same depth, those that
+    move the most mass first."""
     depth = {robot.root.name: 0}
     order: dict[str, tuple[int, float, int]] = {}
     masses = {link.name: link.inertial.mass for link in robot.links}
@@ -152,7 +157,7 @@ def nearest_first(robot: Robot) -> list[str]:
         masses[joint.parent] += masses[joint.child]
     for number, joint in enumerate(robot.joints):
         depth[joint.child] = depth[joint.parent] + 1
-        # To few digits: the same links on both sides shall count as equal.
+        # Rounded to few digits, so that the same links on both sides count as equal.
         place = depth[joint.child], -float(f"{masses[joint.child]:.6g}"), number
         order |= {dof.name: place for dof in joint.dofs}
     return sorted(order, key=lambda name: order[name])

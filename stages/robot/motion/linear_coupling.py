@@ -1,21 +1,21 @@
-"""A dof that closed loops make follow another one, as nearly as a straight line tells."""
+"""Describes a dof that closed loops make follow another dof, approximated by a straight line."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
 class LinearCoupling:
-    """follower ≈ multiplier · driver + offset wherever the loops are closed, by the names of dofs.
-
-    `error` [rad or m]: how far the follower is off at most; `exact`: whether that is at most 1e-9. `low`,
-    `high`: the driver's values [rad or m] between which that was found.
-    """
+    """follower ≈ multiplier · driver + offset wherever the loops are closed, by the names of dofs."""
 
     follower: str
     driver: str
     multiplier: float
     offset: float
     error: float
+    """Largest error of the follower [rad or m]."""
     exact: bool
+    """Whether the error is at most 1e-9."""
     low: float
+    """Lower end of the driver's range in the fit [rad or m]."""
     high: float
+    """Upper end of the driver's range in the fit [rad or m]."""

@@ -1,4 +1,4 @@
-"""Loops at given poses of the links: how far each is from closed, and the values of its own dofs."""
+"""Measures loops at given poses of the links: the gap of each, and the values of its own dofs."""
 
 import math
 from collections.abc import Mapping
@@ -10,50 +10,55 @@ from linkwright.stages.robot.model.robot import Array, Dof, Loop, Value
 from linkwright.stages.robot.motion.kinematics import chain
 
 CLOSED = 1e-6
-"""A loop counts as closed when its frames meet within this [m, and rad]."""
+"""Largest distance of a loop's frames [m, and rad] at which it counts as closed."""
 
 POINTWISE = frozenset({"fixed", "revolute", "ball"})
 """Types of loops that close by holding points together: no dof of theirs is in the simulation."""
 
 
 def gap(loop: Loop, poses: Mapping[str, Array]) -> float:
-    """How far a loop is from closed at the links' `poses`: the larger of the offset [m] and the turn
-    [rad, if small] that remain with the best values of its own dofs."""
-    relative = across(loop, poses)
-    left = inverse(chain(loop.dofs, closing(loop, relative))) @ relative
-    return max(math.hypot(*left[:3, 3]), float(np.linalg.norm(left[:3, :3] - np.eye(3))) / math.sqrt(2))
+    """Returns the gap of a loop at the links' `poses`: the larger of the offset [m] and the turn [rad, if
+    small] that remain with the best values of its own dofs."""
+    relative = relative_pose(loop, poses)
+    remainder = inverse(chain(loop.dofs, closing_values(loop, relative))) @ relative
+    # For a turn by a small angle, the norm of R − 1 is √2 times the angle.
+    return max(
+        math.hypot(*remainder[:3, 3]), float(np.linalg.norm(remainder[:3, :3] - np.eye(3))) / math.sqrt(2)
+    )
 
 
-def across(loop: Loop, poses: Mapping[str, Array]) -> Array:
-    """second_from_first (4, 4) of a loop's two frames at the links' `poses`."""
+def relative_pose(loop: Loop, poses: Mapping[str, Array]) -> Array:
+    """Returns second_from_first (4, 4) of a loop's two frames at the links' `poses`."""
     return inverse(poses[loop.link_b] @ loop.b_from_frame) @ poses[loop.link_a] @ loop.a_from_frame
 
 
-def closing(loop: Loop, second_from_first: Array) -> dict[str, Value]:
-    """The values of a loop's dofs whose chain comes closest to `second_from_first` (4, 4).
+def closing_values(loop: Loop, second_from_first: Array) -> dict[str, Value]:
+    """Returns the values of a loop's dofs whose chain comes closest to `second_from_first` (4, 4).
 
-    A mate has one turn at most and slides turn nothing, so the turn follows from the rotations alone;
-    with it known, the offset is linear in the slides.
+    A mate has one turn at most and slides turn nothing, so the turn follows from the rotations alone. Once
+    the turn is known, the offset is linear in the slides.
     """
     q: dict[str, Value] = {dof.name: at_rest(dof.kind) for dof in loop.dofs}
     for index, dof in enumerate(loop.dofs):
         if dof.kind != "slide":
-            before = chain(loop.dofs[:index], q) @ dof.origin
+            dof_frame = chain(loop.dofs[:index], q) @ dof.origin
             after = chain(loop.dofs[index + 1 :], q)
-            q[dof.name] = _rotation(dof, before[:3, :3].T @ second_from_first[:3, :3] @ after[:3, :3].T)
+            q[dof.name] = _rotation(dof, dof_frame[:3, :3].T @ second_from_first[:3, :3] @ after[:3, :3].T)
     slides = [index for index, dof in enumerate(loop.dofs) if dof.kind == "slide"]
     if slides:
         frames = [chain(loop.dofs[:index], q) @ loop.dofs[index].origin for index in slides]
-        ways = [frame[:3, :3] @ loop.dofs[index].axis for frame, index in zip(frames, slides, strict=True)]
+        directions = [
+            frame[:3, :3] @ loop.dofs[index].axis for frame, index in zip(frames, slides, strict=True)
+        ]
         offset = (second_from_first - chain(loop.dofs, q))[:3, 3]
-        lengths = np.linalg.lstsq(np.column_stack(ways), offset, rcond=None)[0]
+        lengths = np.linalg.lstsq(np.column_stack(directions), offset, rcond=None)[0]
         q |= {loop.dofs[index].name: float(length) for index, length in zip(slides, lengths, strict=True)}
     return q
 
 
 def _rotation(dof: Dof, rotation: Array) -> Value:
-    """The value of a turn, or ball, that comes closest to `rotation` (3, 3): of a turn the whole number
-    of revolutions nearest to the saved value."""
+    """Returns the value of a turn, or ball, that comes closest to `rotation` (3, 3); a turn gets the whole
+    number of revolutions nearest to the saved value."""
     quat = quat_from_rotation(rotation)
     if isinstance(dof.saved, tuple):
         return tuple(float(x) for x in quat)

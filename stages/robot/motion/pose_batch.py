@@ -1,4 +1,5 @@
-"""The robot's kinematics at many configurations at once: the first axis of every array counts them."""
+"""Computes the robot's kinematics at many configurations at once: the first axis of every array counts
+them."""
 
 from collections.abc import Iterable, Mapping
 
@@ -9,11 +10,11 @@ from linkwright.stages.robot.model.poses import at_rest
 from linkwright.stages.robot.model.robot import Array, Configuration, Dof, Joint, Robot
 
 Values = Mapping[str, Array]
-"""By dof: (n,) of a turn or slide, (n, 4) of a ball, (n, 7) of a free joint."""
+"""Dof → values: (n,) for a turn or slide, (n, 4) for a ball, (n, 7) for a free joint."""
 
 
 def repeated(q: Configuration, count: int) -> dict[str, Array]:
-    """The same configuration `count` times."""
+    """Returns the same configuration `count` times."""
     return {
         name: np.tile(np.asarray(value, dtype=float), (count, 1)[: np.ndim(value) + 1])
         for name, value in q.items()
@@ -21,25 +22,25 @@ def repeated(q: Configuration, count: int) -> dict[str, Array]:
 
 
 def chosen(values: Values, rows: npt.NDArray[np.intp] | npt.NDArray[np.bool_]) -> dict[str, Array]:
-    """Some of the configurations, by index or by a mask."""
+    """Returns some of the configurations, by index or by a mask."""
     return {name: value[rows] for name, value in values.items()}
 
 
 def count_of(values: Values) -> int:
-    """How many configurations; 1 for a robot without dofs."""
+    """Returns the number of configurations; 1 for a robot without dofs."""
     return next((len(value) for value in values.values()), 1)
 
 
 def many_link_poses(robot: Robot, values: Values) -> dict[str, Array]:
-    """root_from_link (n, 4, 4) of every link."""
+    """Returns root_from_link (n, 4, 4) of every link."""
     return placed(robot.root.name, robot.joints, values)[0]
 
 
 def placed(
     root: str, joints: Iterable[Joint], values: Values
 ) -> tuple[dict[str, Array], dict[str, tuple[Array, Array]]]:
-    """root_from_link (n, 4, 4) below these joints (parents first), and of each of their dofs the frame
-    (n, 4, 4) in which it moves and that which it moves."""
+    """Returns root_from_link (n, 4, 4) below these joints (parents first), and two frames (n, 4, 4) for each
+    of their dofs: the frame in which it moves, and the frame that it moves."""
     poses = {root: np.tile(np.eye(4), (count_of(values), 1, 1))}
     frames: dict[str, tuple[Array, Array]] = {}
     for joint in joints:
@@ -48,17 +49,18 @@ def placed(
 
 
 def along(dofs: Iterable[Dof], start: Array, values: Values, frames: dict[str, tuple[Array, Array]]) -> Array:
-    """The end (n, 4, 4) of a chain of dofs that begins at `start` (n, 4, 4); `frames` gets those of each."""
+    """Returns the end (n, 4, 4) of a chain of dofs that begins at `start` (n, 4, 4); `frames` gets the frames
+    of each."""
     pose = start
     for dof in dofs:
-        before = pose @ dof.origin
-        pose = before @ motions(dof, values)
-        frames[dof.name] = before, pose
+        frame = pose @ dof.origin
+        pose = frame @ motions(dof, values)
+        frames[dof.name] = frame, pose
     return pose
 
 
 def motions(dof: Dof, values: Values) -> Array:
-    """The transforms (n, 4, 4) of a dof; where it has no values it does not move."""
+    """Returns the transforms (n, 4, 4) of a dof; a dof without values does not move."""
     if dof.name not in values:
         values = repeated({dof.name: at_rest(dof.kind)}, count_of(values))
     value = values[dof.name]
@@ -75,20 +77,21 @@ def motions(dof: Dof, values: Values) -> Array:
 
 
 def rotations(vectors: Array) -> Array:
-    """Rodrigues' rotations (n, 3, 3) about the vectors (n, 3), by their lengths [rad]."""
+    """Returns Rodrigues' rotations (n, 3, 3) about the vectors (n, 3), by their lengths [rad]."""
     return rotations_of_quats(quats_of(vectors))
 
 
 def quats_of(vectors: Array) -> Array:
-    """The quaternions (n, 4), as (w, x, y, z), of turns about the vectors (n, 3), by their lengths [rad]."""
+    """Returns the quaternions (n, 4), as (w, x, y, z), of turns about the vectors (n, 3), by their lengths
+    [rad]."""
     half = np.linalg.norm(vectors, axis=1)[:, None] / 2
-    # sin(x)/x, which np.sinc has of π x, stays exact at 0.
+    # sin(x)/x, which np.sinc computes for π x, is exact at 0.
     quats: Array = np.concatenate([np.cos(half), np.sinc(half / np.pi) * vectors / 2], axis=1)
     return quats
 
 
 def rotations_of_quats(quats: Array) -> Array:
-    """The rotations (n, 3, 3) of quaternions (n, 4), normalised here."""
+    """Returns the rotations (n, 3, 3) of quaternions (n, 4), normalised here."""
     w, x, y, z = (quats / np.linalg.norm(quats, axis=1)[:, None]).T
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -99,7 +102,7 @@ def rotations_of_quats(quats: Array) -> Array:
 
 
 def product_of_quats(first: Array, second: Array) -> Array:
-    """The products (n, 4) of quaternions (n, 4), by Hamilton's rule."""
+    """Returns the products (n, 4) of quaternions (n, 4), by Hamilton's rule."""
     a, b = first[:, 0], second[:, 0]
     u, v = first[:, 1:], second[:, 1:]
     scalar = a * b - np.einsum("ij,ij->i", u, v)
@@ -107,7 +110,7 @@ def product_of_quats(first: Array, second: Array) -> Array:
 
 
 def cross(first: Array, second: Array) -> Array:
-    """The products (n, 3, ...) of vectors along the second axis."""
+    """Returns the products (n, 3, ...) of vectors along the second axis."""
     # np.cross, which takes any axes, costs ten times as much for a few hundred vectors.
     product: Array = first[:, _NEXT] * second[:, _LAST] - first[:, _LAST] * second[:, _NEXT]
     return product
@@ -117,13 +120,13 @@ _NEXT, _LAST = [1, 2, 0], [2, 0, 1]
 
 
 def turns_of(rotations: Array) -> Array:
-    """The vectors (n, 3) about which, and by whose lengths [rad] up to π, these (n, 3, 3) turn."""
+    """Returns the rotation vectors (n, 3), of lengths [rad] up to π, of rotations (n, 3, 3)."""
     r = rotations
     doubled = np.stack([r[:, 2, 1] - r[:, 1, 2], r[:, 0, 2] - r[:, 2, 0], r[:, 1, 0] - r[:, 0, 1]], axis=1)
     sines = np.linalg.norm(doubled, axis=1) / 2
     angles = np.arctan2(sines, (np.trace(r, axis1=1, axis2=2) - 1) / 2)
     factors = np.divide(angles, 2 * sines, out=np.full_like(angles, 0.5), where=sines > 1e-9)
     vectors: Array = doubled * factors[:, None]
-    # Half a turn has no axis there: any will do, as long as it does not count as none.
+    # Half a turn has no axis there: any axis will do, as long as the turn is not lost.
     vectors[(sines <= 1e-9) & (angles > 1)] = [np.pi, 0, 0]
     return vectors

@@ -1,4 +1,4 @@
-"""Seeded poses of a robot that satisfy its limits, relations and loops."""
+"""Draws seeded poses of a robot that satisfy its limits, relations and loops."""
 
 import hashlib
 import math
@@ -12,22 +12,22 @@ from linkwright.stages.robot.motion.dof_ranges import ranges
 from linkwright.stages.robot.motion.pose_batch import chosen, count_of, repeated
 
 _ROUNDS = 4
-"""How often poses are drawn again in place of those whose loops do not close."""
+"""Largest number of draws of a pose until its loops close."""
 
 _STEPS = 24
-"""Steps from `home` to a drawn pose, where loops must stay closed on the way."""
+"""Steps from `home` to a drawn pose, at each of which the loops are closed."""
 
 
 def sampled_poses(
     robot: Robot, count: int, reach: float, start: Configuration, salt: str = ""
 ) -> dict[str, Array]:
-    """`count` configurations of all dofs, the same ones every time: arrays as `pose_batch.Values`. Another
-    `salt` draws others, of which none tells anything of these.
+    """Returns `count` configurations of all dofs, the same every time: arrays as `pose_batch.Values`. Another
+    `salt` draws independent configurations.
 
-    Every scalar is drawn evenly from its range, seeded by its dof's name (PCG64), so that the order of
-    joints does not matter. A turn without limits makes the whole turn about its value in `start`; a slide, or
-    free motion, goes as far as `reach` [m] to both sides of it; with one limit they go as far in all. A
-    ball's z axis points evenly into its cone, and the ball turns about it by any angle. Followers follow.
+    Every scalar is drawn evenly from its range, seeded by its dof's name (PCG64), so that the order of joints
+    does not matter. A turn without limits makes the whole turn about its value in `start`; a slide, or free
+    motion, goes as far as `reach` [m] to both sides of it; with a single limit the range is as long. A ball's
+    z axis points evenly into its cone, and the ball turns about it by any angle. Followers follow.
 
     Where a robot has loops, the dofs of these move from `start`, at which the loops must be closed, as near
     to the drawn values as closed loops allow; a pose whose loops do not close is drawn again, at most three
@@ -35,33 +35,35 @@ def sampled_poses(
     """
     dofs = [*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs)]
     limits = ranges(robot)
-    whole = {dof.name: _drawn(dof, limits.get(dof.name), start[dof.name], reach, count, salt) for dof in dofs}
-    for one in robot.relations:
-        whole[one.follower] = one.multiplier * whole[one.driver] + one.offset
+    all_values = {
+        dof.name: _draw(dof, limits.get(dof.name), start[dof.name], reach, count, salt) for dof in dofs
+    }
+    for relation in robot.relations:
+        all_values[relation.follower] = relation.multiplier * all_values[relation.driver] + relation.offset
     if not robot.loops:
-        return chosen(whole, np.arange(count))
+        return chosen(all_values, np.arange(count))
     closer = Closer(robot)
-    found: list[dict[str, Array]] = []
+    batches: list[dict[str, Array]] = []
     for turn in range(_ROUNDS):
-        target = chosen(whole, np.arange(turn * count, (turn + 1) * count))
-        first = {**target, **{name: repeated(start, count)[name] for name in _moved(robot, closer)}}
+        target = chosen(all_values, np.arange(turn * count, (turn + 1) * count))
+        first = {**target, **{name: repeated(start, count)[name] for name in _loop_dofs(robot, closer)}}
         values, closed = closer.settled(closer.towards(first, target, _STEPS))
-        found.append(chosen(values, closed & _in_cones(dofs, values)))
-        if sum(map(count_of, found)) >= count:
+        batches.append(chosen(values, closed & _in_cones(dofs, values)))
+        if sum(map(count_of, batches)) >= count:
             break
-    return {name: np.concatenate([values[name] for values in found])[:count] for name in whole}
+    return {name: np.concatenate([values[name] for values in batches])[:count] for name in all_values}
 
 
-def _moved(robot: Robot, closer: Closer) -> set[str]:
-    """The dofs that the loops move, and those that follow one of them."""
+def _loop_dofs(robot: Robot, closer: Closer) -> set[str]:
+    """Returns the dofs that the loops move, and their followers."""
     moved = set(closer.names)
-    return moved | {one.follower for one in robot.relations if one.driver in moved}
+    return moved | {relation.follower for relation in robot.relations if relation.driver in moved}
 
 
-def _drawn(
+def _draw(
     dof: Dof, limits: tuple[float, float] | None, middle: Value, reach: float, count: int, salt: str
 ) -> Array:
-    """`_ROUNDS` times `count` values of a dof."""
+    """Returns `_ROUNDS` times `count` values of a dof."""
     seed = int.from_bytes(hashlib.sha256(f"{salt}{dof.name}".encode()).digest()[:16], "big")
     random = np.random.Generator(np.random.PCG64(seed)).random((_ROUNDS * count, 6))
     if limits is not None and not isinstance(middle, tuple):
@@ -75,7 +77,8 @@ def _drawn(
 
 
 def ends_of(limits: tuple[float, float], middle: float, reach: float) -> tuple[float, float]:
-    """Both ends of a range: an open one is `reach` from `middle`, or twice that from the other end."""
+    """Returns both ends of a range: an open end is `reach` from `middle`, or twice that from the other
+    end."""
     low, high = limits
     if math.isinf(low) and math.isinf(high):
         return middle - reach, middle + reach
@@ -85,7 +88,9 @@ def ends_of(limits: tuple[float, float], middle: float, reach: float) -> tuple[f
 
 
 def _quats(random: Array, cone: float) -> Array:
-    """Rotations whose z axis is evenly spread over a cone of this half angle [rad], as quaternions (n, 4)."""
+    """Returns rotations whose z axis is evenly spread over a cone of this half angle [rad], as quaternions
+    (n, 4)."""
+    # The area of a cap of a sphere grows with 1 − cos(tilt), so the cosine is drawn evenly.
     tilt = np.arccos(1 - random[:, 0] * (1 - math.cos(min(cone, math.pi))))
     turn, about = 2 * math.pi * random[:, 1], 2 * math.pi * random[:, 2]
     # Rz(turn) Ry(tilt) Rz(about - turn): the z axis points along `turn`, and `about` is the twist.
@@ -101,10 +106,11 @@ def _quats(random: Array, cone: float) -> Array:
 
 
 def _in_cones(dofs: list[Dof], values: dict[str, Array]) -> npt.NDArray[np.bool_]:
-    """Whether every ball (n,) is within its cone."""
-    within = np.ones(count_of(values), dtype=bool)
+    """Returns whether every ball (n,) is within its cone."""
+    in_cone = np.ones(count_of(values), dtype=bool)
     for dof in dofs:
         if dof.kind == "ball" and dof.limits.upper is not None:
             _, x, y, _ = values[dof.name].T
-            within &= 1 - 2 * (x * x + y * y) >= math.cos(min(dof.limits.upper, math.pi)) - 1e-9
-    return within
+            # The turned z axis has the z component 1 − 2 (x² + y²), the cosine of its tilt.
+            in_cone &= 1 - 2 * (x * x + y * y) >= math.cos(min(dof.limits.upper, math.pi)) - 1e-9
+    return in_cone

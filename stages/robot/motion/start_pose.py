@@ -1,4 +1,4 @@
-"""Named poses of a robot: `saved`, `home`, the user's, and the one where a fresh simulation starts."""
+"""Computes the named poses of a robot: `saved`, `home`, the user's, and the start of a fresh simulation."""
 
 import functools
 from collections.abc import Mapping
@@ -10,22 +10,23 @@ from linkwright.stages.robot.model.robot import Array, Configuration, Robot, Val
 from linkwright.stages.robot.motion.closing import Closer
 from linkwright.stages.robot.motion.dof_ranges import ranges
 from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
-from linkwright.stages.robot.motion.loops import CLOSED, across, closing, gap
+from linkwright.stages.robot.motion.loops import CLOSED, closing_values, gap, relative_pose
 from linkwright.stages.robot.motion.pose_batch import repeated
 
-_ROUNDING = 1e-12
-"""A value that is outside its limits by less, or by that share of it, is within them."""
+_LIMIT_TOLERANCE = 1e-12
+"""Largest excess of a value over its limits that counts as rounding; above 1, as a share of the value."""
 
 HOME, SAVED = "home", "cad"
 """The keyframes that every robot has."""
 
 
 def starting_point(robot: Robot) -> Configuration:
-    """qpos0: mate zero if every loop and relation holds there, else the saved pose; but `home` where that
-    pose is outside the limits and `home` closes the loops.
+    """Returns qpos0, as values of the tree's dofs and of the loops' own. It is mate zero if every loop and
+    relation holds there, else the saved pose. It is `home` if that pose is outside the limits and `home`
+    closes the loops.
 
-    Values of the tree's dofs and of the loops' own. A free joint has no mate, and so no zero: it starts at
-    its saved pose. The saved pose of an MJCF source is its qpos0: it stays that.
+    A free joint has no mate, and so no zero: it starts at its saved pose. The saved pose of an MJCF source is
+    its qpos0: it stays that.
     """
     if robot.mjcf is not None:
         return saved(robot)
@@ -37,19 +38,19 @@ def starting_point(robot: Robot) -> Configuration:
 
 
 def _closed_at_zero(robot: Robot) -> dict[str, Value] | None:
-    """Mate zero, if every loop and relation holds there."""
+    """Returns mate zero, if every loop and relation holds there."""
     zero = {dof.name: dof.saved if dof.kind == "free" else at_rest(dof.kind) for dof in robot.dofs}
     holds = all(abs(relation.offset) == 0.0 for relation in robot.relations)
     poses = link_poses(robot, zero)
     if not holds or any(gap(loop, poses) > CLOSED for loop in robot.loops):
         return None
     for loop in robot.loops:
-        zero |= closing(loop, across(loop, poses))
+        zero |= closing_values(loop, relative_pose(loop, poses))
     return zero
 
 
 def saved(robot: Robot) -> dict[str, Value]:
-    """Values of the pose that was saved in CAD: the tree's dofs and the loops' own."""
+    """Returns the values of the pose that was saved in CAD: the tree's dofs and the loops' own."""
     return {
         **saved_configuration(robot),
         **{dof.name: dof.saved for loop in robot.loops for dof in loop.dofs},
@@ -57,69 +58,74 @@ def saved(robot: Robot) -> dict[str, Value]:
 
 
 def home(robot: Robot) -> dict[str, Value]:
-    """The pose nearest to the saved one that has the values of the keyframe `home`, if the user gives it."""
+    """Returns the pose nearest to the saved pose that has the values of the keyframe `home`, if the user
+    gives it."""
     return dict(_home(robot))
 
 
-@functools.lru_cache(maxsize=4)  # asked for in many places of a stage, of one and the same robot
+@functools.lru_cache(maxsize=4)  # many places of a stage ask for the same robot's
 def _home(robot: Robot) -> Configuration:
-    return nearest(robot, saved(robot), _given(robot).get(HOME, {}))
+    return nearest(robot, saved(robot), _keyframe_values(robot).get(HOME, {}))
 
 
 def keyframes(robot: Robot) -> dict[str, dict[str, Value]]:
-    """Every named pose: `home`, the saved one as `cad`, and the user's own, each the nearest to `home` that
-    has its values."""
+    """Returns all named poses: `home`, the saved pose as `cad`, and the user's own, each the nearest to
+    `home` that has its values."""
     at_home = home(robot)
-    own = {name: given for name, given in _given(robot).items() if name != HOME}
-    found = {name: nearest(robot, at_home, given) for name, given in own.items()}
-    return {HOME: at_home, SAVED: saved(robot), **found}
+    user_values = {name: pose_values for name, pose_values in _keyframe_values(robot).items() if name != HOME}
+    user_poses = {name: nearest(robot, at_home, pose_values) for name, pose_values in user_values.items()}
+    return {HOME: at_home, SAVED: saved(robot), **user_poses}
 
 
 def roots_in_source(robot: Robot) -> dict[str, Array]:
-    """World from root (4, 4) in the robot's source: by keyframe of an MJCF, and elsewhere under ""."""
+    """Returns world from root (4, 4) in the robot's source: by keyframe of an MJCF, and elsewhere under
+    ""."""
     poses = {"": robot.world_from_root}
     if robot.mjcf is not None and not robot.base.fixed:
-        for one in robot.mjcf.keyframes:
-            if one.world_from_root:
-                x, y, z, *quat = one.world_from_root
-                poses[one.name] = from_parts(rotation_from_quat(np.array(quat)), np.array([x, y, z]))
+        for keyframe in robot.mjcf.keyframes:
+            if keyframe.world_from_root:
+                x, y, z, *quat = keyframe.world_from_root
+                poses[keyframe.name] = from_parts(rotation_from_quat(np.array(quat)), np.array([x, y, z]))
     return poses
 
 
-def _given(robot: Robot) -> dict[str, dict[str, float]]:
+def _keyframe_values(robot: Robot) -> dict[str, dict[str, float]]:
     return {keyframe.name: dict(keyframe.given) for keyframe in robot.keyframes}
 
 
-def nearest(robot: Robot, near: Configuration, given: Mapping[str, float] | None = None) -> dict[str, Value]:
-    """The pose nearest to `near` that is within the limits, follows the relations and closes the loops;
-    `given` values, by dof, are taken as they are.
+def nearest(
+    robot: Robot, target: Configuration, fixed_values: Mapping[str, float] | None = None
+) -> dict[str, Value]:
+    """Returns the pose nearest to `target` that is within the limits, follows the relations and closes the
+    loops; `fixed_values`, by dof, are taken as they are.
 
     Nearest by the sum of squares over the dofs of the loops, each as a share of its range (see
-    `Closer.nearest`), and by itself for each other driver. A ball stays as it is in `near`. Where no such
+    `Closer.nearest`), and by itself for each other driver. A ball stays as it is in `target`. Where no such
     pose closes the loops, they stay open.
     """
-    given = given or {}
-    near = {**near, **given}
-    if not given and is_within(robot, near):
-        return near
+    fixed_values = fixed_values or {}
+    target = {**target, **fixed_values}
+    if not fixed_values and is_within(robot, target):
+        return target
     limits = ranges(robot)
     start = {
-        name: value if name in given or isinstance(value, tuple) else _clipped(limits[name], value)
-        for name, value in near.items()
+        name: value if name in fixed_values or isinstance(value, tuple) else _clipped(limits[name], value)
+        for name, value in target.items()
     }
-    for one in robot.relations:
-        driver = start[one.driver]
-        if one.follower not in given and not isinstance(driver, tuple):
-            start[one.follower] = one.multiplier * driver + one.offset
-    return nearest_closed(robot, start, near, given) if robot.loops else start
+    for relation in robot.relations:
+        driver = start[relation.driver]
+        if relation.follower not in fixed_values and not isinstance(driver, tuple):
+            start[relation.follower] = relation.multiplier * driver + relation.offset
+    return nearest_closed(robot, start, target, fixed_values) if robot.loops else start
 
 
 def nearest_closed(
-    robot: Robot, start: Configuration, near: Configuration, given: Mapping[str, float]
+    robot: Robot, start: Configuration, target: Configuration, fixed_values: Mapping[str, float]
 ) -> dict[str, Value]:
-    """The configuration with closed loops that is nearest to `near`; `start` where there is none."""
-    closer = Closer(robot, held=given)
-    values = closer.nearest(repeated(start, 1), repeated(near, 1))
+    """Returns the configuration with closed loops that is nearest to `target`; `start` if no loops can be
+    closed."""
+    closer = Closer(robot, held=fixed_values)
+    values = closer.nearest(repeated(start, 1), repeated(target, 1))
     values, closed = closer.settled(values)
     if not closed[0]:
         return dict(start)
@@ -130,23 +136,23 @@ def nearest_closed(
 
 
 def is_within(robot: Robot, values: Configuration) -> bool:
-    """Whether every turn and slide is within its limits, and those of what follows it."""
+    """Returns whether every turn and slide is within its limits and those of its followers."""
     limits = ranges(robot)
-    return all(_within(limits[name], value) for name, value in values.items() if name in limits)
+    return all(_is_inside(limits[name], value) for name, value in values.items() if name in limits)
 
 
 def open_loops(robot: Robot, values: Configuration) -> list[str]:
-    """The names of the loops that are further from closed than in the saved pose."""
+    """Returns the names of the loops that are further from closed than in the saved pose."""
     if not robot.loops:
         return []
     poses = link_poses(robot, values)
     return [loop.name for loop in robot.loops if gap(loop, poses) > max(CLOSED, 2 * loop.residual)]
 
 
-def _within(limits: tuple[float, float], value: Value) -> bool:
+def _is_inside(limits: tuple[float, float], value: Value) -> bool:
     if isinstance(value, tuple):
         return True
-    rounding = _ROUNDING * max(1.0, abs(value))
+    rounding = _LIMIT_TOLERANCE * max(1.0, abs(value))
     return limits[0] - rounding <= value <= limits[1] + rounding
 
 

@@ -1,9 +1,9 @@
-"""Guest processes: code that reads untrusted input runs in its own process, within limits.
+"""Runs code that reads untrusted input in guest processes, within limits.
 
-A guest is a module with a function `answer(request: bytes) -> bytes`. Its process is Python's isolated mode
-with the libraries of this one, an environment of what it is given and no more, no terminal, and no input but
-its requests; a crash does not affect this process. The guest and its children are ended where they exceed a
-limit of time or memory, and where this process is interrupted or ends.
+A guest is a module with a function `answer(request: bytes) -> bytes`. Its process runs in Python's isolated
+mode with the libraries of this process, only the environment variables that it is given, no terminal, and no
+input but its requests; a crash does not affect this process. The guest and its children are ended where they
+exceed a limit of time or memory, and where this process is interrupted or ends.
 """
 
 from __future__ import annotations
@@ -36,22 +36,22 @@ _OF_WINDOWS = ("SYSTEMROOT", "SYSTEMDRIVE", "TEMP", "TMP")
 
 _ERRORS: Mapping[str, type[LinkwrightError]] = {"SourceError": SourceError, "ConfigError": ConfigError}
 _KINDS = (b"R", b"E")
-"""A reply, and an error."""
+"""First byte of a reply, and of an error."""
 
-_HEAD = 9
-"""Bytes before a reply: its kind and its length."""
+_HEADER = 9
+"""Number of bytes before a reply: its kind and its length."""
 
-_LOOK = 0.05
-"""How often a guest's time and memory are looked at [s]."""
+_CHECK_INTERVAL = 0.05
+"""The interval of checks of a guest's time and memory [s]."""
 
-_LOOK_BY_PS = 0.5
+_PS_CHECK_INTERVAL = 0.5
 _PATIENCE = 5.0
-"""How long a guest may take to end after its reply [s]."""
+"""Longest time that a guest may take to end after its reply [s]."""
 
-_KEPT = 0.25
-"""A process that still has so much of its memory limit after a reply is not asked again."""
+_MAX_KEPT_MEMORY = 0.25
+"""Largest share of the memory limit that a process may use after a reply; above it, it is not used again."""
 
-_LONGEST_LINE = 200
+_MAX_LINE_LENGTH = 200
 
 
 ONE_THREAD = dict.fromkeys(
@@ -72,9 +72,9 @@ ONE_THREAD = dict.fromkeys(
 class Bounds:
     """Limits of a guest: time [s], resident memory and the length of its reply [bytes].
 
-    The time is that of the wall clock. One that only computes is given its processor time instead, and
-    `shared` times as much of the clock's, so that a machine with much else to do gives the same results.
-    Where a system does not show the memory of a process (Windows), time alone is bounded.
+    The time is that of the wall clock. For a guest that only computes it is processor time instead, with
+    `shared` times as much wall time, so that a busy machine gives the same results. Where a system does not
+    show the memory of a process (Windows), time alone is bounded.
     """
 
     seconds: float
@@ -84,19 +84,19 @@ class Bounds:
 
 
 class Ended(Exception):
-    """A guest ended without a reply; the text continues a sentence after its name: "took longer than 60
-    s"."""
+    """A guest ended without a reply; the text completes a sentence that begins with its name: "took longer
+    than 60 s"."""
 
 
 class _Broken(Ended):
-    """Ended, in a way that an earlier request may be to blame for."""
+    """An end of a guest that an earlier request may have caused."""
 
 
 class Guest:
     """A process that answers request after request, of one thread at a time.
 
-    It starts with the first request, and anew after each that it does not survive; whoever has it closes it.
-    It also ends where another thread sets `halt`.
+    It starts with the first request, and again after each that it does not survive; its owner closes it. It
+    also ends where another thread sets `halt`.
     """
 
     def __init__(
@@ -111,17 +111,17 @@ class Guest:
         self._process: _Process | None = None
 
     def ask(self, request: bytes) -> bytes:
-        """The reply of `module` to `request`, in a process with the variables `environ` and, on Windows, the
-        few that the system needs.
+        """Returns the reply of `module` to `request`, in a process with the variables `environ` and, on
+        Windows, the few that the system needs.
 
         Raises the guest's own SourceError or ConfigError, and Ended without a complete reply, which includes
         that another thread sets `halt`.
         """
-        used = self._process is not None
+        reused = self._process is not None
         try:
             return self._answer(request)
         except _Broken:
-            if not used:
+            if not reused:
                 raise
         # An earlier request may have broken the process: each has the same result whatever came before it.
         return self._answer(request)
@@ -133,7 +133,7 @@ class Guest:
         except BaseException:
             self.close()
             raise
-        if process.resident() > _KEPT * self._bounds.memory:
+        if process.resident() > _MAX_KEPT_MEMORY * self._bounds.memory:
             self.close()
         return reply
 
@@ -151,7 +151,7 @@ def ask(
     environ: Mapping[str, str],
     halt: threading.Event | None = None,
 ) -> bytes:
-    """The reply of a guest that is asked nothing else."""
+    """Returns the reply of a guest that gets only this request."""
     with contextlib.closing(Guest(module, bounds, environ, halt)) as guest:
         return guest.ask(request)
 
@@ -194,18 +194,18 @@ class _Process:
     def reply(self, request: bytes, halt: threading.Event | None) -> bytes:
         if self._output:
             raise _Broken("replied before it was asked")
-        started, before = time.monotonic(), process_usage.computed(self._process.pid, 0.0)
+        started, computed_before = time.monotonic(), process_usage.computed(self._process.pid, 0.0)
         self._requests.put(len(request).to_bytes(8, "big") + request)
-        look = _LOOK if process_usage.is_quick() else _LOOK_BY_PS
+        look = _CHECK_INTERVAL if process_usage.is_quick() else _PS_CHECK_INTERVAL
         while not self._replied.wait(look):
             if halt is not None and halt.is_set():
                 raise Ended("was interrupted")
-            if self._spent(time.monotonic() - started, before) > self._bounds.seconds:
+            if self._spent(time.monotonic() - started, computed_before) > self._bounds.seconds:
                 raise Ended(f"took longer than {self._bounds.seconds:g} s")
             if self.resident() > self._bounds.memory:
                 raise _Broken(f"needed more than {self._bounds.memory / 1e9:.3g} GB of memory")
-        kind, length = bytes(self._output[:1]), int.from_bytes(self._output[1:_HEAD], "big")
-        body = bytes(self._output[_HEAD:])
+        kind, length = bytes(self._output[:1]), int.from_bytes(self._output[1:_HEADER], "big")
+        body = bytes(self._output[_HEADER:])
         if len(body) > self._bounds.reply:
             raise Ended(f"made more than {self._bounds.reply / 1e6:.3g} MB")
         if kind not in _KINDS or len(body) != length:
@@ -218,16 +218,16 @@ class _Process:
         return body
 
     def resident(self) -> int:
-        """Its resident memory [bytes]."""
+        """Returns the resident memory of the process [bytes]."""
         return process_usage.resident(self._process.pid)
 
-    def _spent(self, passed: float, before: float) -> float:
-        """The time [s] that counts, of what the clock says has passed; `before`: what the process had
-        computed by then."""
+    def _spent(self, passed: float, computed_before: float) -> float:
+        """Returns the time [s] that counts of the wall time `passed`; `computed_before`: the processor time
+        at its beginning."""
         if self._bounds.shared == 1.0:
             return passed
-        used = process_usage.computed(self._process.pid, before + passed) - before
-        return max(passed / self._bounds.shared, min(used, passed))
+        computed = process_usage.computed(self._process.pid, computed_before + passed) - computed_before
+        return max(passed / self._bounds.shared, min(computed, passed))
 
     def end(self) -> None:
         self._requests.put(b"")
@@ -244,7 +244,7 @@ class _Process:
         return thread
 
     def _send(self) -> None:
-        """Sends what is in the queue, until that is nothing."""
+        """Sends the requests in the queue, until an empty request."""
         with contextlib.suppress(OSError), _stream(self._process.stdin) as stream:
             while rest := memoryview(self._requests.get()):
                 while rest:
@@ -252,17 +252,17 @@ class _Process:
 
     def _read_output(self) -> None:
         with contextlib.suppress(OSError), _stream(self._process.stdout) as stream:
-            while len(self._output) <= self._bounds.reply + _HEAD and (piece := stream.read(1 << 20)):
+            while len(self._output) <= self._bounds.reply + _HEADER and (piece := stream.read(1 << 20)):
                 self._output += piece
                 if self._complete():
                     self._replied.set()
         self._replied.set()
 
     def _complete(self) -> bool:
-        """Whether the output holds a whole reply, or what is not the beginning of a reply."""
+        """Returns whether the output holds a whole reply, or does not begin as a reply."""
         if self._output[:1] not in _KINDS:
             return True
-        return len(self._output) >= _HEAD + int.from_bytes(self._output[1:_HEAD], "big")
+        return len(self._output) >= _HEADER + int.from_bytes(self._output[1:_HEADER], "big")
 
     def _read_errors(self) -> None:
         """Keeps the end of the guest's other output."""
@@ -278,12 +278,12 @@ class _Process:
         except subprocess.TimeoutExpired:
             return "gave no reply"
         if -status == getattr(signal, "SIGPROF", 0):
-            return "took more of the processor than the sizes of its files explain"
+            return "used more processor time than the sizes of its files explain"
         if status < 0:
             name = signal.Signals(-status).name if -status in list(signal.Signals) else str(-status)
             return f"crashed ({name})"
         lines = self._error_output.decode("utf-8", "replace").strip().splitlines()
-        return f"failed ({lines[-1][:_LONGEST_LINE]})" if lines else f"ended with status {status}"
+        return f"failed ({lines[-1][:_MAX_LINE_LENGTH]})" if lines else f"ended with status {status}"
 
 
 def _stream(pipe: IO[bytes] | None) -> IO[bytes]:
@@ -292,19 +292,19 @@ def _stream(pipe: IO[bytes] | None) -> IO[bytes]:
 
 
 def _taken(names: Iterable[str]) -> dict[str, str]:
-    """Those of this process's variables."""
+    """Returns the variables of this process with these names."""
     return {name: os.environ[name] for name in names if name in os.environ}
 
 
 def _libraries() -> list[str]:
-    """The library path of this process, without the working folder and the script's folder."""
-    beside = {os.path.abspath(""), os.path.dirname(os.path.abspath(sys.argv[0]))}  # noqa: PTH100, PTH120
-    found = [os.path.abspath(place) for place in sys.path if place]  # noqa: PTH100
-    return list(dict.fromkeys(place for place in found if place not in beside))
+    """Returns the library path of this process, without the working folder and the script's folder."""
+    left_out = {os.path.abspath(""), os.path.dirname(os.path.abspath(sys.argv[0]))}  # noqa: PTH100, PTH120
+    folders = [os.path.abspath(place) for place in sys.path if place]  # noqa: PTH100
+    return list(dict.fromkeys(place for place in folders if place not in left_out))
 
 
 def _error(body: bytes) -> LinkwrightError:
-    """The error that a guest reports; Ended where it is not a valid one."""
+    """Returns the error that a guest reports; Ended where it is not a valid one."""
     try:
         fields = json.loads(body)
         kind = _ERRORS[fields["kind"]]

@@ -1,5 +1,4 @@
-"""The entry point of a guest process (see `guest`). It imports none of our modules until it knows their
-folder."""
+"""Starts a guest process (see `guest`). It imports our modules only once it knows their folder."""
 
 import importlib
 import json
@@ -10,8 +9,8 @@ import types
 
 
 def main() -> None:
-    # Replies and requests have streams of their own: whatever else is printed is a complaint, and there is
-    # nothing else to read.
+    # Replies and requests have streams of their own: all other output goes to the error output, and there is
+    # no other input.
     replies = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     requests = os.fdopen(os.dup(0), "rb")
@@ -25,7 +24,7 @@ def main() -> None:
     for name in set(os.environ) - set(head["environ"]):
         del os.environ[name]
     sys.path[:] = head["path"]
-    # Our modules, without the package's public face and wherever they are installed.
+    # Our modules are imported without the package's `__init__`, wherever they are installed.
     package = sys.modules["linkwright"] = types.ModuleType("linkwright")
     package.__path__ = [head["package"]]
     errors = importlib.import_module("linkwright.stages.robot.errors")
@@ -43,20 +42,20 @@ def main() -> None:
         replies.write(kind + len(body).to_bytes(8, "big"))
         replies.write(body)
         replies.flush()
-    # Nothing is left to do: what a library would tidy up, the system does.
+    # Nothing is left to do: the system frees what libraries would.
     os._exit(0)
 
 
 def _end_after(seconds: float) -> None:
-    """The kernel ends this process after so many seconds; 0: it does not."""
+    """Makes the kernel end this process after this time [s]; 0: never."""
     if hasattr(signal, "setitimer"):
         signal.signal(signal.SIGALRM, signal.SIG_DFL)
         signal.setitimer(signal.ITIMER_REAL, seconds)
 
 
 def _end_with(parent: int) -> None:
-    """The kernel ends this process with the `parent` process (Linux), whatever code runs in it by then; a
-    crash leaves no file."""
+    """Makes the kernel end this process with the `parent` process (Linux), whatever code it runs; a crash
+    leaves no file."""
     if hasattr(signal, "setitimer"):
         # Late: POSIX only.
         import resource

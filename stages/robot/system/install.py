@@ -1,18 +1,24 @@
-"""Installed packages: their versions, and the command that installs an optional one."""
+"""Finds the versions of installed packages, and the command that installs an optional package."""
 
 import functools
 
 OPTIONAL = {
     "hydra-joblib-launcher": ">=1.2,<2",
+    "hydra-optuna-sweeper": ">=1.3,<2",
+    "hydra-ray-launcher": ">=1.2.2,<2",
+    "hydra-submitit-launcher": ">=1.2,<2",
     "joblib": ">=1.5,<2",
+    "optuna": ">=2.10.1,<6",
     "pillow": ">=11.3,<14",
     "pin": ">=4.0,<5",
     "pycollada": ">=0.8,<1",
+    "ray": ">=2.55,<3",
     "socksio": ">=1.0,<2",
+    "submitit": ">=1.5,<2",
     "usd-core": ">=26.3,<27",
     "xacro": ">=2.1,<3",
 }
-"""The versions of each, as in pyproject.toml."""
+"""The accepted versions of each optional package, as in pyproject.toml."""
 
 
 def install(*packages: str) -> str:
@@ -23,8 +29,9 @@ def install(*packages: str) -> str:
 
 @functools.cache
 def installed(library: str) -> str:
-    """The version of an installed distribution, found without importing it; "absent" where there is none."""
-    # Here, since most who import this module ask for no version, and it takes as long as all the rest of it.
+    """Returns the version of an installed distribution, found without importing it; "absent" if it is not
+    installed."""
+    # Imported here: it takes as long as the rest of this module, and few callers ask for a version.
     from importlib.metadata import PackageNotFoundError, version
 
     try:

@@ -1,24 +1,26 @@
-"""Memory and processor time that a process uses."""
+"""Measures the memory and processor time that a process uses."""
 
 from __future__ import annotations
 
+import contextlib
 import os
 import subprocess
+from collections.abc import Iterator
 from pathlib import Path
 
 _STATM = "/proc/{}/statm"
 _STAT = "/proc/{}/stat"
 _PATIENCE = 5.0
-"""How long `ps` may take [s]."""
+"""Longest time that `ps` may take [s]."""
 
 
 def is_quick() -> bool:
-    """Whether the system shows the memory of a process in a file."""
+    """Returns whether the system shows the memory of a process in a file."""
     return os.path.exists(_STATM.format("self"))  # noqa: PTH110
 
 
 def resident(process: int) -> int:
-    """The resident memory of a process [bytes], 0 where the system does not show it."""
+    """Returns the resident memory of a process [bytes], 0 where the system does not show it."""
     try:
         with open(_STATM.format(process), "rb") as file:
             return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
@@ -27,7 +29,7 @@ def resident(process: int) -> int:
 
 
 def computed(process: int, unknown: float) -> float:
-    """The processor time of a process [s], `unknown` where the system does not show it."""
+    """Returns the processor time of a process [s], `unknown` where the system does not show it."""
     try:
         # The name of the program, in brackets, may hold anything.
         fields = Path(_STAT.format(process)).read_text().rpartition(")")[2].split()
@@ -38,20 +40,36 @@ def computed(process: int, unknown: float) -> float:
 
 def _resident_by_ps(process: int) -> int:
     try:
-        listed = subprocess.run(
+        output = subprocess.run(
             ["ps", "-o", "rss=", "-p", str(process)],
             stdin=subprocess.DEVNULL,
             capture_output=True,
             timeout=_PATIENCE,
             check=False,
         )
-        return int(listed.stdout) * 1024
+        return int(output.stdout) * 1024
     except (OSError, ValueError, subprocess.TimeoutExpired):
         return 0
 
 
+_most: int | None = None
+
+
 def processors() -> int:
-    """How many processors this process may use."""
+    """Returns the number of processors that this process may use, at least 1."""
     if hasattr(os, "process_cpu_count"):
-        return os.process_cpu_count() or 1
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        available = os.process_cpu_count() or 1
+    else:
+        available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return available if _most is None else max(1, min(available, _most))
+
+
+@contextlib.contextmanager
+def at_most(number: int | None) -> Iterator[None]:
+    """Limits the processors that this process uses inside, since processes beside it use the rest."""
+    global _most
+    previous, _most = _most, number
+    try:
+        yield
+    finally:
+        _most = previous

@@ -1,4 +1,4 @@
-"""Names: from what a designer typed to what every simulator accepts."""
+"""Turns names that designers type into names that every simulator accepts."""
 
 import re
 import unicodedata
@@ -9,26 +9,26 @@ RESERVED = frozenset({"world"})
 SPELLED = str.maketrans(
     {"ß": "ss", "æ": "ae", "Æ": "AE", "œ": "oe", "Œ": "OE", "ø": "o", "Ø": "O", "ł": "l", "Ł": "L"}
 )
-"""Letters that do not fall apart into a plain one and an accent."""
+"""Letters that do not decompose into a plain letter and an accent."""
 
-LONGEST = 80
-"""So many letters of a word are kept: names name files, whose own names may have 255."""
+MAX_LETTERS = 80
+"""Largest number of letters of a name: files are named by it, and their names may have 255."""
 
 
 def legal(text: str) -> str:
-    """`text` in [A-Za-z0-9_], lower case, words joined by "_", cut short; "" where nothing is left.
+    """Returns `text` in [A-Za-z0-9_], lower case, words joined by "_", cut short; "" where nothing is left.
 
     The instance suffix " <1>" goes; " <3>" stays as "_3", so that adding a second instance never
     renames the first.
     """
     text, suffix = _instance(text)
     plain = unicodedata.normalize("NFKD", text.translate(SPELLED)).encode("ascii", "ignore").decode()
-    plain = re.sub(r"[^A-Za-z0-9]+", "_", plain).strip("_").lower()[:LONGEST].rstrip("_")
+    plain = re.sub(r"[^A-Za-z0-9]+", "_", plain).strip("_").lower()[:MAX_LETTERS].rstrip("_")
     return plain + suffix if plain else ""
 
 
 def plain(text: str) -> str:
-    """`text` in [A-Za-z0-9_], as near to it as can be: unchanged where it is so already."""
+    """Returns `text` in [A-Za-z0-9_], changed as little as possible."""
     if re.fullmatch("[A-Za-z0-9_]+", text):
         return text
     bare = unicodedata.normalize("NFKD", text.translate(SPELLED)).encode("ascii", "ignore").decode()
@@ -36,12 +36,12 @@ def plain(text: str) -> str:
 
 
 def legal_or_unnamed(text: str) -> str:
-    """The legal name, or "unnamed" with the instance's number where no letter of it is legal."""
+    """Returns the legal name, or "unnamed" with the instance's number where no letter of it is legal."""
     return legal(text) or "unnamed" + _instance(text)[1]
 
 
 def _instance(text: str) -> tuple[str, str]:
-    """A name without its instance suffix, and what stands for that: "" for <1>, "_3" for <3>."""
+    """Returns a name without its instance suffix, and the replacement of that: "" for <1>, "_3" for <3>."""
     match = re.fullmatch(r"(.*?)\s*<(\d+)>\s*", text, flags=re.DOTALL)
     if not match:
         return text, ""
@@ -49,14 +49,14 @@ def _instance(text: str) -> tuple[str, str]:
     return match.group(1), f"_{count}" if count > 1 else ""
 
 
-def shortest_unique(paths: Mapping[str, Sequence[str]], taken: Iterable[str] = ()) -> dict[str, str]:
-    """A unique legal name for each key, from the shortest tail of its path that no other shares.
+def shortest_unique(paths: Mapping[str, Sequence[str]], taken_names: Iterable[str] = ()) -> dict[str, str]:
+    """Returns a unique legal name for each key, from the shortest tail of its path that no other path shares.
 
-    `paths`: key → words from the outermost to the innermost ("leg <2>", "foot <1>"). Names in
-    `taken` and reserved ones are avoided. What is still alike after the whole path gets "_2",
-    "_3" in the order of the paths, then of the keys, so the order of the mapping never matters.
+    `paths`: key → words from the outermost to the innermost ("leg <2>", "foot <1>"). Names in `taken_names`
+    and reserved names are avoided. Names that are still alike after the whole path get "_2", "_3" in the
+    order of the paths, then of the keys, so the order of the mapping never matters.
     """
-    taken = set(taken) | RESERVED
+    taken_names = set(taken_names) | RESERVED
     words = {key: [legal_or_unnamed(word) for word in path] for key, path in paths.items()}
     depth = dict.fromkeys(words, 1)
     while True:
@@ -78,27 +78,28 @@ def shortest_unique(paths: Mapping[str, Sequence[str]], taken: Iterable[str] = (
     names: dict[str, str] = {}
     for tail in sorted(owners):
         for key in sorted(owners[tail], key=lambda key: (tuple(paths[key]), key)):
-            names[key] = free(tail, taken)
-            taken.add(names[key])
+            names[key] = free(tail, taken_names)
+            taken_names.add(names[key])
     return names
 
 
-def free(name: str, taken: set[str]) -> str:
-    """`name`, or with the first of _2, _3, ... that is not taken; of very many some that is not."""
-    if name not in taken:
+def free(name: str, taken_names: set[str]) -> str:
+    """Returns `name` if it is free, else `name` with the first free suffix of _2, _3, ...; after many of
+    them, with any free suffix."""
+    if name not in taken_names:
         return name
-    for count in range(2, _NEAR):
-        if f"{name}_{count}" not in taken:
+    for count in range(2, _MAX_COUNTED):
+        if f"{name}_{count}" not in taken_names:
             return f"{name}_{count}"
-    # Without gaps this is the first, too, and it takes log n steps where one by one takes n.
-    low, high = _NEAR - 1, 2 * _NEAR
-    while f"{name}_{high}" in taken:
+    # Without gaps this finds the first too, in log n steps in place of n.
+    low, high = _MAX_COUNTED - 1, 2 * _MAX_COUNTED
+    while f"{name}_{high}" in taken_names:
         low, high = high, 2 * high
     while high - low > 1:
         middle = (low + high) // 2
-        low, high = (middle, high) if f"{name}_{middle}" in taken else (low, middle)
+        low, high = (middle, high) if f"{name}_{middle}" in taken_names else (low, middle)
     return f"{name}_{high}"
 
 
-_NEAR = 100
-"""Counts that are tried one by one."""
+_MAX_COUNTED = 100
+"""Suffixes below this are tried one by one."""

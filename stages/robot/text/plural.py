@@ -1,6 +1,6 @@
-"""Numbers with their nouns."""
+"""Puts numbers with their nouns."""
 
 
-def count(number: int, one: str, many: str = "") -> str:
-    """A number with its noun: "1 link", "2 links"."""
-    return f"{number} {one if number == 1 else many or one + 's'}"
+def count(number: int, noun: str, many: str = "") -> str:
+    """Returns a number with its noun: "1 link", "2 links"."""
+    return f"{number} {noun if number == 1 else many or noun + 's'}"

@@ -1,4 +1,5 @@
-"""Text that a terminal, a log or an XML file can show: the one place that replaces control characters."""
+"""Makes text that a terminal, a log or an XML file can show: the only place that replaces control
+characters."""
 
 import re
 import unicodedata
@@ -20,25 +21,27 @@ Joiners (U+200C, U+200D) stay: emoji, Persian and Indic words are made of them.
 
 
 def printable(text: str) -> str:
-    """`text` on one line, each control character in it as JSON writes it: `\\u001b`, `\\n`."""
+    """Returns `text` on one line, each control character in it as JSON writes it: `\\u001b`, `\\n`."""
     return printable_lines(text).replace("\n", "\\n").replace("\t", " ")
 
 
 def printable_lines(text: str) -> str:
-    """As `printable`, but line feeds and tabs stay. JSON remains the same JSON."""
+    """Returns `text` with control characters replaced, except line feeds and tabs. JSON remains the same
+    JSON."""
     return _UNPRINTABLE.sub(_escaped, text)
 
 
 def sentence(text: str) -> str:
-    """A message on one line: a space in place of each line break, which messages of libraries have."""
+    """Puts a message on one line, with a space in place of each line break, which messages of libraries
+    have."""
     return printable(re.sub(r"[ \t]*\n[ \t\n]*", " ", text.rstrip(" \t\n")))
 
 
 def columns(text: str) -> int:
-    """The number of columns that `text` takes in a terminal."""
+    """Returns the number of columns that `text` takes in a terminal."""
     return sum(2 if unicodedata.east_asian_width(letter) in "WF" else 1 for letter in text)
 
 
-def _escaped(found: re.Match[str]) -> str:
-    code = found[0].encode("utf-16-be", "surrogatepass").hex()
-    return "".join(f"\\u{code[at : at + 4]}" for at in range(0, len(code), 4))
+def _escaped(match: re.Match[str]) -> str:
+    code = match[0].encode("utf-16-be", "surrogatepass").hex()
+    return "".join(f"\\u{code[start : start + 4]}" for start in range(0, len(code), 4))

@@ -1,4 +1,4 @@
-"""Units as Onshape's users write them: factors to SI, and what they measure.
+"""Converts units as Onshape's users write them: factors to SI, and their measures.
 
 Factors: the inch is 0.0254 m exactly (international yard and pound agreement, 1959).
 """
@@ -36,4 +36,4 @@ UNITS: Mapping[str, tuple[float, Measure]] = {
     **{name: (factor, "length") for factor, names in _LENGTHS.items() for name in names},
     **{name: (factor, "angle") for factor, names in _ANGLES.items() for name in names},
 }
-"""Name of a unit → (its size in m or rad, what it measures)."""
+"""Name of a unit → (its size in m or rad, its measure)."""

@@ -1,4 +1,4 @@
-"""The boxes of the picture: the lines of a link and of the joint to its parent, and their size."""
+"""Lays out the boxes of the picture: the lines of a link and of the joint to its parent, and their size."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -16,22 +16,25 @@ from linkwright.stages.show.graph_view.labels import (
     rules,
 )
 
-ROOM = 190.0  # what a name may take
-ROW, PAD, MARK = 14.0, 7.0, 14.0  # a row of a box, the space about the rows, what a row's mark takes
+ROOM = 190.0  # width of a name
+ROW, PAD, MARK = 14.0, 7.0, 14.0  # a row of a box, the space about the rows, the width of a row's mark
 LABEL, LINE = 18.0, 13.0  # a joint's name above its edge, each line below
-SHOWN = 3  # parts and frames that a box names
+MAX_SHOWN = 3  # largest number of parts, and of frames, that a box names
 
 Kind = Literal["name", "plain", "part", "frame", "loop"]
 
 
 @dataclass(frozen=True, slots=True)
 class BoxRow:
-    """A line of a box. `full`: its tooltip; `loop`: the loop that it marks."""
+    """A line of a box."""
 
     kind: Kind
     text: str
     full: str = ""
+    """The tooltip."""
+
     loop: int = 0
+    """The index of the loop that the row marks."""
 
     @property
     def width(self) -> float:
@@ -44,7 +47,7 @@ SIZES: Mapping[Kind, float] = {"name": 12.0, "plain": 10.0, "part": 9.5, "frame"
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A line below a joint's edge: the range of `dof`, or the rule by which it `follows`."""
+    """A line below a joint's edge: the range of `dof`, or, if it `follows`, the rule of its relation."""
 
     dof: str
     text: str
@@ -53,7 +56,8 @@ class Line:
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """A link and the joint to its parent as they are drawn: (x, y) is the middle of the left side."""
+    """The box of a link and the label of the joint to its parent; (x, y) is the middle of the box's left
+    side."""
 
     link: Link
     joint: Joint | None
@@ -92,21 +96,21 @@ class Box:
 
 
 def boxes_of(robot: Robot) -> dict[str, Box]:
-    """The box of every link, not placed yet."""
-    above = {joint.child: joint for joint in robot.joints}
+    """Returns the box of each link by its name, not yet placed."""
+    parent_joints = {joint.child: joint for joint in robot.joints}
     follows = rules(robot, room=24)
     frames = frames_on(robot)
     ends: dict[str, list[int]] = {}
     for index, loop in enumerate(robot.loops):
-        for link in dict.fromkeys((loop.link_a, loop.link_b)):
-            ends.setdefault(link, []).append(index)
+        for name in dict.fromkeys((loop.link_a, loop.link_b)):
+            ends.setdefault(name, []).append(index)
     boxes = {}
-    for one in robot.links:
-        joint = above.get(one.name)
-        rows = [*_rows(one, robot), *_few("frame", frames.get(one.name, ()))]
-        rows += [_end(robot.loops[index], index) for index in ends.get(one.name, ())]
+    for link in robot.links:
+        joint = parent_joints.get(link.name)
+        rows = [*_rows(link, robot), *_name_rows("frame", frames.get(link.name, ()))]
+        rows += [_end(robot.loops[index], index) for index in ends.get(link.name, ())]
         lines = () if joint is None else tuple(_lines(joint, follows))
-        boxes[one.name] = Box(one, joint, tuple(rows), lines)
+        boxes[link.name] = Box(link, joint, tuple(rows), lines)
     return boxes
 
 
@@ -126,17 +130,18 @@ def _rows(link: Link, robot: Robot) -> Iterator[BoxRow]:
     if is_origin(robot, link):
         yield BoxRow("plain", "the assembly's origin")
     else:
-        given = " (given)" if link.given else ""
+        from_user = " (given)" if link.given else ""
         counts = [count(len(link.parts), "part")] if link.parts else []
         counts += [count(len(link.shapes), "shape")] if link.shapes else []
-        yield BoxRow("plain", ", ".join([kilograms(link.inertial.mass) + given, *counts]))
+        yield BoxRow("plain", ", ".join([kilograms(link.inertial.mass) + from_user, *counts]))
     if len(link.parts) > 1:
-        yield from _few("part", part_names(link))
+        yield from _name_rows("part", part_names(link))
 
 
-def _few(kind: Kind, names: Sequence[str]) -> Iterator[BoxRow]:
-    """A row for each name; of many names only the first ones."""
-    shown = names if len(names) <= SHOWN else names[: SHOWN - 1]
+def _name_rows(kind: Kind, names: Sequence[str]) -> Iterator[BoxRow]:
+    """Yields a row for each name; for many names only the first ones, and a row with the number of the
+    rest."""
+    shown = names if len(names) <= MAX_SHOWN else names[: MAX_SHOWN - 1]
     for name in shown:
         yield BoxRow(kind, fitted(name, SIZES[kind], ROOM), name)
     if len(shown) < len(names):

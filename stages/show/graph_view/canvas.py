@@ -1,4 +1,4 @@
-"""A picture in SVG: text, boxes and lines on a sheet with a ground of its own."""
+"""Draws text, boxes and lines on a sheet with a background, in SVG."""
 
 import math
 import unicodedata
@@ -13,7 +13,7 @@ _NARROW, _BROAD = frozenset(" ijlft.,:;'|()[]!I-"), frozenset("mwMW@%—…+=×�
 
 
 def text_width(text: str, size: float, *, bold: bool = False) -> float:
-    """An upper bound of the width of `text` [px] in the usual fonts; no font is read."""
+    """Returns an upper bound of the width of `text` [px] in the usual fonts, without reading a font."""
     em = 0.0
     for letter in text:
         if unicodedata.east_asian_width(letter) in "WF":
@@ -28,23 +28,26 @@ def text_width(text: str, size: float, *, bold: bool = False) -> float:
 
 
 def px(value: float) -> str:
-    """A length [px] with one decimal."""
+    """Formats a length [px] with one decimal."""
     return f"{round(value, 1) + 0.0:g}" if abs(value) < 1e5 else f"{value:.0f}"
 
 
 @dataclass(frozen=True, slots=True)
 class TextStyle:
-    """`middle`: centred, not from the left on; `halo`: keeps what lies below from showing through."""
+    """A style of text."""
 
     size: float
     colour: str
     bold: bool = False
     middle: bool = False
+    """Whether the text is centred, instead of left-aligned."""
+
     halo: bool = False
+    """Whether the text hides the drawing below it."""
 
 
 class Canvas:
-    """A sheet of `width` x `height` [px]; a later shape covers an earlier one."""
+    """A sheet of `width` x `height` [px], on which later shapes cover earlier ones."""
 
     def __init__(self, width: float, height: float, paper: str, title: str) -> None:
         width, height = math.ceil(width), math.ceil(height)
@@ -61,24 +64,24 @@ class Canvas:
         self._paper = paper
         self._add(self._root, "title").text = printable(title)
         self._add(self._root, "rect", width=str(width), height=str(height), fill=paper)
-        self._into = self._root
+        self._parent = self._root
 
     def group(self, title: str = "") -> None:
         """Groups the shapes that are drawn next; the lines of `title` are their tooltip."""
-        self._into = self._add(self._root, "g")
+        self._parent = self._add(self._root, "g")
         if title:
-            self._add(self._into, "title").text = printable_lines(title)
+            self._add(self._parent, "title").text = printable_lines(title)
 
     def text(self, x: float, y: float, text: str, style: TextStyle, room: float = math.inf) -> float:
-        """A line of text whose letters are centred on `y`; its width at most. What does not fit `room` is
-        shortened, and shown in full where the mouse rests on it."""
+        """Draws a line of text, vertically centred on `y`, and returns an upper bound of its width. Text
+        wider than `room` is shortened, with the full text as its tooltip."""
         size, bold = style.size, style.bold
         shown = fitted(text, size, room, bold=bold)
         width = text_width(shown, size, bold=bold)
-        into = self._into
+        parent = self._parent
         if shown != printable(text):
-            into = self._add(into, "g")
-            self._add(into, "title").text = printable(text)
+            parent = self._add(parent, "g")
+            self._add(parent, "title").text = printable(text)
         if style.halo:
             left = x - width / 2 if style.middle else x
             place = {
@@ -87,9 +90,9 @@ class Canvas:
                 "width": px(width + 2),
                 "height": px(size * 1.2),
             }
-            self._add(into, "rect", **place, fill=self._paper, fill_opacity="0.85")
+            self._add(parent, "rect", **place, fill=self._paper, fill_opacity="0.85")
         self._add(
-            into,
+            parent,
             "text",
             x=px(x),
             y=px(y + 0.35 * size),
@@ -103,10 +106,10 @@ class Canvas:
     def box(
         self, corner: tuple[float, float], size: tuple[float, float], fill: str, stroke: str, thick: float
     ) -> None:
-        """A rectangle with round corners. `corner`: the upper left; `size`: width and height."""
+        """Draws a rectangle with round corners. `corner`: the upper left; `size`: width and height."""
         names = zip(("x", "y", "width", "height"), (*corner, *size), strict=True)
         place = {name: px(value) for name, value in names}
-        self._add(self._into, "rect", **place, rx="6", fill=fill, stroke=stroke, stroke_width=px(thick))
+        self._add(self._parent, "rect", **place, rx="6", fill=fill, stroke=stroke, stroke_width=px(thick))
 
     def path(
         self,
@@ -118,9 +121,9 @@ class Canvas:
         fill: str = "none",
         at: tuple[float, float] | None = None,
     ) -> None:
-        """A path in SVG's syntax, moved to `at`."""
+        """Draws a path in SVG's syntax, moved to `at`."""
         self._add(
-            self._into,
+            self._parent,
             "path",
             d=steps,
             fill=fill,
@@ -141,5 +144,5 @@ class Canvas:
 
 
 def fitted(text: str, size: float, room: float, *, bold: bool = False) -> str:
-    """`text`, without its middle where it is wider than `room` [px]."""
+    """Returns `text`, shortened in its middle if it is wider than `room` [px]."""
     return shortened(text, room, lambda part: text_width(part, size, bold=bold))

@@ -1,4 +1,4 @@
-"""Texts about a robot for people: shortened names, and values in degrees, millimetres and kilograms."""
+"""Writes texts about a robot: shortened names, and values in degrees, millimetres and kilograms."""
 
 import math
 import re
@@ -12,20 +12,20 @@ _UNITS = {"turn": (math.degrees(1.0), "deg"), "slide": (1e3, "mm")}
 
 
 def shortened(text: str, room: float, measure: Callable[[str], float] = columns) -> str:
-    """`text` without as much of its middle as must go to fit `room`, in the unit of `measure`."""
+    """Returns `text`, shortened in its middle as far as needed to fit `room`, in the unit of `measure`."""
     text = printable(text)
     if measure(text) <= room:
         return text
-    for kept in range(min(len(text) - 1, int(room)), 0, -1):
-        tail = kept // 2
-        short = text[: kept - tail] + "…" + text[len(text) - tail :]
+    for length in range(min(len(text) - 1, int(room)), 0, -1):
+        tail = length // 2
+        short = text[: length - tail] + "…" + text[len(text) - tail :]
         if measure(short) <= room:
             return short
     return "…"
 
 
 def decimal(value: float) -> str:
-    """A number with four significant digits."""
+    """Formats a number with four significant digits."""
     return f"{round(value, 9) + 0.0:.4g}"
 
 
@@ -34,13 +34,13 @@ def kilograms(mass: float) -> str:
 
 
 def value(dof: Dof, amount: float) -> str:
-    """An angle [rad] in degrees, or a length [m] in millimetres."""
+    """Formats an angle [rad] in degrees, or a length [m] in millimetres."""
     factor, unit = _UNITS[dof.kind]
     return f"{decimal(amount * factor)} {unit}"
 
 
 def limits(dof: Dof) -> str:
-    """The range of a dof: "-90..90 deg", "≥ 0 mm", "cone 30 deg", or "free"."""
+    """Formats the range of a dof: "-90..90 deg", "≥ 0 mm", "cone 30 deg", or "free"."""
     lower, upper = dof.limits.lower, dof.limits.upper
     if dof.kind == "ball":
         return "free" if upper is None else f"cone {decimal(math.degrees(upper))} deg"
@@ -55,40 +55,44 @@ def limits(dof: Dof) -> str:
 
 
 def coordinate(joint: Joint, dof: Dof) -> str:
-    """The name of a dof within its joint: "turn", "x"; "" where it is the only one."""
+    """Returns the name of a dof within its joint: "turn", "x"; "" for a single dof."""
     return "" if dof.name == joint.name else dof.name.removeprefix(f"{joint.name}_")
 
 
 def motions(joint: Joint) -> list[tuple[Dof, str]]:
-    """Each dof of a joint and its range in words: "-90..90 deg", or "turn -90..90 deg" of several."""
+    """Returns each dof of a joint with the text of its range: "-90..90 deg", or for several dofs "turn
+    -90..90 deg"."""
     return [(dof, f"{coordinate(joint, dof)} {limits(dof)}".strip()) for dof in joint.dofs]
 
 
 def rules(robot: Robot, room: float = math.inf) -> dict[str, str]:
-    """The rule of each follower: "-1.5 × drive + 3 deg", the driver's name within `room` columns; where
-    turns and slides meet the factor has its unit."""
+    """Returns the rule of each follower, such as "-1.5 × drive + 3 deg"; the driver's name is shortened to
+    `room` columns. Between a turn and a slide the factor has a unit."""
     dofs = {dof.name: dof for dof in robot.dofs}
-    return {one.follower: _rule(one, dofs[one.follower], dofs[one.driver], room) for one in robot.relations}
+    return {
+        relation.follower: _rule(relation, dofs[relation.follower], dofs[relation.driver], room)
+        for relation in robot.relations
+    }
 
 
 def _rule(relation: Relation, follower: Dof, driver: Dof, room: float) -> str:
-    (to, unit), (per, from_unit) = _UNITS[follower.kind], _UNITS[driver.kind]
-    factor = decimal(relation.multiplier * to / per)
-    ratio = factor if follower.kind == driver.kind else f"{factor} {unit}/{from_unit}"
+    (scale, unit), (driver_scale, driver_unit) = _UNITS[follower.kind], _UNITS[driver.kind]
+    factor = decimal(relation.multiplier * scale / driver_scale)
+    ratio = factor if follower.kind == driver.kind else f"{factor} {unit}/{driver_unit}"
     driver_name = shortened(relation.driver, room)
-    shift = decimal(abs(relation.offset) * to)
+    shift = decimal(abs(relation.offset) * scale)
     if shift == "0":
         return f"{ratio} × {driver_name}"
     return f"{ratio} × {driver_name} {'-' if relation.offset < 0 else '+'} {shift} {unit}"
 
 
 def leaf(name: str) -> str:
-    """The part's own name, without the sub-assemblies before it."""
+    """Returns the part's own name, without the sub-assemblies before it."""
     return name.rsplit("/", 1)[-1]
 
 
 def part_names(link: Link) -> list[str]:
-    """The parts of a link, the heaviest first; equal ones are counted."""
+    """Returns the names of a link's parts, the heaviest first; equal parts are counted, as in "screw ×4"."""
     weights: dict[str, list[float]] = {}
     for part in link.parts:
         weights.setdefault(re.sub(r" <\d+>$", "", leaf(part.name)), []).append(part.inertial.mass)
@@ -97,20 +101,20 @@ def part_names(link: Link) -> list[str]:
 
 
 def frames_on(robot: Robot) -> Mapping[str, Sequence[str]]:
-    """The names of the frames on each link that has any."""
-    found: dict[str, list[str]] = {}
+    """Returns the names of the frames on each link that has any."""
+    by_link: dict[str, list[str]] = {}
     for frame in robot.frames:
-        found.setdefault(frame.link, []).append(frame.name)
-    return found
+        by_link.setdefault(frame.link, []).append(frame.name)
+    return by_link
 
 
 def is_origin(robot: Robot, link: Link) -> bool:
-    """Whether a link is only the assembly's origin."""
+    """Tells whether a link is only the assembly's origin."""
     return link is robot.root and link.name == "world" and not link.parts
 
 
 def totals(robot: Robot) -> str:
-    """The robot in one line."""
+    """Returns a line with the numbers of the robot's links, joints and so on, and its mass."""
     parts = sum(len(link.parts) for link in robot.links)
     nouns: Iterable[tuple[int, str]] = (
         (len(robot.links), "link"),
@@ -120,17 +124,18 @@ def totals(robot: Robot) -> str:
         (len(robot.loops), "loop"),
         (len(robot.frames), "frame"),
     )
-    found = [count(number, noun) for number, noun in nouns if number or noun in ("link", "joint")]
-    return ", ".join([*found, kilograms(sum(link.inertial.mass for link in robot.links))])
+    counts = [count(number, noun) for number, noun in nouns if number or noun in ("link", "joint")]
+    return ", ".join([*counts, kilograms(sum(link.inertial.mass for link in robot.links))])
 
 
 def mobility(robot: Robot) -> str:
-    """The degrees of freedom of the mechanism, in one line."""
-    how = robot.mobility
-    text = f"{count(how.dof, 'degree')} of freedom (by rank at the saved pose; {how.gruebler} by Grübler), "
-    return text + f"{count(how.coordinates, 'coordinate')}"
+    """Returns a line about the degrees of freedom of the mechanism."""
+    degrees = robot.mobility
+    text = f"{count(degrees.dof, 'degree')} of freedom "
+    text += f"(by rank at the saved pose; {degrees.gruebler} by Grübler), "
+    return text + f"{count(degrees.coordinates, 'coordinate')}"
 
 
 def standing(robot: Robot) -> str:
-    """Whether the base is fixed or free, and why."""
+    """Tells whether the base is fixed or free, and why."""
     return f"{'fixed' if robot.base.fixed else 'free'} base: {printable(robot.base.reason)}"

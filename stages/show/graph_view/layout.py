@@ -1,8 +1,8 @@
-"""Where the nodes of a tree go, level by level, so that none overlap.
+"""Places the nodes of a tree, level by level, without overlap.
 
-The tidy tree of Reingold and Tilford (IEEE Transactions on Software Engineering 7 (2), 1981), from
-left to right: subtrees are moved together until their contours are `gap` apart, and a parent stands at
-the middle of its children.
+The algorithm is the tidy tree of Reingold and Tilford (IEEE Transactions on Software Engineering 7 (2),
+1981), from left to right: subtrees are moved together until their contours are `gap` apart, and a parent is
+at the middle of its children.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,25 +11,28 @@ from dataclasses import dataclass
 
 @dataclass(slots=True)
 class Contour:
-    """The top and the bottom of a subtree at each level, from its deepest up to its root, all to be moved
-    down by `shift`: so neither a new root nor a move touches what lies below."""
+    """The contour of a subtree. Its form makes adding a root, and moving the subtree, independent of its
+    size."""
 
     edges: list[tuple[float, float]]
+    """The top and the bottom of each level, from the deepest level up to the root, before the shift."""
+
     shift: float = 0.0
+    """The distance by which all edges are moved down."""
 
     def down_to(self, depth: int) -> list[tuple[float, float]]:
-        """The first levels, from the root on."""
-        there = self.edges[: -depth - 1 : -1]
-        return [(top + self.shift, bottom + self.shift) for top, bottom in there]
+        """Returns the top and the bottom of the first `depth` levels, from the root on."""
+        first_levels = self.edges[: -depth - 1 : -1]
+        return [(top + self.shift, bottom + self.shift) for top, bottom in first_levels]
 
 
 def tidy(
     order: Sequence[str], parents: Mapping[str, str], heights: Mapping[str, float], gap: float
 ) -> dict[str, float]:
-    """The vertical centre of every node; the topmost edge is at 0.
+    """Returns the vertical centre of each node; the topmost edge is at 0.
 
-    `order`: all nodes, a parent before its children, the root (which has no entry in `parents`)
-    first; children stand in this order. `heights`: the band that a node takes.
+    `order`: all nodes, a parent before its children, the root (which has no entry in `parents`) first;
+    children keep this order. `heights`: the height of each node's band.
     """
     children: dict[str, list[str]] = {name: [] for name in order}
     for name in order[1:]:
@@ -38,31 +41,32 @@ def tidy(
     shifts: dict[str, float] = {}
     for name in reversed(order):
         merged = Contour([])
-        places = []
+        offsets = []
         for child in children[name]:
-            own = contours.pop(child)
-            shared = min(len(merged.edges), len(own.edges))
-            pairs = zip(merged.down_to(shared), own.down_to(shared), strict=True)
-            place = max((above[1] + gap - below[0] for above, below in pairs), default=0.0)
-            places.append(place)
-            own.shift += place
-            merged = _together(merged, own, shared)
-        middle = (places[0] + places[-1]) / 2 if places else 0.0
-        shifts |= {child: place - middle for child, place in zip(children[name], places, strict=True)}
+            contour = contours.pop(child)
+            shared = min(len(merged.edges), len(contour.edges))
+            pairs = zip(merged.down_to(shared), contour.down_to(shared), strict=True)
+            offset = max((above[1] + gap - below[0] for above, below in pairs), default=0.0)
+            offsets.append(offset)
+            contour.shift += offset
+            merged = _joined(merged, contour, shared)
+        middle = (offsets[0] + offsets[-1]) / 2 if offsets else 0.0
+        shifts |= {child: offset - middle for child, offset in zip(children[name], offsets, strict=True)}
         merged.shift -= middle
         half = heights[name] / 2
         merged.edges.append((-half - merged.shift, half - merged.shift))
         contours[name] = merged
-    whole = contours[order[0]]
-    highest = min(top for top, _ in whole.edges) + whole.shift
+    contour = contours[order[0]]
+    highest = min(top for top, _ in contour.edges) + contour.shift
     centres = {order[0]: -highest}
     for name in order[1:]:
         centres[name] = centres[parents[name]] + shifts[name]
     return centres
 
 
-def _together(above: Contour, below: Contour, shared: int) -> Contour:
-    """The contour of both, which share so many levels: the deeper one, changed where they do."""
+def _joined(above: Contour, below: Contour, shared: int) -> Contour:
+    """Joins two contours that have the first `shared` levels in common, by changing these levels of the
+    deeper contour; returns it."""
     edges = [
         (top, bottom)
         for (top, _), (_, bottom) in zip(above.down_to(shared), below.down_to(shared), strict=True)
@@ -75,8 +79,8 @@ def _together(above: Contour, below: Contour, shared: int) -> Contour:
 
 
 def levels(order: Sequence[str], parents: Mapping[str, str]) -> dict[str, int]:
-    """The number of edges from the root to each node."""
-    found = {order[0]: 0}
+    """Returns the number of edges from the root to each node."""
+    depths = {order[0]: 0}
     for name in order[1:]:
-        found[name] = found[parents[name]] + 1
-    return found
+        depths[name] = depths[parents[name]] + 1
+    return depths

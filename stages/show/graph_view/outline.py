@@ -1,6 +1,6 @@
-"""The kinematic tree as text, a line for each link and further dof.
+"""Writes the kinematic tree as text, with a line for each link and each further dof.
 
-Names are never shortened: people type them into their YAML. They are wrapped where a line has a
+Names are never shortened, since people type them into their YAML. They are wrapped if a line has a limited
 width, as in a terminal, and no room for them.
 """
 
@@ -32,38 +32,49 @@ Cells = tuple[str, str, str, str, str]
 
 @dataclass(frozen=True, slots=True)
 class Columns:
-    """The columns of an outline: of a line at most, of the lines before a name at most, and those that the
-    names of a link and of a joint and the ranges keep, if they are so long. `parts`: whether there is room
-    for their number."""
+    """The widths in an outline, in columns."""
 
     width: float
+    """The largest width of a line."""
+
     trunk: int
+    """The largest width of the tree's lines before a name."""
+
     link: int
+    """The width that the names of links get at least, if they are as long."""
+
     joint: int
+    """The width that the names of joints get at least, if they are as long."""
+
     ranges: int
+    """The width that ranges get at least, if they are as long."""
+
     parts: bool
+    """Whether there is room for the numbers of parts."""
 
 
 WHOLE = Columns(math.inf, 22, 16, 14, 24, parts=True)
-"""No name is wrapped."""
+"""Columns without limit: no name is wrapped."""
 
 NARROW = Columns(80, 14, 12, 10, 18, parts=False)
-"""For a terminal."""
+"""Columns of a terminal."""
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A link's lines. `lasts`: for it and the links above, the root aside and as far up as is drawn, whether
-    it is the last child."""
+    """The content of a link's lines."""
 
     lasts: tuple[bool, ...]
+    """For the link and its drawn ancestors, without the root, whether each is the last child of its
+    parent."""
+
     is_leaf: bool
     cells: Cells
     ranges: tuple[str, ...]
 
 
 def outline(robot: Robot, room: Columns = WHOLE) -> str:
-    """The tree with masses, joints and ranges; then loops, frames and mobility."""
+    """Returns the tree with masses, joints and ranges; then loops, frames and mobility."""
     sections = [
         [f"{robot.name}: {totals(robot)}", standing(robot)],
         _loops(robot),
@@ -76,19 +87,19 @@ def outline(robot: Robot, room: Columns = WHOLE) -> str:
 
 
 def _rows(robot: Robot, room: Columns) -> Iterator[Row]:
-    """A row for each link, every subtree together."""
+    """Yields a row for each link, every subtree together."""
     below: dict[str, list[Joint]] = {link.name: [] for link in robot.links}
     for joint in robot.joints:
         below[joint.parent].append(joint)
     follows = rules(robot)
     links = {link.name: link for link in robot.links}
     base = f"({'fixed' if robot.base.fixed else 'free'} base)"
-    waiting: list[tuple[Joint | None, tuple[bool, ...]]] = [(None, ())]
-    while waiting:
-        above, lasts = waiting.pop()
+    stack: list[tuple[Joint | None, tuple[bool, ...]]] = [(None, ())]
+    while stack:
+        above, lasts = stack.pop()
         link = robot.root if above is None else links[above.child]
         children = below[link.name]
-        waiting += [(child, (*lasts[-room.trunk :], child is children[-1])) for child in reversed(children)]
+        stack += [(child, (*lasts[-room.trunk :], child is children[-1])) for child in reversed(children)]
         mass = "" if is_origin(robot, link) else f"{link.inertial.mass:.3g}"
         name, kind = (base, "") if above is None else (above.name, above.type)
         ranges = () if above is None else tuple(_ranges(above, follows))
@@ -98,7 +109,7 @@ def _rows(robot: Robot, room: Columns) -> Iterator[Row]:
 
 
 def _ranges(joint: Joint, follows: Mapping[str, str]) -> Iterator[str]:
-    """The range of each dof, and after it the rule that it follows."""
+    """Yields the range of each dof, followed by the rule that it follows."""
     for dof, words in motions(joint):
         yield words
         if dof.name in follows:
@@ -118,17 +129,18 @@ def _table(rows: Sequence[Row], room: Columns) -> Iterator[str]:
         ranges = _packed(row.ranges, room.width - sum(_with_gaps(widths)))
         first: Cells = (trunk + names[0], *row.cells[1:3], joints[0], row.cells[4])
         yield _line(first, widths, ranges[0] if ranges else "")
-        for name, joint, more in zip_longest(names[1:], joints[1:], ranges[1:], fillvalue=""):
-            yield _line((below + name if name else stem, "", "", joint, ""), widths, more)
+        for name, joint, range_text in zip_longest(names[1:], joints[1:], ranges[1:], fillvalue=""):
+            yield _line((below + name if name else stem, "", "", joint, ""), widths, range_text)
 
 
 def _widths(rows: Sequence[Row], room: Columns) -> tuple[int, list[int]]:
-    """The columns of a level of the tree, and those of each cell but the ranges, by the room there is."""
+    """Chooses the width of a level of the tree, and the width of each cell except the ranges, for the
+    available room."""
     table = [_header(room), *(row.cells for row in rows)]
     widths = [max(columns(cells[column]) for cells in table) for column in range(5)]
     longest = max(map(columns, ["range", *(text for row in rows for text in row.ranges)]))
-    others = sum(_with_gaps([0, *widths[1:3], 0, widths[4]])) + 2 * _GAP
-    left = int(min(room.width, _WIDE)) - others - min(room.ranges, longest)
+    other_widths = sum(_with_gaps([0, *widths[1:3], 0, widths[4]])) + 2 * _GAP
+    left = int(min(room.width, _WIDE)) - other_widths - min(room.ranges, longest)
     for step in (3, 2):
         trunks = [len(_trunk(row.lasts, step, room.trunk)) for row in rows]
         widths[0] = max(4, *(trunk + columns(row.cells[0]) for trunk, row in zip(trunks, rows, strict=True)))
@@ -150,12 +162,12 @@ def _header(room: Columns) -> Cells:
 
 
 def _with_gaps(widths: Sequence[int]) -> list[int]:
-    """The widths of cells, each with the gap after it; no gap after a cell without a width."""
+    """Returns the widths of cells with the gaps after them; empty cells have no gap."""
     return [width + _GAP if width else 0 for width in widths]
 
 
 def _trunk(lasts: Sequence[bool], step: int, most: int) -> str:
-    """The lines before a name."""
+    """Returns the tree's lines before a name."""
     if not lasts:
         return ""
     branch = ("└" if lasts[-1] else "├") + "─ "[3 - step :]
@@ -163,13 +175,14 @@ def _trunk(lasts: Sequence[bool], step: int, most: int) -> str:
 
 
 def _stem(lasts: Sequence[bool], step: int, most: int) -> str:
-    """The lines below a name, in `most` columns; of a very deep tree only their end."""
+    """Returns the tree's lines below a name, in at most `most` columns; for a very deep tree only their
+    end."""
     stem = "".join((" " if last else "│").ljust(step) for last in lasts[-most:])
     return stem if len(stem) < most else "…" + stem[len(stem) - most + 2 :]
 
 
 def _packed(texts: Sequence[str], room: float) -> list[str]:
-    """A line for each text, but what a dof follows ("= ...") beside its range where there is room."""
+    """Returns a line for each text; a rule ("= ...") follows its range in the same line if there is room."""
     lines: list[str] = []
     for text in texts:
         if text.startswith("= ") and lines and columns(lines[-1]) + 2 + columns(text) <= room:
@@ -180,9 +193,9 @@ def _packed(texts: Sequence[str], room: float) -> list[str]:
 
 
 def _broken(name: str, room: float) -> list[str]:
-    """A name in pieces of at most `room` columns, which make it again as they stand, one below the other."""
+    """Breaks a name into pieces of at most `room` columns, to be written below each other."""
     lines = [""]
-    # After what joins words, and anywhere in a word that is longer than a line.
+    # It breaks after characters that join words, and anywhere in a word that is longer than a line.
     for word in re.findall(r"[^_.\-/]*[_.\-/]|[^_.\-/]+", printable(name)) or [""]:
         pieces = [word] if columns(word) <= room else list(word)
         for piece in pieces:
@@ -205,7 +218,7 @@ def _padded(text: str, width: int) -> str:
 
 
 def _loops(robot: Robot) -> list[str]:
-    """The mates that close loops, the links that they join, and their closure errors."""
+    """Returns a line for each loop: its mate, the links that it joins, and its closure error."""
     lines = []
     for loop in robot.loops:
         head = f"loop {loop.name}: {loop.type}, mate {loop.mate.name}"
@@ -216,10 +229,10 @@ def _loops(robot: Robot) -> list[str]:
 
 def _frames(robot: Robot) -> list[str]:
     lines: list[str] = []
-    there = frames_on(robot)
+    by_link = frames_on(robot)
     for link in robot.links:
-        if link.name in there:
-            names = there[link.name]
+        if link.name in by_link:
+            names = by_link[link.name]
             lines.append(f"{count(len(names), 'frame')} on {link.name}: {', '.join(names)}")
     return lines
 
@@ -227,8 +240,8 @@ def _frames(robot: Robot) -> list[str]:
 def _mobility(robot: Robot) -> list[str]:
     lines = [mobility(robot)]
     for name, number in robot.mobility.redundant:
-        what = f"{count(number, 'condition')} of the loop {name}"
-        lines.append(f"{what} {'are' if number > 1 else 'is'} redundant")
+        conditions = f"{count(number, 'condition')} of the loop {name}"
+        lines.append(f"{conditions} {'are' if number > 1 else 'is'} redundant")
     return lines
 
 
@@ -237,7 +250,8 @@ def _filled(text: str, width: float) -> list[str]:
 
 
 def _wrapped(text: str, room: float, indent: str) -> list[str]:
-    """Lines of at most `room` columns, also where letters take two; all but the first are indented."""
+    """Wraps a text into lines of at most `room` columns, also for letters of two columns; all lines but the
+    first are indented."""
     lines = [""]
     for word in text.split():
         joined = f"{lines[-1]} {word}" if lines[-1].strip() else lines[-1] + word

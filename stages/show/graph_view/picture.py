@@ -1,7 +1,7 @@
-"""The kinematic graph as a picture: links as boxes, joints as edges from left to right.
+"""Draws the kinematic graph: links as boxes, joints as edges from left to right.
 
-A link's loops and frames are rows of its box and a joint's relation is a row of its label, so that only
-lines may cross; those lie below all boxes and words.
+A link's loops and frames are rows of its box and a joint's relation is a row of its label, so that only lines
+may cross; lines are below all boxes and words.
 """
 
 from collections.abc import Mapping
@@ -43,11 +43,11 @@ LOOPS = ("#b5179e", "#c2410c", "#15803d", "#6d28d9", "#b91c1c", "#0e7490", "#a16
 
 MARGIN, TOP, LEFT = 24.0, 98.0, 84.0
 GAP = 14.0  # between neighbours in a column
-BUS = 18.0  # from a parent to where its edges part
+BUS = 18.0  # from a parent to the point where its edges part
 
 
 def draw(robot: Robot) -> bytes:
-    """The picture as SVG with its own background; the same bytes for the same robot."""
+    """Draws the picture as SVG with its own background; the same robot always gives the same bytes."""
     boxes = _placed(robot, boxes_of(robot))
     curves = [_curve(robot, boxes, index) for index in range(len(robot.loops))]
     heads = (totals(robot), mobility(robot), standing(robot))
@@ -75,7 +75,8 @@ def draw(robot: Robot) -> bytes:
 
 
 def _placed(robot: Robot, boxes: Mapping[str, Box]) -> dict[str, Box]:
-    """The boxes where they go: a column for each level, as wide as its widest box and label."""
+    """Places the boxes in a column for each level, which is as wide as its widest box and its widest
+    label."""
     parents = {joint.child: joint.parent for joint in robot.joints}
     order = list(boxes)
     level = levels(order, parents)
@@ -107,7 +108,7 @@ def _colour(index: int) -> str:
 
 
 def _curve(robot: Robot, boxes: Mapping[str, Box], index: int) -> tuple[str, float]:
-    """The line of a loop, from box to box on their right, and how far right it reaches."""
+    """Returns the path of a loop's line, between the right sides of two boxes, and its reach to the right."""
     loop = robot.loops[index]
     ends = []
     for name in (loop.link_a, loop.link_b):
@@ -144,7 +145,7 @@ def _draw_label(canvas: Canvas, box: Box) -> None:
 
 
 def _draw_relations(canvas: Canvas, robot: Robot, boxes: Mapping[str, Box]) -> None:
-    """Dotted lines from each driver's range to the rule of its follower."""
+    """Draws dotted lines from each driver's range to the rule of its follower."""
     places = {
         (line.dof, line.follows): (box.label_x - 2, box.line_y(line))
         for box in boxes.values()
@@ -190,7 +191,7 @@ def _draw_box(canvas: Canvas, robot: Robot, box: Box) -> None:
 
 
 def _draw_base(canvas: Canvas, robot: Robot, box: Box) -> None:
-    """The base: on the ground, or free."""
+    """Draws the base: on the ground, or free."""
     canvas.group(standing(robot))
     fixed = robot.base.fixed
     canvas.path(

@@ -1,4 +1,4 @@
-"""The symbols of the picture: one for each type of joint, and the legend that explains them."""
+"""Draws the symbols of the picture, one for each type of joint, and the legend that explains them."""
 
 from collections.abc import Mapping
 
@@ -23,7 +23,7 @@ JOINTS: Mapping[str, str] = {
     "free": "M-5 0A5 5 0 0 1 5 0M-3.5 3.5A5 5 0 0 0 3.5 3.5",
     "compound": "M-6 3L-2-3L2 3L6-3",
 }
-"""Type of joint → a path about the origin, some 12 px wide."""
+"""Type of joint → a path around the origin, about 12 px wide."""
 
 CROSS = "M-4 0H4M0-4V4M-2 0A2 2 0 1 0 2 0A2 2 0 1 0-2 0"
 GROUND = "M0-16V16M0-14L-8-8M0-6L-8 0M0 2L-8 8M0 10L-8 16"
@@ -34,32 +34,32 @@ Place = tuple[float, float, str, str]
 
 
 def legend(robot: Robot, width: float) -> tuple[list[Place], float]:
-    """Where each entry (x, y, kind, words) of the legend goes within `width`, and its height [px]."""
+    """Lays out the legend within `width`: returns its entries (x, y, kind, text), and its height [px]."""
     places: list[Place] = []
     x, y = 0.0, _ROW / 2
     for kind, words in _entries(robot):
-        taken = _SIGN + text_width(words, _SIZE) + _GAP
-        if x and x + taken > width:
+        needed = _SIGN + text_width(words, _SIZE) + _GAP
+        if x and x + needed > width:
             x, y = 0.0, y + _ROW
         places.append((x, y, kind, words))
-        x += taken
+        x += needed
     return places, y + _ROW / 2
 
 
 def _entries(robot: Robot) -> list[tuple[str, str]]:
-    """The kinds of entries of the legend that the picture needs."""
+    """Returns the kind and the text of each entry of the legend that the picture needs."""
     types = {joint.type for joint in robot.joints}
-    found: list[tuple[str, str]] = [
+    entries: list[tuple[str, str]] = [
         (kind, f"{kind.replace('_', ' ')} joint") for kind in JOINTS if kind in types
     ]
     if robot.relations:
-        found.append(("relation", "relation (to the follower)"))
+        entries.append(("relation", "relation (to the follower)"))
     if robot.loops:
-        found.append(("loop", "mate that closes a loop"))
+        entries.append(("loop", "mate that closes a loop"))
     if robot.frames:
-        found.append(("frame", "frame"))
-    found.append(("ground", "fixed base") if robot.base.fixed else ("loose", "free base"))
-    return found
+        entries.append(("frame", "frame"))
+    entries.append(("ground", "fixed base") if robot.base.fixed else ("loose", "free base"))
+    return entries
 
 
 def draw_legend(canvas: Canvas, places: list[Place], left: float, top: float) -> None:
@@ -70,7 +70,7 @@ def draw_legend(canvas: Canvas, places: list[Place], left: float, top: float) ->
 
 
 def sign(canvas: Canvas, kind: str, x: float, y: float) -> None:
-    """A joint's sign by its type, or that of something else in the legend."""
+    """Draws the symbol of a type of joint, or another symbol of the legend, at (x, y)."""
     if kind == "relation":
         canvas.path("M-9 0H7", RELATION, dash="1 4", thick=1.6, at=(x, y))
         arrow(canvas, x + 9, y, RELATION)
@@ -87,5 +87,5 @@ def sign(canvas: Canvas, kind: str, x: float, y: float) -> None:
 
 
 def arrow(canvas: Canvas, x: float, y: float, colour: str) -> None:
-    """A small head that points to the right, its tip at (x, y)."""
+    """Draws a small arrow head to the right, its tip at (x, y)."""
     canvas.path("M0 0L-5-3V3Z", colour, fill=colour, thick=0.5, at=(x, y))

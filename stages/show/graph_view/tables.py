@@ -1,4 +1,4 @@
-"""The robot as tables of texts, for a page that knows no robotics."""
+"""Describes the robot in tables of texts, for a page without knowledge of robotics."""
 
 import json
 import math
@@ -26,8 +26,9 @@ _DYNAMICS = ("effort", "velocity", "damping", "friction", "armature")
 
 
 def tables(robot: Robot) -> bytes:
-    """JSON: a list of {title, header, rows}, every cell a text; tables without rows are left out."""
-    found: list[tuple[str, list[str], Rows]] = [
+    """Returns the tables as JSON: a list of {title, header, rows}, in which each cell is a text. Tables
+    without rows are left out."""
+    all_tables: list[tuple[str, list[str], Rows]] = [
         ("Mobility", ["what", "value"], _mobility(robot)),
         (
             "Joints",
@@ -42,7 +43,7 @@ def tables(robot: Robot) -> bytes:
         ),
         ("Masses", ["link", "mass", "share", "parts", "frames"], _masses(robot)),
     ]
-    plain = [{"title": title, "header": header, "rows": rows} for title, header, rows in found if rows]
+    plain = [{"title": title, "header": header, "rows": rows} for title, header, rows in all_tables if rows]
     return json.dumps(plain, indent=1, ensure_ascii=False).encode()
 
 
@@ -64,19 +65,19 @@ def _joints(robot: Robot) -> Iterator[list[str]]:
 
 
 def _joint(joint: Joint, follows: Mapping[str, str]) -> Iterator[list[str]]:
-    """A row for each dof; a fixed joint has one too."""
-    place = [joint.type, joint.parent, joint.child]
+    """Yields a row for each dof, and a row for a joint without dofs."""
+    joint_cells = [joint.type, joint.parent, joint.child]
     mate = "" if joint.mate is None else printable(joint.mate.name)
     if not joint.dofs:
-        yield [joint.name, "", *place, *[""] * 4, mate]
+        yield [joint.name, "", *joint_cells, *[""] * 4, mate]
     for dof in joint.dofs:
         rule = follows.get(dof.name, "")
         name = "" if dof.name == joint.name else dof.name
-        yield [joint.name, name, *place, _axis(dof), limits(dof), _saved(dof), rule, mate]
+        yield [joint.name, name, *joint_cells, _axis(dof), limits(dof), _saved(dof), rule, mate]
 
 
 def _axis(dof: Dof) -> str:
-    """The axis in the frame of the joint; a ball has none."""
+    """Formats the axis in the frame of the joint; "" for a dof without an axis."""
     return " ".join(decimal(entry) for entry in dof.axis) if dof.kind in ("turn", "slide") else ""
 
 
@@ -87,7 +88,7 @@ def _saved(dof: Dof) -> str:
 
 
 def _dynamics(robot: Robot) -> Iterator[list[str]]:
-    """A row for each dof that has any."""
+    """Yields a row for each dof with dynamics."""
     for dof in robot.dofs:
         amounts = _amounts(dof)
         if any(amounts):
@@ -95,16 +96,16 @@ def _dynamics(robot: Robot) -> Iterator[list[str]]:
 
 
 def _amounts(dof: Dof) -> list[str]:
-    """Effort, velocity, damping, friction and armature, "" where unset."""
+    """Returns effort, velocity, damping, friction and armature of a dof; "" for unset values."""
     turns = dof.kind != "slide"
-    given = dof.dynamics
-    speed = None if given.velocity is None else given.velocity * (math.degrees(1.0) if turns else 1e3)
+    dynamics = dof.dynamics
+    speed = None if dynamics.velocity is None else dynamics.velocity * (math.degrees(1.0) if turns else 1e3)
     quantities = (
-        (given.effort, "N m" if turns else "N"),
+        (dynamics.effort, "N m" if turns else "N"),
         (speed, "deg/s" if turns else "mm/s"),
-        (given.damping, "N m s/rad" if turns else "N s/m"),
-        (given.friction, "N m" if turns else "N"),
-        (given.armature, "kg m²" if turns else "kg"),
+        (dynamics.damping, "N m s/rad" if turns else "N s/m"),
+        (dynamics.friction, "N m" if turns else "N"),
+        (dynamics.armature, "kg m²" if turns else "kg"),
     )
     return ["" if amount is None else f"{decimal(amount)} {unit}" for amount, unit in quantities]
 
@@ -126,7 +127,7 @@ def _loops(robot: Robot) -> Rows:
 
 
 def _masses(robot: Robot) -> Rows:
-    """A row for each link, and one for the robot."""
+    """Returns a row for each link, and a row for the robot."""
     frames = frames_on(robot)
     total = sum(link.inertial.mass for link in robot.links)
     rows = [

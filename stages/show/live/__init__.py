@@ -1,37 +1,36 @@
-"""What the page shows of a robot that lives in it: the *pack*, made from the files of a build.
+"""Makes the *pack* of a page's live view of a robot from the files of a build.
 
 The pack is one compressed file: a JSON header (bodies, joints, loops, relations, geoms, links: see
-`pack`), the triangles, and the physics engine's own copy of the model. `viewer/` shows it. No module of
-this room is imported by a build whose pack is in the cache.
+`pack`), the triangles, and the physics engine's own copy of the model. `viewer/` shows it. A build
+whose pack is in the cache imports no module of this room.
 
-- actuators: The actuators of the header, one entry for each number of `ctrl`.
-- beside_urdf: What a URDF does not say of a robot, or not to all readers: its named poses, relations and
-  loops.
-- compiled: The compiled model of a build, of which the page shows everything by index.
-- decimate: Meshes with fewer triangles, for a page that opens and turns quickly.
-- geoms: The geoms of the header: what is seen, what collides, and the ground.
-- includes: A scene as one document: its includes resolved, and a name for every body and geom.
-- links: The links of the header: the CAD parts of each, their masses, and how well their colliders fit.
-- mechanism: The bodies, joints, relations and loops of the header, and its keyframes, actuators and frames.
-- meshes: The meshes of the header: each once, thinned to what a page can show.
-- pack: The pack as bytes: a header in JSON, and the buffers that it names by their place.
-- rounding: Numbers of the pack: short in JSON, and exact enough for kinematics to 1e-9.
-- scene: The whole pack of a robot, from the folder with its files.
-- triangles: Triangles of the compiled model, and how the page has them: 16 bits a coordinate, welded.
+- actuators: Describes the actuators for the header, with an entry for each number of `ctrl`.
+- beside_urdf: Adds the robot's named poses, relations and loops to the header of a URDF.
+- compiled: Compiles the model of a build, to whose indices the page refers.
+- decimate: Simplifies meshes, for a page that opens and turns quickly.
+- geoms: Describes the geoms for the header: visual, colliding, and the ground.
+- includes: Makes a scene a single document, without includes, and with a name for every body and geom.
+- links: Describes the links for the header: their CAD parts, masses, and the fit of their colliders.
+- mechanism: Describes the bodies, joints, relations, loops, keyframes and frames for the header.
+- meshes: Stores the meshes of the header, each once, simplified to what a page can show.
+- pack: Writes and reads a pack as bytes: a header in JSON, and buffers to which it refers by their offset.
+- rounding: Rounds the numbers of the pack: short in JSON, and exact enough for kinematics to 1e-9.
+- scene: Makes the whole pack of a robot from the folder with its files.
+- triangles: Reads triangles of the compiled model, and stores them welded, with 16 bits a coordinate.
 """
 
 from collections.abc import Iterable
 
 VERSION = 9
-"""Raised when the same robot gives another pack."""
+"""Must be increased when the same robot gives another pack."""
 
 NEVER_READ = (".json", ".srdf", ".sdf", ".usda", ".py", ".md")
-"""Files of a build that no MJCF and no URDF refers to."""
+"""Suffixes of files to which no MJCF and no URDF refers."""
 
 
 def source_of(files: Iterable[str], robot: str) -> str | None:
-    """The file of a build that the page shows: the scene, else the URDF, which may be that of a ROS package;
-    None without both."""
-    there = sorted(files, key=lambda path: (path.count("/"), path))
-    usual = [name for name in ("scene.xml", f"{robot}.xml", f"{robot}.urdf") if name in there]
-    return next(iter([*usual, *(path for path in there if path.endswith(".urdf"))]), None)
+    """Returns the file of a build that the page shows: the scene, else the URDF, which may be in a ROS
+    package; None if there is neither."""
+    paths = sorted(files, key=lambda path: (path.count("/"), path))
+    usual_names = [name for name in ("scene.xml", f"{robot}.xml", f"{robot}.urdf") if name in paths]
+    return next(iter([*usual_names, *(path for path in paths if path.endswith(".urdf"))]), None)

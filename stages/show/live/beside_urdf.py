@@ -1,4 +1,4 @@
-"""What a URDF does not say of a robot, or not to all readers: its named poses, relations and loops."""
+"""Adds the robot's named poses, relations and loops to the header of a URDF."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -11,12 +11,12 @@ from linkwright.stages.robot.motion.start_pose import keyframes as named_poses
 from linkwright.stages.show.live.rounding import rounded, vector
 
 _POINTS = {"revolute": (0.0, 1.0), "ball": (0.0,)}
-"""Of each type of loop the points on its axis that stay together, in levers from its origin."""
+"""Type of loop → the points on its axis that stay together, as multiples of the lever from the origin."""
 
 
 def with_poses(header: dict[str, Any], robot: Robot) -> dict[str, Any]:
-    """The header of a URDF with the robot's keyframes, relations and loops. A loop that slides stays open:
-    the page has no frames for it."""
+    """Adds the robot's keyframes, relations and loops to the header of a URDF. Loops that slide stay open:
+    the page has no frames for them."""
     bodies = {body["name"]: index for index, body in enumerate(header["bodies"])}
     loops = [entry for loop in robot.loops for entry in _loop(loop, bodies)]
     return {
@@ -28,28 +28,29 @@ def with_poses(header: dict[str, Any], robot: Robot) -> dict[str, Any]:
 
 
 def _keyframes(header: dict[str, Any], robot: Robot) -> list[dict[str, Any]]:
-    found = []
+    entries = []
     for name, values in named_poses(robot).items():
         qpos = list(header["qpos0"])
         for joint in header["joints"]:
             value = values.get(joint["name"])
             if joint["unit"] and isinstance(value, int | float):
                 qpos[joint["qpos"]] = rounded(value)
-        found.append({"name": name, "qpos": qpos, "ctrl": [], "act": []})
-    return found
+        entries.append({"name": name, "qpos": qpos, "ctrl": [], "act": []})
+    return entries
 
 
 def _relations(header: dict[str, Any], robot: Robot) -> list[dict[str, Any]]:
-    """Those that MuJoCo reads of the URDF, which older versions do not, and the robot's others."""
-    found = list(header["relations"])
-    known = {one["follower"] for one in found}
+    """Returns the relations that MuJoCo has read from the URDF (older versions read none), and the other
+    relations of the robot."""
+    entries = list(header["relations"])
+    followers = {entry["follower"] for entry in entries}
     numbers = {joint["name"]: index for index, joint in enumerate(header["joints"]) if joint["unit"]}
-    for one in robot.relations:
-        follower, driver = numbers.get(one.follower), numbers.get(one.driver)
-        if follower is not None and driver is not None and follower not in known:
-            polynomial = [rounded(one.offset), rounded(one.multiplier), 0.0, 0.0, 0.0]
-            found.append({"follower": follower, "driver": driver, "polynomial": polynomial})
-    return found
+    for relation in robot.relations:
+        follower, driver = numbers.get(relation.follower), numbers.get(relation.driver)
+        if follower is not None and driver is not None and follower not in followers:
+            polynomial = [rounded(relation.offset), rounded(relation.multiplier), 0.0, 0.0, 0.0]
+            entries.append({"follower": follower, "driver": driver, "polynomial": polynomial})
+    return entries
 
 
 def _loop(loop: Loop, bodies: Mapping[str, int]) -> list[dict[str, Any]]:
@@ -68,10 +69,10 @@ def _loop(loop: Loop, bodies: Mapping[str, int]) -> list[dict[str, Any]]:
     ]
 
 
-def _moved(frame: Array, way: Array) -> Array:
-    found = frame.copy()
-    found[:3, 3] += frame[:3, :3] @ way
-    return found
+def _moved(frame: Array, shift: Array) -> Array:
+    moved = frame.copy()
+    moved[:3, 3] += frame[:3, :3] @ shift
+    return moved
 
 
 def _entry(name: str, kind: str, bodies: list[int], frames: tuple[Array, ...]) -> dict[str, Any]:
@@ -82,6 +83,6 @@ def _entry(name: str, kind: str, bodies: list[int], frames: tuple[Array, ...]) -
 
 
 def _quaternion(turn: Array) -> Array:
-    found: Array = np.zeros(4)
-    mujoco.mju_mat2Quat(found, np.ascontiguousarray(turn).ravel())
-    return found
+    quat: Array = np.zeros(4)
+    mujoco.mju_mat2Quat(quat, np.ascontiguousarray(turn).ravel())
+    return quat

@@ -1,4 +1,4 @@
-"""The compiled model of a build, of which the page shows everything by index."""
+"""Compiles the model of a build, to whose indices the page refers."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -6,51 +6,63 @@ from typing import Any
 
 import mujoco
 
+from linkwright.stages.formats.meshes.gltf_conventions import SUFFIX
 from linkwright.stages.formats.xml import Element, to_bytes
-from linkwright.stages.mujoco.compile import compiled_file, compiled_heard, compiled_text, spec_of_text
+from linkwright.stages.mujoco.compile import (
+    compiled_file,
+    compiled_text,
+    compiled_with_warnings,
+    spec_of_text,
+)
 from linkwright.stages.mujoco.names import name_of
 from linkwright.stages.mujoco.state import at_key, keyframe_of
-from linkwright.stages.mujoco.warnings import listening
+from linkwright.stages.mujoco.warnings import collected_warnings
 from linkwright.stages.show.live import includes
 from linkwright.stages.show.preview.model_text import urdf_text
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LiveModel:
-    """A robot as MuJoCo compiled it. `source`: its file; `document`: the scene with its includes resolved and
-    every body and geom named, None of a URDF. `closed`: the model's state at a pose in which its loops are
-    closed: the keyframe `home`, else the first one, else where the model starts."""
+    """A robot as MuJoCo compiled it."""
 
     source: str
+    """The path of the robot's file."""
+
     model: Any
     closed: Any
+    """MuJoCo's data at a pose with closed loops: the keyframe `home`, else the first keyframe, else the
+    start."""
+
     document: Element | None
+    """The scene without includes, in which every body and geom has a name; None for a URDF."""
+
     actuators: tuple[str, ...] = ()
+    """The tag of each actuator in the scene."""
 
     def name(self, kind: Any, index: int) -> str:
-        """The name of one of the model's objects; "" where its file gives it none."""
-        found = name_of(self.model, kind, index)
-        return "" if found.startswith(includes.OWN) else found
+        """Returns the name that the file gives to an object of the model; "" if there is none."""
+        name = name_of(self.model, kind, index)
+        return "" if name.startswith(includes.OWN) else name
 
 
 def compiled(folder: Path, source: str) -> LiveModel:
-    """Compiles the file `source` of a folder with a robot's files. ValueError where MuJoCo refuses it."""
+    """Compiles the file `source` of a folder with a robot's files. Raises ValueError if MuJoCo refuses it."""
     document = None
-    with listening():
+    with collected_warnings():
         if source.endswith(".urdf"):
             model = _of_urdf(folder, source)
         else:
-            document = includes.with_names(includes.flat(folder, source))
-            model, _ = compiled_heard(lambda: spec_of_text(to_bytes(document), folder))
+            document = includes.with_names(includes.resolved(folder, source))
+            model, _ = compiled_with_warnings(lambda: spec_of_text(to_bytes(document), folder))
         closed = _closed(model)
     tags = () if document is None else includes.actuator_tags(document)
     return LiveModel(source, model, closed, document, tags)
 
 
 def _of_urdf(folder: Path, source: str) -> Any:
-    """The model of a URDF with all that is seen; that of a ROS package lies beside its meshes'
-    folder."""
-    if "/" not in source:
+    """Compiles a URDF with all visible shapes. The URDF of a ROS package is in a folder beside that of its
+    meshes."""
+    if "/" not in source and SUFFIX.encode() not in (folder / source).read_bytes():
         return compiled_file(folder / source)
     paths = (path for path in sorted(folder.rglob("*")) if path.is_file())
     files = {path.relative_to(folder).as_posix(): path.read_bytes() for path in paths}

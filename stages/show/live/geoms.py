@@ -1,4 +1,4 @@
-"""The geoms of the header: what is seen, what collides, and the ground."""
+"""Describes the geoms for the header: visual, colliding, and the ground."""
 
 from typing import Any
 
@@ -20,34 +20,34 @@ _TYPES = {
     mujoco.mjtGeom.mjGEOM_MESH: "mesh",
     mujoco.mjtGeom.mjGEOM_SDF: "mesh",
 }
-_UNSET = (0.5, 0.5, 0.5, 1.0)
-"""The colour of a geom whose file gives it none: then that of its material counts."""
+_DEFAULT_COLOUR = (0.5, 0.5, 0.5, 1.0)
+"""MuJoCo's default colour of a geom; a geom with this colour has the colour of its material."""
 
 _SEEN_GROUPS = 3
-"""MuJoCo's viewers show the groups below this one; by convention colliders are in those above."""
+"""MuJoCo's viewers show the groups with a smaller number; by convention colliders are in the other groups."""
 
 Source = tuple[str, int]
-"""Where the triangles of a geom are in the model: ("mesh" or "hfield", index)."""
+"""The triangles of a geom in the model: ("mesh" or "hfield", index)."""
 
 
 def geoms(live: LiveModel) -> list[tuple[dict[str, Any], Source | None]]:
-    """The geoms, `mesh` not yet set, and where the triangles of each are.
+    """Returns the geoms, with `mesh` not yet set, and the source of each geom's triangles.
 
-    What collides and is in a group that viewers show, as of a file of another tool, is there twice: as what
-    is seen and as what collides. Of a robot without any visual geom the colliders are seen.
+    A collider in a group that viewers show, as in a file of another tool, is listed twice: as visual and as
+    collider. For a robot without any visual geom the colliders are visual too.
     """
-    # The groups of a URDF are MuJoCo's own, not the author's.
+    # The groups in a URDF's model are MuJoCo's own, not the author's.
     groups = _SEEN_GROUPS if live.document is not None else 0
     pairs = {*live.model.pair_geom1.tolist(), *live.model.pair_geom2.tolist()}
     shown = [(index, _roles(live.model, index, groups, pairs)) for index in range(live.model.ngeom)]
     if not any("visual" in roles for _, roles in shown):
-        shown = [(index, [*roles, *_seen_too(roles)]) for index, roles in shown]
+        shown = [(index, [*roles, *_as_visual(roles)]) for index, roles in shown]
     return [
         (_entry(live, index, role), _source(live.model, index)) for index, roles in shown for role in roles
     ]
 
 
-def _seen_too(roles: list[str]) -> list[str]:
+def _as_visual(roles: list[str]) -> list[str]:
     return ["visual"] if "collision" in roles else []
 
 
@@ -58,8 +58,8 @@ def _roles(model: Any, index: int, seen_groups: int, pairs: set[int]) -> list[st
     if model.geom_bodyid[index] == 0 and kind in (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD):
         return ["ground"]
     collides = bool(model.geom_contype[index] or model.geom_conaffinity[index] or index in pairs)
-    seen = not collides or model.geom_group[index] < seen_groups
-    return [*(["visual"] if seen else []), *(["collision"] if collides else [])]
+    is_visible = not collides or model.geom_group[index] < seen_groups
+    return [*(["visual"] if is_visible else []), *(["collision"] if collides else [])]
 
 
 def _entry(live: LiveModel, index: int, role: str) -> dict[str, Any]:
@@ -85,20 +85,20 @@ def _source(model: Any, index: int) -> Source | None:
 
 
 def _colour(model: Any, index: int) -> list[float]:
-    """The geom's colour; of a texture its mean, since the page shows no textures."""
-    own = model.geom_rgba[index].astype(np.float64)
+    """Returns the geom's colour, times the mean colour of its textures: the page shows no textures."""
+    rgba = model.geom_rgba[index].astype(np.float64)
     material = int(model.geom_matid[index])
-    if material < 0 or not np.allclose(own, _UNSET):
-        return _short(own)
+    if material < 0 or not np.allclose(rgba, _DEFAULT_COLOUR):
+        return _rounded(rgba)
     colour = model.mat_rgba[material].astype(np.float64)
     textures = np.atleast_1d(model.mat_texid[material])
-    for texture in (int(one) for one in textures if one >= 0):
-        colour[:3] *= _mean(model, texture)
-    return _short(colour)
+    for texture in (int(number) for number in textures if number >= 0):
+        colour[:3] *= _mean_colour(model, texture)
+    return _rounded(colour)
 
 
-def _mean(model: Any, texture: int) -> Any:
-    """The mean colour (3,) of a texture, each from 0 to 1."""
+def _mean_colour(model: Any, texture: int) -> Any:
+    """Returns the mean colour (3,) of a texture, from 0 to 1."""
     channels = int(model.tex_nchannel[texture])
     size = int(model.tex_width[texture]) * int(model.tex_height[texture]) * channels
     start = int(model.tex_adr[texture])
@@ -106,5 +106,5 @@ def _mean(model: Any, texture: int) -> Any:
     return np.resize(pixels.mean(axis=0)[:3] / 255.0, 3)
 
 
-def _short(colour: Any) -> list[float]:
-    return [round(float(one), 4) + 0.0 for one in np.clip(colour, 0.0, 1.0)]
+def _rounded(colour: Any) -> list[float]:
+    return [round(float(channel), 4) + 0.0 for channel in np.clip(colour, 0.0, 1.0)]

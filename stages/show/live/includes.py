@@ -1,4 +1,4 @@
-"""A scene as one document: its includes resolved, and a name for every body and geom."""
+"""Makes a scene a single document, without includes, and with a name for every body and geom."""
 
 from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
@@ -7,23 +7,24 @@ from linkwright.stages.formats.xml import Element, parse, tag
 from linkwright.stages.mujoco.includes import resolve
 
 OWN = "linkwright:"
-"""How the names begin that are given here to what has none."""
+"""Prefix of generated names."""
 
 _COPIED = frozenset({"replicate", "composite", "flexcomp", "default"})
-"""Elements whose content MuJoCo copies, each copy with a name of its own, or that make nothing themselves."""
+"""Elements whose content MuJoCo copies under other names, or that create nothing themselves."""
 
-_MOST_FILES = 100
+_MAX_FILES = 100
+"""Largest number of files of a scene; more mean a circle of includes."""
 
 
-def flat(folder: Path, name: str) -> Element:
-    """The root of a scene's file with the content of all that it includes, in its place. ValueError for a
-    file outside of the folder, or for includes that never end."""
-    read = 0
+def resolved(folder: Path, name: str) -> Element:
+    """Returns the root of a scene's file, with all includes replaced by their content. Raises ValueError if a
+    file is outside of the folder, or if includes form a circle."""
+    file_count = 0
 
     def root_of(name: str) -> Element:
-        nonlocal read
-        path, read = PurePosixPath(name), read + 1
-        if path.is_absolute() or ".." in path.parts or read > _MOST_FILES:
+        nonlocal file_count
+        path, file_count = PurePosixPath(name), file_count + 1
+        if path.is_absolute() or ".." in path.parts or file_count > _MAX_FILES:
             raise ValueError(f"{name} is included from outside of the build, or in a circle")
         return parse((folder / path).read_bytes(), large=True)
 
@@ -33,7 +34,8 @@ def flat(folder: Path, name: str) -> Element:
 
 
 def with_names(root: Element) -> Element:
-    """Names each body and geom that has no name, in place, so that they are found in the compiled model."""
+    """Gives a name to each body and geom without one, in place, so that they are found in the compiled
+    model."""
     for number, node in enumerate(_in_bodies(root)):
         if node.get("name") is None:
             node.set("name", f"{OWN}{number}")
@@ -41,16 +43,16 @@ def with_names(root: Element) -> Element:
 
 
 def _in_bodies(root: Element) -> Iterator[Element]:
-    """The bodies and geoms of the document, in its order, but not what MuJoCo makes copies of."""
-    waiting = [root]
-    while waiting:
-        node = waiting.pop()
+    """Yields the bodies and geoms of the document, in its order, except those that MuJoCo copies."""
+    stack = [root]
+    while stack:
+        node = stack.pop()
         if tag(node) in ("body", "geom"):
             yield node
         if tag(node) not in _COPIED:
-            waiting.extend(reversed(list(node)))
+            stack.extend(reversed(list(node)))
 
 
 def actuator_tags(root: Element) -> tuple[str, ...]:
-    """The tag of each actuator, in the order of the compiled model."""
-    return tuple(tag(one) for section in root.iterchildren("actuator") for one in section)
+    """Returns the tag of each actuator, in the order of the compiled model."""
+    return tuple(tag(actuator) for section in root.iterchildren("actuator") for actuator in section)

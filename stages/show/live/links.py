@@ -1,4 +1,4 @@
-"""The links of the header: the CAD parts of each, their masses, and how well their colliders fit."""
+"""Describes the links for the header: their CAD parts, masses, and the fit of their colliders."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -8,8 +8,8 @@ from linkwright.stages.show.live.rounding import rounded
 
 
 def links(robot: Robot, colliders: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Each link with its parts and its colliders. `colliders`: the rows of the report's table, whose lengths
-    are in mm."""
+    """Returns each link with its parts and its colliders. `colliders`: the rows of the report's table, with
+    lengths in mm."""
     rows: dict[str, list[dict[str, Any]]] = {}
     for row in colliders:
         rows.setdefault(row["link"], []).append(_collider(row))

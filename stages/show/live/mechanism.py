@@ -1,4 +1,4 @@
-"""The bodies, joints, relations and loops of the header, and its keyframes, actuators and frames."""
+"""Describes the bodies, joints, relations, loops, keyframes and frames for the header."""
 
 from typing import Any
 
@@ -20,12 +20,12 @@ _LOOPS = {mujoco.mjtEq.mjEQ_CONNECT: "connect", mujoco.mjtEq.mjEQ_WELD: "weld"}
 
 
 def bodies(live: LiveModel, links: dict[str, int]) -> list[dict[str, Any]]:
-    """Every body in MuJoCo's order, the world first. `links`: the index of each link by its name."""
+    """Returns all bodies in MuJoCo's order, the world first. `links`: the index of each link by its name."""
     model = live.model
-    found = []
+    entries = []
     for index in range(model.nbody):
         name = live.name(_BODY, index) or f"body {index}"
-        found.append(
+        entries.append(
             {
                 "name": name,
                 "parent": int(model.body_parentid[index]),
@@ -40,19 +40,20 @@ def bodies(live: LiveModel, links: dict[str, int]) -> list[dict[str, Any]]:
                 "link": links.get(name) if index else None,
             }
         )
-    return found
+    return entries
 
 
 def joints(live: LiveModel) -> list[dict[str, Any]]:
-    """Every joint in MuJoCo's order, with its addresses in qpos and qvel; lengths in m, angles in rad."""
+    """Returns all joints in MuJoCo's order, with their addresses in qpos and qvel; lengths in m, angles in
+    rad."""
     model = live.model
-    found = []
+    entries = []
     for index in range(model.njnt):
         kind = _TYPES[mujoco.mjtJoint(int(model.jnt_type[index]))]
         body = int(model.jnt_bodyid[index])
         qpos = int(model.jnt_qposadr[index])
         name = live.name(_JOINT, index)
-        found.append(
+        entries.append(
             {
                 "name": name,
                 "body": body,
@@ -67,12 +68,12 @@ def joints(live: LiveModel) -> list[dict[str, Any]]:
                 "unit": _UNITS.get(kind, ""),
             }
         )
-    return found
+    return entries
 
 
 def relations(live: LiveModel) -> list[dict[str, Any]]:
-    """The joints that follow another one, or (`driver` null) stand still, as MuJoCo's joint equalities: the
-    follower's way from its `ref` is a polynomial of the driver's."""
+    """Returns MuJoCo's joint equalities: joints that follow another joint, or are fixed (`driver` null). The
+    follower's change from its `ref` is a polynomial of the driver's change."""
     model = live.model
     return [
         {
@@ -86,10 +87,11 @@ def relations(live: LiveModel) -> list[dict[str, Any]]:
 
 
 def loops(live: LiveModel) -> list[dict[str, Any]]:
-    """The connects and welds: two frames, one fixed in each body, that coincide where the loop is closed.
+    """Returns the connects and welds, each as two frames, fixed in a body each, which coincide in a closed
+    loop.
 
-    A connect keeps points together; its second frame has the orientation that the first one has at the
-    closed pose.
+    A connect only keeps points together: its second frame gets the orientation that the first frame has at
+    the closed pose.
     """
     return [
         _loop(live, index)
@@ -113,8 +115,8 @@ def _loop(live: LiveModel, index: int) -> dict[str, Any]:
         frames = [(model.site_pos[site], model.site_quat[site]) for site in ends]
     else:
         bodies = list(ends)
-        # Of a weld MuJoCo keeps the second body's point first, then the first body's point and orientation
-        # (mj_instantiateEquality); of a connect the first body's point first.
+        # For a weld MuJoCo keeps the second body's point first, then the first body's point and orientation
+        # (mj_instantiateEquality); for a connect the first body's point first.
         first = (values[3:6], values[6:10]) if kind == "weld" else (values[0:3], identity)
         second = (values[0:3], identity) if kind == "weld" else (values[3:6], identity)
         frames = [first, second]
@@ -129,19 +131,19 @@ def _loop(live: LiveModel, index: int) -> dict[str, Any]:
     }
 
 
-def _seen_from(live: LiveModel, other: int, body: int, quat: Any) -> Any:
-    """An orientation in `body` as `other` has it at the closed pose."""
-    inverse, world, found = np.zeros(4), np.zeros(4), np.zeros(4)
+def _seen_from(live: LiveModel, target: int, body: int, quat: Any) -> Any:
+    """Converts an orientation in `body` to one in `target`, at the closed pose."""
+    inverse, world, quat_in_other = np.zeros(4), np.zeros(4), np.zeros(4)
     mujoco.mju_mulQuat(world, live.closed.xquat[body], quat)
-    mujoco.mju_negQuat(inverse, live.closed.xquat[other])
-    mujoco.mju_mulQuat(found, inverse, world)
-    return found
+    mujoco.mju_negQuat(inverse, live.closed.xquat[target])
+    mujoco.mju_mulQuat(quat_in_other, inverse, world)
+    return quat_in_other
 
 
 def keyframes(live: LiveModel) -> list[dict[str, Any]]:
-    """The keyframes, `home` first."""
+    """Returns the keyframes, `home` first."""
     model = live.model
-    found = [
+    entries = [
         {
             "name": live.name(mujoco.mjtObj.mjOBJ_KEY, index) or f"keyframe {index}",
             "qpos": vector(model.key_qpos[index]),
@@ -150,11 +152,11 @@ def keyframes(live: LiveModel) -> list[dict[str, Any]]:
         }
         for index in range(model.nkey)
     ]
-    return sorted(found, key=lambda one: one["name"] != "home")
+    return sorted(entries, key=lambda entry: entry["name"] != "home")
 
 
 def frames(live: LiveModel) -> list[dict[str, Any]]:
-    """The sites: frames of the robot, and links that are one body with another link."""
+    """Returns the sites: frames of the robot, and links without a body of their own."""
     model = live.model
     return [
         {

@@ -1,4 +1,4 @@
-"""The meshes of the header: each once, thinned to what a page can show."""
+"""Stores the meshes of the header, each once, simplified to what a page can show."""
 
 import json
 from collections import Counter
@@ -11,52 +11,52 @@ from linkwright.stages.show.live.pack import Buffers
 from linkwright.stages.show.live.triangles import Facets
 
 Shown = tuple[dict[str, Any], Source | None]
-"""A geom of the header and where its triangles are."""
+"""A geom of the header and the source of its triangles."""
 
 
 def stored_meshes(model: Any, shown: list[Shown], most: int, buffers: Buffers) -> dict[str, Any]:
-    """`geoms`, `meshes` and `thinned` of the header, the geoms with their `mesh` set.
+    """Returns `geoms`, `meshes` and `thinned` of the header, with the key `mesh` of each geom.
 
-    The visual meshes have at most `most` triangles, and so have those of the colliders and the ground. Meshes
-    of one content are one; geoms whose meshes have no triangle are left out.
+    The visual meshes have at most `most` triangles together, and so have the meshes of the colliders and the
+    ground. Meshes with equal content are stored once; geoms whose meshes have no triangles are dropped.
     """
     facets = {source: _facets(model, source) for _, source in shown if source is not None}
-    kept = _thinned(facets, shown, most)
+    thinned = _simplified(facets, shown, most)
     entries: dict[str, dict[str, Any]] = {}
     order: dict[str, int] = {}
     numbers: dict[Source, int | None] = {}
-    for key, one in kept.items():
-        entry = triangles.stored(one, buffers)
-        same = json.dumps(entry)
+    for key, mesh in thinned.items():
+        entry = triangles.stored(mesh, buffers)
+        content = json.dumps(entry)
         if entry["faces"]:
-            entries[same] = entry
-        numbers[key] = order.setdefault(same, len(order)) if entry["faces"] else None
+            entries[content] = entry
+        numbers[key] = order.setdefault(content, len(order)) if entry["faces"] else None
     geoms = []
     for geom, source in shown:
         number = None if source is None else numbers[source]
         if source is None or number is not None:
             geoms.append({**geom, "mesh": number})
-    return {"geoms": geoms, "meshes": list(entries.values()), "thinned": _summary(kept, facets, shown)}
+    return {"geoms": geoms, "meshes": list(entries.values()), "thinned": _summary(thinned, facets, shown)}
 
 
-def _thinned(facets: dict[Source, Facets], shown: list[Shown], most: int) -> dict[Source, Facets]:
-    found = dict(facets)
-    for seen in (True, False):
+def _simplified(facets: dict[Source, Facets], shown: list[Shown], most: int) -> dict[Source, Facets]:
+    thinned = dict(facets)
+    for is_visual in (True, False):
         uses = Counter(
-            source for geom, source in shown if source is not None and (geom["role"] == "visual") == seen
+            source for geom, source in shown if source is not None and (geom["role"] == "visual") == is_visual
         )
-        found |= fitted({source: found[source] for source in uses}, uses, most)
-    return found
+        thinned |= fitted({source: thinned[source] for source in uses}, uses, most)
+    return thinned
 
 
 def _summary(
-    kept: dict[Source, Facets], facets: dict[Source, Facets], shown: list[Shown]
+    simplified: dict[Source, Facets], facets: dict[Source, Facets], shown: list[Shown]
 ) -> dict[str, int] | None:
-    """How many triangles there are of how many; None where there are all."""
+    """Returns the numbers of triangles after and before simplification; None if they are equal."""
     uses = Counter(source for _, source in shown if source is not None)
     faces, of_faces = (
         sum(len(meshes[source].corners) * count for source, count in uses.items())
-        for meshes in (kept, facets)
+        for meshes in (simplified, facets)
     )
     return {"faces": faces, "of_faces": of_faces} if faces < of_faces else None
 

@@ -1,4 +1,4 @@
-"""The whole pack of a robot, from the folder with its files."""
+"""Makes the whole pack of a robot from the folder with its files."""
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -17,37 +17,39 @@ from linkwright.stages.show.live.pack import VERSION, Buffers, packed
 from linkwright.stages.show.live.rounding import rounded, vector
 
 _VIEW = 140.0, -20.0
-"""Azimuth and elevation [degrees] from which a robot without a scene is seen."""
+"""Azimuth and elevation [degrees] of the view of a robot without a scene."""
 
 
-LARGEST = 8_000_000
-"""The most bytes of a pack: with the engine and the tables a page has less than 20 MB."""
+MAX_BYTES = 8_000_000
+"""Largest size [bytes] of a pack: with the engine and the tables a page has less than 20 MB."""
 
 _ATTEMPTS = 4
+"""Number of attempts to make the pack small enough; each has a quarter of the triangles of the last one."""
 
 
 def pack_of(
     folder: Path, source: str, robot: Robot, colliders: Iterable[Mapping[str, Any]], faces: int
 ) -> bytes:
-    """The pack of the robot whose file `source` is in a folder. `colliders`: the rows of the report's table;
-    `faces`: the most triangles. ValueError where MuJoCo does not compile it, or where it is too large."""
+    """Makes the pack of the robot whose file `source` is in a folder. `colliders`: the rows of the report's
+    table; `faces`: the largest number of triangles. Raises ValueError if MuJoCo refuses the file, or if the
+    robot is too large."""
     live = compiled(folder, source)
     head = _head(live, robot, links(robot, colliders))
     if live.document is None:
         head = with_poses(head, robot)
     engine = _engine(live, folder)
-    if len(_packed(live, head, engine, 0)) > LARGEST // 2:  # without triangles
+    if len(_packed(live, head, engine, 0)) > MAX_BYTES // 2:  # without triangles
         engine = NoCopy("the colliders are too large for a page")
     for attempt in range(_ATTEMPTS):
         pack = _packed(live, head, engine, faces >> 2 * attempt)
-        if len(pack) <= LARGEST:
+        if len(pack) <= MAX_BYTES:
             return pack
     raise ValueError(f"the robot is too large for a page: {len(pack) / 1e6:.0f} MB")
 
 
-def _head(live: LiveModel, robot: Robot, known: list[dict[str, Any]]) -> dict[str, Any]:
-    """The header without triangles and without the engine's copy."""
-    numbers = {one["name"]: index for index, one in enumerate(known)}
+def _head(live: LiveModel, robot: Robot, link_entries: list[dict[str, Any]]) -> dict[str, Any]:
+    """Returns the header without triangles and without the engine's copy."""
+    numbers = {entry["name"]: index for index, entry in enumerate(link_entries)}
     moving = joints(live)
     return {
         "version": VERSION,
@@ -65,7 +67,7 @@ def _head(live: LiveModel, robot: Robot, known: list[dict[str, Any]]) -> dict[st
         "gravity": vector(live.model.opt.gravity),
         "timestep": rounded(live.model.opt.timestep),
         "camera": _camera(live),
-        "links": known,
+        "links": link_entries,
     }
 
 
@@ -80,7 +82,7 @@ def _packed(live: LiveModel, head: dict[str, Any], engine: EngineCopy | NoCopy, 
 
 
 def _engine(live: LiveModel, folder: Path) -> EngineCopy | NoCopy:
-    """The engine's copy of the model, or why it has none."""
+    """Returns the engine's copy of the model, or the reason why there is none."""
     try:
         return engine_copy(live, folder)
     except NoCopy as reason:

@@ -1,4 +1,4 @@
-"""Triangles of the compiled model, and how the page has them: 16 bits a coordinate, welded."""
+"""Reads triangles of the compiled model, and stores them welded, with 16 bits a coordinate."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -10,8 +10,10 @@ from linkwright.stages.show.live.pack import Buffers
 from linkwright.stages.show.live.rounding import vector
 
 STEPS = 65_535
-_SHORT = 65_536
-"""Meshes with at most so many points have indices of 2 bytes."""
+"""Number of steps of a coordinate, which is stored in 16 bits."""
+
+_MAX_SHORT = 65_536
+"""Largest number of points of a mesh whose indices have 2 bytes."""
 
 Points = npt.NDArray[np.float64]
 Corners = npt.NDArray[np.int64]
@@ -19,7 +21,7 @@ Corners = npt.NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Facets:
-    """Triangles: `points` (n, 3) [m], `corners` (m, 3), and how many triangles there were before thinning."""
+    """Triangles: `points` (n, 3) [m], `corners` (m, 3), and the number of triangles before simplification."""
 
     points: Points
     corners: Corners
@@ -32,8 +34,8 @@ class Facets:
 
 
 def of_mesh(model: Any, index: int) -> Facets:
-    """A mesh of the model, in the frame that the positions of its geoms mean; of one without triangles, which
-    a point cloud is, its convex hull."""
+    """Returns the triangles of a mesh in the frame that its geoms' positions refer to; for a point cloud,
+    which has no triangles, its convex hull."""
     first, count = int(model.mesh_vertadr[index]), int(model.mesh_vertnum[index])
     points = model.mesh_vert[first : first + count].astype(np.float64)
     first, count = int(model.mesh_faceadr[index]), int(model.mesh_facenum[index])
@@ -44,23 +46,23 @@ def of_mesh(model: Any, index: int) -> Facets:
 
 
 def hull_of(model: Any, index: int) -> Corners:
-    """(m, 3): the triangles of a mesh's convex hull, as points of the mesh; none where MuJoCo made no hull.
+    """Returns the triangles (m, 3) of a mesh's convex hull, as indices of its points; empty without a hull.
 
-    Layout of `mesh_graph`: numbers of vertices and faces, then for each vertex its edges' address and its
-    number among the mesh's points, the edges, and the faces (mjmodel.h).
+    `mesh_graph` contains the numbers of vertices and faces, then for each vertex its edges' address and its
+    index among the mesh's points, the edges, and the faces (mjmodel.h).
     """
     start = int(model.mesh_graphadr[index])
     if start < 0:
         return np.empty((0, 3), dtype=np.int64)
-    vertices, faces = (int(one) for one in model.mesh_graph[start : start + 2])
+    vertices, faces = (int(number) for number in model.mesh_graph[start : start + 2])
     begin = start + 2 + 2 * vertices + vertices + 3 * faces
     return np.asarray(model.mesh_graph[begin : begin + 3 * faces], dtype=np.int64).reshape(-1, 3)
 
 
 def of_hfield(model: Any, index: int) -> Facets:
-    """The surface of a height field."""
+    """Returns the triangles of a height field's surface."""
     rows, columns = int(model.hfield_nrow[index]), int(model.hfield_ncol[index])
-    x, y, height, _ = (float(one) for one in model.hfield_size[index])
+    x, y, height, _ = (float(length) for length in model.hfield_size[index])
     start = int(model.hfield_adr[index])
     heights = model.hfield_data[start : start + rows * columns].astype(np.float64) * height
     across, along = np.meshgrid(np.linspace(-x, x, columns), np.linspace(-y, y, rows))
@@ -72,15 +74,15 @@ def of_hfield(model: Any, index: int) -> Facets:
 
 
 def stored(facets: Facets, buffers: Buffers) -> dict[str, Any]:
-    """A mesh's entry in the header: positions as multiples of a step from an origin. Points that fall
-    together are one, and triangles without three different points are left out."""
+    """Stores a mesh and returns its entry in the header. Positions are multiples of a step from an origin;
+    equal points are merged, and triangles without three different points are dropped."""
     points = facets.points if len(facets.points) else np.zeros((1, 3))
     origin = np.array(vector(points.min(axis=0)))
     step = np.array(vector(np.ptp(points, axis=0) / STEPS))
     scaled = (points - origin) / np.where(step > 0.0, step, 1.0)
     steps = np.clip(np.rint(scaled), 0, STEPS).astype(np.uint16)
     places, corners = _welded(steps, facets.corners)
-    width = 2 if len(places) <= _SHORT else 4
+    width = 2 if len(places) <= _MAX_SHORT else 4
     kind = "<u2" if width == 2 else "<u4"
     return {
         "positions": {
@@ -96,14 +98,16 @@ def stored(facets: Facets, buffers: Buffers) -> dict[str, Any]:
 
 
 def _welded(steps: npt.NDArray[np.uint16], corners: Corners) -> tuple[npt.NDArray[np.uint16], Corners]:
-    """The points in the order in which the triangles have them, each once, and the triangles."""
+    """Merges equal points; returns the points in the order in which triangles use them, and the triangles."""
     keys = steps.astype(np.int64) @ np.array([1 << 32, 1 << 16, 1])
-    _, first, same = np.unique(keys, return_index=True, return_inverse=True)
+    _, first_index, same = np.unique(keys, return_index=True, return_inverse=True)
     mapped = same.ravel()[corners]
-    whole = (mapped[:, 0] != mapped[:, 1]) & (mapped[:, 1] != mapped[:, 2]) & (mapped[:, 2] != mapped[:, 0])
-    mapped = mapped[whole]
+    has_area = (
+        (mapped[:, 0] != mapped[:, 1]) & (mapped[:, 1] != mapped[:, 2]) & (mapped[:, 2] != mapped[:, 0])
+    )
+    mapped = mapped[has_area]
     used, appears = np.unique(mapped, return_index=True)
     order = used[np.argsort(appears, kind="stable")]
-    place = np.zeros(len(first), dtype=np.int64)
-    place[order] = np.arange(len(order))
-    return steps[first[order]], place[mapped]
+    new_index = np.zeros(len(first_index), dtype=np.int64)
+    new_index[order] = np.arange(len(order))
+    return steps[first_index[order]], new_index[mapped]

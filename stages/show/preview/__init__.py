@@ -1,21 +1,25 @@
-"""The robot's picture: `preview.png` of every build that exports, and where it is wished a turn,
+"""Draws the robot's picture, `preview.png`, for every build that exports, and on request the turning robot,
 `preview.webp`.
 
-It is drawn by the processor alone, from the look that the robot has in MuJoCo's model of the exported files,
-in a process of its own beside the build: the same picture on every machine, without a graphics driver, and
-never a failed build. A change that the robot's look does not show draws nothing.
+The processor draws it without a graphics card, from the look of the exported files in MuJoCo's model, in a
+process of its own beside the build. So it is the same on every machine, and never makes a build fail. After a
+change that does not affect the look nothing is drawn.
 
-- ask: Asks the guest that draws, within limits of time and memory.
-- camera: The camera: where it stands so that all of the robot is in the picture, and what it sees there.
-- compiled: What is seen of a robot that MuJoCo compiled, at its keyframe `home`.
-- guest: Guest process that draws the robot: many triangles take memory, and time.
-- look: What is seen of a robot, as plain data: shapes, where they are at `home`, their colours, and the
-  camera.
-- model_text: The text that MuJoCo compiles: one MJCF or URDF without links to other files but its meshes.
-- solids: Surfaces of MuJoCo's primitive shapes, as triangles (m, 3, 3) [m].
-- surface: The triangles of a look.
-- thinning: Fewer triangles for a robot that has more than there are pixels.
-- webp: An animated WebP of pictures: the one place that needs pillow.
+- ask: Runs the guest process that draws, within limits of time and memory.
+- bones: Makes the shapes of a robot without any: a ball at each body, and a bone to its parent.
+- camera: Places the camera so that the whole robot is in the picture, and projects points.
+- compiled: Takes the look of a robot from the model that MuJoCo compiled, at its keyframe `home`.
+- from_model: Takes the look of a robot from its geometry, with its links at given poses, without any engine.
+- guest: Draws the robot in a guest process, since many triangles take memory and time.
+- look: Describes the look of a robot as plain data: shapes, their poses at `home`, colours, and the camera.
+- model_text: Writes the text that MuJoCo compiles: an MJCF or URDF that refers to no other files than meshes.
+- solids: Makes the surfaces of MuJoCo's primitive shapes, as triangles (m, 3, 3) [m].
+- surface: Makes the triangles of a look.
+- thinning: Thins the triangles of a robot that has more than the picture has pixels.
+- thumbnail: Draws a thumbnail of the robot, a small square picture, in a guest process.
+- turning: Draws the robot, and the robot as it turns, in a guest process.
+- vectors: Converts vectors of numpy to the form that a look has: rounded, and plain data.
+- webp: Writes an animated WebP; the only module that uses pillow.
 """
 
 from collections.abc import Mapping
@@ -26,42 +30,47 @@ Kind = Literal["png", "turn", "none"]
 PICTURE = "preview.png"
 TURN = "preview.webp"
 SMALL = "small.png"
-"""The picture in the size of a thumbnail, which is a file only in the cache."""
+"""The picture as a thumbnail; the file is only in the cache."""
+
+THUMBNAIL = "thumbnail"
+"""A small square picture that belongs to another file."""
 
 REFUSED = "refused.json"
 ENDED = "ended.json"
-"""Why there is no picture: by the robot's files, and by an accident that is not kept."""
+"""Files with the reason for a missing picture: refused, by a fault of the robot's files; or ended, by an
+accident, which is not kept in the cache."""
 
 VERSION = 5
-"""Raised when the same robot gives another picture."""
+"""Must be increased when the same robot gives another picture."""
 
 SCENE = "scene.xml"
 
 
 def names(kind: Kind) -> tuple[str, ...]:
-    """The files of a kind of preview."""
+    """Returns the names of the files of a kind of preview."""
     return {"png": (PICTURE,), "turn": (PICTURE, TURN), "none": ()}[kind]
 
 
 def model_of(files: Mapping[str, bytes]) -> str | None:
-    """The file from which the picture is drawn: a scene, else a URDF, the one in the highest folder."""
+    """Returns the file to draw: a scene, else a URDF, in the topmost folder with such a file; None without
+    one."""
     paths = sorted(files, key=lambda path: (path.count("/"), path))
     scenes = [path for path in paths if path.rpartition("/")[2] == SCENE]
     return next(iter([*scenes, *(path for path in paths if path.endswith(".urdf"))]), None)
 
 
 def needed_by(model: str, files: Mapping[str, bytes]) -> list[str]:
-    """The files that a model may read: of a URDF the pose at home too, which it does not have."""
+    """Returns the files that a model may read. A URDF needs robot.json too, which has its pose at home."""
     folder = model.rpartition("/")[0]
-    # The URDF of a ROS package lies in a folder beside that of its meshes.
+    # The URDF of a ROS package is in a folder beside that of its meshes.
     folder = folder.removesuffix("urdf").rstrip("/") if folder.endswith("/urdf") else folder
     prefix = f"{folder}/" if folder else ""
-    own = [path for path in files if path.startswith(prefix)]
+    in_folder = [path for path in files if path.startswith(prefix)]
     if model.endswith(".urdf"):
-        kept = [path for path in own if path == model or _is_asset(path)]
-        return sorted({*kept, "robot.json"})
-    return sorted(path for path in own if path.endswith(".xml") or _is_asset(path))
+        needed = [path for path in in_folder if path == model or _is_asset(path)]
+        return sorted({*needed, "robot.json"})
+    return sorted(path for path in in_folder if path.endswith(".xml") or _is_asset(path))
 
 
 def _is_asset(path: str) -> bool:
-    return path.lower().endswith((".stl", ".obj", ".msh", ".png", ".mtl"))
+    return path.lower().endswith((".stl", ".obj", ".msh", ".glb", ".png", ".mtl"))

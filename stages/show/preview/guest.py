@@ -1,19 +1,19 @@
-"""Guest process that draws the robot: many triangles take memory, and time."""
+"""Draws the robot in a guest process, since many triangles take memory and time."""
 
 from __future__ import annotations
 
 import json
-import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from linkwright.stages.formats import png
 from linkwright.stages.robot.errors import SourceError
-from linkwright.stages.show.preview import PICTURE, SMALL, TURN
+from linkwright.stages.show.preview import PICTURE, SMALL
 from linkwright.stages.show.preview.drawing.painting import picture
 from linkwright.stages.show.preview.drawing.pixels import reduced
-from linkwright.stages.show.preview.drawing.studio import LitRobot, studio, swept, turned_by
+from linkwright.stages.show.preview.drawing.studio import LitRobot, studio
 from linkwright.stages.show.preview.look import unpacked
 from linkwright.stages.show.preview.surface import surface_of
 
@@ -21,54 +21,47 @@ if TYPE_CHECKING:
     from linkwright.stages.show.raster import Pixels
 
 SIZE = 960, 720
-SMALLER = (2, 3, 4, 6)
-"""By how much the small picture is smaller: by the first of these that gives few enough bytes."""
+"""Width and height of the picture [pixels]."""
 
-SMALL_BYTES = 66_000
-TURN_SIZE = 480, 360
-FRAMES = 36
-"""Of a turn."""
+REDUCTIONS = (2, 3, 4, 6)
+"""Factors to try for the small picture; the first one that gives few enough bytes is taken."""
 
-FRAME = 100
-"""How long each is shown [ms]."""
+MAX_SMALL_BYTES = 66_000
 
 
 def answer(request: bytes) -> bytes:
-    """To a packed look (`preview.look`): a line of JSON with the names and lengths of the pictures, and the
-    pictures.
+    """Answers a packed look (`preview.look`) with its pictures, in the form of `reply`. Raises SourceError if
+    no part of the robot has finite coordinates."""
+    return reply(pictures(scene(request)))
 
-    SourceError where nothing of the robot has a place.
-    """
-    look, kind = unpacked(request)
+
+def scene(request: bytes) -> LitRobot:
+    """Returns the robot of a packed look among lamps. Raises SourceError if no part of it has finite
+    coordinates."""
+    look = unpacked(request)
     try:
         surface = surface_of(look)
     except ValueError as error:
         raise SourceError(str(error)) from None
-    scene = studio(surface, np.array(look.backward))
-    large = picture(scene, *SIZE)
-    found = {PICTURE: png.encode(large), SMALL: _small(large)}
-    if kind == "turn":
-        found[TURN] = _turn(scene)
-    head = {"files": [[name, len(data)] for name, data in found.items()]}
-    return b"".join([json.dumps(head).encode(), b"\n", *found.values()])
+    return studio(surface, np.array(look.backward))
+
+
+def pictures(robot: LitRobot) -> dict[str, bytes]:
+    """Returns the picture of a robot and a small picture, by name."""
+    large = picture(robot, *SIZE)
+    return {PICTURE: png.encode(large), SMALL: _small(large)}
+
+
+def reply(files: Mapping[str, bytes]) -> bytes:
+    """Packs files as a line of JSON with their names and lengths, and their contents."""
+    head = {"files": [[name, len(data)] for name, data in files.items()]}
+    return b"".join([json.dumps(head).encode(), b"\n", *files.values()])
 
 
 def _small(large: Pixels) -> bytes:
-    """The largest of the small pictures that is small enough for a page."""
-    for times in SMALLER:
-        data = png.encode(reduced(large, times))
-        if len(data) <= SMALL_BYTES:
+    """Returns the picture as a PNG, reduced until it has few enough bytes for a page."""
+    for factor in REDUCTIONS:
+        data = png.encode(reduced(large, factor))
+        if len(data) <= MAX_SMALL_BYTES:
             break
     return data
-
-
-def _turn(scene: LitRobot) -> bytes:
-    """The robot as it turns once, and again."""
-    # Late: only a turn needs it.
-    from linkwright.stages.show.preview.webp import encode
-
-    framed = swept(scene)
-    frames: list[Pixels] = []
-    for frame in range(FRAMES):
-        frames.append(picture(turned_by(scene, 2 * math.pi * frame / FRAMES), *TURN_SIZE, framed=framed))
-    return encode(frames, FRAME)

@@ -1,19 +1,25 @@
-"""The text that MuJoCo compiles: one MJCF or URDF without links to other files but its meshes."""
+"""Writes the text that MuJoCo compiles: an MJCF or URDF that refers to no other files than meshes."""
 
 from collections.abc import Mapping
+from copy import deepcopy
 from dataclasses import dataclass
 from posixpath import join, normpath
 
-from linkwright.stages.formats.meshes.points import is_binary_stl
+from linkwright.stages.formats import xml
+from linkwright.stages.formats.meshes import glb
+from linkwright.stages.formats.meshes.points import binary_stl, is_binary_stl
+from linkwright.stages.formats.numbers import spaced
 from linkwright.stages.formats.xml import Element, parse, to_bytes
 from linkwright.stages.mujoco.includes import resolve
 from linkwright.stages.mujoco.urdf import with_every_link
+from linkwright.stages.robot.errors import ProtocolError
 
 _PLACEHOLDER = {"type": "sphere", "size": "0.001"}
-"""Stands for a mesh: its place counts, and MuJoCo takes a tenth of a second for each 40,000 triangles."""
+"""Replacement of a mesh, since only its pose is needed: MuJoCo would take a tenth of a second for each
+40,000 triangles."""
 
 _COPYING = ("attach", "composite", "flexcomp", "plugin", "replicate")
-"""Elements that make bodies of others, with other names."""
+"""Elements that create bodies from other elements, under other names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,8 +33,8 @@ class Mesh:
 
 @dataclass(frozen=True, slots=True)
 class ModelText:
-    """What MuJoCo compiles, its other `files` as it names them, and the meshes that are left out of it, by
-    the name of the geom."""
+    """The text for MuJoCo, the other `files` by their names in the text, and the meshes that the text leaves
+    out, by the name of the geom."""
 
     text: bytes
     files: Mapping[str, bytes]
@@ -36,44 +42,46 @@ class ModelText:
 
 
 def mjcf_text(path: str, files: Mapping[str, bytes], *, whole: bool = False) -> ModelText:
-    """The MJCF with its includes in place; of geoms with a binary STL, but where it is `whole`, only the
-    place."""
+    """Returns the MJCF with its includes in place. Unless it is `whole`, geoms with a binary STL become
+    placeholders."""
     folder = path.rpartition("/")[0]
     root = parse(files[path])
     resolve(root, lambda include: parse(files[normpath(join(folder, include.get("file", "")))]))
-    own = {normpath(name[len(folder) :].lstrip("/")): data for name, data in files.items()}
-    meshes = {} if whole else _without_meshes(root, own)
-    return ModelText(to_bytes(root), own, meshes)
+    files_by_name = {normpath(name[len(folder) :].lstrip("/")): data for name, data in files.items()}
+    meshes = {} if whole else _without_meshes(root, files_by_name)
+    return ModelText(to_bytes(root), files_by_name, meshes)
 
 
 def _without_meshes(root: Element, files: Mapping[str, bytes]) -> dict[str, Mesh]:
-    """Takes the binary STLs out of a model; by the name of each geom that has one, the mesh."""
+    """Removes the binary STLs from a model, and returns the mesh of each geom with such an STL by the geom's
+    name."""
     if any(root.find(f".//{tag}") is not None for tag in _COPYING) or root.find("default//mesh") is not None:
         return {}
-    folder = next((one.get("meshdir") for one in root.iterfind("compiler") if one.get("meshdir")), "")
+    compilers = (compiler.get("meshdir") for compiler in root.iterfind("compiler"))
+    folder = next(filter(None, compilers), "")
     meshes = {name: mesh for mesh in root.iterfind("asset/mesh") if (name := _plain_name(mesh))}
     paths = {name: normpath(join(folder, mesh.get("file", ""))) for name, mesh in meshes.items()}
     types, users = _DefaultTypes(root), dict[str, list[Element]]()
-    for one in root.iter():
-        # A primitive that is fitted to a mesh needs the mesh, and so does what else names it.
-        if name := one.get("mesh"):
-            plain = one.tag == "geom" and types.of(one) == "mesh" and name in paths
-            if not plain or not is_binary_stl(files.get(paths[name], b"")):
+    for element in root.iter():
+        # A primitive that is fitted to a mesh needs the mesh, and so does any other element that names it.
+        if name := element.get("mesh"):
+            is_plain = element.tag == "geom" and types.of(element) == "mesh" and name in paths
+            if not is_plain or not is_binary_stl(files.get(paths[name], b"")):
                 meshes.pop(name, None)
-            users.setdefault(name, []).append(one)
-    found: dict[str, Mesh] = {}
+            users.setdefault(name, []).append(element)
+    removed: dict[str, Mesh] = {}
     for name, mesh in meshes.items():
         scale = tuple(float(number) for number in mesh.get("scale", "1 1 1").split())
         for geom in users.get(name, ()):
             del geom.attrib["mesh"]
-            geom.attrib.update({"name": f"preview:{len(found)}", **geom.attrib, **_PLACEHOLDER})
-            found[geom.get("name")] = Mesh(paths[name], files[paths[name]], scale)
+            geom.attrib.update({"name": f"preview:{len(removed)}", **geom.attrib, **_PLACEHOLDER})
+            removed[geom.get("name")] = Mesh(paths[name], files[paths[name]], scale)
         mesh.getparent().remove(mesh)
-    return found
+    return removed
 
 
 def _plain_name(mesh: Element) -> str:
-    """The name of a mesh of an MJCF that is its file, scaled; "" for another."""
+    """Returns the name of a mesh in an MJCF that is merely its scaled file; "" for other meshes."""
     if set(mesh.attrib) - {"name", "file", "scale", "inertia", "maxhullvert", "class"}:
         return ""
     stem = mesh.get("file", "").rpartition("/")[2].rpartition(".")[0]
@@ -81,7 +89,7 @@ def _plain_name(mesh: Element) -> str:
 
 
 class _DefaultTypes:
-    """The types that geoms have by their classes."""
+    """Finds the types of geoms, which may come from their default classes."""
 
     def __init__(self, root: Element) -> None:
         self._types: dict[str, str] = {}
@@ -91,41 +99,65 @@ class _DefaultTypes:
 
     def _read(self, default: Element, above: str) -> str:
         geom = default.find("geom")
-        own = above if geom is None else str(geom.get("type", above))
+        type_ = above if geom is None else str(geom.get("type", above))
         if default.get("class"):
-            self._types[default.get("class")] = own
+            self._types[default.get("class")] = type_
         for inner in default.iterfind("default"):
-            self._read(inner, own)
-        return own
+            self._read(inner, type_)
+        return type_
 
     def of(self, geom: Element) -> str:
         if geom.get("type"):
             return str(geom.get("type"))
-        around = (one.get("childclass") for one in geom.iterancestors())
-        return self._types.get(geom.get("class") or next(filter(None, around), ""), self._main)
+        classes = (ancestor.get("childclass") for ancestor in geom.iterancestors())
+        return self._types.get(geom.get("class") or next(filter(None, classes), ""), self._main)
 
 
 def urdf_text(path: str, files: Mapping[str, bytes]) -> tuple[bytes, Mapping[str, bytes]]:
-    """The URDF with each of its meshes by a path among the files, and with all that is seen. Joints that
-    float are fixed: MuJoCo accepts them only below the world."""
+    """Returns the URDF with all visible shapes, in which each mesh has a path among the files. Floating
+    joints become fixed, since MuJoCo accepts them only below the world."""
     folder = path.rpartition("/")[0]
     root = parse(files[path])
+    files = {**files, **_with_stl(root, folder, files)}
     with_every_link(root, lambda name: _place(name, folder, files))
     return to_bytes(root), files
 
 
+def _with_stl(root: Element, folder: str, files: Mapping[str, bytes]) -> dict[str, bytes]:
+    """Replaces each visual GLB, which MuJoCo cannot read, by an STL for each of its colours. Returns the STLs
+    by their paths. A malformed GLB stays."""
+    stls: dict[str, bytes] = {}
+    for mesh in root.xpath("link/visual/geometry/mesh[contains(@filename, '.glb')]"):
+        place, visual = _place(mesh.get("filename"), folder, files), mesh.getparent().getparent()
+        try:
+            pieces = glb.coloured(files[place]) if place is not None else []
+        except ProtocolError:
+            continue
+        for number, (corners, colour) in enumerate(pieces):
+            stls[f"{place}.{number}.stl"] = binary_stl(corners)
+            piece = deepcopy(visual)
+            piece.find("geometry/mesh").set("filename", f"{mesh.get('filename')}.{number}.stl")
+            if piece.find("material") is None:
+                material = xml.element(piece, "material", name=f"{place}.{number}")
+                xml.element(material, "color", rgba=spaced(colour))
+            visual.addprevious(piece)
+        if pieces:
+            visual.getparent().remove(visual)
+    return stls
+
+
 def _place(name: str, folder: str, files: Mapping[str, bytes]) -> str | None:
-    """The path among the files of what a URDF names; of `package://` the package is their folder, or one
-    above the URDF's."""
+    """Returns the path among the files that a name in a URDF refers to; None without such a file. The package
+    of `package://` is a folder above the URDF's, or the top folder of the files."""
     if not name.startswith("package://"):
-        found = normpath(join(folder, name))
-        return found if found in files else None
+        path = normpath(join(folder, name))
+        return path if path in files else None
     inner = name.removeprefix("package://").partition("/")[2]
     above = folder
     while True:
-        found = normpath(join(above, inner))
-        if found in files:
-            return found
+        path = normpath(join(above, inner))
+        if path in files:
+            return path
         if not above:
             return None
         above = above.rpartition("/")[0]

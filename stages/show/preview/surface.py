@@ -1,4 +1,4 @@
-"""The triangles of a look."""
+"""Makes the triangles of a look."""
 
 from dataclasses import dataclass
 
@@ -15,35 +15,45 @@ Single = npt.NDArray[np.float32]
 
 _Piece = tuple[Corners, Single]
 
-_MANY = 600_000
-"""Triangles that are all drawn."""
+_MAX_TRIANGLES = 600_000
+"""Largest number of triangles that are drawn unchanged."""
 
 _CELLS = 600
-"""Cells across a robot with more, of which each has one corner: one is about a pixel of the picture."""
+"""Number of cells along a robot with more triangles. The corners in a cell, which is about a pixel, are
+merged."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Triangles:
-    """`corners` (m, 3, 3) in the world [m], and of each triangle its geom (m,), whose `colours` (n, 4) are in
-    sRGB from 0 to 1. `images` (height, width, 3): `image` (n,) is the one of a geom, or -1, and `places`
-    (m, 3, 2) are those of the corners in it; (0, 3, 2) where there are no images."""
+    """The triangles of all geoms of a look."""
 
     corners: Corners
+    """The corners (m, 3, 3) in the world [m]."""
+
     geom: Indices
+    """The geom (m,) of each triangle."""
+
     colours: Numbers
+    """The colour (n, 4) of each geom, in sRGB from 0 to 1."""
+
     image: Indices
+    """The index (n,) of each geom's image in `images`, or -1."""
+
     images: tuple[Numbers, ...]
+    """The images (height, width, 3)."""
+
     places: Single
+    """The places (m, 3, 2) of the corners in their images; (0, 3, 2) without images."""
 
 
 def surface_of(look: Look) -> Triangles:
-    """The surface; ValueError where no part of it has a place."""
+    """Returns the triangles of a look. Raises ValueError if no part of it has finite coordinates."""
     pieces = _fewer([_corners(geom, look.blobs) for geom in look.geoms])
     corners = np.concatenate([piece for piece, _ in pieces])
     geom = np.repeat(np.arange(len(pieces), dtype=np.int64), [len(piece) for piece, _ in pieces])
-    shown = sorted({geom.image for geom in look.geoms} - {-1})
-    places = np.zeros((len(corners) if shown else 0, 3, 2), dtype=np.float32)
-    if shown:
+    image_blobs = sorted({geom.image for geom in look.geoms} - {-1})
+    places = np.zeros((len(corners) if image_blobs else 0, 3, 2), dtype=np.float32)
+    if image_blobs:
         np.concatenate([piece for _, piece in pieces], out=places)
     if not np.isfinite(corners).all():
         finite = np.isfinite(corners).all(axis=(1, 2))
@@ -51,41 +61,43 @@ def surface_of(look: Look) -> Triangles:
     if not len(corners):
         raise ValueError("no part of the robot has a place")
     colours = np.array([geom.colour for geom in look.geoms])
-    image = np.array([shown.index(geom.image) if geom.image >= 0 else -1 for geom in look.geoms])
-    return Triangles(corners, geom, colours, image, tuple(_image(look.blobs[one]) for one in shown), places)
+    image = np.array([image_blobs.index(geom.image) if geom.image >= 0 else -1 for geom in look.geoms])
+    images = tuple(_image(look.blobs[number]) for number in image_blobs)
+    return Triangles(corners, geom, colours, image, images, places)
 
 
 def _fewer(pieces: list[_Piece]) -> list[_Piece]:
-    """The pieces, without what is smaller than a pixel where they have too many triangles."""
-    if sum(len(corners) for corners, _ in pieces) <= _MANY:
+    """Returns the pieces; if they have too many triangles, without details smaller than a pixel."""
+    if sum(len(corners) for corners, _ in pieces) <= _MAX_TRIANGLES:
         return pieces
     ends = np.array([(corners.min(axis=(0, 1)), corners.max(axis=(0, 1))) for corners, _ in pieces])
     cell = float(np.ptp(ends.reshape(-1, 3), axis=0).max()) / _CELLS
-    fewer = [thinned(corners, cell) for corners, _ in pieces]
-    return [(corners, np.zeros((len(corners), 3, 2), dtype=np.float32)) for corners in fewer]
+    thinned_pieces = [thinned(corners, cell) for corners, _ in pieces]
+    return [(corners, np.zeros((len(corners), 3, 2), dtype=np.float32)) for corners in thinned_pieces]
 
 
 def _corners(geom: Geom, blobs: tuple[Blob, ...]) -> _Piece:
-    """The triangles of a geom in the world, and where they are in its image."""
+    """Returns the triangles of a geom in the world, and their places in its image."""
     size = np.array(geom.size)
     places = None
     match geom.solid:
         case "ellipsoid":
-            own = solids.ellipsoid(size)
+            local = solids.ellipsoid(size)
         case "capsule":
-            own = solids.capsule(size[0], size[1])
+            local = solids.capsule(size[0], size[1])
         case "cylinder":
-            own = solids.cylinder(size[0], size[1])
+            local = solids.cylinder(size[0], size[1])
         case "box":
-            own = solids.box(size)
+            local = solids.box(size)
         case "mesh":
-            own, places = _mesh(blobs[geom.blob])
-            own = own * np.array(geom.scale)
-    # No matrix product: of its rows equal ones may differ in the last digit, and corners are known by place.
+            local, places = _mesh(blobs[geom.blob])
+            local = local * np.array(geom.scale)
+    # No matrix product: equal corners could differ in the last digit of the result, and corners are matched
+    # by their coordinates.
     turn = np.array(geom.turn).reshape(3, 3)
-    corners = own[:, :, :1] * turn[:, 0] + geom.position
-    corners += own[:, :, 1:2] * turn[:, 1]
-    corners += own[:, :, 2:] * turn[:, 2]
+    corners = local[:, :, :1] * turn[:, 0] + geom.position
+    corners += local[:, :, 1:2] * turn[:, 1]
+    corners += local[:, :, 2:] * turn[:, 2]
     if places is None or geom.image < 0:
         return corners, np.zeros((len(corners), 3, 2), dtype=np.float32)
     return corners, places * np.array(geom.repeat, dtype=np.float32)

@@ -1,4 +1,4 @@
-"""Fewer triangles for a robot that has more than there are pixels."""
+"""Thins the triangles of a robot that has more than the picture has pixels."""
 
 import numpy as np
 
@@ -7,15 +7,15 @@ from linkwright.stages.show.raster import Corners
 
 
 def thinned(corners: Corners, cell: float) -> Corners:
-    """Triangles (m, 3, 3) of which the corners in each cell of a grid, `cell` wide, are one: their mean.
-    Those that have two corners in a cell are left out, and of equal ones all but one."""
+    """Merges the corners of triangles (m, 3, 3) in each cell of a grid, `cell` wide, to their mean. Drops
+    triangles with two corners in a cell, and duplicates."""
     points = corners.reshape(-1, 3)
     steps = np.floor((points - points.min(axis=0)) / cell).astype(np.int64)
-    means, place = cell_means(points, steps)
-    faces = np.sort(place.reshape(-1, 3), axis=1)
-    real = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2])
+    means, index = cell_means(points, steps)
+    faces = np.sort(index.reshape(-1, 3), axis=1)
+    has_area = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2])
     number = len(means)
-    keys = (faces[real, 0] * number + faces[real, 1]) * number + faces[real, 2]
+    keys = (faces[has_area, 0] * number + faces[has_area, 1]) * number + faces[has_area, 2]
     _, first = np.unique(keys, return_index=True)
-    found: Corners = means[faces[real][first]]
-    return found
+    thin: Corners = means[faces[has_area][first]]
+    return thin

@@ -1,4 +1,4 @@
-"""An animated WebP of pictures: the one place that needs pillow."""
+"""Writes an animated WebP; the only module that uses pillow."""
 
 import io
 from collections.abc import Sequence
@@ -11,7 +11,7 @@ QUALITY = 90
 
 
 def encode(frames: Sequence[Pixels], shown: int) -> bytes:
-    """The file of pictures of one size, each `shown` for so many milliseconds, over and over."""
+    """Encodes pictures of the same size as an animation in a loop; `shown`: the time [ms] of each picture."""
     images = [Image.fromarray(frame) for frame in frames]
     file = io.BytesIO()
     images[0].save(

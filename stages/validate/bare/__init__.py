@@ -1,25 +1,26 @@
-"""Checks of a URDF or MJCF alone: of what is wrong with a file whatever robot it is of.
+"""Checks a URDF or MJCF by itself, for errors that do not depend on which robot the file describes.
 
-- bodies: The bodies of a bare file against their shapes and each other, by the codes that a build has for
-  them.
-- figures: What a body of a bare file weighs and how large it is, in whatever format it is written.
-- findings: What the checks of a bare file give: findings, each with the code of its check.
-- judged: Judgements of single numbers that are the same in every format.
-- mesh_files: The points of a mesh file of any format that a build reads, but for PLY.
-- mesh_units: Whether meshes have the size of the robot: a unit that was mixed up is off by a thousand.
-- mjcf_defaults: The attributes of MJCF elements with what their classes give them.
-- mjcf_figures: The bodies of an MJCF by mass and size, as MuJoCo compiled it.
-- mjcf_keys: The keyframes of an MJCF: as many numbers as there are coordinates, within their limits.
-- mjcf_values: The numbers of an MJCF's joints, bodies and actuators, as far as they can be judged each on its
-  own.
-- run: The run of the checks of a bare file.
-- start: A bare file in MuJoCo: whether it compiles, how it starts, and whether a second of it stays finite.
-- together: The URDF and the MJCF of one robot against each other: kinematics, masses and limits, by names.
-- urdf_figures: The bodies of a URDF by mass and size, from its text and its meshes.
-- urdf_tree: The tree of a URDF's links: one root, one parent for each other link, no cycle; and whom joints
-  follow.
-- urdf_values: The numbers of a URDF's joints and links, as far as they can be judged each on its own.
+- bodies: Compares the bodies of a bare file with their shapes and each other, under the codes of a build.
+- figures: Defines the masses and sizes of the bodies of a bare file, whatever its format.
+- findings: Lists the checks of a bare file, whose results are findings with the code of their check.
+- judged: Judges masses, inertias and angles, by rules that are the same in every format.
+- mesh_files: Reads the points of a mesh file, in every format that a build reads except PLY.
+- mesh_units: Finds meshes whose size does not fit the robot: a mixed-up unit is off by a thousand.
+- mjcf_defaults: Completes the attributes of MJCF elements by the defaults of their classes.
+- mjcf_figures: Reads the masses and sizes of the bodies of an MJCF, as MuJoCo compiled it.
+- mjcf_keys: Checks the keyframes of an MJCF: the number of their values, and that these are within limits.
+- mjcf_values: Checks the numbers of an MJCF: those of its joints, bodies and actuators.
+- run: Runs the checks of a bare file.
+- start: Simulates a bare file in MuJoCo: whether it compiles, how it starts, and whether it stays finite for
+  a second.
+- urdf_against_mjcf: Compares the URDF and the MJCF of the same robot: kinematics, masses and limits, by
+  names.
+- urdf_figures: Reads the masses and sizes of the bodies of a URDF, from its text and its meshes.
+- urdf_tree: Checks that the links of a URDF are a tree without cycles, from a single root, and checks its
+  mimics.
+- urdf_values: Checks the numbers of a URDF: the axes, limits and dynamics of joints, and the inertials of
+  links.
 """
 
 ENDINGS = (".urdf", ".xml", ".mjcf")
-"""How the names of model files end."""
+"""Endings of the names of model files."""

@@ -1,4 +1,4 @@
-"""The bodies of a bare file against their shapes and each other, by the codes that a build has for them."""
+"""Compares the bodies of a bare file with their shapes and each other, under the codes of a build."""
 
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -10,35 +10,36 @@ from linkwright.stages.validate.bare.figures import Lump, ShapeFigures
 from linkwright.stages.validate.bare.findings import Coded
 from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.model.body_shapes import directions
-from linkwright.stages.validate.model.inertials import MARK, STAND_IN, ShapedInertial
+from linkwright.stages.validate.model.inertials import MAX_MARKER_SIZE, STAND_IN, ShapedInertial
 
-RATIO = 1000.0
-"""Masses of neighbours above this ratio are hard to solve for."""
+MAX_MASS_RATIO = 1000.0
+"""Mass ratio of neighbours above which solvers struggle."""
 
-BESIDE, AWAY = 0.1, 1.0
-"""How far a collider is beside what is seen, as a share of the size of that: worth a look, and of another
-place."""
+MIN_DOUBTFUL_DISTANCE, MIN_WRONG_DISTANCE = 0.1, 1.0
+"""Distances of a collider from the visual shapes, as shares of their size: above the first the collider is
+worth a look, above the second it belongs elsewhere."""
 
-WIDE = 5.0
-"""A collider this many times as wide as what is seen is worth a look."""
+MIN_DOUBTFUL_WIDTH = 5.0
+"""Width of a collider, in widths of the visual shapes, above which it is worth a look."""
 
 
 def inertials(lumps: Sequence[Lump]) -> list[ShapedInertial]:
-    """Those of lumps whose shapes are known."""
-    found = (lump.inertial for lump in lumps)
-    return [inertial for inertial in found if inertial is not None]
+    """Returns the inertials of the lumps whose shapes are known."""
+    inertials = (lump.inertial for lump in lumps)
+    return [inertial for inertial in inertials if inertial is not None]
 
 
 def colliders(lumps: Sequence[Lump]) -> tuple[CheckLevel, list[Finding]]:
-    """Colliders that are beside what is seen of their lump, or many times its size; an error where one is
-    certainly wrong, which is named first."""
-    apart = [finding for lump in lumps for finding in _apart(lump)]
-    level: CheckLevel = "error" if any(wrong for wrong, _ in apart) else "warning"
-    return level, [finding for _, finding in sorted(apart, key=lambda pair: not pair[0])]
+    """Returns findings on colliders that are far from the visual shapes of their lump, or many times their
+    size, with the level: an error if a collider is certainly wrong, which then comes first."""
+    misplaced = [row for lump in lumps for row in _misplaced(lump)]
+    level: CheckLevel = "error" if any(wrong for wrong, _ in misplaced) else "warning"
+    return level, [finding for _, finding in sorted(misplaced, key=lambda row: not row[0])]
 
 
 def weightless(lumps: Sequence[Lump]) -> Iterator[Coded]:
-    """Bodies of a URDF that move without any mass, of their own or beyond: no engine can move them."""
+    """Yields the bodies of a URDF that move although neither they nor the bodies that they carry have a mass:
+    no engine can move these."""
     holders = {body.name: lump.body.name for lump in lumps for body, _ in lump.members}
     above = {lump.body.name: holders.get(lump.body.parent, "") for lump in lumps}
     heavy = {""}
@@ -54,13 +55,14 @@ def weightless(lumps: Sequence[Lump]) -> Iterator[Coded]:
             yield "C-SOLID", Finding(named("link", name), "inertial", message)
 
 
-def _apart(lump: Lump) -> Iterator[tuple[bool, Finding]]:
-    """Colliders that are beside what is seen, or many times its size; and whether each is certainly wrong."""
+def _misplaced(lump: Lump) -> Iterator[tuple[bool, Finding]]:
+    """Yields colliders that are far from the visual shapes, or many times their size, each with whether it is
+    certainly wrong."""
     shapes = list(lump.shapes)
     drawn = {shape.group for shape, _ in shapes if shape.seen and not shape.collides}
-    # What collides and is drawn with what does not is a part of the picture, and no second form of it.
-    dress = [(shape, points) for shape, points in shapes if shape.seen and shape.group in drawn]
-    seen = _form(dress)
+    # A collider that is drawn together with purely visual shapes belongs to the picture.
+    drawn_shapes = [(shape, points) for shape, points in shapes if shape.seen and shape.group in drawn]
+    seen = _form(drawn_shapes)
     if seen is None or not all(body.whole for body, _ in lump.members):
         return
     low, high = seen.min(axis=0), seen.max(axis=0)
@@ -70,24 +72,29 @@ def _apart(lump: Lump) -> Iterator[tuple[bool, Finding]]:
         for shape, points in shapes
         if shape.collides and not (shape.seen and shape.group in drawn)
     ]
-    elsewhere = _off([points for _, points in solid], seen) > (AWAY + BESIDE) * size
+    elsewhere = (
+        _surface_distance([points for _, points in solid], seen)
+        > (MIN_WRONG_DISTANCE + MIN_DOUBTFUL_DISTANCE) * size
+    )
     for shape, points in solid:
         gap = np.maximum(0.0, np.maximum(low - points.max(axis=0), points.min(axis=0) - high))
-        off = float(np.linalg.norm(gap))
-        if off > BESIDE * size:
-            message = f'a collider of "{name}" is {off:.3g} m beside what is seen, {size:.2g} m wide'
+        distance = float(np.linalg.norm(gap))
+        if distance > MIN_DOUBTFUL_DISTANCE * size:
+            message = (
+                f'a collider of "{name}" is {distance:.3g} m beside the visual shapes, {size:.2g} m wide'
+            )
             yield elsewhere, Finding(*shape.placed_by, message)
-        elif shape.extent > WIDE * size > 0.0:
-            message = f'a collider of "{name}" is {shape.extent:.3g} m wide, what is seen {size:.2g} m'
+        elif shape.extent > MIN_DOUBTFUL_WIDTH * size > 0.0:
+            message = f'a collider of "{name}" is {shape.extent:.3g} m wide, the visual shapes {size:.2g} m'
             yield elsewhere, Finding(shape.element, shape.attribute, message)
 
 
-def _off(solid: Sequence[Array], seen: Array) -> float:
-    """How far [m] colliders with the points `solid` (each n, 3) reach beyond what is seen, with the points
-    `seen` (m, 3), or leave of it bare."""
-    ways = directions()
-    along = seen @ ways.T
-    ends = [((points @ ways.T).max(axis=0), (points @ ways.T).min(axis=0)) for points in solid]
+def _surface_distance(solid: Sequence[Array], seen: Array) -> float:
+    """Returns the distance [m] by which colliders reach beyond the visual shapes, or leave them uncovered.
+    `solid`: the points (n, 3) of each collider; `seen`: the points (m, 3) of the visual shapes."""
+    axes = directions()
+    along = seen @ axes.T
+    ends = [((points @ axes.T).max(axis=0), (points @ axes.T).min(axis=0)) for points in solid]
     beyond = max(
         (max((high - along.max(axis=0)).max(), (along.min(axis=0) - low).max()) for high, low in ends),
         default=0.0,
@@ -97,23 +104,23 @@ def _off(solid: Sequence[Array], seen: Array) -> float:
     return float(max(beyond, bare))
 
 
-def _form(dress: Sequence[tuple[ShapeFigures, Array]]) -> Array | None:
-    """Points (n, 3) of what is drawn; None without, or where a mark stands for it: many files have a box or a
-    ball of a few millimetres where a link has no mesh."""
-    if all(not shape.mesh and shape.extent < MARK for shape, _ in dress):
+def _form(drawn_shapes: Sequence[tuple[ShapeFigures, Array]]) -> Array | None:
+    """Returns the points (n, 3) of the drawn shapes. Returns None without shapes, or if they are a mere mark:
+    many files have a box or a ball of a few millimetres for a link without a mesh."""
+    if all(not shape.mesh and shape.extent < MAX_MARKER_SIZE for shape, _ in drawn_shapes):
         return None
-    return np.concatenate([points for _, points in dress])
+    return np.concatenate([points for _, points in drawn_shapes])
 
 
 def neighbours(lumps: Sequence[Lump]) -> Iterator[Finding]:
-    """Lumps whose mass and that of what they move on differ by more than `RATIO`."""
+    """Yields lumps whose mass differs too much from the mass of the lump that they move on."""
     holders = {body.name: lump for lump in lumps for body, _ in lump.members}
     for lump in lumps:
         above = _above(lump, holders)
         if above is None or not lump.mass > STAND_IN < above.mass:
             continue
         ratio = max(lump.mass / above.mass, above.mass / lump.mass)
-        if ratio > RATIO:
+        if ratio > MAX_MASS_RATIO:
             message = (
                 f'{lump.mass:g} kg beside the {above.mass:g} kg of "{above.body.name}", {ratio:.2g} to 1'
             )
@@ -121,6 +128,6 @@ def neighbours(lumps: Sequence[Lump]) -> Iterator[Finding]:
 
 
 def _above(lump: Lump, holders: Mapping[str, Lump]) -> Lump | None:
-    """What a lump moves on; None for what is on the world."""
+    """Returns the lump that a lump moves on; None if that is the world."""
     above = holders.get(lump.body.parent)
     return above if lump.moves and above is not None and above.moves else None

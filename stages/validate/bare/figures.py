@@ -1,4 +1,4 @@
-"""What a body of a bare file weighs and how large it is, in whatever format it is written."""
+"""Defines the masses and sizes of the bodies of a bare file, whatever its format."""
 
 import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -17,48 +17,70 @@ CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ShapeFigures:
-    """A shape of a body. `points` (n, 3) [m]: its outermost points, in the body's frame; `collides`, `seen`:
-    whether others touch it, and whether it is drawn, with those of its `group`; `mesh`: whether it is a mesh.
-    `element` and `attribute` give its size in the file, `placed_by` its place."""
+    """A shape of a body."""
 
     points: Array
+    """The outermost points (n, 3) [m], in the body's frame."""
+
     collides: bool
     seen: bool
+    """Whether the shape is drawn."""
+
     mesh: bool
+    """Whether the shape is a mesh."""
+
     element: str
+    """The element of the file that gives the size."""
+
     attribute: str
+    """The attribute of that element."""
+
     placed_by: tuple[str, str]
+    """The element and the attribute that give the place."""
+
     group: int = 0
+    """The group of shapes that is drawn together."""
 
     @property
     def extent(self) -> float:
-        """The diagonal of its box [m]."""
+        """The diagonal [m] of the shape's box."""
         return float(np.linalg.norm(np.ptp(self.points, axis=0)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WeighedBody:
-    """A body. `parent`: the name of the body above, "" for the world or none; `fixed`: whether it is fixed to
-    that; `world_from_body` (4, 4): where it is at the start; `inertial`: in its own frame; `whole`: whether
-    all its shapes could be read; `places`: the element and the attribute that give each quantity."""
+    """A body with its mass and its shapes."""
 
     name: str
     parent: str
+    """The name of the body above; "" without such a body."""
+
     fixed: bool
+    """Whether the body is fixed to its parent."""
+
     world_from_body: Array
+    """The pose (4, 4) at the start."""
+
     inertial: Inertial
+    """The inertial in the body's frame."""
+
     shapes: tuple[ShapeFigures, ...]
     whole: bool
+    """Whether all shapes could be read."""
+
     places: Mapping[Quantity, tuple[str, str]]
+    """The element and the attribute that give each quantity."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lump:
-    """A body with all that is fixed to it, each with lump_from_body (4, 4), itself first. `moves`: whether it
-    can move; what is fixed to the world is a lump each."""
+    """A body with all bodies that are fixed to it. A body that is fixed to the world is a separate lump."""
 
     members: tuple[tuple[WeighedBody, Array], ...]
+    """The bodies with their poses lump_from_body (4, 4), the lump's main body first."""
+
     moves: bool
+    """Whether the lump can move."""
 
     @property
     def body(self) -> WeighedBody:
@@ -69,38 +91,39 @@ class Lump:
         return sum(body.inertial.mass for body, _ in self.members)
 
     def points(self, shape: ShapeFigures, lump_from_body: Array) -> Array:
-        """(n, 3) [m]: the points of a member's shape in the lump's frame."""
-        found: Array = shape.points @ lump_from_body[:3, :3].T + lump_from_body[:3, 3]
-        return found
+        """Returns the points (n, 3) [m] of a member's shape in the lump's frame."""
+        points: Array = shape.points @ lump_from_body[:3, :3].T + lump_from_body[:3, 3]
+        return points
 
     @property
     def shapes(self) -> Iterator[tuple[ShapeFigures, Array]]:
-        """The shapes, each with its points (n, 3) in the lump's frame."""
+        """Yields the shapes, each with its points (n, 3) [m] in the lump's frame."""
         return ((shape, self.points(shape, pose)) for body, pose in self.members for shape in body.shapes)
 
     @property
     def inertial(self) -> ShapedInertial | None:
-        """None where it has no shapes, some that could not be read, or numbers that are not finite."""
+        """Returns the inertial with the shapes. Returns None without shapes, with unreadable shapes, or with
+        infinite numbers."""
         points = [points for _, points in self.shapes]
         parts = [(body, moved(body.inertial, pose)) for body, pose in self.members]
-        whole = merged([inertial for _, inertial in parts])
-        numbers = (whole.com, whole.inertia, *points)
+        total = merged([inertial for _, inertial in parts])
+        numbers = (total.com, total.inertia, *points)
         if not all(body.whole for body, _ in self.members) or not all(
-            np.isfinite(one).all() for one in numbers
+            np.isfinite(number).all() for number in numbers
         ):
             return None
         extents = extents_of(points, any(shape.mesh for shape, _ in self.shapes))
         if extents is None:
             return None
-        moments, axes = np.linalg.eigh(whole.inertia)
-        places = _blamed(parts, whole)
-        return ShapedInertial(whole.mass, whole.com, moments, axes, extents, self.moves, places)
+        moments, axes = np.linalg.eigh(total.inertia)
+        places = _contributors(parts, total)
+        return ShapedInertial(total.mass, total.com, moments, axes, extents, self.moves, places)
 
 
-def _blamed(
+def _contributors(
     parts: Sequence[tuple[WeighedBody, Inertial]], whole: Inertial
 ) -> dict[Quantity, tuple[str, str]]:
-    """By quantity, the place in the file of the part that contributes most to it."""
+    """Maps each quantity to the place in the file of the part that contributes most to it."""
 
     def share(quantity: Quantity, part: Inertial) -> float:
         arm = float(np.linalg.norm(part.com - whole.com))
@@ -116,13 +139,13 @@ def _blamed(
 
 
 def lumps(bodies: Sequence[WeighedBody]) -> list[Lump]:
-    """The bodies by what is fixed together, in their order."""
+    """Groups the bodies that are fixed together, in their order."""
     by_name = {body.name: body for body in bodies}
     groups: dict[str, list[WeighedBody]] = {}
     moves = {}
     for body in bodies:
         holder, held = _holder(body, by_name)
-        # All that is fixed to the world need not be near each other.
+        # Bodies that are fixed to the world need not be near each other.
         holder = body if held else holder
         groups.setdefault(holder.name, []).append(body)
         moves[holder.name] = not held
@@ -139,22 +162,23 @@ def lumps(bodies: Sequence[WeighedBody]) -> list[Lump]:
 
 
 def _holder(body: WeighedBody, by_name: Mapping[str, WeighedBody]) -> tuple[WeighedBody, bool]:
-    """The body that one is fixed to in the end, itself if to none, and whether that is fixed to the world."""
-    seen = {body.name}
-    while body.fixed and body.parent in by_name and body.parent not in seen:
+    """Follows fixed joints upwards from `body`. Returns the last body, which is `body` itself if it can move,
+    and whether it is fixed to the world."""
+    visited = {body.name}
+    while body.fixed and body.parent in by_name and body.parent not in visited:
         body = by_name[body.parent]
-        seen.add(body.name)
+        visited.add(body.name)
     return body, body.fixed and not body.parent
 
 
 def box_corners(centre: Array, half: Array, body_from_shape: Array) -> Array:
-    """The corners (8, 3) of a box, in the body's frame."""
+    """Returns the corners (8, 3) of a box, in the body's frame."""
     local = centre + CORNERS * half
     corners: Array = local @ body_from_shape[:3, :3].T + body_from_shape[:3, 3]
     return corners
 
 
 def reach(bodies: Iterable[WeighedBody]) -> float:
-    """The diagonal [m] of the box around the origins of the bodies: 0 for one body."""
+    """Returns the diagonal [m] of the box around the origins of the bodies: 0 for a single body."""
     origins = np.array([body.world_from_body[:3, 3] for body in bodies]).reshape(-1, 3)
     return float(np.linalg.norm(np.ptp(origins, axis=0))) if len(origins) else 0.0

@@ -1,4 +1,4 @@
-"""The points of a mesh file of any format that a build reads, but for PLY."""
+"""Reads the points of a mesh file, in every format that a build reads except PLY."""
 
 import re
 import struct
@@ -12,13 +12,13 @@ from linkwright.stages.formats.meshes.dae_points import dae_points
 from linkwright.stages.formats.meshes.points import mesh_points
 from linkwright.stages.robot.errors import LinkwrightError
 from linkwright.stages.robot.model.robot import Array
-from linkwright.stages.validate.model.body_shapes import MOST, outermost_of
+from linkwright.stages.validate.model.body_shapes import MAX_VERTICES, outermost_of
 
 _VERTEX = re.compile(rb"^\s*vertex\s+(\S+)\s+(\S+)\s+(\S+)", re.MULTILINE)
 
 
 def outermost_points(path: Path) -> Array | None:
-    """The outermost points (n, 3) of a mesh, in the unit of its file; None where it cannot be read."""
+    """Returns the outermost points (n, 3) of a mesh, in the unit of its file; None if it cannot be read."""
     read = _READERS.get(path.suffix.lower())
     if read is None or not path.is_file():
         return None
@@ -27,7 +27,7 @@ def outermost_points(path: Path) -> Array | None:
     except (ValueError, IndexError, struct.error, LinkwrightError):
         return None
     finite = points[np.isfinite(points).all(axis=1)]
-    return outermost_of(finite[:: 1 + len(finite) // MOST]) if len(finite) else None
+    return outermost_of(finite[:: 1 + len(finite) // MAX_VERTICES]) if len(finite) else None
 
 
 def _stl(data: bytes) -> Array:

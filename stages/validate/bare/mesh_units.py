@@ -1,4 +1,4 @@
-"""Whether meshes have the size of the robot: a unit that was mixed up is off by a thousand."""
+"""Finds meshes whose size does not fit the robot: a mixed-up unit is off by a thousand."""
 
 from collections.abc import Iterator, Sequence
 
@@ -6,15 +6,15 @@ from linkwright.stages.robot.check import Finding
 from linkwright.stages.validate.bare.figures import ShapeFigures, WeighedBody, reach
 from linkwright.stages.validate.bare.findings import Coded
 
-LARGE = 30.0
-"""A mesh of this many times the robot's reach is in millimetres."""
+MAX_REACHES = 30.0
+"""Size of a mesh, in reaches of the robot, above which the mesh is taken to be in millimetres."""
 
-LEAST = 2.0
-"""Smaller meshes [m] may be in metres."""
+MIN_SIZE = 2.0
+"""Size [m] below which a mesh is never taken to be in millimetres."""
 
 
-def look(bodies: Sequence[WeighedBody]) -> Iterator[Coded]:
-    """Meshes whose units were mixed up, each once."""
+def check(bodies: Sequence[WeighedBody]) -> Iterator[Coded]:
+    """Yields each mesh whose unit was mixed up, once."""
     robot = reach(bodies)
     reported: set[str] = set()
     for body in bodies:
@@ -27,4 +27,4 @@ def look(bodies: Sequence[WeighedBody]) -> Iterator[Coded]:
 
 
 def _is_huge(shape: ShapeFigures, robot: float) -> bool:
-    return shape.mesh and robot >= 1e-3 and shape.extent >= max(LARGE * robot, LEAST)
+    return shape.mesh and robot >= 1e-3 and shape.extent >= max(MAX_REACHES * robot, MIN_SIZE)

@@ -1,13 +1,13 @@
-"""The attributes of MJCF elements with what their classes give them."""
+"""Completes the attributes of MJCF elements by the defaults of their classes."""
 
 from collections.abc import Mapping
 
 from linkwright.stages.formats.xml import Element
 
-_SHORT = frozenset(
+_SHORTHANDS = frozenset(
     ("motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle", "adhesion", "dcmotor")
 )
-"""Actuators that are short for <general>, whose defaults apply to them where they have none of their own."""
+"""Elements that are shorthands for <general>: its defaults apply to those that have none."""
 
 
 class Defaults:
@@ -19,11 +19,11 @@ class Defaults:
             self._read(default, {}, "main")
 
     def attributes(self, element: Element) -> Mapping[str, str]:
-        """The attributes of an element, its own before those of its class."""
+        """Returns the attributes of an element, which override those of its class."""
         name = element.get("class") or self._childclass(element) or "main"
-        given = self._by_class.get(name) or self._by_class.get("main", {})
+        by_tag = self._by_class.get(name) or self._by_class.get("main", {})
         tag = str(element.tag)
-        below = given.get(tag) or (given.get("general", {}) if tag in _SHORT else {})
+        below = by_tag.get(tag) or (by_tag.get("general", {}) if tag in _SHORTHANDS else {})
         return {**below, **element.attrib}
 
     def _childclass(self, element: Element) -> str:
@@ -34,10 +34,10 @@ class Defaults:
 
     def _read(self, default: Element, above: dict[str, dict[str, str]], fallback: str) -> None:
         name = default.get("class") or fallback
-        own = {tag: dict(values) for tag, values in self._by_class.get(name, above).items()}
+        by_tag = {tag: dict(values) for tag, values in self._by_class.get(name, above).items()}
         for child in default:
             if child.tag != "default":
-                own[str(child.tag)] = {**own.get(str(child.tag), {}), **child.attrib}
-        self._by_class[name] = own
+                by_tag[str(child.tag)] = {**by_tag.get(str(child.tag), {}), **child.attrib}
+        self._by_class[name] = by_tag
         for child in default.iterfind("default"):
-            self._read(child, own, "")
+            self._read(child, by_tag, "")

@@ -1,4 +1,4 @@
-"""The bodies of an MJCF by mass and size, as MuJoCo compiled it."""
+"""Reads the masses and sizes of the bodies of an MJCF, as MuJoCo compiled it."""
 
 from typing import Any
 
@@ -12,19 +12,20 @@ from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.model.body_shapes import geom_points, outermost_of
 from linkwright.stages.validate.model.poses import rotation
 
-_HIDDEN = 3
-"""Geoms of this group or above are not drawn by MuJoCo's viewer by default."""
+_FIRST_HIDDEN_GROUP = 3
+"""Number of the first group of geoms that MuJoCo's viewer does not draw by default."""
 
 
 def figures(model: Any) -> list[WeighedBody]:
-    """Every body but the world, in the order of the model. The shape of a body with a skin is not known."""
+    """Returns every body except the world, in the order of the model. The shape of a body with a skin is not
+    known."""
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     return [_body(model, data, body) for body in range(1, model.nbody)]
 
 
 def body_name(model: Any, body: int) -> str:
-    """The name of a body; of one without, its number."""
+    """Returns the name of a body, or its number if it has no name."""
     return str(model.body(body).name) or f"number {body}"
 
 
@@ -55,19 +56,17 @@ def _body(model: Any, data: Any, body: int) -> WeighedBody:
 
 
 def _shape(model: Any, geom: int, body: str) -> ShapeFigures | None:
-    """None for a plane or a height field, which have no end."""
+    """Returns a geom as a shape; None for a plane or a height field, which are infinite."""
     points = geom_points(model, geom)
     if not len(points):
         return None
     collides = bool(model.geom_contype[geom] or model.geom_conaffinity[geom])
-    seen = bool(model.geom_group[geom] < _HIDDEN and model.geom_rgba[geom][3] > 0.0)
+    seen = bool(model.geom_group[geom] < _FIRST_HIDDEN_GROUP and model.geom_rgba[geom][3] > 0.0)
     mesh = bool(model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH)
-    own = model.geom(geom).name
-    called = named("geom", own) if own else named("geom of body", body)
-    element, attribute = called, "size"
+    name = model.geom(geom).name
+    title = named("geom", name) if name else named("geom of body", body)
+    element, attribute = title, "size"
     if mesh:
         element, attribute = named("mesh", model.mesh(int(model.geom_dataid[geom])).name), "scale"
     group = int(model.geom_group[geom])
-    return ShapeFigures(
-        outermost_of(points), collides, seen, mesh, element, attribute, (called, "pos"), group
-    )
+    return ShapeFigures(outermost_of(points), collides, seen, mesh, element, attribute, (title, "pos"), group)

@@ -1,4 +1,4 @@
-"""The numbers of an MJCF's joints, bodies and actuators, as far as they can be judged each on its own."""
+"""Checks the numbers of an MJCF: those of its joints, bodies and actuators."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -12,37 +12,37 @@ from linkwright.stages.validate.bare.mjcf_defaults import Defaults
 from linkwright.stages.validate.model.inertials import STAND_IN
 from linkwright.stages.validate.reading.documents import ModelDocument
 
-_RESISTS = ("damping", "frictionloss", "armature", "stiffness")
+_RESISTANCES = ("damping", "frictionloss", "armature", "stiffness")
 
 
-def look(document: ModelDocument) -> Iterator[Coded]:
-    """Directions, ranges, resistances, masses and inertias, in what is below the world; actuators."""
+def check(document: ModelDocument) -> Iterator[Coded]:
+    """Judges directions, ranges, resistances, masses and inertias below the world, and actuators."""
     defaults = Defaults(document.root)
     degrees = degrees_of(document)
     for element in document.elements():
         if any(above.tag == "worldbody" for above in element.iterancestors()):
-            given = defaults.attributes(element)
-            yield from _turned(document, element)
+            attributes = defaults.attributes(element)
+            yield from _orientation(document, element)
             if element.tag == "joint":
-                yield from _joint(document, element, given, degrees)
+                yield from _joint(document, element, attributes, degrees)
             elif element.tag == "inertial":
                 yield from _inertial(document, element)
             elif element.tag == "geom":
-                yield from _geom(document, element, given)
+                yield from _geom(document, element, attributes)
         elif element.getparent() is not None and element.getparent().tag == "actuator":
             yield from _actuator(document, element, defaults.attributes(element))
     yield from _radians(document, defaults, degrees)
 
 
 def degrees_of(document: ModelDocument) -> bool:
-    """Whether angles are in degrees, as they are unless the compiler says otherwise."""
+    """Tells whether angles are in degrees, which is the default of the compiler."""
     angle = "degree"
     for compiler in document.root.iterfind("compiler"):
         angle = compiler.get("angle", angle)
     return angle == "degree"
 
 
-def _turned(document: ModelDocument, element: Element) -> Iterator[Coded]:
+def _orientation(document: ModelDocument, element: Element) -> Iterator[Coded]:
     quat = numbers(element.get("quat"))
     # MuJoCo normalizes it.
     if quat is not None and len(quat) == 4 and math.hypot(*quat) < 1e-10:
@@ -50,30 +50,32 @@ def _turned(document: ModelDocument, element: Element) -> Iterator[Coded]:
 
 
 def _joint(
-    document: ModelDocument, element: Element, given: Mapping[str, str], degrees: bool
+    document: ModelDocument, element: Element, attributes: Mapping[str, str], degrees: bool
 ) -> Iterator[Coded]:
-    kind = given.get("type", "hinge")
-    axis = numbers(given.get("axis"))
+    kind = attributes.get("type", "hinge")
+    axis = numbers(attributes.get("axis"))
     if kind in ("hinge", "slide") and axis is not None and len(axis) == 3 and math.hypot(*axis) < 1e-10:
         yield "C-DIRECTION", document.finding(element, "axis", "its length is 0: it has no direction")
-    for name in _RESISTS:
-        value = numbers(given.get(name))
+    for name in _RESISTANCES:
+        value = numbers(attributes.get(name))
         if value is not None and value[0] < 0:
             message = f"{value[0]:g} is negative: it would push the joint"
             yield "C-LIMIT", document.finding(element, name, message)
     for name in ("range", "actuatorfrcrange"):
-        yield from _falls(document, element, given, name)
-    ends = numbers(given.get("range")) or []
-    if kind == "hinge" and not degrees and any(in_degrees(one) for one in ends):
-        message = f"{given['range']} rad: is it in degrees?"
+        yield from _range_order(document, element, attributes, name)
+    ends = numbers(attributes.get("range")) or []
+    if kind == "hinge" and not degrees and any(in_degrees(end) for end in ends):
+        message = f"{attributes['range']} rad: is it in degrees?"
         yield "C-PLAUSIBLE", document.finding(element, "range", message)
 
 
-def _falls(document: ModelDocument, element: Element, given: Mapping[str, str], name: str) -> Iterator[Coded]:
-    ends = numbers(given.get(name))
+def _range_order(
+    document: ModelDocument, element: Element, attributes: Mapping[str, str], name: str
+) -> Iterator[Coded]:
+    ends = numbers(attributes.get(name))
     if ends is not None and len(ends) == 2 and ends[0] >= ends[1] and any(ends):
-        what = "is above" if ends[0] > ends[1] else "equals"
-        message = f"its lower end {ends[0]:g} {what} its upper end {ends[1]:g}"
+        relation = "is above" if ends[0] > ends[1] else "equals"
+        message = f"its lower end {ends[0]:g} {relation} its upper end {ends[1]:g}"
         yield "C-LIMIT", document.finding(element, name, message)
 
 
@@ -96,39 +98,40 @@ def _inertial(document: ModelDocument, element: Element) -> Iterator[Coded]:
             yield "C-SOLID", document.finding(element, "fullinertia", message)
 
 
-def _geom(document: ModelDocument, element: Element, given: Mapping[str, str]) -> Iterator[Coded]:
+def _geom(document: ModelDocument, element: Element, attributes: Mapping[str, str]) -> Iterator[Coded]:
     for name in ("mass", "density"):
-        value = number(given.get(name))
+        value = number(attributes.get(name))
         if value is not None and value < 0:
             yield "C-SOLID", document.finding(element, name, f"{value:g} is negative")
-    size = numbers(given.get("size"))
-    if size is not None and given.get("type") not in ("plane", "mesh", "hfield") and min(size) < 0:
-        yield "C-LIMIT", document.finding(element, "size", f"{given['size']}: a size is above zero")
+    size = numbers(attributes.get("size"))
+    if size is not None and attributes.get("type") not in ("plane", "mesh", "hfield") and min(size) < 0:
+        yield "C-LIMIT", document.finding(element, "size", f"{attributes['size']}: a size is above zero")
 
 
-def _actuator(document: ModelDocument, element: Element, given: Mapping[str, str]) -> Iterator[Coded]:
+def _actuator(document: ModelDocument, element: Element, attributes: Mapping[str, str]) -> Iterator[Coded]:
     for name in ("ctrlrange", "forcerange"):
-        yield from _falls(document, element, given, name)
+        yield from _range_order(document, element, attributes, name)
     for name in ("kp", "kv"):
-        value = number(given.get(name))
+        value = number(attributes.get(name))
         if value is not None and (value < 0 or (name == "kp" and value == 0)):
             yield "C-LIMIT", document.finding(element, name, f"{value:g}: a gain is above zero")
-    if element.tag in ("position", "motor", "velocity") and not _ranged(given):
+    if element.tag in ("position", "motor", "velocity") and not _ranged(attributes):
         message = "it has no range: a control may be anything"
         yield "C-PLAUSIBLE", document.finding(element, "ctrlrange", message)
 
 
-def _ranged(given: Mapping[str, str]) -> bool:
-    return "ctrlrange" in given or number(given.get("inheritrange", "0")) not in (0.0, None)
+def _ranged(attributes: Mapping[str, str]) -> bool:
+    return "ctrlrange" in attributes or number(attributes.get("inheritrange", "0")) not in (0.0, None)
 
 
 def _radians(document: ModelDocument, defaults: Defaults, degrees: bool) -> Iterator[Coded]:
-    """Ranges that are in radians, where the compiler takes degrees: all of several are within one turn."""
+    """Reports ranges that seem to be in radians although the compiler reads degrees: there are several, and
+    all are within one turn."""
     hinges = []
     for element in document.root.iterfind("worldbody//joint"):
-        given = defaults.attributes(element)
-        if given.get("type", "hinge") == "hinge" and "range" in given:
-            hinges.append((element, numbers(given["range"]) or [0.0]))
+        attributes = defaults.attributes(element)
+        if attributes.get("type", "hinge") == "hinge" and "range" in attributes:
+            hinges.append((element, numbers(attributes["range"]) or [0.0]))
     if degrees and hinges and all(max(map(abs, ends)) <= 2.0 * math.pi + 0.01 for _, ends in hinges):
         element, ends = hinges[0]
         if element in document.included:

@@ -1,4 +1,4 @@
-"""The bodies of a URDF by mass and size, from its text and its meshes."""
+"""Reads the masses and sizes of the bodies of a URDF, from its text and its meshes."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,26 +11,26 @@ from linkwright.stages.robot.model.robot import Array, Inertial
 from linkwright.stages.validate.bare.figures import ShapeFigures, WeighedBody, box_corners
 from linkwright.stages.validate.bare.findings import number, numbers
 from linkwright.stages.validate.bare.mesh_files import outermost_points
-from linkwright.stages.validate.reading.asset_files import named_files
-from linkwright.stages.validate.reading.documents import ModelDocument, called
+from linkwright.stages.validate.reading.asset_files import referenced_files
+from linkwright.stages.validate.reading.documents import ModelDocument, title_of
 
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 def figures(document: ModelDocument) -> list[WeighedBody]:
-    """Every link, in the order of the file; a mesh that cannot be read is left out."""
+    """Returns every link, in the order of the file. Meshes that cannot be read are left out."""
     joints = {_end(joint, "child"): joint for joint in document.root.iterfind("joint")}
     meshes: dict[Path, Array | None] = {}
-    places = {one.element: one.path for one in named_files(document)}
-    found = []
+    places = {file.element: file.path for file in referenced_files(document)}
+    bodies = []
     for link in document.root.iterfind("link"):
         name = link.get("name", "")
         shapes = [_shape(visual, places, meshes) for visual in link.iterchildren("visual", "collision")]
         above = joints.get(name)
         parent = "" if above is None else _end(above, "parent")
         fixed = name == "world" if above is None else above.get("type") == "fixed"
-        found.append(_body(link, parent, fixed, _world(name, joints), shapes))
-    return found
+        bodies.append(_body(link, parent, fixed, _world(name, joints), shapes))
+    return bodies
 
 
 def _end(joint: Element, role: str) -> str:
@@ -39,10 +39,10 @@ def _end(joint: Element, role: str) -> str:
 
 
 def _world(name: str, joints: dict[str, Element]) -> Array:
-    """The pose (4, 4) of a link in the root's frame, all joints at zero."""
-    pose, seen = np.eye(4), set()
-    while name in joints and name not in seen:
-        seen.add(name)
+    """Returns the pose (4, 4) of a link in the root's frame, with all joints at zero."""
+    pose, visited = np.eye(4), set()
+    while name in joints and name not in visited:
+        visited.add(name)
         pose = _pose(joints[name]) @ pose
         name = _end(joints[name], "parent")
     return pose
@@ -61,7 +61,7 @@ def _pose(element: Element) -> Array:
 def _body(
     link: Element, parent: str, fixed: bool, world: Array, shapes: Sequence[ShapeFigures | None]
 ) -> WeighedBody:
-    own = called(link)
+    title = title_of(link)
     read = tuple(shape for shape in shapes if shape is not None)
     return WeighedBody(
         link.get("name", ""),
@@ -72,16 +72,16 @@ def _body(
         read,
         len(read) == len(shapes),
         {
-            "inertia": (f"inertia of {own}", "ixx"),
-            "center": (f"origin of {own}", "xyz"),
-            "mass": (f"mass of {own}", "value"),
-            "shape": (own, "visual"),
+            "inertia": (f"inertia of {title}", "ixx"),
+            "center": (f"origin of {title}", "xyz"),
+            "mass": (f"mass of {title}", "value"),
+            "shape": (title, "visual"),
         },
     )
 
 
 def _inertial(inertial: Element | None) -> Inertial:
-    """Zero where it is not there or not finite (other checks say so)."""
+    """Returns the inertial of a link; zero if it is missing or not finite, which other checks report."""
     mass, com, inertia = 0.0, np.zeros(3), np.zeros((3, 3))
     if inertial is not None:
         pose = _pose(inertial)
@@ -103,13 +103,13 @@ def _shape(
         return None
     pose, collides = _pose(visual), visual.tag == "collision"
     attribute = {"mesh": "scale", "box": "size", "sphere": "radius"}.get(str(shape.tag), "length")
-    place = f"origin of {called(visual)}", "xyz"
+    place = f"origin of {title_of(visual)}", "xyz"
     if shape.tag != "mesh":
         half = _half(shape)
         if half is None:
             return None
         corners = box_corners(np.zeros(3), half, pose)
-        return ShapeFigures(corners, collides, not collides, False, called(shape), attribute, place)
+        return ShapeFigures(corners, collides, not collides, False, title_of(shape), attribute, place)
     path = places.get(shape)
     if path is None:
         return None
@@ -119,12 +119,12 @@ def _shape(
     if points is None or len(scale) != 3 or not np.isfinite(scale).all():
         return None
     placed = (points * scale) @ pose[:3, :3].T + pose[:3, 3]
-    return ShapeFigures(placed, collides, not collides, True, called(shape), attribute, place)
+    return ShapeFigures(placed, collides, not collides, True, title_of(shape), attribute, place)
 
 
 def _half(shape: Element) -> Array | None:
     values = [numbers(shape.get(name)) or [] for name in ("size", "radius", "length")]
-    size, (radius, length) = values[0], ((one or [0.0])[0] for one in values[1:])
+    size, (radius, length) = values[0], ((value or [0.0])[0] for value in values[1:])
     if shape.tag == "box":
         return np.array(size) / 2 if len(size) == 3 else None
     if shape.tag == "sphere":

@@ -1,4 +1,4 @@
-"""The tree of a URDF's links: one root, one parent for each other link, no cycle; and whom joints follow."""
+"""Checks that the links of a URDF are a tree without cycles, from a single root, and checks its mimics."""
 
 from collections.abc import Iterator
 
@@ -7,8 +7,9 @@ from linkwright.stages.validate.bare.findings import Coded
 from linkwright.stages.validate.reading.documents import ModelDocument
 
 
-def look(document: ModelDocument) -> Iterator[Coded]:
-    """Second parents, cycles, second roots; mimics of themselves, or of what cannot move."""
+def check(document: ModelDocument) -> Iterator[Coded]:
+    """Reports second parents, cycles and second roots, and joints that mimic themselves or a joint that
+    cannot move."""
     yield from _tree(document)
     yield from _mimics(document)
 
@@ -34,8 +35,8 @@ def _tree(document: ModelDocument) -> Iterator[Coded]:
             above[child] = parent, joint
     for cycle in _cycles(above):
         joint = above[cycle[0]][1]
-        way = " → ".join([*reversed(cycle), cycle[-1]])
-        yield "C-TREE", document.finding(joint, "child", f"a cycle of links: {way}")
+        path = " → ".join([*reversed(cycle), cycle[-1]])
+        yield "C-TREE", document.finding(joint, "child", f"a cycle of links: {path}")
     roots = [link for link in links if link.get("name") not in above]
     for link in roots[1:]:
         first = roots[0].get("name")
@@ -49,16 +50,16 @@ def _end(joint: Element, role: str) -> str:
 
 
 def _cycles(above: dict[str, tuple[str, Element]]) -> Iterator[list[str]]:
-    done: set[str] = set()
+    visited: set[str] = set()
     for start in above:
-        way: list[str] = []
+        path: list[str] = []
         link = start
-        while link in above and link not in done:
-            done.add(link)
-            way.append(link)
+        while link in above and link not in visited:
+            visited.add(link)
+            path.append(link)
             link = above[link][0]
-        if link in way:
-            yield way[way.index(link) :]
+        if link in path:
+            yield path[path.index(link) :]
 
 
 def _mimics(document: ModelDocument) -> Iterator[Coded]:
@@ -71,16 +72,16 @@ def _mimics(document: ModelDocument) -> Iterator[Coded]:
         driver = mimic.get("joint", "")
         follows[name] = driver
         if joint.get("type") in ("fixed", "floating", "planar"):
-            message = f"a {joint.get('type')} joint follows no other: readers leave the <mimic> out"
+            message = f"a {joint.get('type')} joint cannot follow another: readers ignore the <mimic>"
             yield "C-PLAUSIBLE", document.finding(mimic, "joint", message)
         elif driver in joints and joints[driver].get("type") in ("fixed", "floating", "planar"):
             message = f'it follows "{driver}", a {joints[driver].get("type")} joint, which has no value'
             yield "C-MIMIC", document.finding(mimic, "joint", message)
     for name in follows:
-        way, at = [name], follows[name]
-        while at in follows and at not in way:
-            way.append(at)
+        path, at = [name], follows[name]
+        while at in follows and at not in path:
+            path.append(at)
             at = follows[at]
         if at == name:
-            words = "it follows itself" + (f", by {' → '.join(way[1:])}" if len(way) > 1 else "")
+            words = "it follows itself" + (f", by {' → '.join(path[1:])}" if len(path) > 1 else "")
             yield "C-MIMIC", document.finding(joints[name].find("mimic"), "joint", words)

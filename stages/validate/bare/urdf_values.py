@@ -1,4 +1,4 @@
-"""The numbers of a URDF's joints and links, as far as they can be judged each on its own."""
+"""Checks the numbers of a URDF: the axes, limits and dynamics of joints, and the inertials of links."""
 
 import math
 from collections.abc import Collection, Iterator
@@ -15,21 +15,21 @@ MOVING = ("revolute", "continuous", "prismatic", "planar")
 
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
-UNIT = 2e-2
-"""How far the length of an axis or a quaternion may be from 1: three digits are often all that is written."""
+UNIT_LENGTH_TOLERANCE = 2e-2
+"""Tolerance of the length of a unit axis or quaternion: many files have only three digits."""
 
 
-def look(document: ModelDocument) -> Iterator[Coded]:
-    """Axes, limits and dynamics of joints; masses and inertias of links."""
+def check(document: ModelDocument) -> Iterator[Coded]:
+    """Judges axes, limits and dynamics of joints; masses and inertias of links."""
     for joint in document.root.iterfind("joint"):
         if joint.get("type") in MOVING:
             yield from _axis(document, joint)
             yield from _limit(document, joint)
             yield from _dynamics(document, joint)
-    moved = _moved(document)
-    yield from _without_inertial(document, moved)
+    moving = _moving_links(document)
+    yield from _without_inertial(document, moving)
     for link in document.root.iterfind("link[inertial]"):
-        yield from _inertial(document, link.find("inertial"), link.get("name") in moved)
+        yield from _inertial(document, link.find("inertial"), link.get("name") in moving)
 
 
 def _axis(document: ModelDocument, joint: Element) -> Iterator[Coded]:
@@ -40,7 +40,7 @@ def _axis(document: ModelDocument, joint: Element) -> Iterator[Coded]:
     length = math.hypot(*vector)
     if length == 0.0:
         yield "C-DIRECTION", document.finding(axis, "xyz", "its length is 0: it has no direction")
-    elif abs(length - 1.0) > UNIT:
+    elif abs(length - 1.0) > UNIT_LENGTH_TOLERANCE:
         yield "C-PLAUSIBLE", document.finding(axis, "xyz", f"its length is {length:.4g}, expected 1")
 
 
@@ -48,7 +48,8 @@ def _limit(document: ModelDocument, joint: Element) -> Iterator[Coded]:
     limit, kind = joint.find("limit"), joint.get("type")
     if limit is None:
         if kind in ("revolute", "prismatic"):
-            message = f"a {kind} joint needs <limit>; one without an end is continuous"
+            hint = "; the type of a joint without limits is continuous" if kind == "revolute" else ""
+            message = f"a {kind} joint needs <limit>{hint}"
             yield "C-LIMIT", document.finding(joint, "limit", message)
         return
     for name in ("effort", "velocity"):
@@ -56,7 +57,7 @@ def _limit(document: ModelDocument, joint: Element) -> Iterator[Coded]:
         if value is not None and value < 0:
             yield "C-LIMIT", document.finding(limit, name, f"{value:g} is negative")
         elif value == 0 and kind != "planar":
-            yield "C-PLAUSIBLE", document.finding(limit, name, "0: nothing may move this joint")
+            yield "C-PLAUSIBLE", document.finding(limit, name, "0: no actuator can move this joint")
     if kind not in ("revolute", "prismatic"):
         return
     lower, upper = number(limit.get("lower", "0")), number(limit.get("upper", "0"))
@@ -82,8 +83,8 @@ def _dynamics(document: ModelDocument, joint: Element) -> Iterator[Coded]:
             yield "C-LIMIT", document.finding(dynamics, name, message)
 
 
-def _moved(document: ModelDocument) -> set[str | None]:
-    """The links on joints that move."""
+def _moving_links(document: ModelDocument) -> set[str | None]:
+    """Returns the names of the links that are children of moving joints."""
     return {
         joint.find("child").get("link")
         for joint in document.root.iterfind("joint[child]")
@@ -91,28 +92,29 @@ def _moved(document: ModelDocument) -> set[str | None]:
     }
 
 
-def _without_inertial(document: ModelDocument, moved: Collection[str | None]) -> Iterator[Coded]:
-    """Links with shapes, on a joint that moves, without mass: readers take none, or 1 kg."""
+def _without_inertial(document: ModelDocument, moving: Collection[str | None]) -> Iterator[Coded]:
+    """Reports links with shapes, on a moving joint, without mass: readers assume no mass, or 1 kg."""
     for link in document.root.iterfind("link[collision]"):
-        if link.get("name") in moved and link.find("inertial") is None:
-            message = "it moves and has shapes, and no <inertial>: readers take no mass, or 1 kg"
+        if link.get("name") in moving and link.find("inertial") is None:
+            message = "it moves and has shapes, but no <inertial>: readers assume 0 kg or 1 kg"
             yield "C-PLAUSIBLE", document.finding(link, "inertial", message)
 
 
 def _inertial(document: ModelDocument, inertial: Element, moves: bool) -> Iterator[Coded]:
-    mass, inertia = inertial.find("mass"), inertial.find("inertia")
-    weight = None if mass is None else number(mass.get("value"))
-    values = [] if inertia is None else [number(inertia.get(name)) for name in _MOMENTS]
+    mass_element, inertia_element = inertial.find("mass"), inertial.find("inertia")
+    mass = None if mass_element is None else number(mass_element.get("value"))
+    values = [] if inertia_element is None else [number(inertia_element.get(name)) for name in _MOMENTS]
     moments = [value for value in values if value is not None and math.isfinite(value)]
-    point = not moves or (weight is not None and weight <= STAND_IN)
-    nothing = point and weight is not None and weight >= 0 and not any(moments)
-    if mass is None or (inertia is None and weight):
-        what = "mass" if mass is None else "inertia"
-        yield "C-SOLID", document.finding(inertial, what, f"<inertial> has no <{what}>")
-    if weight is not None and not nothing:
-        for message in wrong_mass(weight, moves):
-            yield "C-SOLID", document.finding(mass, "value", message)
-    if len(moments) == 6 and not nothing and weight != 0:
+    # A frame's stand-in, or a link that never moves, may have no mass and no inertia.
+    may_be_massless = not moves or (mass is not None and mass <= STAND_IN)
+    massless = may_be_massless and mass is not None and mass >= 0 and not any(moments)
+    if mass_element is None or (inertia_element is None and mass):
+        missing = "mass" if mass_element is None else "inertia"
+        yield "C-SOLID", document.finding(inertial, missing, f"<inertial> has no <{missing}>")
+    if mass is not None and not massless:
+        for message in wrong_mass(mass, moves):
+            yield "C-SOLID", document.finding(mass_element, "value", message)
+    if len(moments) == 6 and not massless and mass != 0:
         xx, xy, xz, yy, yz, zz = moments
         for name, message in wrong_inertia(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])):
-            yield "C-SOLID", document.finding(inertia, name, message)
+            yield "C-SOLID", document.finding(inertia_element, name, message)

@@ -1,9 +1,9 @@
 """The table of contents of all checks of a build, each list in the order of the report.
 
 - `ENGINES`: each compiles the models that it reads.
-- `TEXT_CHECKS`: of a model's text, before an engine reads it.
-- `MODEL_CHECKS`: of a compiled model, one module of this room each.
-- `FORMAT_CHECKS`: of the files that no engine reads.
+- `TEXT_CHECKS`: checks of a model's text, before an engine reads it.
+- `MODEL_CHECKS`: checks of a compiled model, each a module of this room.
+- `FORMAT_CHECKS`: checks of files that no engine reads.
 """
 
 from linkwright.stages.validate.checks.contact import (
@@ -41,6 +41,7 @@ from linkwright.stages.validate.checks.simulation import (
     time_step,
     torque,
     trial,
+    variants,
 )
 from linkwright.stages.validate.checks.world import (
     actuators,
@@ -90,6 +91,7 @@ MODEL_CHECKS = (
     ModelCheck("C-TIME-STEP", "time step", time_step.check, ("simulated",)),
     ModelCheck("C-ENERGY", "energy", energy.check, ("simulated",)),
     ModelCheck("C-TORQUE", "torque", torque.check, ("simulated",)),
+    ModelCheck("C-VARIANTS", "variants", variants.check, ("simulated",)),
     ModelCheck("C-SHAPE", "shapes", shapes.check, ("mjcf",)),
     ModelCheck("C-COLLIDER", "colliders", colliders.check, ("mjcf",)),
     ModelCheck("C-NO-COLLIDER", "bare links", bare_links.check, ("mjcf",)),
@@ -97,6 +99,5 @@ MODEL_CHECKS = (
     ModelCheck("C-REACH", "reach", reach.check, ("mjcf",)),
     ModelCheck("C-SHAPE", "urdf shapes", urdf_shapes.check, ("urdf",)),
 )
-"""What the scene has of the robot is the MJCF's, so that what is true of the one needs no second look. Where
-the first check finds that a link or joint is missing, the others, which look for each by its name, are left
-out."""
+"""The robot in a scene is the MJCF's, so that results for the MJCF hold for both. If the first check misses a
+link or joint, the other checks are skipped, since they look for each by its name."""

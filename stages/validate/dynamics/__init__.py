@@ -1,1 +1,1 @@
-"""The robot's dynamics, and what the engines find of it."""
+"""Computes the robot's dynamics, and has engines compute the dynamics of its files."""

@@ -1,4 +1,4 @@
-"""What MuJoCo finds in a compiled model: poses, mass matrix and forces, without contact and armature."""
+"""Computes poses, mass matrices and forces of a compiled model in MuJoCo, without contact and armature."""
 
 from collections.abc import Callable
 from typing import Any
@@ -17,14 +17,14 @@ from linkwright.stages.validate.model.coordinates import body_from_link, link_po
 def in_mujoco(
     model: Any, robot: Robot, values: Values, speeds: Array, vectors: Array | None, urdf: bool
 ) -> tuple[Moving, Array]:
-    """As `PosedRobot.moving`, and what gravity is against there (n, 3), in the root's axes, which a scene may
-    turn."""
-    kept = model.opt.gravity.copy(), int(model.opt.disableflags)
+    """Returns MuJoCo's results in the form of `PosedRobot.moving`, and the direction against gravity (n, 3)
+    in the root's axes, which a scene may turn."""
+    saved_options = model.opt.gravity.copy(), int(model.opt.disableflags)
     model.opt.gravity[:], model.opt.disableflags = GRAVITY, 0
     try:
         return _read(model, robot, values, speeds, vectors, urdf)
     finally:
-        model.opt.gravity[:], model.opt.disableflags = kept
+        model.opt.gravity[:], model.opt.disableflags = saved_options
 
 
 def _read(
@@ -46,7 +46,7 @@ def _read(
         if plain and not loops:
             data.qpos[places] = [values[dof.name][index] for dof in robot.dofs]
         else:
-            set_values(model, data, robot, loops | _one(values, index), urdf)
+            set_values(model, data, robot, loops | _configuration(values, index), urdf)
         data.qvel[:] = 0
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
@@ -61,12 +61,12 @@ def _read(
         mujoco.mj_comVel(model, data)
         mujoco.mj_rne(model, data, 0, force)
         bias[index] = force[rows] - gravity[index]
-    every = {link.name: poses[at] for at, link in enumerate(robot.links)}
-    return Moving(every, mass, gravity, bias), up
+    by_link = {link.name: poses[at] for at, link in enumerate(robot.links)}
+    return Moving(by_link, mass, gravity, bias), up
 
 
 def _whole(model: Any, data: Any, rows: Array) -> Array:
-    """The mass matrix (k, k) of these rows."""
+    """Returns the mass matrix (k, k) of these rows."""
     mujoco.mj_makeM(model, data)
     mass, column = np.empty((len(rows), len(rows))), np.empty(model.nv)
     for row, unit in enumerate(np.eye(model.nv)[rows]):
@@ -77,43 +77,44 @@ def _whole(model: Any, data: Any, rows: Array) -> Array:
 
 
 def _products(model: Any, data: Any, rows: Array, vectors: Array) -> Array:
-    """The mass matrix's products (k, v) with these vectors (k, v): the forces of such accelerations, at rest
-    and without gravity."""
-    found, force = np.empty(vectors.shape), np.empty(model.nv)
+    """Returns the products (k, v) of the mass matrix with the vectors (k, v): the forces of such
+    accelerations, at rest and without gravity."""
+    products, force = np.empty(vectors.shape), np.empty(model.nv)
     model.opt.gravity[:] = 0.0
     data.qacc[:] = 0.0
     mujoco.mj_comVel(model, data)
     for at, vector in enumerate(vectors.T):
         data.qacc[rows] = vector
         mujoco.mj_rne(model, data, 1, force)
-        found[:, at] = force[rows]
+        products[:, at] = force[rows]
     model.opt.gravity[:] = GRAVITY
-    return found
+    return products
 
 
 def _links(model: Any, robot: Robot) -> Callable[[Any], Array]:
-    """What gives world_from_link (links, 4, 4) of every link, in order: as `link_pose`, at once."""
+    """Returns a function that returns world_from_link (links, 4, 4) of every link, in order. It is
+    `link_pose` for all links at once."""
     bodies = np.array([body_index(model, link.name) for link in robot.links])
     plain = bodies >= 0
-    others = [at for at, link in enumerate(robot.links) if not plain[at] or link.name == robot.root.name]
+    by_site = [at for at, link in enumerate(robot.links) if not plain[at] or link.name == robot.root.name]
     bodies = np.where(plain, bodies, 0)
     places = np.array([body_from_link(robot, link.name) for link in robot.links])
 
     def read(data: Any) -> Array:
-        found = np.zeros((len(bodies), 4, 4))
-        found[:, :3, :3] = data.xmat[bodies].reshape(-1, 3, 3)
-        found[:, :3, 3], found[:, 3, 3] = data.xpos[bodies], 1.0
-        found = np.asarray(found @ places)
-        for at in others:
-            found[at] = link_pose(model, data, robot, robot.links[at].name)
-        return found
+        poses = np.zeros((len(bodies), 4, 4))
+        poses[:, :3, :3] = data.xmat[bodies].reshape(-1, 3, 3)
+        poses[:, :3, 3], poses[:, 3, 3] = data.xpos[bodies], 1.0
+        poses = np.asarray(poses @ places)
+        for at in by_site:
+            poses[at] = link_pose(model, data, robot, robot.links[at].name)
+        return poses
 
     return read
 
 
-def _one(values: Values, index: int) -> dict[str, Value]:
-    """One of the configurations."""
+def _configuration(values: Values, index: int) -> dict[str, Value]:
+    """Returns the configuration of an index."""
     return {
-        name: float(every[index]) if every.ndim == 1 else tuple(map(float, every[index]))
-        for name, every in values.items()
+        name: float(numbers[index]) if numbers.ndim == 1 else tuple(map(float, numbers[index]))
+        for name, numbers in values.items()
     }

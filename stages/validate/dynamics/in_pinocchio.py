@@ -1,4 +1,4 @@
-"""What Pinocchio finds in a URDF, its root held where it is; mimic joints move on their own."""
+"""Computes the dynamics of a URDF in Pinocchio. The root is held, and mimic joints move independently."""
 
 import importlib
 import importlib.util
@@ -15,14 +15,15 @@ from linkwright.stages.validate.dynamics.tree_dynamics import Moving, scalar_dof
 
 
 def installed() -> bool:
-    """Whether Pinocchio is here: another distribution has its name too."""
+    """Tells whether Pinocchio is installed, and not another distribution of that name."""
     if importlib.util.find_spec("pinocchio") is None:
         return False
     return hasattr(importlib.import_module("pinocchio"), "buildModelFromXML")
 
 
 def in_pinocchio(urdf: bytes, robot: Robot, values: Values, speeds: Array) -> Moving:
-    """As `stages.validate.dynamics.tree_dynamics.dynamics`, where gravity is along the root's own z axis."""
+    """Returns Pinocchio's results in the form of `tree_dynamics.dynamics`, with gravity along the root's z
+    axis."""
     pin: Any = importlib.import_module("pinocchio")
     model = pin.buildModelFromXML(urdf.decode())
     model.gravity.linear = np.array(GRAVITY)
@@ -47,23 +48,23 @@ def in_pinocchio(urdf: bytes, robot: Robot, values: Values, speeds: Array) -> Mo
 
 
 def _configurations(pin: Any, model: Any, robot: Robot, values: Values) -> Array:
-    """Pinocchio's q (n, nq): a continuous joint is (cos, sin), the quaternion of a free one ends in w."""
+    """Returns Pinocchio's q (n, nq). A continuous joint is (cos, sin), and a quaternion ends with w."""
     turns = urdf_names(robot).turns
     count = len(next(iter(values.values())))
     q: Array = np.tile(pin.neutral(model), (count, 1))
     for dof in robot.dofs:
-        every = values[dof.name]
-        columns = {dof.name: every}
+        numbers = values[dof.name]
+        columns = {dof.name: numbers}
         if dof.kind == "ball":
-            angles = np.array([turns_from_rotation(one) for one in rotations_of_quats(every)])
+            angles = np.array([turns_from_rotation(rotation) for rotation in rotations_of_quats(numbers)])
             columns = dict(zip(turns[dof.name], angles.T, strict=True))
-        for name, own in columns.items():
+        for name, column in columns.items():
             joint = model.joints[model.getJointId(name)]
             at = slice(joint.idx_q, joint.idx_q + joint.nq)
             if dof.kind == "free":
-                q[:, at] = own[:, [0, 1, 2, 4, 5, 6, 3]]
+                q[:, at] = column[:, [0, 1, 2, 4, 5, 6, 3]]
             elif joint.nq == 2:
-                q[:, at] = np.column_stack([np.cos(own), np.sin(own)])
+                q[:, at] = np.column_stack([np.cos(column), np.sin(column)])
             else:
-                q[:, at] = own[:, None]
+                q[:, at] = column[:, None]
     return q

@@ -1,25 +1,29 @@
-"""Vectors by which mass matrices are multiplied to compare them: of a large robot the products stand for the
-whole, which has as many entries as its dofs squared."""
+"""Makes the vectors by which mass matrices are multiplied to compare them.
+
+For a large robot the products replace the whole matrix, which has as many entries as its dofs squared.
+"""
 
 import numpy as np
 
 from linkwright.stages.robot.model.robot import Array
-from linkwright.stages.validate.dynamics.tree_dynamics import WHOLE
+from linkwright.stages.validate.dynamics.tree_dynamics import MAX_WHOLE_DOFS
 
 PRODUCTS = 4
-"""Vectors: an entry that is off is hidden only where others that are off cancel it in each."""
+"""Number of vectors: a wrong entry is hidden only if other wrong entries cancel it in each product."""
 
 SEED = 27182
+"""An arbitrary seed, so that the vectors are the same in every run."""
 
 
 def probes(diagonal: Array) -> Array | None:
-    """Seeded vectors (k, v) for mass matrices of this diagonal (n, k); None where the whole is compared.
+    """Returns seeded vectors (k, v) for mass matrices with this diagonal (n, k); None for small robots, whose
+    whole matrix is compared.
 
-    Random signs, each divided by the root of its dof's own entry: so that the rows of a light link count as
-    much as those of a heavy one.
+    They have random signs, each divided by the root of its dof's own entry, so that the rows of a light link
+    count as much as those of a heavy link.
     """
     size = diagonal.shape[1]
-    if size <= WHOLE:
+    if size <= MAX_WHOLE_DOFS:
         return None
     signs = np.random.Generator(np.random.PCG64(SEED)).choice([-1.0, 1.0], (size, PRODUCTS))
     vectors: Array = signs / own_sizes(diagonal[:1])[0][:, None]
@@ -27,7 +31,7 @@ def probes(diagonal: Array) -> Array | None:
 
 
 def own_sizes(diagonal: Array) -> Array:
-    """The roots of the diagonal (n, k), each at least a thousandth of the largest."""
-    own = np.sqrt(np.maximum(diagonal, 0.0))
-    floored: Array = np.maximum(own, 1e-3 * (float(own.max(initial=0.0)) or 1.0))
+    """Returns the roots of the diagonal (n, k), each at least a thousandth of the largest."""
+    roots = np.sqrt(np.maximum(diagonal, 0.0))
+    floored: Array = np.maximum(roots, 1e-3 * (float(roots.max(initial=0.0)) or 1.0))
     return floored

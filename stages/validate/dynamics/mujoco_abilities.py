@@ -1,4 +1,4 @@
-"""Features of the installed MuJoCo, found by tests, since versions differ."""
+"""Tests which features the installed MuJoCo has, since versions differ."""
 
 import functools
 import itertools
@@ -19,7 +19,7 @@ _PROBES = [
     for moments in ((1.0, 0.9, 0.6), (1.0, 0.99, 0.1), (1.0, 0.55, 0.5))
     for quat in itertools.product((0.3, 1.0), (-0.7, 0.2), (0.4, 0.9), (-0.1, 0.5))
 ]
-"""Tensors to measure with: principal moments, and the quaternion (not normalised) of their axes."""
+"""Tensors for the measurement: principal moments, and the quaternion (not normalised) of their axes."""
 
 _SOLID = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
 _MIMIC = f"""<robot name="r"><link name="a"/><link name="b">{_SOLID}</link><link name="c">{_SOLID}</link>
@@ -28,10 +28,11 @@ _MIMIC = f"""<robot name="r"><link name="a"/><link name="b">{_SOLID}</link><link
 
 
 def axes_error(size: float) -> float:
-    """The error of a tensor whose largest entry is `size` [kg m²] once MuJoCo has found its principal axes,
-    relative to that entry; 0 where it is only rounding.
+    """Returns the relative error that MuJoCo's search for the principal axes causes in a tensor whose largest
+    entry is `size` [kg m²]; 0 if it is only rounding.
 
-    Up to 3.13 MuJoCo stops at 1e-6 rad and at 1e-12 kg m². URDFs have whole tensors; our MJCFs have the axes.
+    Up to 3.13 MuJoCo stops at 1e-6 rad and at 1e-12 kg m². It searches the axes of URDFs, which have whole
+    tensors, and not those of written MJCFs, which have the axes.
     """
     return _largest_error(math.floor(math.log10(size)))
 
@@ -39,31 +40,31 @@ def axes_error(size: float) -> float:
 @functools.cache
 def _largest_error(exponent: int) -> float:
     worst = max(_error(moments * 10.0**exponent, quat) for moments, quat in _PROBES)
-    # The probes are few; the worst of thousands of tensors had four times their error.
+    # There are only a few probes: the worst of thousands of tensors had four times their error.
     return 16 * worst if worst > 1e-12 else 0.0
 
 
 def _error(moments: Array, quat: Array) -> float:
     turn = rotation(quat / np.linalg.norm(quat))
     tensor = turn @ np.diag(moments) @ turn.T
-    found, vectors, axes = np.empty(3), np.empty(9), np.empty(4)
-    mujoco.mju_eig3(found, vectors, axes, tensor.ravel())
+    moments_found, vectors, axes = np.empty(3), np.empty(9), np.empty(4)
+    mujoco.mju_eig3(moments_found, vectors, axes, tensor.ravel())
     turn = rotation(axes)
-    return float(np.abs(turn @ np.diag(found) @ turn.T - tensor).max() / np.abs(tensor).max())
+    return float(np.abs(turn @ np.diag(moments_found) @ turn.T - tensor).max() / np.abs(tensor).max())
 
 
 @functools.cache
 def reads_mimic() -> bool:
-    """Whether MuJoCo turns a URDF's <mimic> into an equality, as it does from 3.13 on."""
+    """Tells whether MuJoCo turns a URDF's <mimic> into an equality, as it does since 3.13."""
     return bool(compiled_text(_MIMIC.encode(), {}).neq)
 
 
 def mimics(model: Any, urdf: bytes) -> dict[tuple[int, int], Array]:
-    """By (follower, driver): the numbers of each <mimic> as MuJoCo's equalities have them."""
-    found: dict[tuple[int, int], Array] = {}
+    """Maps (follower, driver) to the coefficients of the equality that MuJoCo makes of a <mimic>."""
+    numbers_of: dict[tuple[int, int], Array] = {}
     for mimic in parse(urdf).iterfind("joint/mimic"):
         follower = index_of(model, mujoco.mjtObj.mjOBJ_JOINT, mimic.getparent().get("name"))
         driver = index_of(model, mujoco.mjtObj.mjOBJ_JOINT, mimic.get("joint"))
         numbers = float(mimic.get("offset", 0)), float(mimic.get("multiplier", 1))
-        found[follower, driver] = np.array([*numbers, 0.0, 0.0, 0.0])
-    return found
+        numbers_of[follower, driver] = np.array([*numbers, 0.0, 0.0, 0.0])
+    return numbers_of

@@ -1,4 +1,4 @@
-"""Seeded poses and speeds at which formats are compared: of the tree, whose loops are open there."""
+"""Draws seeded poses and speeds of the tree, with loops left open, at which formats are compared."""
 
 import math
 
@@ -8,27 +8,31 @@ from linkwright.stages.robot.model.robot import Array, Robot
 from linkwright.stages.validate.dynamics.tree_dynamics import scalar_dofs
 
 POSES = 100
+"""Largest number of poses."""
+
 SEED = 31415
+"""An arbitrary seed, so that the poses are the same in every run."""
 
-PLACED = 20_000
-"""The most links times poses: a larger robot is compared at fewer poses, and each has more links."""
+MAX_LINK_POSES = 20_000
+"""Largest product of links and poses: larger robots are compared at fewer poses."""
 
-FEWEST = 10
+MIN_POSES = 10
+"""Smallest number of poses."""
 
-REACH = {"turn": math.pi, "slide": 1.0}
-"""How far [rad, m] to both sides of zero, or from its one end, a range without ends goes."""
+OPEN_EXTENT = {"turn": math.pi, "slide": 1.0}
+"""Extent [rad, m] of a range without limits: to both sides of zero, or from its only limit."""
 
 
 def samples(robot: Robot) -> tuple[dict[str, Array], Array]:
-    """Values (n, ...) of every dof of the tree, within limits, and speeds (n, k) of its turns and slides up
-    to 1 rad/s or m/s. n is `POSES`, less for a robot of more than 200 links."""
+    """Returns values (n, ...) of every dof of the tree within limits, and speeds (n, k) up to 1 rad/s or m/s
+    of its turns and slides. n is `POSES`, or less for a robot with more than 200 links."""
     random = np.random.Generator(np.random.PCG64(SEED))
-    poses = max(FEWEST, min(POSES, PLACED // len(robot.links)))
+    poses = max(MIN_POSES, min(POSES, MAX_LINK_POSES // len(robot.links)))
     values: dict[str, Array] = {}
     for dof in robot.dofs:
-        if dof.kind in REACH:
+        if dof.kind in OPEN_EXTENT:
             low, high = dof.limits.interval
-            reach = REACH[dof.kind]
+            reach = OPEN_EXTENT[dof.kind]
             low = min(-reach, high - reach) if math.isinf(low) else low
             high = max(reach, low + reach) if math.isinf(high) else high
             values[dof.name] = random.uniform(low, high, poses)

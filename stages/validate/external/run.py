@@ -1,4 +1,4 @@
-"""Runs the checkers of other makers, each on a copy of its own."""
+"""Runs the checkers of other makers, each on a separate copy of the files."""
 
 import os
 import shutil
@@ -12,29 +12,36 @@ from linkwright.stages.robot.check import Check, CheckLevel, Finding
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.external import CODE
 from linkwright.stages.validate.external.opinions import (
+    SIMREADY,
+    NoVerdict,
     Opinion,
     of_mjcf_doctor,
     of_simcheck,
+    of_simready,
     of_urdf_validator,
 )
 from linkwright.stages.validate.external.tool import Tool
 
 SECONDS = 600.0
-"""How long a checker may take for one file."""
+"""Largest time [s] that a checker may take for a file."""
 
 FILES, REPORTS, EMPTY = "files", "reports", "empty"
-"""Folders of a run of a checker: the copied files, what it writes, and its working folder."""
+"""Folders of a checker's run: the copied files, its reports, and its empty working folder."""
 
 
 @dataclass(frozen=True, slots=True)
 class HowUsed:
-    """How a tool is used: the endings of the `files` that it reads, of a robot's name (a `scene.xml` stands
-    for the model that it includes); its `arguments` for a file and a folder for reports; how its output is
-    read."""
+    """The use of a tool."""
 
     files: tuple[str, ...]
+    """The endings, after the robot's name, of the files that it reads. `scene.xml` is a whole name: the scene
+    includes the model, and is replaced by the MJCF if there is no scene."""
+
     arguments: Callable[[Path, Path], list[str]]
+    """Returns the arguments for a file and a folder for reports."""
+
     verdict: Callable[[str, Path], Opinion]
+    """Reads the output and the folder of reports."""
 
 
 def _simcheck(file: Path, _: Path) -> list[str]:
@@ -43,38 +50,47 @@ def _simcheck(file: Path, _: Path) -> list[str]:
     return ["check", str(file), "--no-config", "--no-cache", "--format", "json", *moveit]
 
 
+PROFILE = ("--profile", "Robot-Body", "--version", "3.0.0")
+"""The profile of SimReady's standard by which a robot is checked."""
+
+
+def _simready(file: Path, reports: Path) -> list[str]:
+    return [*PROFILE, "--output", str(reports / SIMREADY), str(file)]
+
+
 USES = {
     "simcheck": HowUsed((".urdf", ".xml"), _simcheck, of_simcheck),
     "mjcf_doctor": HowUsed(("scene.xml",), lambda file, _: ["check", str(file), "--json"], of_mjcf_doctor),
     "urdf_validator": HowUsed(
         (".urdf",), lambda file, reports: [str(file), "--output-dir", str(reports)], of_urdf_validator
     ),
+    "simready": HowUsed((".usda",), _simready, of_simready),
 }
 """How each tool is used."""
 
 
 def checks(folder: Path, robot: str, tools: Sequence[Tool], environ: Mapping[str, str]) -> Iterator[Check]:
-    """One check for each tool and file: it passes where the tool has neither errors nor warnings."""
+    """Yields a check for each tool and file, which passes if the tool has neither errors nor warnings."""
     for tool in tools:
         for file in _files(folder, robot, USES[tool.name].files):
             with tempfile.TemporaryDirectory(prefix="linkwright-") as name:
                 place = Path(name).resolve()
-                # Links are followed: the checker may write into what it is given.
+                # Links are copied as files, since the checker may write into its files.
                 shutil.copytree(folder, place / FILES, copy_function=shutil.copyfile)
-                # A file of the robot could have the name of a module or a program that the checker looks for.
+                # A file in the robot's folder could have the name of a module that the checker looks for.
                 (place / EMPTY).mkdir()
                 (place / REPORTS).mkdir()
                 yield _checked(tool, place, file, environ)
 
 
 def _files(folder: Path, robot: str, endings: Sequence[str]) -> list[str]:
-    found = []
+    names = []
     for ending in endings:
         name = ending if ending == "scene.xml" else f"{robot}{ending}"
         if ending == "scene.xml" and not (folder / name).exists():
             name = f"{robot}.xml"
-        found += [name] if (folder / name).exists() else []
-    return found
+        names += [name] if (folder / name).exists() else []
+    return names
 
 
 def _checked(tool: Tool, place: Path, file: str, environ: Mapping[str, str]) -> Check:
@@ -84,6 +100,8 @@ def _checked(tool: Tool, place: Path, file: str, environ: Mapping[str, str]) -> 
         arguments = use.arguments(place / FILES / file, place / REPORTS)
         output = _output(tool, arguments, place, environ)
         verdict = use.verdict(output, place / REPORTS)
+    except NoVerdict as error:
+        return Check(name, False, f"no verdict: {error}", code=CODE)
     except subprocess.TimeoutExpired:
         return Check(name, False, f"no verdict: it took longer than {SECONDS:g} s", code=CODE)
     except (OSError, ValueError, KeyError, TypeError) as error:
@@ -94,8 +112,8 @@ def _checked(tool: Tool, place: Path, file: str, environ: Mapping[str, str]) -> 
 
 def _check(name: str, verdict: Opinion) -> Check:
     errors, warnings = verdict.errors, verdict.warnings
-    words = f"{verdict.words}; " if verdict.words else ""
-    detail = f"{words}{count(len(errors), 'error')}, {count(len(warnings), 'warning')}"
+    message = f"{verdict.words}; " if verdict.words else ""
+    detail = f"{message}{count(len(errors), 'error')}, {count(len(warnings), 'warning')}"
     first: Sequence[Finding] = errors or warnings
     if first:
         detail += f": {first[0].message}"
@@ -104,20 +122,20 @@ def _check(name: str, verdict: Opinion) -> Check:
 
 
 def _output(tool: Tool, arguments: Sequence[str], place: Path, environ: Mapping[str, str]) -> str:
-    """What a tool prints, with paths from the robot's folder. It sees no variable of ours but PATH, and a
-    home of its own."""
+    """Returns the output of a tool, with paths from the robot's folder. The tool gets no environment variable
+    of this process except PATH, and a separate home."""
     command = tool.command(environ)
     if command is None:
         raise FileNotFoundError(tool.program)
-    own = {"PATH": environ.get("PATH", ""), "HOME": str(place), "LANG": "C.UTF-8", "NO_COLOR": "1"}
-    done = subprocess.run(
+    environment = {"PATH": environ.get("PATH", ""), "HOME": str(place), "LANG": "C.UTF-8", "NO_COLOR": "1"}
+    completed = subprocess.run(
         [*command, *arguments],
         cwd=place / EMPTY,
-        env={**own, "PYTHONSAFEPATH": "1", "PYTHONDONTWRITEBYTECODE": "1", "OMP_NUM_THREADS": "1"},
+        env={**environment, "PYTHONSAFEPATH": "1", "PYTHONDONTWRITEBYTECODE": "1", "OMP_NUM_THREADS": "1"},
         stdin=subprocess.DEVNULL,
         capture_output=True,
         timeout=SECONDS,
         check=False,
     )
-    text = done.stdout.decode("utf-8", "replace").replace("\r\n", "\n")
+    text = completed.stdout.decode("utf-8", "replace").replace("\r\n", "\n")
     return text.replace(f"{place / FILES}{os.sep}", "")

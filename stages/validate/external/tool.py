@@ -1,4 +1,4 @@
-"""A checker of another maker: where its program is, and which version."""
+"""Finds the program of another maker's checker, and its version."""
 
 import functools
 import importlib.util
@@ -12,70 +12,85 @@ from pathlib import Path
 
 from linkwright.stages.robot.system.programs import program
 
-PATIENCE = 60.0
-"""How long a program may take to say its version [s]."""
+MAX_VERSION_TIME = 60.0
+"""Largest time [s] that a program may take to print its version."""
 
 
 @dataclass(frozen=True, slots=True)
 class Tool:
-    """`name` as in `validate.external`; `program`: its command; `package`: what pip installs; `module`: the
-    package's Python module, and `main` the one that `python -m` runs."""
+    """A checker of another maker."""
 
     name: str
+    """The name in `validate.external`."""
+
     program: str
-    package: str
-    module: str
+    """The command."""
+
+    packages: tuple[str, ...]
+    """The packages that pip installs, first that of the program."""
+
+    reads: tuple[str, ...]
+    """The formats that the checker reads."""
+
+    module: str = ""
+    """The Python module of the package; "" if Python cannot run it."""
+
     main: str = ""
+    """The module that `python -m` runs."""
+
+    pythons: tuple[tuple[int, int], ...] = ()
+    """The versions of Python on which the packages install, if not all."""
 
     def command(self, environ: Mapping[str, str]) -> tuple[str, ...] | None:
-        """The program on PATH, or the module of this Python; None where there is neither."""
-        found = program(self.program, environ)
-        if found is not None:
-            return (found,)
-        if importlib.util.find_spec(self.module) is not None:
+        """Returns the program on PATH, or the module of this Python; None if there is neither."""
+        path = program(self.program, environ)
+        if path is not None:
+            return (path,)
+        if self.module and importlib.util.find_spec(self.module) is not None:
             return sys.executable, "-P", "-m", self.main or self.module
         return None
 
     def version(self, environ: Mapping[str, str]) -> str:
-        """Its version; of a program that does not say it, one that changes where the program does."""
+        """Returns the version; for a program that does not print it, a text that changes with the program."""
         command = self.command(environ)
-        return "" if command is None else _version(command, self.package, environ.get("PATH", ""))
+        return "" if command is None else _version(command, self.packages, environ.get("PATH", ""))
 
 
 @functools.cache
-def _version(command: tuple[str, ...], package: str, path: str) -> str:
-    said = _said((*command, "--version"), path)
+def _version(command: tuple[str, ...], packages: tuple[str, ...], path: str) -> str:
+    said = _output((*command, "--version"), path)
     if said is None:
-        said = _said((_interpreter(command[0]), "-I", "-c", _ASK, package), path)
+        said = _output((_interpreter(command[0]), "-I", "-c", _ASK, *packages), path)
     words = (said or "").split()
     return words[-1] if words else sha256(Path(command[0]).read_bytes()).hexdigest()[:12]
 
 
-_ASK = "import importlib.metadata, sys; print(importlib.metadata.version(sys.argv[1]))"
+_ASK = "import importlib.metadata as m, sys; print('+'.join(dict.fromkeys(map(m.version, sys.argv[1:]))))"
+"""A program that prints the versions of packages, equal versions once."""
 
 
 def _interpreter(program: str) -> str:
-    """The Python that a script of pip's runs with: its first line names it."""
+    """Returns the Python that runs a script of pip, which its first line names."""
     with open(program, "rb") as file:
         first = file.readline(512)
     named = first.removeprefix(b"#!").strip().decode("utf-8", "replace") if first.startswith(b"#!") else ""
     return named if "python" in named and " " not in named else sys.executable
 
 
-def _said(command: tuple[str, ...], path: str) -> str | None:
-    """What a program prints, in an empty working folder; None where it fails."""
+def _output(command: tuple[str, ...], path: str) -> str | None:
+    """Returns the output of a program in an empty working folder; None if the program fails."""
     try:
         with tempfile.TemporaryDirectory(prefix="linkwright-") as empty:
-            done = subprocess.run(
+            completed = subprocess.run(
                 command,
                 cwd=empty,
                 env={"PATH": path, "PYTHONSAFEPATH": "1"},
                 stdin=subprocess.DEVNULL,
                 capture_output=True,
                 text=True,
-                timeout=PATIENCE,
+                timeout=MAX_VERSION_TIME,
                 check=False,
             )
     except (OSError, subprocess.TimeoutExpired):
         return None
-    return done.stdout if done.returncode == 0 and done.stdout.strip() else None
+    return completed.stdout if completed.returncode == 0 and completed.stdout.strip() else None

@@ -1,25 +1,33 @@
-"""Checks of the text of model files: what a reader of XML sees before any engine runs.
+"""Checks the text of model files, before any engine runs.
 
-- assets: Every file that the model names is there, and whole.
-- known: Every element and attribute is one of the format's: readers skip a misspelled one, or refuse the
-  file.
-- model_config: The file by which Gazebo finds the SDF of a folder.
-- names: Every name is legal, and unique where the format asks: a link and a joint may share one.
-- numbers: Every number is one, finite, and there are as many as the attribute has.
-- paths: Every file is named by a path that holds wherever the folder is: relative, and within it.
-- references: Every name that an element refers to is there: links, joints, classes, materials, meshes, sites,
-  bodies.
-- run: The run of the checks of files: of each model in a folder, and of what lies beside them.
-- unused: Every file in the folder of assets is one that a model names.
-- urdf_schema: The elements and attributes of URDF: those of ROS's reference, and what later readers add.
-- whole: Whether a mesh or an image is whole: an empty file, or a copy that was cut short.
+- assets: Checks that every file that a model refers to exists and is complete.
+- damage: Finds damaged meshes and images: empty files, and truncated copies.
+- model_config: Checks model.config, by which Gazebo finds the SDF of a folder.
+- names: Checks that every name is legal, and unique if the format requires it: a link and a joint may share a
+  name.
+- numbers: Checks that every number is finite, and that each attribute has the right count of numbers.
+- paths: Checks that paths of files stay valid if the folder moves: they are relative, and stay within the
+  folder.
+- references: Checks that every name that an element refers to exists: links, joints, classes, materials,
+  meshes, bodies.
+- run: Runs the checks of files: of each model in a folder, and of the folder's other files.
+- unused: Checks that every file in the folder of assets is named by a model.
+- urdf_schema: Lists the elements and attributes of URDF, from ROS's reference and from later readers.
+- vocabulary: Checks that elements and attributes are the format's: readers skip misspelled names, or refuse
+  the file.
 """
 
-from linkwright.stages.validate.files import assets, known, names, numbers, paths, references
+from linkwright.stages.validate.files import assets, names, numbers, paths, references, vocabulary
 from linkwright.stages.validate.rows import TextCheck
 
 TEXT_CHECKS = (
-    TextCheck("C-XML-KNOWN", "elements", known.findings, "every element and attribute is known", known.level),
+    TextCheck(
+        "C-XML-KNOWN",
+        "elements",
+        vocabulary.findings,
+        "every element and attribute is known",
+        vocabulary.level,
+    ),
     TextCheck("C-NAME", "names", names.findings, "every name is legal, and unique among its kind"),
     TextCheck("C-NUMBER", "numbers", numbers.findings, "every number is finite, and where it belongs"),
     TextCheck(
@@ -38,4 +46,4 @@ TEXT_CHECKS = (
         paths.level,
     ),
 )
-"""In the order of the report."""
+"""The checks in the order of the report."""

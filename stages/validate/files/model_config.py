@@ -1,4 +1,4 @@
-"""The file by which Gazebo finds the SDF of a folder."""
+"""Checks model.config, by which Gazebo finds the SDF of a folder."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,35 +14,35 @@ FILE = "model.config"
 
 
 def model_config(folder: Path, robot: str) -> Iterator[Check]:
-    """That it is XML, and that the SDF of a robot of this name is one that it names, with its version, and
-    that every other is there. None where the folder has no such file."""
+    """Checks that the file is XML, that it names the SDF of the robot with its version, and that every file
+    that it names exists. Skips folders without a model.config."""
     path = folder / FILE
     if not path.is_file():
         return
     try:
-        found = list(_findings(folder, parse(path.read_bytes()), f"{robot}.sdf"))
+        findings = list(_findings(folder, parse(path.read_bytes()), f"{robot}.sdf"))
     except Malformed as error:
-        found = [Finding("XML", "", error.place)]
-    detail = sentence(tuple(found)) if found else "the SDF that it names is there"
-    number = float(len(found))
-    yield Check(f"{FILE}: names", not found, detail, number, 0.0, CODE, "error", few(found))
+        findings = [Finding("XML", "", error.place)]
+    detail = sentence(tuple(findings)) if findings else "the SDF that it names is there"
+    number = float(len(findings))
+    yield Check(f"{FILE}: names", not findings, detail, number, 0.0, CODE, "error", few(findings))
 
 
-def _findings(folder: Path, root: Element, own: str) -> Iterator[Finding]:
-    every = {(node.text or "").strip(): node for node in root.findall("sdf")}
-    for name, node in every.items():
+def _findings(folder: Path, root: Element, expected: str) -> Iterator[Finding]:
+    sdfs = {(node.text or "").strip(): node for node in root.findall("sdf")}
+    for name, node in sdfs.items():
         if not name or not (folder / name).is_file():
-            yield Finding("sdf", "", f'"{name}" does not exist, expected "{own}"')
+            yield Finding("sdf", "", f'"{name}" does not exist, expected "{expected}"')
             continue
         version = _version(folder / name)
         if version and node.get("version") != version:
             yield differs("sdf", "version", node.get("version"), version)
-    if own not in every and all((folder / name).is_file() for name in every):
-        yield Finding("sdf", "", f'names {", ".join(every) or "none"}, expected "{own}"')
+    if expected not in sdfs and all((folder / name).is_file() for name in sdfs):
+        yield Finding("sdf", "", f'names {", ".join(sdfs) or "none"}, expected "{expected}"')
 
 
 def _version(path: Path) -> str:
-    """That of an SDF; "" where it cannot be read, which is another check's."""
+    """Returns the version of an SDF; "" if it cannot be read, which another check reports."""
     try:
         return str(parse(path.read_bytes()).get("version", ""))
     except Malformed:

@@ -1,44 +1,46 @@
-"""Every name is legal, and unique where the format asks: a link and a joint may share one."""
+"""Checks that every name is legal, and unique if the format requires it: a link and a joint may share a
+name."""
 
 from collections.abc import Iterator
 
 from linkwright.stages.formats.own_xml import name_of, names
 from linkwright.stages.formats.xml import Element, tag
 from linkwright.stages.robot.check import Finding
-from linkwright.stages.validate.reading.documents import ModelDocument, called, stem
+from linkwright.stages.validate.reading.documents import ModelDocument, stem, title_of
 
-NEEDED = ("link", "joint")
-"""Elements of a URDF that have no meaning without a name."""
+NAMED_ELEMENTS = ("link", "joint")
+"""Elements of a URDF that are meaningless without a name."""
 
 ASSETS = ("mesh", "hfield", "texture", "skin")
-"""Assets of an MJCF that have the name of their file where they have none."""
+"""Assets of an MJCF that take the name of their file if they have no name."""
 
 
 def findings(document: ModelDocument) -> Iterator[Finding]:
-    """Missing, unprintable and repeated names. Of two elements with one name the second is named."""
+    """Yields findings on missing, unprintable and repeated names. Of two elements with the same name the
+    second is reported."""
     urdf = document.language == "urdf"
-    first: dict[tuple[str, str], Element] = {}
-    for kind, name, element in _named(document.root, urdf):
-        other: Element = first.setdefault((kind, name), element)
+    first_by_name: dict[tuple[str, str], Element] = {}
+    for kind, name, element in _named_elements(document.root, urdf):
+        other: Element = first_by_name.setdefault((kind, name), element)
         if element in document.included:
             continue
         wrong = _illegal(name)
         if wrong:
             yield document.finding(element, _attribute(element), wrong)
         if other is not element:
-            where = f"line {other.sourceline}" if other.sourceline else called(other)
+            first_place = f"line {other.sourceline}" if other.sourceline else title_of(other)
             if other in document.included:
-                where = f"{document.included[other].name}, {where}"
+                first_place = f"{document.included[other].name}, {first_place}"
             yield document.finding(
-                element, _attribute(element), f'another {kind} is called "{name}" too, in {where}'
+                element, _attribute(element), f'another {kind} is called "{name}" too, in {first_place}'
             )
     if urdf:
         for element in document.root:
-            if tag(element) in NEEDED and not (name_of(element) or "").strip():
+            if tag(element) in NAMED_ELEMENTS and not (name_of(element) or "").strip():
                 yield document.finding(element, "name", "it has no name")
 
 
-def _named(root: Element, urdf: bool) -> Iterator[tuple[str, str, Element]]:
+def _named_elements(root: Element, urdf: bool) -> Iterator[tuple[str, str, Element]]:
     yield from names(root, urdf)
     if not urdf:
         for element in root.iterfind("asset/*"):

@@ -1,4 +1,4 @@
-"""Every number is one, finite, and there are as many as the attribute has."""
+"""Checks that every number is finite, and that each attribute has the right count of numbers."""
 
 import math
 from collections.abc import Iterator
@@ -7,7 +7,7 @@ from linkwright.stages.formats.xml import Element, tag
 from linkwright.stages.robot.check import Finding
 from linkwright.stages.validate.reading.documents import ModelDocument
 
-URDF: dict[str, dict[str, int]] = {
+URDF_COUNTS: dict[str, dict[str, int]] = {
     "origin": {"xyz": 3, "rpy": 3, "quat_xyzw": 4},
     "mass": {"value": 1},
     "inertia": dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), 1),
@@ -22,18 +22,18 @@ URDF: dict[str, dict[str, int]] = {
     "mesh": {"scale": 3},
     "color": {"rgba": 4},
 }
-"""How many numbers the attributes of a URDF have."""
+"""Number of numbers in each attribute of a URDF, by element."""
 
-NEEDED = {
+REQUIRED = {
     "mass": ("value",),
     "inertia": ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"),
     "box": ("size",),
     "cylinder": ("radius", "length"),
     "sphere": ("radius",),
 }
-"""Numbers of a URDF without which an element has no meaning."""
+"""Attributes of a URDF without which an element is meaningless."""
 
-MJCF = {
+MJCF_COUNTS = {
     "pos": 3,
     "quat": 4,
     "axis": 3,
@@ -53,9 +53,9 @@ MJCF = {
     "kp": 1,
     "rgba": 4,
 }
-"""How many numbers attributes of an MJCF have."""
+"""Number of numbers in attributes of an MJCF."""
 
-WORDS = frozenset(
+NAME_ATTRIBUTES = frozenset(
     (
         *("name", "class", "childclass", "file", "model", "prefix", "meshdir", "texturedir", "assetdir"),
         *("joint", "joint1", "joint2", "jointinparent", "site", "site1", "site2", "cranksite", "slidersite"),
@@ -65,13 +65,13 @@ WORDS = frozenset(
         *("data", "flex"),
     )
 )
-"""Attributes of an MJCF that are names, and may look like numbers."""
+"""Attributes of an MJCF that are names, although they may look like numbers."""
 
 _MAY_BE_INFINITE = ("range", "limit", "lower", "upper", "effort", "velocity")
 
 
 def findings(document: ModelDocument) -> Iterator[Finding]:
-    """Numbers that are none, not finite, missing, or too many."""
+    """Yields findings on numbers that are malformed, infinite or missing, and on wrong counts."""
     for element in document.elements():
         if document.language == "urdf":
             yield from _of_urdf(document, element)
@@ -80,38 +80,38 @@ def findings(document: ModelDocument) -> Iterator[Finding]:
 
 
 def _of_urdf(document: ModelDocument, element: Element) -> Iterator[Finding]:
-    own = tag(element)
-    known = URDF.get(own, {})
+    name_of_tag = tag(element)
+    counts = URDF_COUNTS.get(name_of_tag, {})
     above = element.getparent()
-    if above is None or tag(above) not in _ABOVE.get(own, (tag(above),)):
+    if above is None or tag(above) not in _PARENTS.get(name_of_tag, (tag(above),)):
         return
-    for name in NEEDED.get(own, ()):
+    for name in REQUIRED.get(name_of_tag, ()):
         if not element.get(name, "").strip():
-            yield document.finding(element, name, f'<{own}> needs {name}="..."')
-    for name, wanted in known.items():
+            yield document.finding(element, name, f'<{name_of_tag}> needs {name}="..."')
+    for name, expected in counts.items():
         words = element.get(name, "").replace(",", " ").split()
         if words:
-            yield from _wrong(document, element, name, words, wanted)
+            yield from _wrong(document, element, name, words, expected)
 
 
-_ABOVE = {"limit": ("joint",), "mass": ("inertial",), "axis": ("joint",), "mesh": ("geometry",)}
-"""What an element is in, where its tag is also that of others."""
+_PARENTS = {"limit": ("joint",), "mass": ("inertial",), "axis": ("joint",), "mesh": ("geometry",)}
+"""Tag → parents that it has in a URDF, for tags with other meanings elsewhere."""
 
 
 def _of_mjcf(document: ModelDocument, element: Element) -> Iterator[Finding]:
-    in_bodies = any(one.tag in ("worldbody", "actuator") for one in element.iterancestors())
+    in_bodies = any(ancestor.tag in ("worldbody", "actuator") for ancestor in element.iterancestors())
     for name, text in element.attrib.items():
-        if name in WORDS:
+        if name in NAME_ATTRIBUTES:
             continue
         words = text.split()
-        wanted = MJCF.get(name) if in_bodies and element.tag != "composite" else None
-        if wanted is None and not any(value is not None for value in map(_value, words)):
+        expected = MJCF_COUNTS.get(name) if in_bodies and element.tag != "composite" else None
+        if expected is None and not any(value is not None for value in map(_value, words)):
             continue
-        yield from _wrong(document, element, name, words, wanted)
+        yield from _wrong(document, element, name, words, expected)
 
 
 def _wrong(
-    document: ModelDocument, element: Element, name: str, words: list[str], wanted: int | None
+    document: ModelDocument, element: Element, name: str, words: list[str], expected: int | None
 ) -> Iterator[Finding]:
     values = [_value(word) for word in words]
     infinite = name.endswith(_MAY_BE_INFINITE)
@@ -122,8 +122,8 @@ def _wrong(
         if math.isnan(value) or (math.isinf(value) and not infinite):
             yield document.finding(element, name, f'"{word}" is not a finite number')
             return
-    if wanted is not None and len(words) != wanted:
-        yield document.finding(element, name, f"expected {wanted} numbers, got {len(words)}")
+    if expected is not None and len(words) != expected:
+        yield document.finding(element, name, f"expected {expected} numbers, got {len(words)}")
 
 
 def _value(word: str) -> float | None:

@@ -1,31 +1,33 @@
-"""Every file is named by a path that holds wherever the folder is: relative, and within it."""
+"""Checks that paths of files stay valid if the folder moves: they are relative, and stay within the
+folder."""
 
 from collections.abc import Iterator
 from pathlib import PurePosixPath, PureWindowsPath
 
 from linkwright.stages.robot.check import CheckLevel, Finding
-from linkwright.stages.validate.reading.asset_files import is_of_package, named_files, package_of
+from linkwright.stages.validate.reading.asset_files import is_of_package, package_of, referenced_files
 from linkwright.stages.validate.reading.documents import ModelDocument
 
 
 def level(document: ModelDocument) -> CheckLevel:
-    """Another program's file may count on a package that lies elsewhere."""
+    """Returns the level of the findings: a warning for another program's file, which may rely on a package
+    elsewhere."""
     return "warning" if document.foreign else "error"
 
 
 def findings(document: ModelDocument) -> Iterator[Finding]:
-    """Absolute paths, paths that lead out of the folder, and packages that are not here. A file of others may
-    name what lies beside its folder, as packages of ROS do."""
-    for one in named_files(document):
-        if one.element in document.included:
+    """Yields findings on absolute paths, paths that lead out of the folder, and missing packages. Another
+    program's file may name files outside its folder, as packages of ROS do."""
+    for file in referenced_files(document):
+        if file.element in document.included:
             continue
-        of_package = is_of_package(one.text)
-        text = one.text.partition("://")[2].lstrip("/") if of_package else one.text
+        of_package = is_of_package(file.text)
+        text = file.text.partition("://")[2].lstrip("/") if of_package else file.text
         wrong = _leads_out(text, document)
-        if one.path is None:
-            wrong = f'no folder of a package "{package_of(one.text)}" has this file'
+        if file.path is None:
+            wrong = f'no folder of a package "{package_of(file.text)}" has this file'
         if wrong:
-            yield document.finding(one.element, one.attribute, f'"{one.text}": {wrong}')
+            yield document.finding(file.element, file.attribute, f'"{file.text}": {wrong}')
     if document.language == "mjcf":
         yield from _folders(document)
 

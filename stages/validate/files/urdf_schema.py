@@ -1,7 +1,7 @@
-"""The elements and attributes of URDF: those of ROS's reference, and what later readers add."""
+"""Lists the elements and attributes of URDF, from ROS's reference and from later readers."""
 
-Known = tuple[frozenset[str] | None, frozenset[str] | None]
-"""The attributes and the children of an element; None: any."""
+Allowed = tuple[frozenset[str] | None, frozenset[str] | None]
+"""The attributes and the children of an element; None means any."""
 
 _TABLE = """
 robot: name version | link joint material
@@ -32,29 +32,29 @@ safety_controller: soft_lower_limit soft_upper_limit k_position k_velocity |
 calibration: rising falling reference_position |
 """
 
-_OPEN = frozenset(
+_ANYWHERE = frozenset(
     (
         *("gazebo", "ros2_control", "transmission", "mujoco", "sensor", "contact", "verbose"),
         "self_collision_checking",
     )
 )
-"""Elements that may be anywhere and have anything in them: other programs read them."""
+"""Elements that may be anywhere with any content, since other programs read them."""
 
 
-def _read() -> dict[str, Known]:
-    found: dict[str, Known] = {}
+def _read() -> dict[str, Allowed]:
+    table: dict[str, Allowed] = {}
     for line in _TABLE.strip().splitlines():
-        tag, _, rest = line.partition(":")
-        attributes, _, children = rest.partition("|")
-        found[tag] = frozenset(attributes.split()), frozenset(children.split()) | _OPEN
-    return found
+        tag, _, contents = line.partition(":")
+        attributes, _, children = contents.partition("|")
+        table[tag] = frozenset(attributes.split()), frozenset(children.split()) | _ANYWHERE
+    return table
 
 
-_KNOWN = _read()
+_ALLOWED = _read()
 
 
-def known(way: tuple[str, ...]) -> Known:
-    """What an element may have, by the tags from the root to it."""
-    if any(tag in _OPEN or ":" in tag for tag in way):
+def allowed(path: tuple[str, ...]) -> Allowed:
+    """Returns the attributes and children that an element may have. `path`: the tags from the root to it."""
+    if any(tag in _ANYWHERE or ":" in tag for tag in path):
         return None, None
-    return _KNOWN.get(way[-1], (None, None))
+    return _ALLOWED.get(path[-1], (None, None))

@@ -1,4 +1,4 @@
-"""The shapes of a compiled model's bodies: points whose hull contains them, and what that hull measures."""
+"""Measures the shapes of a compiled model's bodies by points whose hull contains them."""
 
 import itertools
 import math
@@ -15,28 +15,34 @@ from linkwright.stages.validate.model.shapes import vertices
 
 _CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
 
-MOST = 20_000
-"""Vertices of a mesh that are looked at: of a finer one an even part, which misses next to nothing."""
+MAX_VERTICES = 20_000
+"""Largest number of vertices of a mesh that are measured. A finer mesh is sampled evenly, which misses next
+to nothing."""
 
-WAYS = 64
-"""Directions in which a body is measured, beside its axes."""
+DIRECTIONS = 64
+"""Number of directions in which a body is measured, in addition to its axes."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BodyExtents:
-    """How far a body's shapes reach. `points` (n, 3) [m], in the body's axes: the outermost ones in many
-    directions. `size` [m]: the diagonal of their box. `volume` [m³] of a box that holds them all. `meshes`:
-    whether a mesh is among them."""
+    """The extent of a body's shapes."""
 
     points: Array
+    """The outermost points (n, 3) [m] in many directions, in the body's frame."""
+
     size: float
+    """The diagonal [m] of the box of the points."""
+
     volume: float
+    """The volume [m³] of a box that holds all points."""
+
     meshes: bool
+    """Whether a mesh is among the shapes."""
 
 
 def extents(model: Any, body: int) -> BodyExtents | None:
-    """Of all geoms of a body, seen or colliding; None where it has none that ends somewhere, as a plane does
-    not."""
+    """Returns the extents of all geoms of a body, visual or colliding. Returns None if the body has no geoms,
+    or only infinite geoms such as planes."""
     first = int(model.body_geomadr[body])
     geoms = range(first, first + int(model.body_geomnum[body]))
     meshes = bool((model.geom_type[first : geoms.stop] == mujoco.mjtGeom.mjGEOM_MESH).any())
@@ -44,7 +50,8 @@ def extents(model: Any, body: int) -> BodyExtents | None:
 
 
 def extents_of(points: Sequence[Array], meshes: bool) -> BodyExtents | None:
-    """Of points (n, 3) of several shapes; None without points. `meshes`: whether a mesh is among these."""
+    """Returns the extents of the points (n, 3) of several shapes; None without points. `meshes`: whether a
+    mesh is among the shapes."""
     if not sum(map(len, points)):
         return None
     outermost = outermost_of(np.concatenate(points))
@@ -52,22 +59,22 @@ def extents_of(points: Sequence[Array], meshes: bool) -> BodyExtents | None:
 
 
 def outermost_of(points: Array) -> Array:
-    """Those (m, 3) of points (n, 3) that are the outermost ones in some direction."""
+    """Returns those of the `points` (n, 3) that are the outermost in some direction, as (m, 3)."""
     along = points @ directions().T
-    found: Array = points[np.unique(np.concatenate([along.argmax(axis=0), along.argmin(axis=0)]))]
-    return found
+    outermost: Array = points[np.unique(np.concatenate([along.argmax(axis=0), along.argmin(axis=0)]))]
+    return outermost
 
 
 def geom_points(model: Any, geom: int) -> Array:
-    """Points (n, 3) [m] in the body's frame whose hull contains a geom; none of what has no end."""
+    """Returns points (n, 3) [m] in the body's frame whose hull contains a geom; empty for infinite geoms."""
     kind = mujoco.mjtGeom(model.geom_type[geom])
     if kind in (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD):
         return np.zeros((0, 3))
     if kind == mujoco.mjtGeom.mjGEOM_MESH:
         local = vertices(model, geom)
-        local = local[:: 1 + len(local) // MOST]
+        local = local[:: 1 + len(local) // MAX_VERTICES]
     else:
-        # The box of a round shape: what is judged here is off by ten times, or a thousand.
+        # The box is good enough for a round shape: mistakes in units are factors of ten or a thousand.
         centre, half = model.geom_aabb[geom][:3], model.geom_aabb[geom][3:]
         local = centre + _CORNERS * half
     points: Array = local @ rotation(model.geom_quat[geom]).T + model.geom_pos[geom]
@@ -75,35 +82,39 @@ def geom_points(model: Any, geom: int) -> Array:
 
 
 def directions() -> Array:
-    """Unit vectors (n, 3) spread evenly over a half of the sphere (Fibonacci's lattice), and the axes."""
+    """Returns unit vectors (n, 3) spread evenly over a half of the sphere (Fibonacci's lattice), and the
+    axes."""
+    # Half of the sphere is enough, since the reach is measured in both senses of a direction.
     turn = math.pi * (3.0 - math.sqrt(5.0))
-    up = (np.arange(WAYS) + 0.5) / WAYS
+    up = (np.arange(DIRECTIONS) + 0.5) / DIRECTIONS
     wide = np.sqrt(1.0 - up * up)
-    angle = turn * np.arange(WAYS)
+    angle = turn * np.arange(DIRECTIONS)
     spread = np.column_stack([wide * np.cos(angle), wide * np.sin(angle), up])
     return np.concatenate([np.eye(3), spread])
 
 
 def _volume(points: Array) -> float:
-    """Of the smaller of two boxes: along the body's axes, and along the directions in which the points
-    spread."""
+    """Returns the volume of the smaller of two boxes: along the body's axes, and along the principal
+    directions of the points."""
+    # The body's axes may be oblique to the shape, and principal directions of points may be so too.
     axes = np.linalg.eigh(np.cov(points.T))[1]
     boxes = (np.ptp(points, axis=0), np.ptp(points @ axes, axis=0))
     return min(float(np.prod(sides)) for sides in boxes)
 
 
 def outside(shape: BodyExtents, point: Array) -> float:
-    """How far [m] a point (3,) is outside the hull, at least; 0 within it."""
-    ways = directions()
-    along, own = shape.points @ ways.T, ways @ point
-    beyond = np.maximum(own - along.max(axis=0), along.min(axis=0) - own)
+    """Returns a lower bound of the distance [m] of a point (3,) from the hull; 0 within the hull."""
+    axes = directions()
+    along, of_point = shape.points @ axes.T, axes @ point
+    beyond = np.maximum(of_point - along.max(axis=0), along.min(axis=0) - of_point)
     return max(0.0, float(beyond.max()))
 
 
 def reaches(shape: BodyExtents, centre: Array, axes: Array) -> Array:
-    """How far (3,) [m] the shape reaches from each of three lines through `centre` (3,), along the columns of
-    `axes` (3, 3)."""
+    """Returns the shape's reach (3,) [m] from each of three lines through `centre` (3,). The lines are along
+    the columns of `axes` (3, 3)."""
     local = (shape.points - centre) @ axes
+    # The square of a point's distance from a line is that from the centre less the part along the line.
     squares = local**2
-    found: Array = np.sqrt((squares.sum(axis=1)[:, None] - squares).max(axis=0))
-    return found
+    distances: Array = np.sqrt((squares.sum(axis=1)[:, None] - squares).max(axis=0))
+    return distances

@@ -1,5 +1,4 @@
-"""MuJoCo's properties of geoms in contact: those of a compiled model against what is given, and MuJoCo's
-defaults of what is not."""
+"""Compares MuJoCo's contact properties of geoms with given properties, or with the defaults."""
 
 import functools
 from collections.abc import Collection, Iterator
@@ -13,7 +12,7 @@ from linkwright.stages.robot.model.amendments import tag_of
 from linkwright.stages.robot.model.geom_form import ContactProperties
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import differs
-from linkwright.stages.validate.model.coordinates import SAME
+from linkwright.stages.validate.model.coordinates import ENGINE_TOLERANCE
 
 ATTRIBUTES = ("friction", "condim", "solref", "solimp", "solmix", "priority", "margin", "gap")
 
@@ -26,25 +25,24 @@ def _default() -> Any:
 
 
 def contact_differences(
-    model: Any, geom: int, element: str, given: ContactProperties | None, own: Collection[str]
+    model: Any, geom: int, element: str, properties: ContactProperties | None, set_by_user: Collection[str]
 ) -> Iterator[Finding]:
-    """What a geom has otherwise. `own`: attributes that the user's own XML sets, whose values are the
-    user's."""
-    values = {} if given is None else given.given()
+    """Yields the differences of a geom. `set_by_user`: attributes that the user's own XML sets, which are not
+    compared."""
+    values = {} if properties is None else properties.given()
     for attribute in ATTRIBUTES:
         field = f"geom_{attribute}"
-        if attribute in own or not hasattr(model, field):
+        if attribute in set_by_user or not hasattr(model, field):
             continue
-        found = getattr(model, field)[geom]
+        value = getattr(model, field)[geom]
         expected = values.get(attribute, getattr(_default(), field)[0])
-        if not np.allclose(found, expected, rtol=SAME, atol=SAME):
-            yield differs(element, attribute, found, expected)
+        if not np.allclose(value, expected, rtol=ENGINE_TOLERANCE, atol=ENGINE_TOLERANCE):
+            yield differs(element, attribute, value, expected)
 
 
 def sets_defaults(compiled: CompiledModel) -> bool:
-    """Whether the user's own XML adds to a class of defaults, so that what a geom has from it is the
-    user's."""
+    """Tells whether the user's own XML adds to a class of defaults, so that values from it are the user's."""
     return any(
-        one.adds and "default" in (tag_of(one.target), *one.added_tags)
-        for one in compiled.written.amendments.changes
+        change.adds and "default" in (tag_of(change.target), *change.added_tags)
+        for change in compiled.written.amendments.changes
     )

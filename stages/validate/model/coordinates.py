@@ -1,6 +1,6 @@
-"""A compiled model's joints and bodies, and the robot's values in its `qpos`.
+"""Finds a compiled model's joints and bodies by the robot's names, and sets the robot's values in its `qpos`.
 
-An MJCF has a ball as a quaternion relative to qpos0, a URDF as three turns about x, y and z; a free joint
+A ball is a quaternion relative to qpos0 in an MJCF, and three turns about x, y and z in a URDF. A free joint
 has its pose in the world in both.
 """
 
@@ -29,21 +29,22 @@ HINGE, SLIDE = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
 BALL, FREE = mujoco.mjtJoint.mjJNT_BALL, mujoco.mjtJoint.mjJNT_FREE
 KINDS = {"turn": HINGE, "slide": SLIDE, "ball": BALL, "free": FREE}
 
-WIDTH = {HINGE: 1, SLIDE: 1, BALL: 3, FREE: 6}
+DOFS_OF_TYPE = {HINGE: 1, SLIDE: 1, BALL: 3, FREE: 6}
 """Degrees of freedom by the type of joint."""
 
 BY_EQUALITY = ("fixed", "revolute", "ball")
-"""Types of loops that equalities alone close; of the others the model has the dofs too, on a carrier."""
+"""Types of loops that an equality alone closes. For other types the model also has the loop's dofs, on a
+carrier body."""
 
 CAD_ERROR = 1e-6
-"""Poses [m, rad]: the error that CAD's own solver leaves is below this."""
+"""Tolerance of poses [m, rad]: CAD's own solver leaves a smaller error."""
 
-SAME = 1e-9
-"""Poses [m, rad] and joint values [rad, m] that two engines compute from the same numbers differ by less."""
+ENGINE_TOLERANCE = 1e-9
+"""Tolerance of values, such as poses [m, rad], that two engines compute from the same numbers."""
 
 
 def joints_of(robot: Robot, urdf: bool) -> Iterator[tuple[str, Any, Dof]]:
-    """(name, type, dof) of every joint that a model must have, but for a floating base."""
+    """Yields (name, type, dof) of every joint that a model must have, except a floating base."""
     carried = [] if urdf else [loop for loop in robot.loops if loop.type not in BY_EQUALITY]
     turns = urdf_names(robot).turns
     for dof in (*robot.dofs, *(dof for loop in carried for dof in loop.dofs)):
@@ -54,29 +55,29 @@ def joints_of(robot: Robot, urdf: bool) -> Iterator[tuple[str, Any, Dof]]:
 
 
 def missing_names(compiled: CompiledModel) -> list[str]:
-    """The links and joints that the model does not have by name, sorted."""
+    """Returns the links and joints that the model does not have by name, sorted."""
     model, robot = compiled.model, compiled.robot
     links = [link.name for link in robot.links if body_index(model, link.name) < 0]
     joints = [name for name, *_ in joints_of(robot, compiled.urdf) if joint_index(model, name) < 0]
     return sorted({*links, *joints})
 
 
-TURNS = frozenset({"quat", "axisangle", "xyaxes", "zaxis", "euler"})
-"""Attributes of an MJCF that turn a body, site or geom."""
+ORIENTATIONS = frozenset({"quat", "axisangle", "xyaxes", "zaxis", "euler"})
+"""Attributes of an MJCF that give the orientation of a body, site or geom."""
 
 
-def of_the_scene(model: Any, robot: Robot) -> frozenset[int]:
-    """The bodies that are nothing of the robot's, as a ball that lies beside it: those of trees, from the
-    world on, that have none of its links. None where the model has no link at all."""
-    every = (body_index(model, link.name) for link in robot.links)
-    roots = {int(model.body_rootid[body]) for body in every if body > 0}
+def bodies_of_scene(model: Any, robot: Robot) -> frozenset[int]:
+    """Returns the bodies that are not the robot's, such as a ball next to it: all bodies of the world's
+    subtrees without links of the robot. Empty if the model has no link at all."""
+    bodies = (body_index(model, link.name) for link in robot.links)
+    roots = {int(model.body_rootid[body]) for body in bodies if body > 0}
     if not roots:
         return frozenset()
     return frozenset(body for body in range(1, model.nbody) if int(model.body_rootid[body]) not in roots)
 
 
 def set_values(model: Any, data: Any, robot: Robot, q: Configuration, urdf: bool) -> None:
-    """Resets, sets the values `q` by the names of dofs and computes poses."""
+    """Resets the data, sets the values `q` by the names of dofs and computes poses."""
     mujoco.mj_resetData(model, data)
     mujoco.mj_kinematics(model, data)
     numbers: dict[str, list[float]] = {}
@@ -99,12 +100,12 @@ def set_values(model: Any, data: Any, robot: Robot, q: Configuration, urdf: bool
 def _numbers(
     model: Any, data: Any, robot: Robot, joint: Joint, dof: Dof, value: tuple[float, ...], urdf: bool
 ) -> dict[str, list[float]]:
-    """The numbers of a ball or a free joint, by the names of the model's joints; `data` is at qpos0."""
+    """Maps the model's joints of a ball or a free dof to their numbers in qpos. `data` is at qpos0."""
     # A free joint's value is relative to the root's pose at qpos0.
     place = link_pose(model, data, robot, joint.parent) @ joint.parent_from_joint
     pose = motion(dof.kind, dof.axis, value)
     if dof.kind == "free":
-        return {dof.name: seven(place @ pose)}
+        return {dof.name: free_joint_numbers(place @ pose)}
     if urdf:
         angles = turns_from_rotation(pose[:3, :3])
         return {name: [angle] for name, angle in zip(urdf_names(robot).turns[dof.name], angles, strict=True)}
@@ -112,45 +113,45 @@ def _numbers(
     return {dof.name: list(quat_from_rotation(start[:3, :3].T @ pose[:3, :3]))}
 
 
-def seven(pose: Array) -> list[float]:
-    """A pose (4, 4) as a free joint's numbers: position, then quaternion (w, x, y, z)."""
+def free_joint_numbers(pose: Array) -> list[float]:
+    """Returns a pose (4, 4) as a free joint's numbers: position, then quaternion (w, x, y, z)."""
     return [*map(float, pose[:3, 3]), *map(float, quat_from_rotation(pose[:3, :3]))]
 
 
-def every_saved(robot: Robot) -> dict[str, Value]:
-    """Saved values of the tree's dofs and of the loops' own."""
+def saved_values(robot: Robot) -> dict[str, Value]:
+    """Returns the saved values of all dofs, those of the loops included."""
     dofs = (*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs))
     return {dof.name: dof.saved for dof in dofs}
 
 
-def spread(robot: Robot, turn: int) -> dict[str, Value]:
-    """Values spread evenly, the same ones every time: scalars within ±1.5, quaternions of any turn."""
+def spread_values(robot: Robot, turn: int) -> dict[str, Value]:
+    """Returns evenly spread values, the same in every run: scalars within ±1.5, quaternions of any angle."""
     dofs = (*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs))
     widths = [{"ball": 4, "free": 7}.get(dof.kind, 1) for dof in dofs]
     values: dict[str, Value] = {}
     count = turn * sum(widths)
     for dof, width in zip(dofs, widths, strict=True):
         # An irrational step spreads the values evenly.
-        some = [3 * math.modf((count + i + 1) * math.e)[0] - 1.5 for i in range(width)]
+        numbers = [3 * math.modf((count + i + 1) * math.e)[0] - 1.5 for i in range(width)]
         count += width
-        length = math.hypot(*some[-4:])
-        values[dof.name] = some[0] if width == 1 else (*some[:-4], *(x / length for x in some[-4:]))
+        length = math.hypot(*numbers[-4:])
+        values[dof.name] = numbers[0] if width == 1 else (*numbers[:-4], *(x / length for x in numbers[-4:]))
     return values
 
 
 def body_from_link(robot: Robot, link: str) -> Array:
-    """(4, 4): where a link's frame is on its body: there, unless an MJCF source has the body elsewhere."""
+    """Returns body_from_link (4, 4): the identity, unless an MJCF source has the body elsewhere."""
     return _bodies_from_links(robot).get(link, UNMOVED)
 
 
-@functools.lru_cache(maxsize=4)  # asked for each link of one and the same robot
+@functools.lru_cache(maxsize=4)  # called for each link of the same robot
 def _bodies_from_links(robot: Robot) -> Mapping[str, Array]:
     bodies = () if robot.mjcf is None else robot.mjcf.bodies
-    return {one.link: inverse(one.link_from_body) for one in bodies}
+    return {body.link: inverse(body.link_from_body) for body in bodies}
 
 
 def root_pose(model: Any, data: Any, robot: Robot) -> Array:
-    """world_from_root (4, 4): a root called `world` is the world itself, or the site of that name."""
+    """Returns world_from_root (4, 4). A root called `world` is the world itself, or the site of that name."""
     site = site_index(model, robot.root.name)
     if robot.root.name == "world" and site >= 0:
         return site_pose(model, data, site)
@@ -158,7 +159,7 @@ def root_pose(model: Any, data: Any, robot: Robot) -> Array:
 
 
 def link_pose(model: Any, data: Any, robot: Robot, link: str) -> Array:
-    """world_from_link (4, 4): of its body, or of the site of a link that has none."""
+    """Returns world_from_link (4, 4), from the link's body, or from its site if it has no body."""
     if link == robot.root.name:
         return root_pose(model, data, robot)
     body = body_index(model, link)
@@ -168,11 +169,11 @@ def link_pose(model: Any, data: Any, robot: Robot, link: str) -> Array:
 
 
 def frame_pose(model: Any, data: Any, name: str, urdf: bool) -> Array:
-    """The pose of a frame: a site, in a URDF a body. NaN where it is missing."""
-    found = (body_index if urdf else site_index)(model, name)
-    if found < 0:
+    """Returns the pose of a frame, which is a site, or a body in a URDF; NaN if it is missing."""
+    index = (body_index if urdf else site_index)(model, name)
+    if index < 0:
         return np.full((4, 4), np.nan)
-    return pose_of(data, found) if urdf else site_pose(model, data, found)
+    return pose_of(data, index) if urdf else site_pose(model, data, index)
 
 
 def pose_of(data: Any, body: int) -> Array:
@@ -183,20 +184,23 @@ def pose_of(data: Any, body: int) -> Array:
 
 
 def site_pose(model: Any, data: Any, site: int) -> Array:
-    """By its place on its body: MuJoCo's kinematics takes frames for the same that differ by up to 1e-6."""
+    """Returns the pose of a site, computed from its place on its body, since MuJoCo's kinematics merges
+    frames that differ by up to 1e-6."""
     on_body = placed(model.site_quat[site], model.site_pos[site])
     return pose_of(data, int(model.site_bodyid[site])) @ on_body
 
 
 def placed_by_site(model: Any, link: str) -> Array:
-    """world_from_link (4, 4) of a link whose body is the world: the scene says by a site of its name where it
-    is; unmoved where there is none."""
+    """Returns world_from_link (4, 4) of a link whose body is the world: the pose of the site with the link's
+    name, or the identity without such a site."""
     site = site_index(model, link)
     return UNMOVED if site < 0 else placed(model.site_quat[site], model.site_pos[site])
 
 
-def distance(found: Array, expected: Array, *, unresolved: float = 0.0) -> float:
-    """The larger of the offset [m] and the turn [rad, for small ones] between two poses (4, 4); of the turn
-    what is above `unresolved`."""
-    off = found - expected
-    return max(math.hypot(*off[:3, 3]), float(np.linalg.norm(off[:3, :3])) / math.sqrt(2) - unresolved)
+def distance(actual: Array, expected: Array, *, unresolved: float = 0.0) -> float:
+    """Returns the larger of the offset [m] and the angle [rad, for small angles] between two poses (4, 4).
+    Angles up to `unresolved` count as 0."""
+    difference = actual - expected
+    return max(
+        math.hypot(*difference[:3, 3]), float(np.linalg.norm(difference[:3, :3])) / math.sqrt(2) - unresolved
+    )

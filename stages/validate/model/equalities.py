@@ -1,4 +1,4 @@
-"""The equalities of a compiled model: their errors, and the bodies that they connect."""
+"""Finds the equalities of a compiled model, their errors, and the bodies that they connect."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -12,46 +12,56 @@ from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import Array, Loop, Robot
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import differs, named, shown, worst_first
-from linkwright.stages.validate.model.coordinates import BY_EQUALITY, SAME
+from linkwright.stages.validate.model.coordinates import BY_EQUALITY, ENGINE_TOLERANCE
 from linkwright.stages.validate.model.poses import placed
 
-CLOSED = 1e-6
-"""Loops and relations [m, rad]: the error that CAD's own solver leaves is below this."""
+LOOP_TOLERANCE = 1e-6
+"""Tolerance of loops and relations [m, rad]: CAD's own solver leaves a smaller error."""
 
 
-STIFF = (0.9999, 0.9999, 0.001)
-"""`solimp` of what closes loops and relates joints: the impedance that MuJoCo allows at most."""
+STIFF_SOLIMP = (0.9999, 0.9999, 0.001)
+"""`solimp` of equalities that close loops and relate joints: the largest impedance that MuJoCo allows."""
 
 
-def held_differences(
+def solver_differences(
     compiled: CompiledModel,
     index: int,
     element: str,
     solref: tuple[float, float],
     by_source: Mapping[str, str] | None = None,
 ) -> Iterator[Finding]:
-    """How an equality is held otherwise than it must be: as an MJCF source says (`by_source`), else with
-    `solref`, as far as the time step lets it, and `STIFF`. What the user's own XML sets is the user's."""
+    """Yields the differences of an equality's solver parameters. Expected are those of an MJCF source
+    (`by_source`), else `solref`, as far as the time step allows it, and `STIFF_SOLIMP`. Parameters that the
+    user's own XML sets are not compared."""
     model, (first, ratio) = compiled.model, solref
-    # Two steps are the stiffest that MuJoCo holds.
-    wanted: tuple[float, ...] = (max(first, 2.0 * float(model.opt.timestep)), ratio) if first > 0 else solref
-    impedance: tuple[float, ...] = STIFF
+    # Two time steps are the shortest time constant that MuJoCo holds.
+    expected: tuple[float, ...] = (
+        (max(first, 2.0 * float(model.opt.timestep)), ratio) if first > 0 else solref
+    )
+    impedance: tuple[float, ...] = STIFF_SOLIMP
     if by_source is not None:
-        wanted, impedance = (tuple(map(float, by_source[key].split())) for key in ("solref", "solimp"))
-    if not np.allclose(model.eq_solref[index], wanted, rtol=SAME) and not compiled.sets("solref"):
-        yield differs(element, "solref", model.eq_solref[index], wanted)
-    found = model.eq_solimp[index][: len(impedance)]
-    if not np.allclose(found, impedance, rtol=SAME) and not compiled.sets("solimp"):
-        yield differs(element, "solimp", found, impedance)
+        expected, impedance = (tuple(map(float, by_source[key].split())) for key in ("solref", "solimp"))
+    if not np.allclose(model.eq_solref[index], expected, rtol=ENGINE_TOLERANCE) and not compiled.sets(
+        "solref"
+    ):
+        yield differs(element, "solref", model.eq_solref[index], expected)
+    impedance_found = model.eq_solimp[index][: len(impedance)]
+    if not np.allclose(impedance_found, impedance, rtol=ENGINE_TOLERANCE) and not compiled.sets("solimp"):
+        yield differs(element, "solimp", impedance_found, impedance)
     scale = float((by_source or {}).get("torquescale", 1.0))
     weld = model.eq_type[index] == mujoco.mjtEq.mjEQ_WELD
-    own = float(model.eq_data[index][10])
-    if weld and not np.isclose(own, scale, rtol=SAME) and not compiled.sets("torquescale"):
-        yield differs(element, "torquescale", own, scale)
+    scale_found = float(model.eq_data[index][10])
+    if (
+        weld
+        and not np.isclose(scale_found, scale, rtol=ENGINE_TOLERANCE)
+        and not compiled.sets("torquescale")
+    ):
+        yield differs(element, "torquescale", scale_found, scale)
 
 
 def violation(model: Any, data: Any) -> float:
-    """The errors of the equalities at a pose [m, rad]; for a relation at the joint that it moves less."""
+    """Returns the largest error of the equalities at a pose [m, rad]. The error of a relation is that of the
+    joint that moves less."""
     rows = np.flatnonzero(data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY)
     related = model.eq_type[data.efc_id[rows]] == mujoco.mjtEq.mjEQ_JOINT
     factors = np.abs(model.eq_data[data.efc_id[rows], 1])
@@ -60,25 +70,25 @@ def violation(model: Any, data: Any) -> float:
 
 
 def open_equalities(model: Any, data: Any) -> tuple[Finding, ...]:
-    """The equalities that a pose leaves open, the widest first."""
+    """Returns findings on the equalities that are violated at a pose, the largest error first."""
     rows = np.flatnonzero(data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY)
     widest: dict[int, float] = {}
     for row in rows:
         index = int(data.efc_id[row])
         widest[index] = max(widest.get(index, 0.0), abs(float(data.efc_pos[row])))
-    found = []
+    findings = []
     for index, value in widest.items():
         kind = mujoco.mjtEq(int(model.eq_type[index])).name.removeprefix("mjEQ_").lower()
         element = named(kind, model.equality(index).name)
         attribute = "polycoef" if kind == "joint" else "site1, site2"
-        if value > CLOSED:
-            found.append((value, Finding(element, attribute, f"is open by {shown(value)} m or rad")))
-    return worst_first(found)
+        if value > LOOP_TOLERANCE:
+            findings.append((value, Finding(element, attribute, f"is open by {shown(value)} m or rad")))
+    return worst_first(findings)
 
 
 def carriers(model: Any, robot: Robot) -> dict[str, list[tuple[int, Array]]]:
-    """By link: (body, link_from_body) of the carriers that are welded to it."""
-    found: dict[str, list[tuple[int, Array]]] = {}
+    """Maps each link to (body, link_from_body) of the carriers that are welded to it."""
+    by_link: dict[str, list[tuple[int, Array]]] = {}
     for loop in robot.loops:
         index = equality_index(model, loop)
         if loop.type in BY_EQUALITY or index < 0:
@@ -89,8 +99,8 @@ def carriers(model: Any, robot: Robot) -> dict[str, list[tuple[int, Array]]]:
         link_site, carrier_site = (placed(model.site_quat[s], model.site_pos[s]) for s in order)
         link = bodies.get(int(model.site_bodyid[order[0]]))
         if link is not None:
-            found.setdefault(link, []).append((carrier, link_site @ inverse(carrier_site)))
-    return found
+            by_link.setdefault(link, []).append((carrier, link_site @ inverse(carrier_site)))
+    return by_link
 
 
 def equality_index(model: Any, loop: Loop) -> int:
@@ -102,7 +112,7 @@ def sites(model: Any, equality: int) -> tuple[int, int]:
 
 
 def bodies(model: Any, equality: int) -> frozenset[int]:
-    """The bodies that a `connect` or `weld` is between, whether it names these or sites of theirs."""
+    """Returns the bodies that a `connect` or `weld` connects, whether it names these or sites on them."""
     pair = sites(model, equality)
     if int(model.eq_objtype[equality]) == mujoco.mjtObj.mjOBJ_SITE:
         pair = int(model.site_bodyid[pair[0]]), int(model.site_bodyid[pair[1]])
@@ -110,8 +120,8 @@ def bodies(model: Any, equality: int) -> frozenset[int]:
 
 
 def ends(model: Any, loop: Loop) -> tuple[int, int]:
-    """The two bodies that an equality connects. For a loop with a carrier: the carrier, and the one of the
-    loop's links that is not its parent (-1 if neither is)."""
+    """Returns the two bodies that an equality connects. For a loop with a carrier these are the carrier and
+    the loop's link that is not the carrier's parent (-1 if both are other bodies)."""
     a, b = body_index(model, loop.link_a), body_index(model, loop.link_b)
     if loop.type in BY_EQUALITY:
         return a, b

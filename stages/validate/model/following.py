@@ -1,4 +1,4 @@
-"""The joints of a compiled model that follow another's motion, by relations and closed loops."""
+"""Moves the joints of a compiled model that follow another joint, by relations and closed loops."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -9,21 +9,24 @@ import numpy as np
 from linkwright.stages.robot.model.robot import Array
 from linkwright.stages.validate.model.coordinates import HINGE, SLIDE
 
-ITERATIONS = 6
-CLOSED = 1e-5
-"""Equalities are to hold within this [m, rad]: collisions need no more."""
+MAX_ITERATIONS = 6
+"""Largest number of steps of Newton's method for a pose."""
 
-COUPLED = 1e-9
-"""A column of the equalities' Jacobian below this is none."""
+EQUALITY_TOLERANCE = 1e-5
+"""Tolerance of equalities [m, rad], which is exact enough for collisions."""
+
+ZERO_COLUMN = 1e-9
+"""Columns of the equalities' Jacobian below this count as zero."""
 
 
 @dataclass(slots=True)
 class Follower:
-    """Closes the equalities of a model by Newton's method, from a pose nearby. `start`: a pose where they
-    hold (nq,)."""
+    """Closes the equalities of a model by Newton's method, from a pose nearby."""
 
     model: Any
     start: Array
+    """A pose (nq,) with closed equalities."""
+
     _data: Any = field(init=False)
     _closes: bool = field(init=False)
 
@@ -32,29 +35,32 @@ class Follower:
         self._closes = bool(self.model.neq)
 
     def at(self, joint: int, value: float, near: Array) -> Array | None:
-        """The pose (nq,) with a joint at `value`, the others as near to `near` as the equalities let them;
-        None where these cannot hold."""
+        """Returns the pose (nq,) with a joint at `value` and the other joints as near to `near` as the
+        equalities allow. Returns None if the equalities cannot be closed."""
         model, data = self.model, self._data
         pose = near.copy()
         pose[model.jnt_qposadr[joint]] = value
         if not self._closes:
             return pose
         dof = int(model.jnt_dofadr[joint])
-        for _ in range(ITERATIONS):
+        for _ in range(MAX_ITERATIONS):
             jacobian, error = equalities(model, data, pose)
-            if np.abs(error).max(initial=0.0) < CLOSED:
+            if np.abs(error).max(initial=0.0) < EQUALITY_TOLERANCE:
                 return pose
+            # The joint stays at its value.
             jacobian[:, dof] = 0.0
+            # Equalities may be redundant: singular values that are only rounding are left out.
             step = -np.linalg.lstsq(jacobian, error, rcond=1e-9)[0]
             step[dof] = 0.0
             mujoco.mj_integratePos(model, pose, step, 1.0)
-        return pose if np.abs(equalities(model, data, pose)[1]).max(initial=0.0) < CLOSED else None
+        largest = np.abs(equalities(model, data, pose)[1]).max(initial=0.0)
+        return pose if largest < EQUALITY_TOLERANCE else None
 
 
 def equalities(model: Any, data: Any, pose: Array) -> tuple[Array, Array]:
-    """The Jacobian (E, nv) of the equalities at a pose, and by how much they do not hold (E,)."""
+    """Returns the Jacobian (E, nv) of the equalities at a pose, and their errors (E,)."""
     data.qpos[:] = pose
-    flags, model.opt.disableflags = model.opt.disableflags, model.opt.disableflags | _OTHERS
+    flags, model.opt.disableflags = model.opt.disableflags, model.opt.disableflags | _DISABLED_CONSTRAINTS
     try:
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
@@ -70,7 +76,7 @@ def equalities(model: Any, data: Any, pose: Array) -> tuple[Array, Array]:
     return jacobian[rows], np.array(data.efc_pos[rows])
 
 
-_OTHERS = int(
+_DISABLED_CONSTRAINTS = int(
     mujoco.mjtDisableBit.mjDSBL_CONTACT
     | mujoco.mjtDisableBit.mjDSBL_LIMIT
     | mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS
@@ -78,8 +84,8 @@ _OTHERS = int(
 
 
 def swept_joints(model: Any, pose: Array) -> list[int]:
-    """The hinges and slides with a range, or that turn without one; of those that move each other the driven
-    ones, or all but the followers of relations where nothing drives any."""
+    """Returns the hinges and slides with a range, and the hinges without limits. Of joints that move each
+    other it returns only the driven joints or, if none is driven, all but the followers of relations."""
     scalar = [
         joint
         for joint in range(model.njnt)
@@ -88,10 +94,10 @@ def swept_joints(model: Any, pose: Array) -> list[int]:
     if not model.neq:
         return scalar
     jacobian = equalities(model, mujoco.MjData(model), pose)[0]
-    coupled = np.abs(jacobian).max(axis=0, initial=0.0) > COUPLED
-    driven = {int(one) for one in model.actuator_trnid[:, 0]} if model.nu else set()
+    coupled = np.abs(jacobian).max(axis=0, initial=0.0) > ZERO_COLUMN
+    driven = {int(joint) for joint in model.actuator_trnid[:, 0]} if model.nu else set()
     relations = model.eq_type == mujoco.mjtEq.mjEQ_JOINT
-    followers = {int(one) for one in model.eq_obj1id[relations]}
+    followers = {int(joint) for joint in model.eq_obj1id[relations]}
     bound = {joint for joint in scalar if coupled[model.jnt_dofadr[joint]]}
-    kept = bound & driven or bound - followers
-    return [joint for joint in scalar if joint not in bound or joint in kept]
+    independent = bound & driven or bound - followers
+    return [joint for joint in scalar if joint not in bound or joint in independent]

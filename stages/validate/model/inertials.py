@@ -1,7 +1,7 @@
-"""Whether the inertial of a body can be that of its shapes: what has other units is found.
+"""Judges whether a body's inertial fits its shapes, to find mixed-up units.
 
-A body whose mass lies within its shapes has a radius of gyration about each axis, √(I/m), that is no larger
-than they reach from that axis, its center of mass within them, and a density that matter has.
+A body whose mass is within its shapes has a radius of gyration about each axis, √(I/m), of at most their
+reach from that axis, its centre of mass within them, and the density of a material.
 """
 
 import math
@@ -19,36 +19,39 @@ from linkwright.stages.validate.model.body_shapes import BodyExtents, outside, r
 CODE = "C-INERTIAL"
 
 STAND_IN = 1e-6
-"""A body of at most this mass [kg] stands in for a frame: its inertia is of no account."""
+"""Largest mass [kg] of a body that stands in for a frame, so that its inertia does not matter."""
 
-MARK = 0.02
-"""Shapes below this size [m] that are no meshes may mark a link, and not be its form."""
+MAX_MARKER_SIZE = 0.02
+"""Size [m] below which shapes without a mesh may be a mark for a link, not its form."""
 
 LARGE, TOO_LARGE = 1.05, 5.0
-"""The radius of gyration, as a share of the shapes' reach: more cannot be, and from the second on no part
-that is not shown explains it. A thousand times the inertia makes it 32 times larger."""
+"""Limits of the radius of gyration, as a share of the shapes' reach: above the first it is impossible, and
+above the second no unseen part explains it. A thousand times the inertia makes it 32 times larger."""
 
-SMALL = 0.05
-"""A share that a body with its mass in one spot may have; a solid one has 0.3 to 0.7."""
+MIN_GYRATION = 0.05
+"""Smallest radius of gyration, as a share of the reach: solid bodies have 0.3 to 0.7, and a body with its
+mass in one spot has little."""
 
-TYPICAL = 0.5
+TYPICAL_SHARE = 0.5
+"""Radius of gyration of a solid body, as a share of the reach: the guess of a mistake starts from it."""
+
 
 OUT, FAR_OUT = 0.1, 2.0
-"""How far outside the shapes the center of mass is, as a share of their size: an unseen part may pull it
-a little way, but not away."""
+"""Limits of the distance of the centre of mass outside the shapes, as a share of their size: an unseen part
+may pull it a little way, but not further."""
 
 MILLIMETRES = 30.0
-"""From this share on a length in mm may have been read as one in m."""
+"""Share from which a length may be one in mm that was read as metres."""
 
 DENSE, TOO_DENSE = 12_000.0, 60_000.0
-"""Of the mass in a box around the shapes [kg/m³]: denser than lead, and far denser than any metal (osmium has
-22,600)."""
+"""Limits of the density in a box around the shapes [kg/m³]: denser than lead, and far denser than any metal
+(osmium has 22,600)."""
 
 THIN, TOO_THIN = 1.0, 0.05
-"""The same [kg/m³]: an empty frame may have it; half of hydrogen's."""
+"""Lower limits of that density [kg/m³]: that of an empty frame, and half of hydrogen's."""
 
-GRAM = 1e-3
-"""A lighter mass [kg] may be a marker that is only seen: its density is of no account."""
+MIN_JUDGED_MASS = 1e-3
+"""Mass [kg] below which a shape may be a purely visual marker, so that its density does not matter."""
 
 _LARGER = ((1e3, "g m² read as kg m²?"), (1e6, "kg mm² read as kg m²?"), (1e9, "g mm² read as kg m²?"))
 _SMALLER = ((1e-3, "a mass in g read as kg?"), (1e-6, "an inertia of a shape in mm?"))
@@ -58,35 +61,47 @@ Quantity = Literal["inertia", "center", "mass", "shape"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ShapedInertial:
-    """A body's inertial and shapes, in its frame. `mass` [kg]; `com` (3,) [m]; `moments` (3,) [kg m²] about
-    the columns of `axes` (3, 3). `moves`: the inertial of a body that cannot move has no effect: what would
-    be wrong is odd, what would be odd is left alone. `places`: the element and the attribute by which the
-    file gives each quantity."""
+    """A body's inertial and shapes, in its frame."""
 
     mass: float
+    """Mass [kg]."""
+
     com: Array
+    """Centre of mass (3,) [m]."""
+
     moments: Array
+    """Principal moments (3,) [kg m²] about the columns of `axes`."""
+
     axes: Array
+    """Principal axes (3, 3), as columns."""
+
     shapes: BodyExtents
     moves: bool
+    """Whether the body can move. The inertial of a fixed body has no effect, so that its errors count as
+    doubts, and its doubts are ignored."""
+
     places: Mapping[Quantity, tuple[str, str]]
+    """The element and the attribute by which the file gives each quantity."""
 
 
 @dataclass(frozen=True, slots=True)
-class _Judged:
-    """What is found of a body's quantity: `wrong` where it cannot be, else it is only odd."""
+class _Judgement:
+    """The judgement of a body's quantity."""
 
     value: float
     wrong: bool = False
+    """Whether the value is impossible; otherwise a finding is only a doubt."""
+
     finding: Finding | None = None
 
 
 def checks(file: str, bodies: Iterable[ShapedInertial]) -> Iterator[Check]:
-    """Up to three results; none where no body can be judged."""
-    judged = [body for body in bodies if body.mass > STAND_IN and not _is_mark(body.shapes)]
-    spread = [body for body in judged if body.moments.any()]
-    thick = [body for body in judged if body.shapes.volume > (1e-3 * body.shapes.size) ** 3]
-    number = count(len(judged), "body", "bodies")
+    """Yields up to three results, or nothing if no body can be judged."""
+    judged_bodies = [body for body in bodies if body.mass > STAND_IN and not _is_mark(body.shapes)]
+    spread = [body for body in judged_bodies if body.moments.any()]
+    # Flat shapes have no volume, and so no density.
+    thick = [body for body in judged_bodies if body.shapes.volume > (1e-3 * body.shapes.size) ** 3]
+    number = count(len(judged_bodies), "body", "bodies")
     for name, results, limit, words in (
         (
             "inertia fits the shape",
@@ -96,7 +111,7 @@ def checks(file: str, bodies: Iterable[ShapedInertial]) -> Iterator[Check]:
         ),
         (
             "centre of mass in the shape",
-            [_center(body) for body in judged],
+            [_center(body) for body in judged_bodies],
             OUT,
             "how far out as a share of the shape's size",
         ),
@@ -112,74 +127,76 @@ def checks(file: str, bodies: Iterable[ShapedInertial]) -> Iterator[Check]:
 
 
 def _is_mark(shapes: BodyExtents) -> bool:
-    return shapes.size == 0.0 or (shapes.size < MARK and not shapes.meshes)
+    return shapes.size == 0.0 or (shapes.size < MAX_MARKER_SIZE and not shapes.meshes)
 
 
-def _results(name: str, results: Sequence[_Judged], limit: float, words: str) -> Iterator[Check]:
-    """What is wrong, an error; what is only odd, a warning; one result where there is neither."""
-    wrong = [one for one in results if one.wrong]
-    odd = [one for one in results if one.finding and not one.wrong]
+def _results(name: str, results: Sequence[_Judgement], limit: float, words: str) -> Iterator[Check]:
+    """Yields an error for impossible values and a warning for doubtful values, or else a passed result."""
+    wrong = [result for result in results if result.wrong]
+    doubtful = [result for result in results if result.finding and not result.wrong]
     if wrong:
-        yield _failed(name, wrong, limit, "error")
-    if odd:
-        yield _failed(f"{name}, doubtful" if wrong else name, odd, limit, "warning")
-    if not wrong and not odd:
-        value = max(one.value for one in results)
+        yield _failed_check(name, wrong, limit, "error")
+    if doubtful:
+        yield _failed_check(f"{name}, doubtful" if wrong else name, doubtful, limit, "warning")
+    if not wrong and not doubtful:
+        value = max(result.value for result in results)
         yield Check(name, True, f"{words}: at most {value:.3g}", value, limit, CODE)
 
 
-def _failed(name: str, judged: Sequence[_Judged], limit: float, level: CheckLevel) -> Check:
-    findings = tuple(one.finding for one in judged if one.finding)
+def _failed_check(name: str, judgements: Sequence[_Judgement], limit: float, level: CheckLevel) -> Check:
+    findings = tuple(judgement.finding for judgement in judgements if judgement.finding)
     detail = "; ".join(f"{finding.element}: {finding.message}" for finding in findings[:3])
-    return Check(name, False, detail, judged[0].value, limit, CODE, level, findings)
+    return Check(name, False, detail, judgements[0].value, limit, CODE, level, findings)
 
 
-def _judged(body: ShapedInertial, value: float, wrong: bool, quantity: Quantity, words: str) -> _Judged:
+def _judgement(body: ShapedInertial, value: float, wrong: bool, quantity: Quantity, words: str) -> _Judgement:
     if not body.moves and not wrong:
-        return _Judged(value)
-    return _Judged(value, wrong and body.moves, Finding(*body.places[quantity], words))
+        return _Judgement(value)
+    return _Judgement(value, wrong and body.moves, Finding(*body.places[quantity], words))
 
 
-def _gyration(body: ShapedInertial) -> _Judged:
+def _gyration(body: ShapedInertial) -> _Judgement:
     reach = reaches(body.shapes, body.com, body.axes)
+    # The lower bound of the reach keeps the share finite for shapes on the axis.
     shares = np.sqrt(np.maximum(body.moments, 0.0) / body.mass) / np.maximum(reach, 1e-6 * body.shapes.size)
     worst = int(shares.argmax())
     share = float(shares[worst])
-    if SMALL <= share <= LARGE:
-        return _Judged(share)
+    if MIN_GYRATION <= share <= LARGE:
+        return _Judgement(share)
     radius = 1e3 * math.sqrt(max(0.0, body.moments[worst]) / body.mass)
-    words = f"its radius of gyration is {radius:.3g} mm, but its shape reaches {1e3 * reach[worst]:.3g} mm"
-    words += f" from that axis{_guess((share / TYPICAL) ** 2)}"
-    return _judged(body, share, share > TOO_LARGE, "inertia", words)
+    message = f"its radius of gyration is {radius:.3g} mm, but its shape reaches {1e3 * reach[worst]:.3g} mm"
+    message += f" from that axis{_guess((share / TYPICAL_SHARE) ** 2)}"
+    return _judgement(body, share, share > TOO_LARGE, "inertia", message)
 
 
 def _guess(factor: float) -> str:
-    """The mistake of units that makes an inertia this many times what it should be."""
+    """Returns a text on the mistake of units that multiplies an inertia by `factor`."""
     for of_units, words in (*_LARGER, *_SMALLER):
+        # Within half an order of magnitude: mistakes of units are three orders apart.
         if abs(math.log10(max(factor, 1e-300) / of_units)) < 0.5:
             return f": about {of_units:,.6g} times what it could be, {words}"
     return ""
 
 
-def _center(body: ShapedInertial) -> _Judged:
+def _center(body: ShapedInertial) -> _Judgement:
     size = body.shapes.size
     share = outside(body.shapes, body.com) / size
     if share <= OUT:
-        return _Judged(share)
+        return _Judgement(share)
     inside = outside(body.shapes, 1e-3 * body.com) <= OUT * size
     guess = ": mm read as m?" if share > MILLIMETRES and inside else ""
-    words = f"its centre of mass is {1e3 * share * size:.3g} mm outside its shape{guess}"
-    return _judged(body, share, share > FAR_OUT, "center", words)
+    message = f"its centre of mass is {1e3 * share * size:.3g} mm outside its shape{guess}"
+    return _judgement(body, share, share > FAR_OUT, "center", message)
 
 
-def _density(body: ShapedInertial) -> _Judged:
+def _density(body: ShapedInertial) -> _Judgement:
     volume = body.shapes.volume
     density = body.mass / volume
-    if THIN <= density <= DENSE or body.mass < GRAM:
-        return _Judged(density)
-    words = f"{body.mass:.3g} kg within {1e6 * volume:.3g} cm³ is {density:.3g} kg/m³"
+    if THIN <= density <= DENSE or body.mass < MIN_JUDGED_MASS:
+        return _Judgement(density)
+    message = f"{body.mass:.3g} kg within {1e6 * volume:.3g} cm³ is {density:.3g} kg/m³"
     if density > DENSE:
         guess = ": g read as kg, or a shape in m read as mm?" if density > 1e5 else ""
-        return _judged(body, density, density > TOO_DENSE, "mass", f"{words}, denser than lead{guess}")
+        return _judgement(body, density, density > TOO_DENSE, "mass", f"{message}, denser than lead{guess}")
     guess = ": a shape in mm read as m?" if density < TOO_THIN else ""
-    return _judged(body, density, density < TOO_THIN, "shape", f"{words}, next to nothing{guess}")
+    return _judgement(body, density, density < TOO_THIN, "shape", f"{message}, next to nothing{guess}")

@@ -1,4 +1,4 @@
-"""Poses from MuJoCo's numbers."""
+"""Converts MuJoCo's quaternions and positions to rotations and poses."""
 
 import mujoco
 import numpy as np
@@ -8,12 +8,12 @@ from linkwright.stages.robot.model.robot import Array
 
 
 def rotation(quat: Array) -> Array:
-    """The rotation (3, 3) of MuJoCo's quaternion (w, x, y, z)."""
+    """Returns the rotation (3, 3) of MuJoCo's quaternion (w, x, y, z)."""
     flat = np.empty(9)
     mujoco.mju_quat2Mat(flat, np.array(quat))
     return flat.reshape(3, 3)
 
 
 def placed(quat: Array, position: Array) -> Array:
-    """The pose (4, 4) of MuJoCo's quaternion and position."""
+    """Returns the pose (4, 4) of MuJoCo's quaternion and position."""
     return from_parts(rotation(quat), position)

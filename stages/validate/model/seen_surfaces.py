@@ -1,6 +1,6 @@
-"""What is seen of the bodies of a compiled model, as triangles: how near they are to each other.
+"""Measures the distances of the visual shapes of a compiled model's bodies, as triangles.
 
-A mesh is the triangles of its file; a primitive has corners on its own surface.
+Meshes have the triangles of their files; primitives have triangles with corners on their surface.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,85 +19,97 @@ from linkwright.stages.validate.model.shapes import BOX, CAPSULE, CYLINDER, ELLI
 
 Faces = npt.NDArray[np.int64]
 
-TURNS = 48
-"""Corners round a curved primitive."""
+CORNERS = 48
+"""Number of corners around a round primitive."""
 
-BARREL = np.array([[0.0, -1.0], [1.0, -1.0], [1.0, 1.0], [0.0, 1.0]])
-"""The outline of a cylinder: radii and heights."""
+CYLINDER_OUTLINE = np.array([[0.0, -1.0], [1.0, -1.0], [1.0, 1.0], [0.0, 1.0]])
+"""The outline of a cylinder: radii and heights, as shares of its own."""
 
-SOME = 12
-"""The most poses at which the distance is measured."""
+MAX_MEASURED_POSES = 12
+"""Largest number of poses at which the distance is measured."""
 
 
-FEW = 8
-"""At so many poses it is looked whether a body is in another."""
+MAX_SAMPLED_POSES = 8
+"""Largest number of poses in the first test for a body inside another; only a hit leads to a test of all."""
 
-CLOSED = 0.999
-"""A surface that goes round a point as often holds it: an open shell hardly does."""
+MIN_WINDING = 0.999
+"""Smallest winding number of a surface around a point inside it: open shells hardly reach it."""
 
 
 @dataclass(slots=True)
 class SeenSurfaces:
-    """The geoms that are seen, by body. Meshes are made when they are first asked for, one for each body."""
+    """The surfaces of bodies, each made at its first use."""
 
     model: Any
     seen: Mapping[int, Sequence[int]]
+    """Body → its visual geoms."""
+
     _surfaces: dict[int, tuple[Array, Faces]] = field(default_factory=dict)
-    _made: dict[int, Mesh] = field(default_factory=dict)
+    _meshes: dict[int, Mesh] = field(default_factory=dict)
 
-    def near(self, one: int, other: int, one_from_other: Array, margin: float) -> bool:
-        """Whether what is seen of two bodies is within `margin` [m] of each other, of which 0 cuts."""
-        found = engine()
-        (pose,) = found.poses(one_from_other[None])
-        return found.near(self._mesh(one), self._mesh(other), pose, margin)
+    def near(self, first: int, second: int, first_from_second: Array, margin: float) -> bool:
+        """Tells whether the visual shapes of two bodies are within `margin` [m] of each other; with a margin
+        of 0, whether they intersect."""
+        distances = engine()
+        (pose,) = distances.poses(first_from_second[None])
+        return distances.near(self._mesh(first), self._mesh(second), pose, margin)
 
-    def furthest(self, one: int, other: int, poses: Sequence[Array]) -> float:
-        """The largest distance [m] at these poses, or at some of them, evenly spread, where they are many."""
-        found = engine()
-        some = np.linspace(0, len(poses) - 1, min(len(poses), SOME)).astype(int)
-        ends = self._mesh(one), self._mesh(other)
-        return max(found.apart(*ends, pose) for pose in found.poses(np.array([poses[at] for at in some])))
+    def furthest(self, first: int, second: int, poses: Sequence[Array]) -> float:
+        """Returns the largest distance [m] at these poses, or at an even sample of many poses."""
+        distances = engine()
+        sample = np.linspace(0, len(poses) - 1, min(len(poses), MAX_MEASURED_POSES)).astype(int)
+        ends = self._mesh(first), self._mesh(second)
+        return max(
+            distances.distance(*ends, pose)
+            for pose in distances.poses(np.array([poses[at] for at in sample]))
+        )
 
-    def outside(self, one: int, other: int, poses: Sequence[Array]) -> Sequence[Array]:
-        """Those of the poses at which neither of two bodies is in the other. The test takes as long as ten of
-        how near they are: where it finds none at some of the poses, it is not made at the others."""
-        some = poses[:: len(poses) // FEW + 1]
-        if not any(self.within(one, other, pose) for pose in some):
+    def outside(self, first: int, second: int, poses: Sequence[Array]) -> Sequence[Array]:
+        """Returns the poses at which neither of two bodies is inside the other. A test takes as long as ten
+        distances. If no body is inside the other in a sample of the poses, the other poses are not tested."""
+        sample = poses[:: len(poses) // MAX_SAMPLED_POSES + 1]
+        if not any(self.within(first, second, pose) for pose in sample):
             return poses
-        return [pose for pose in poses if not self.within(one, other, pose)]
+        return [pose for pose in poses if not self.within(first, second, pose)]
 
-    def within(self, one: int, other: int, one_from_other: Array) -> bool:
-        """Whether one of two bodies whose surfaces do not cut is in the other, where that is closed."""
-        return self._holds(one, one_from_other, other) or self._holds(other, inverse(one_from_other), one)
+    def within(self, first: int, second: int, first_from_second: Array) -> bool:
+        """Tells whether one of two bodies whose surfaces do not intersect is inside the other, which is
+        closed."""
+        return self._holds(first, first_from_second, second) or self._holds(
+            second, inverse(first_from_second), first
+        )
 
     def box(self, body: int) -> tuple[Array, Array]:
-        """The least and the largest corner (3,), in the frame of the body."""
+        """Returns the lower and the upper corner (3,) of a body's box, in its frame."""
         points, _ = self._triangles(body)
         return points.min(axis=0), points.max(axis=0)
 
     def _holds(self, outer: int, outer_from_inner: Array, inner: int) -> bool:
+        # The surfaces do not intersect, so that a single corner tells for the whole inner body.
         corner = outer_from_inner[:3, :3] @ self._triangles(inner)[0][0] + outer_from_inner[:3, 3]
         low, high = self.box(outer)
         inside = bool((corner > low).all() and (corner < high).all())
-        return inside and abs(winding(*self._triangles(outer), corner)) > CLOSED
+        return inside and abs(winding(*self._triangles(outer), corner)) > MIN_WINDING
 
     def _triangles(self, body: int) -> tuple[Array, Faces]:
         if body not in self._surfaces:
-            every = [surface(self.model, geom) for geom in self.seen[body]]
-            starts = np.cumsum([0, *(len(points) for points, _ in every[:-1])])
-            faces = np.concatenate([own + start for (_, own), start in zip(every, starts, strict=True)])
-            self._surfaces[body] = np.concatenate([points for points, _ in every]), faces
+            surfaces = [surface(self.model, geom) for geom in self.seen[body]]
+            starts = np.cumsum([0, *(len(points) for points, _ in surfaces[:-1])])
+            faces = np.concatenate(
+                [triangles + start for (_, triangles), start in zip(surfaces, starts, strict=True)]
+            )
+            self._surfaces[body] = np.concatenate([points for points, _ in surfaces]), faces
         return self._surfaces[body]
 
     def _mesh(self, body: int) -> Mesh:
-        if body not in self._made:
-            self._made[body] = engine().mesh(*self._triangles(body))
-        return self._made[body]
+        if body not in self._meshes:
+            self._meshes[body] = engine().mesh(*self._triangles(body))
+        return self._meshes[body]
 
 
 def winding(points: Array, faces: Faces, at: Array) -> float:
-    """How often the triangles go round a point: 1 in a solid, 0 outside, anything between in an open shell
-    (the solid angles of triangles: Van Oosterom and Strackee, 1983)."""
+    """Returns the winding number of triangles around a point: 1 in a solid, 0 outside, and between these in
+    an open shell. It sums the solid angles of the triangles (Van Oosterom and Strackee, 1983)."""
     a, b, c = (points[faces] - at).swapaxes(0, 1)
     x, y, z = (np.linalg.norm(side, axis=1) for side in (a, b, c))
     ab, bc, ca = (np.einsum("ij,ij->i", *sides) for sides in ((a, b), (b, c), (c, a)))
@@ -106,13 +118,13 @@ def winding(points: Array, faces: Faces, at: Array) -> float:
 
 
 def surface(model: Any, geom: int) -> tuple[Array, Faces]:
-    """The corners (n, 3) of a geom in the frame of its body, and its triangles (m, 3)."""
+    """Returns the corners (n, 3) of a geom in the frame of its body, and its triangles (m, 3)."""
     pose = placed(model.geom_quat[geom], model.geom_pos[geom])
-    points, faces = _own(model, geom)
+    points, faces = _local_surface(model, geom)
     return points @ pose[:3, :3].T + pose[:3, 3], faces
 
 
-def _own(model: Any, geom: int) -> tuple[Array, Faces]:
+def _local_surface(model: Any, geom: int) -> tuple[Array, Faces]:
     kind, size = model.geom_type[geom], model.geom_size[geom]
     if kind == MESH:
         mesh = int(model.geom_dataid[geom])
@@ -120,20 +132,21 @@ def _own(model: Any, geom: int) -> tuple[Array, Faces]:
         faces = model.mesh_face[first : first + int(model.mesh_facenum[mesh])]
         return vertices(model, geom), np.asarray(faces, dtype=np.int64)
     if kind == BOX:
-        # Four corners round the axis, from the first quarter on, are a square of this radius.
-        points, faces = _turned(BARREL * [np.sqrt(2.0), 1.0], 4)
+        # Four corners around the axis, with this radius and the first at 45°, are the square (±1, ±1).
+        points, faces = _surface_of_revolution(CYLINDER_OUTLINE * [np.sqrt(2.0), 1.0], 4)
         return points * size, faces
     if kind == CYLINDER:
-        return _turned(BARREL * size[:2], TURNS)
-    angles = np.linspace(-np.pi / 2.0, np.pi / 2.0, TURNS // 2 + 2)
-    points, faces = _turned(np.column_stack([np.cos(angles), np.sin(angles)]), TURNS)
+        return _surface_of_revolution(CYLINDER_OUTLINE * size[:2], CORNERS)
+    angles = np.linspace(-np.pi / 2.0, np.pi / 2.0, CORNERS // 2 + 2)
+    points, faces = _surface_of_revolution(np.column_stack([np.cos(angles), np.sin(angles)]), CORNERS)
     if kind == CAPSULE:
         return points * size[0] + [0.0, 0.0, size[1]] * np.sign(points[:, 2:]), faces
     return points * (size if kind == ELLIPSOID else size[0]), faces
 
 
-def _turned(outline: Array, turns: int) -> tuple[Array, Faces]:
-    """An outline of radii and heights (k, 2), from one end of the z axis to the other, turned about it."""
+def _surface_of_revolution(outline: Array, turns: int) -> tuple[Array, Faces]:
+    """Returns the surface of revolution of an outline (k, 2) of radii and heights, from one end of the z axis
+    to the other."""
     angles = (np.arange(turns) + 0.5) * (2.0 * np.pi / turns)
     round_ = np.column_stack([np.cos(angles), np.sin(angles)])
     rings = [np.column_stack([radius * round_, np.full(turns, height)]) for radius, height in outline]
@@ -142,7 +155,7 @@ def _turned(outline: Array, turns: int) -> tuple[Array, Faces]:
     faces = []
     for ring, (low, high) in enumerate(pairwise(outline[:, 0])):
         a, b, c, d = (row + step * turns for step in (ring, ring + 1) for row in (at, after))
-        # Where the outline is on the axis, all corners are in one place.
+        # A ring with radius 0 is a single point, so that one of the two triangles has no area.
         faces += [np.column_stack([a, b, d])] if low > 0.0 else []
         faces += [np.column_stack([a, d, c])] if high > 0.0 else []
     return np.concatenate(rings), np.concatenate(faces).astype(np.int64)

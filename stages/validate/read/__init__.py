@@ -1,10 +1,10 @@
-"""Readers: each says in one way what a file of its format has, which `stages.validate.same` compares.
+"""Reads files of all formats into the same form, which `stages.validate.same` compares with the robot.
 
-- compiled: The reader of a compiled model, and comparers as its checks.
-- mjcf: The robot of a compiled MJCF.
-- mujoco: The robot of a file that MuJoCo compiled.
-- run: The checks of a file that no engine reads, by the reader of its format.
-- sdf: The robot of an SDF, whose kinematics is worked out from the file alone.
-- urdf: The robot of a URDF that MuJoCo compiled.
-- usd: The robot of a USD, read by usd-core: its joints say where their frames are.
+- compiled: Selects the reader of a compiled model, and turns comparisons into checks of compiled models.
+- mjcf: Reads the robot of a compiled MJCF, for the comparisons in `stages.validate.same`.
+- mujoco: Reads the robot of a file that MuJoCo compiled, whatever its format.
+- run: Checks a file that no physics engine reads: its format's reader parses it, the comparisons judge it.
+- sdf: Reads the robot of an SDF, whose kinematics is computed from the file alone.
+- urdf: Reads the robot of a URDF that MuJoCo compiled.
+- usd: Reads the robot of a USD with usd-core.
 """

@@ -1,4 +1,4 @@
-"""The reader of a compiled model, and comparers as its checks."""
+"""Selects the reader of a compiled model, and turns comparisons into checks of compiled models."""
 
 from collections.abc import Callable, Iterable
 
@@ -7,14 +7,14 @@ from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.read.mjcf import ReadMjcf
 from linkwright.stages.validate.read.mujoco import ReadCompiled
 from linkwright.stages.validate.read.urdf import ReadUrdf
-from linkwright.stages.validate.same.found import ReadRobot
+from linkwright.stages.validate.same.read_robot import ReadRobot
 
 
 def read_compiled(compiled: CompiledModel) -> ReadCompiled:
-    """The reader of an MJCF, or of a URDF."""
+    """Returns the reader of an MJCF, or of a URDF."""
     return ReadUrdf(compiled) if compiled.urdf else ReadMjcf(compiled)
 
 
 def compared(compare: Callable[[ReadRobot], Iterable[Check]]) -> Callable[[CompiledModel], Iterable[Check]]:
-    """A comparer as a check of a compiled model."""
+    """Turns a comparison into a check of a compiled model."""
     return lambda compiled: compare(read_compiled(compiled))

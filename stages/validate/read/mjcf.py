@@ -1,4 +1,4 @@
-"""The robot of a compiled MJCF."""
+"""Reads the robot of a compiled MJCF, for the comparisons in `stages.validate.same`."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -19,16 +19,16 @@ from linkwright.stages.validate.model.coordinates import BY_EQUALITY, joints_of,
 from linkwright.stages.validate.model.equalities import carriers, ends, equality_index, sites
 from linkwright.stages.validate.model.lumps import Lump, merged
 from linkwright.stages.validate.read.mujoco import ReadCompiled
-from linkwright.stages.validate.same.found import (
-    FormatWords,
+from linkwright.stages.validate.same.read_robot import (
+    AttributeNames,
+    ElementKind,
     FoundJoint,
     FoundMimic,
-    FoundPlace,
+    FoundPose,
     Numbers,
-    Tag,
 )
 
-WORDS = FormatWords(
+ATTRIBUTE_NAMES = AttributeNames(
     mass="inertial mass",
     com="inertial pos",
     inertia="inertial fullinertia",
@@ -45,27 +45,29 @@ DEFAULTS = (
     ("solreflimit", "jnt_solref", (0.02, 1.0)),
     ("solimplimit", "jnt_solimp", (0.9, 0.95, 0.001, 0.5, 2.0)),
 )
-"""Attributes of a joint that only an MJCF source may set, where they are in a model, and MuJoCo's defaults:
-limits that are soft or begin early."""
+"""Attributes of a joint that only an MJCF source may set, their fields in a model, and MuJoCo's defaults:
+they make limits soft or active early."""
 
 POLYNOMIALS = (("stiffness", "jnt_stiffnesspoly", "jnt"), ("damping", "dof_dampingpoly", "dof"))
-"""The terms of higher order, of a joint or of a dof, which older versions of MuJoCo lack."""
+"""Attribute, field of the polynomial's higher terms, and its index: older MuJoCo versions lack them."""
 
 
-def type_name(kind: Any) -> str:
-    """What an MJCF calls a type of joint."""
+def joint_type_name(kind: Any) -> str:
+    """Returns MJCF's name of a type of joint."""
     return str(mujoco.mjtJoint(int(kind)).name).removeprefix("mjJNT_").lower()
 
 
 class ReadMjcf(ReadCompiled):
-    words = WORDS
+    """A reader of MJCF."""
+
+    words = ATTRIBUTE_NAMES
 
     def __init__(self, compiled: CompiledModel) -> None:
         super().__init__(compiled)
-        self._shares = carriers(self.model, self.robot)
+        self._carriers = carriers(self.model, self.robot)
         self._start = starting_point(self.robot)
 
-    def element(self, tag: Tag, name: str) -> str:
+    def element(self, tag: ElementKind, name: str) -> str:
         tags = {"link": "body", "frame": "site"}
         return named(tags.get(tag, "joint"), name)
 
@@ -74,88 +76,95 @@ class ReadMjcf(ReadCompiled):
 
     def zero(self, dof: Dof) -> tuple[float, float] | None:
         start = self._start[dof.name]
-        found = float(self.model.qpos0[self.model.jnt_qposadr[joint_index(self.model, dof.name)]])
-        return None if isinstance(start, tuple) else (found, start)
+        position = float(self.model.qpos0[self.model.jnt_qposadr[joint_index(self.model, dof.name)]])
+        return None if isinstance(start, tuple) else (position, start)
 
     def lump(self, link: str) -> Lump:
-        """That of its body, together with the carriers that have a share of it."""
-        carried = [self.lump_of(body, pose) for body, pose in self._shares.get(link, [])]
+        """Returns the mass properties of the link's body and of the carriers that hold part of its mass."""
+        carried = [self.lump_of(body, pose) for body, pose in self._carriers.get(link, [])]
         return merged([super().lump(link), *carried])
 
     def joints(self) -> Iterator[FoundJoint]:
         extras = (self.robot.mjcf or NO_EXTRAS).attributes_of("joint")
         for name, kind, dof in joints_of(self.robot, urdf=False):
             index, element = joint_index(self.model, name), named("joint", name)
-            numbers, wanted = self._numbers(index, dof, extras.get(name, {}))
-            found, types = type_name(self.model.jnt_type[index]), (type_name(kind),)
-            yield FoundJoint(name, element, found, types, dof, numbers, wanted)
+            numbers, expected = self._numbers(index, dof, extras.get(name, {}))
+            type_found, types = joint_type_name(self.model.jnt_type[index]), (joint_type_name(kind),)
+            yield FoundJoint(name, element, type_found, types, dof, numbers, expected)
 
-    def _numbers(self, index: int, dof: Dof, more: Mapping[str, str]) -> tuple[Numbers, Numbers]:
-        """What a joint says, and what it must say. `more`: what an MJCF source says of it; what the user's
-        own XML sets is the user's."""
-        model, at, said = self.model, int(self.model.jnt_dofadr[index]), _said
+    def _numbers(self, index: int, dof: Dof, source_attributes: Mapping[str, str]) -> tuple[Numbers, Numbers]:
+        """Returns the numbers of a joint, and their expected values. `source_attributes`: the joint's
+        attributes in an MJCF source. Attributes that the user's own XML sets are not compared."""
+        model, dof_index, source_numbers = self.model, int(self.model.jnt_dofadr[index]), _source_numbers
         scalar, numbers = dof.kind in ("turn", "slide"), dict[str, float | tuple[float, ...]]()
-        wanted: dict[str, float | tuple[float, ...]] = {}
-        if scalar or "range" not in more:
-            # No format has a ball's cone.
-            numbers["range"] = _ends(model.jnt_limited[index], model.jnt_range[index])
-            wanted["range"] = dof.limits.interval if scalar else (-math.inf, math.inf)
+        expected: dict[str, float | tuple[float, ...]] = {}
+        if scalar or "range" not in source_attributes:
+            # The cone that limits a ball is never written (W-BALL-CONE), so its range must be open.
+            numbers["range"] = _interval(model.jnt_limited[index], model.jnt_range[index])
+            expected["range"] = dof.limits.interval if scalar else (-math.inf, math.inf)
         if scalar:
             effort = math.inf if dof.dynamics.effort is None else dof.dynamics.effort
-            own = said(more, "actuatorfrcrange")
-            numbers["actuatorfrcrange"] = _ends(model.jnt_actfrclimited[index], model.jnt_actfrcrange[index])
-            wanted["actuatorfrcrange"] = own or (-effort, effort)
-            if "actuatorfrclimited" in more:
-                wanted["actuatorfrcrange"] = (-math.inf, math.inf)
+            effort_in_source = source_numbers(source_attributes, "actuatorfrcrange")
+            numbers["actuatorfrcrange"] = _interval(
+                model.jnt_actfrclimited[index], model.jnt_actfrcrange[index]
+            )
+            expected["actuatorfrcrange"] = effort_in_source or (-effort, effort)
+            if "actuatorfrclimited" in source_attributes:
+                expected["actuatorfrcrange"] = (-math.inf, math.inf)
         if dof.kind != "free":
-            numbers["damping"] = float(model.dof_damping[at])
-            numbers["friction"] = float(model.dof_frictionloss[at])
-            numbers["armature"] = float(model.dof_armature[at])
+            numbers["damping"] = float(model.dof_damping[dof_index])
+            numbers["friction"] = float(model.dof_frictionloss[dof_index])
+            numbers["armature"] = float(model.dof_armature[dof_index])
         spring = dof.spring or Spring(0.0)
         rows: list[tuple[str, str, Any, Any]] = [
             ("stiffness", "stiffness", model.jnt_stiffness[index], spring.stiffness),
-            *(
-                (name, name, getattr(model, field)[index], said(more, name) or one)
-                for name, field, one in DEFAULTS
-            ),
         ]
+        for name, field, default in DEFAULTS:
+            in_model = getattr(model, field)[index]
+            rows.append((name, name, in_model, source_numbers(source_attributes, name) or default))
         if dof.spring is not None and scalar:
-            rest = model.qpos_spring[model.jnt_qposadr[index]]
-            rows.append(("springref", "springref", rest, spring.reference))
-        for name, field, of in POLYNOMIALS:
+            rest_position = model.qpos_spring[model.jnt_qposadr[index]]
+            rows.append(("springref", "springref", rest_position, spring.reference))
+        for name, field, per in POLYNOMIALS:
             if hasattr(model, field):
-                terms = np.ravel(getattr(model, field)[index if of == "jnt" else at])
+                terms = np.ravel(getattr(model, field)[index if per == "jnt" else dof_index])
                 higher = np.zeros(len(terms))
-                higher[: len(said(more, name)[1:])] = said(more, name)[1:]
+                higher[: len(source_numbers(source_attributes, name)[1:])] = source_numbers(
+                    source_attributes, name
+                )[1:]
                 rows.append((name, f"{name} of higher order", terms, higher))
-        for name, quantity, *both in rows:
+        for name, quantity, *values in rows:
             if not self.compiled.sets(name):
-                numbers[quantity], wanted[quantity] = (tuple(map(float, np.ravel(one))) for one in both)
-        return numbers, wanted
+                numbers[quantity], expected[quantity] = (
+                    tuple(map(float, np.ravel(value))) for value in values
+                )
+        return numbers, expected
 
-    def places(self, loop: Loop, q: Configuration) -> Iterator[FoundPlace]:
-        """The sites that its equality holds together, relative to the root; one of them is the carrier's, if
-        there is one."""
+    def places(self, loop: Loop, q: Configuration) -> Iterator[FoundPose]:
+        """Yields the poses, relative to the root, of the sites that the loop's equality holds together. If
+        the loop has a carrier body, one of the sites is on it."""
         model, data, index = self.model, self.posed(q), equality_index(self.model, loop)
         root_from_world = inverse(root_pose(model, data, self.robot))
-        found = {int(model.site_bodyid[site]): site for site in (sites(model, index) if index >= 0 else ())}
+        site_of_body = {
+            int(model.site_bodyid[site]): site for site in (sites(model, index) if index >= 0 else ())
+        }
         for body, expected in _frames(model, loop, link_poses(self.robot, q), chain(loop.dofs, q)):
-            site = found.get(body)
+            site = site_of_body.get(body)
             if site is None:
-                yield FoundPlace(named("body", model.body(body).name), ("site", "site"), None, expected)
+                yield FoundPose(named("body", model.body(body).name), ("site", "site"), None, expected)
             else:
                 pose = root_from_world @ site_pose(model, data, site)
-                yield FoundPlace(named("site", model.site(site).name), WORDS.place, pose, expected)
+                yield FoundPose(named("site", model.site(site).name), ATTRIBUTE_NAMES.place, pose, expected)
 
     def mimics(self) -> Iterator[FoundMimic]:
         number = self.model.neq - self.compiled.surplus.equalities
-        return coupled(self.model, number, self.compiled.sets("active"))
+        return joint_mimics(self.model, number, self.compiled.sets("active"))
 
 
 def _frames(
     model: Any, loop: Loop, poses: Mapping[str, Array], second_from_first: Array
 ) -> Iterator[tuple[int, Array]]:
-    """(body, root_from_frame) of the two frames of a loop."""
+    """Yields the body and the pose (root_from_frame) of each of the two frames of a loop."""
     first = poses[loop.link_a] @ loop.a_from_frame
     second = poses[loop.link_b] @ loop.b_from_frame
     a, b = body_index(model, loop.link_a), body_index(model, loop.link_b)
@@ -169,23 +178,23 @@ def _frames(
         yield from ((b, second), (carrier, first @ inverse(second_from_first)))
 
 
-def coupled(model: Any, number: int, active: bool) -> Iterator[FoundMimic]:
-    """The equalities of two joints among the first ones; one of higher order has no multiplier. `active`:
-    whether all count as active."""
-    for row in np.flatnonzero(model.eq_type[:number] == mujoco.mjtEq.mjEQ_JOINT):
-        both = int(model.eq_obj1id[row]), int(model.eq_obj2id[row])
-        data = model.eq_data[row][:5]
-        zeros = [float(model.qpos0[model.jnt_qposadr[joint]]) if joint >= 0 else 0.0 for joint in both]
-        follower, driver = (model.joint(joint).name if joint >= 0 else "" for joint in both)
+def joint_mimics(model: Any, number: int, active: bool) -> Iterator[FoundMimic]:
+    """Yields the equalities of two joints among the first `number`; those of higher order have no multiplier.
+    `active`: whether all count as active."""
+    for equality in np.flatnonzero(model.eq_type[:number] == mujoco.mjtEq.mjEQ_JOINT):
+        joints = int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality])
+        data = model.eq_data[equality][:5]
+        zeros = [float(model.qpos0[model.jnt_qposadr[joint]]) if joint >= 0 else 0.0 for joint in joints]
+        follower, driver = (model.joint(joint).name if joint >= 0 else "" for joint in joints)
         factor = float(data[1]) if not data[2:].any() else math.nan
         offset = float(data[0]) + zeros[0] - float(data[1]) * zeros[1]
-        yield FoundMimic(follower, driver, factor, offset, bool(model.eq_active0[row]) or active)
+        yield FoundMimic(follower, driver, factor, offset, bool(model.eq_active0[equality]) or active)
 
 
-def _ends(limited: Any, ends: Any) -> tuple[float, ...]:
+def _interval(limited: Any, ends: Any) -> tuple[float, ...]:
     return tuple(map(float, ends)) if limited else (-math.inf, math.inf)
 
 
-def _said(extras: Mapping[str, str], attribute: str) -> tuple[float, ...]:
-    """The numbers of an attribute of an MJCF source, () where it says nothing."""
+def _source_numbers(extras: Mapping[str, str], attribute: str) -> tuple[float, ...]:
+    """Returns the numbers of an attribute of an MJCF source, () if the attribute is missing."""
     return tuple(float(number) for number in extras.get(attribute, "").split())

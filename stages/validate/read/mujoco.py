@@ -1,4 +1,4 @@
-"""The robot of a file that MuJoCo compiled."""
+"""Reads the robot of a file that MuJoCo compiled, whatever its format."""
 
 from typing import Any
 
@@ -19,21 +19,21 @@ from linkwright.stages.validate.model.coordinates import (
 )
 from linkwright.stages.validate.model.lumps import Lump, moved_lump
 from linkwright.stages.validate.model.poses import placed
-from linkwright.stages.validate.same.found import Poses, ReadRobot
+from linkwright.stages.validate.same.read_robot import Poses, ReadRobot
 
 
 class ReadCompiled(ReadRobot):
-    """`model`: the compiled one, of the file that `compiled` has."""
+    """A reader of a compiled file."""
 
     def __init__(self, compiled: CompiledModel) -> None:
         self.compiled, self.model = compiled, compiled.model
-        self.file, self.robot, self.still = compiled.path.name, compiled.robot, {}
+        self.file, self.robot, self.fixed_dofs = compiled.path.name, compiled.robot, {}
         self._posed: tuple[Configuration, Any] | None = None
         loops = {dof.name: dof.saved for loop in self.robot.loops for dof in loop.dofs}
-        self.standing = {**loops, **rest_configuration(self.robot)}
+        self.file_configuration = {**loops, **rest_configuration(self.robot)}
 
     def posed(self, q: Configuration) -> Any:
-        """MuJoCo's data at these values."""
+        """Returns MuJoCo's data at the values `q`."""
         if self._posed is None or self._posed[0] is not q:
             data = mujoco.MjData(self.model)
             set_values(self.model, data, self.robot, q, self.compiled.urdf)
@@ -41,7 +41,7 @@ class ReadCompiled(ReadRobot):
         return self._posed[1]
 
     def frame_name(self, frame: str) -> str:
-        """What the file calls a frame."""
+        """Returns the name of a frame in the file."""
         return frame
 
     def poses(self, q: Configuration) -> Poses:
@@ -57,23 +57,23 @@ class ReadCompiled(ReadRobot):
         )
 
     def parent(self, link: str) -> str:
-        model, own = self.model, {one.name for one in self.robot.links}
+        model, names = self.model, {other.name for other in self.robot.links}
         body = body_index(model, link)
         if body < 0:
             site = site_index(model, link)
             holder = int(model.site_bodyid[site]) if site >= 0 else 0
         else:
             holder = int(model.body_parentid[body])
-        while holder > 0 and model.body(holder).name not in own:
+        while holder > 0 and model.body(holder).name not in names:
             holder = int(model.body_parentid[holder])
         name = str(model.body(holder).name)
-        return name if name in own else ""
+        return name if name in names else ""
 
     def axis(self, dof: Dof) -> Array | None:
         return np.array(self.model.jnt_axis[joint_index(self.model, dof.name)])
 
     def lump_of(self, body: int, link_from_body: Array) -> Lump:
-        """The mass properties of a body, in the frame of a link."""
+        """Returns the mass properties of a body, in the frame of a link."""
         model = self.model
         axes = placed(model.body_iquat[body], model.body_ipos[body])
         tensor = axes[:3, :3] @ np.diag(model.body_inertia[body]) @ axes[:3, :3].T

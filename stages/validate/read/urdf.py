@@ -1,4 +1,4 @@
-"""The robot of a URDF that MuJoCo compiled."""
+"""Reads the robot of a URDF that MuJoCo compiled."""
 
 import math
 from collections.abc import Iterator
@@ -15,18 +15,18 @@ from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.dynamics.mujoco_abilities import axes_error, mimics, reads_mimic
 from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.model.coordinates import joints_of, link_pose, pose_of
-from linkwright.stages.validate.read.mjcf import coupled, type_name
+from linkwright.stages.validate.read.mjcf import joint_mimics, joint_type_name
 from linkwright.stages.validate.read.mujoco import ReadCompiled
-from linkwright.stages.validate.same.found import (
-    FormatWords,
+from linkwright.stages.validate.same.read_robot import (
+    AttributeNames,
+    ElementKind,
     FoundJoint,
     FoundMimic,
-    FoundPlace,
+    FoundPose,
     Numbers,
-    Tag,
 )
 
-WORDS = FormatWords(
+ATTRIBUTE_NAMES = AttributeNames(
     mass="inertial mass",
     com="inertial origin",
     inertia="inertial inertia i",
@@ -46,19 +46,19 @@ WORDS = FormatWords(
 
 
 class ReadUrdf(ReadCompiled):
-    """What MuJoCo leaves out is read in the text."""
+    """A reader of URDF. It reads from the text what MuJoCo drops."""
 
-    words = WORDS
-    demands = frozenset({"lower", "upper", "effort", "velocity"})
+    words = ATTRIBUTE_NAMES
+    required_numbers = frozenset({"lower", "upper", "effort", "velocity"})
 
     def __init__(self, compiled: CompiledModel) -> None:
         super().__init__(compiled)
         self._text, self._names = compiled.path.read_bytes(), compiled.written.urdf_names
 
     def posed(self, q: Configuration) -> Any:
-        """The values of a floating joint replace its origin, and would hide a wrong one: where the file
-        stands it is left alone."""
-        if q is not self.standing:
+        """Returns MuJoCo's data at the values `q`. At the file's own placement nothing is set, since the
+        value of a floating joint would replace its origin, and hide a wrong origin."""
+        if q is not self.file_configuration:
             return super().posed(q)
         data = mujoco.MjData(self.model)
         mujoco.mj_kinematics(self.model, data)
@@ -67,21 +67,23 @@ class ReadUrdf(ReadCompiled):
     def frame_name(self, frame: str) -> str:
         return self._names.frames.get(frame, frame)
 
-    def element(self, tag: Tag, name: str) -> str:
+    def element(self, tag: ElementKind, name: str) -> str:
         if tag == "frame":
             return named("joint", self._names.holders[self._names.frames[name]])
         if tag == "relation":
-            return named("joint", next(one.follower for one in self.robot.relations if one.name == name))
+            return named(
+                "joint", next(relation.follower for relation in self.robot.relations if relation.name == name)
+            )
         turns = self._names.turns.get(name) if tag == "joint" else None
         return named(tag, turns[0] if turns else name)
 
     def odd_masses(self) -> Iterator[tuple[str, float, Finding]]:
-        """Links that have mass, and no <inertial>: MuJoCo works one out from their shapes."""
+        """Yields links that have mass but no <inertial>: MuJoCo derives one from their shapes."""
         links = parse(self._text).iterfind("link")
-        bare = {one.get("name") for one in links if one.find("inertial") is None}
+        bare = {node.get("name") for node in links if node.find("inertial") is None}
         for link in self.robot.links:
             if link.inertial.mass > 0 and link.name in bare:
-                message = "has no inertial, so that each reader makes one up"
+                message = "has no inertial, so each reader invents a mass for it"
                 yield link.name, math.inf, Finding(named("link", link.name), "inertial", message)
 
     def axes_error(self, size: float) -> float:
@@ -89,18 +91,18 @@ class ReadUrdf(ReadCompiled):
 
     def joints(self) -> Iterator[FoundJoint]:
         limits = parse(self._text).iterfind("joint/limit")
-        velocities = {one.getparent().get("name", ""): one.get("velocity", "") for one in limits}
+        velocities = {limit.getparent().get("name", ""): limit.get("velocity", "") for limit in limits}
         model = self.model
         for name, kind, dof in joints_of(self.robot, urdf=True):
             index = joint_index(model, name)
             numbers: dict[str, float | tuple[float, ...]] = {}
-            wanted: Numbers = {}
+            expected: Numbers = {}
             if dof.kind in ("turn", "slide"):
                 numbers["lower"], numbers["upper"] = map(float, model.jnt_range[index])
                 numbers["effort"] = float(model.jnt_actfrcrange[index][1])
             elif model.jnt_limited[index]:
                 # Neither a floating joint nor the three turns of a ball may have limits.
-                numbers["range"], wanted = (
+                numbers["range"], expected = (
                     tuple(map(float, model.jnt_range[index])),
                     {"range": (-math.inf, math.inf)},
                 )
@@ -108,30 +110,30 @@ class ReadUrdf(ReadCompiled):
                 numbers["damping"] = float(model.dof_damping[model.jnt_dofadr[index]])
                 numbers["friction"] = float(model.dof_frictionloss[model.jnt_dofadr[index]])
                 numbers["velocity"] = _number(velocities.get(name))
-            found, types = type_name(model.jnt_type[index]), (type_name(kind),)
-            yield FoundJoint(name, named("joint", name), found, types, dof, numbers, wanted)
+            type_found, types = joint_type_name(model.jnt_type[index]), (joint_type_name(kind),)
+            yield FoundJoint(name, named("joint", name), type_found, types, dof, numbers, expected)
 
-    def places(self, loop: Loop, q: Configuration) -> Iterator[FoundPlace]:
-        """A URDF cannot close a loop: it has a link for each of the two frames that must meet."""
+    def places(self, loop: Loop, q: Configuration) -> Iterator[FoundPose]:
+        """Yields the two frames of a loop, which a URDF cannot close: it has a link for each of them."""
         model, data, robot = self.model, self.posed(q), self.robot
-        both = (loop.link_a, loop.a_from_frame), (loop.link_b, loop.b_from_frame)
-        for name, (link, expected) in zip(self._names.ends[loop.name], both, strict=True):
+        frames = (loop.link_a, loop.a_from_frame), (loop.link_b, loop.b_from_frame)
+        for name, (link, expected) in zip(self._names.ends[loop.name], frames, strict=True):
             index, element = body_index(model, name), named("joint", self._names.holders[name])
             pose = inverse(link_pose(model, data, robot, link)) @ pose_of(data, index)
-            yield FoundPlace(element, WORDS.place, pose if index >= 0 else None, expected)
+            yield FoundPose(element, ATTRIBUTE_NAMES.place, pose if index >= 0 else None, expected)
 
     def mimics(self) -> Iterator[FoundMimic]:
         model = self.model
         if reads_mimic():
-            yield from coupled(model, model.neq - self.compiled.surplus.equalities, False)
+            yield from joint_mimics(model, model.neq - self.compiled.surplus.equalities, False)
             return
-        for both, data in mimics(model, self._text).items():
-            follower, driver = (model.joint(joint).name if joint >= 0 else "" for joint in both)
+        for pair, data in mimics(model, self._text).items():
+            follower, driver = (model.joint(joint).name if joint >= 0 else "" for joint in pair)
             yield FoundMimic(follower, driver, float(data[1]), float(data[0]))
 
 
 def _number(text: str | None) -> float:
-    """Infinite where nothing is said."""
+    """Returns the number in a text; infinity if the text is missing."""
     try:
         return float(text) if text else math.inf
     except ValueError:

@@ -1,10 +1,11 @@
-"""How ready a robot is for simulation: 35 points, a score, what would raise it. It never fails a build.
+"""Scores how ready a robot is for simulation, by 35 points, with hints that would raise the score. It never
+fails a build.
 
-- bodies: The points about bodies and their shapes.
-- evidence: The points that other checks of the run prove, and those about the files as a whole.
-- finished: A finished robot as the points of sim-readiness look at it: its folder, its XML, its model.
-- joints: The points about joints, what drives them, and the first pose.
-- points: The 35 points of sim-readiness, by number: what a model of the grade of MuJoCo Menagerie meets.
-- score: The score of a finished robot, as a check with a table of its points.
-- text: The points that the text of the files shows.
+- bodies: Judges the points about bodies and their shapes.
+- evidence: Judges the points that other checks of the run prove, and the points about the files as a whole.
+- finished: Defines a finished robot as the points of sim-readiness see it: its folder, its XML and its model.
+- joints: Judges the points about joints, their drives, and the first pose.
+- points: Lists the 35 points of sim-readiness, which models of the quality of MuJoCo Menagerie meet.
+- score: Scores the readiness of a finished robot, as a check with a table of the points.
+- text: Judges the points about the text of the files.
 """

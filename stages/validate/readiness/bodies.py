@@ -1,41 +1,47 @@
-"""The points about bodies and their shapes."""
+"""Judges the points about bodies and their shapes."""
 
 import re
 from collections.abc import Iterator
 
 import numpy as np
 
+from linkwright.stages.mujoco.names import actuator_count
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.model.poses import placed
 from linkwright.stages.validate.model.shapes import MESH, directions, reach
-from linkwright.stages.validate.readiness.finished import Aside, Finished
+from linkwright.stages.validate.readiness.finished import Finished, NotApplicable
 
 VISUAL, COLLISION = 2, 3
-"""The groups of geoms that are seen and that collide."""
+"""The groups of visual geoms and of colliders in MuJoCo's viewer."""
 
-LIGHT = 1e-4
-"""Bodies of less [kg] ask for small time steps."""
+MIN_MASS = 1e-4
+"""Mass [kg] below which bodies need small time steps."""
 
-RATIO = 1000.0
-BOX = 1.5
-"""How many times a body's box its equivalent box of even density may be."""
+MAX_MASS_RATIO = 1000.0
+"""Largest ratio of the masses of two bodies that a joint connects."""
 
-PIECES = 16
-HULL = 64
+MAX_BOX_RATIO = 1.5
+"""Largest ratio of the sides of a body's equivalent box, of even density, to the sides of its own box."""
 
-SPREAD = 1e-3
-"""Of a body's box: how far its centre of mass may be outside its hull, which rounding moves."""
+MAX_PIECES = 16
+"""Largest number of colliders of a body."""
+
+MAX_HULL_VERTICES = 64
+"""Largest number of vertices of a colliding mesh."""
+
+HULL_TOLERANCE = 1e-3
+"""Tolerance for rounding, as a share of the size of a body's box."""
 
 
 def roles(finished: Finished) -> Iterator[str]:
     model = finished.model
-    for geom in (one for pair in finished.shapes.values() for one in pair[0]):
+    for geom in (geom for pair in finished.shapes.values() for geom in pair[0]):
         if model.geom_group[geom] != VISUAL:
-            yield "put what is only seen into group 2"
+            yield "put the visual geoms into group 2"
             break
-    for geom in (one for pair in finished.shapes.values() for one in pair[1]):
+    for geom in (geom for pair in finished.shapes.values() for geom in pair[1]):
         if model.geom_group[geom] != COLLISION:
-            yield "put the colliders into group 3, apart from what is seen"
+            yield "put the colliders into group 3, apart from the visual geoms"
             break
 
 
@@ -50,16 +56,16 @@ def inertias(finished: Finished) -> Iterator[str]:
     for index, name in finished.bodies:
         a, b, c = np.sort(model.body_inertia[index])
         if a <= 0 or a + b < c * (1 - 1e-9):
-            yield f"the inertia of {name} belongs to no body: {a:.3g}, {b:.3g}, {c:.3g} kg m²"
+            yield f"the inertia of {name} is impossible for a body: {a:.3g}, {b:.3g}, {c:.3g} kg m²"
 
 
 def extents(finished: Finished) -> Iterator[str]:
-    model, found = finished.model, False
+    model, judged = finished.model, False
     for body, pair in finished.shapes.items():
         geoms, mass = list(pair[0] or pair[1]), model.body_mass[body]
         if not body or not geoms or mass <= 0:
             continue
-        found = True
+        judged = True
         axes = placed(model.body_iquat[body], model.body_ipos[body])
         along = np.concatenate([axes[:3, :3].T, -axes[:3, :3].T])
         reaches = reach(model, geoms, along)
@@ -69,24 +75,24 @@ def extents(finished: Finished) -> Iterator[str]:
         equivalent = np.sqrt(np.maximum(6.0 * (moments.sum() - 2.0 * moments) / mass, 0.0))
         name = finished.name_of("body", body)
         size = float(np.linalg.norm(sides))
-        if (np.sort(equivalent) > BOX * np.sort(sides) + SPREAD * size).any():
-            lengths = ", ".join(f"{1e3 * one:.3g}" for one in equivalent)
-            yield f"the inertia of {name} is that of a box of {lengths} mm, larger than what is seen of it"
-        every = directions(64)
+        if (np.sort(equivalent) > MAX_BOX_RATIO * np.sort(sides) + HULL_TOLERANCE * size).any():
+            lengths = ", ".join(f"{1e3 * side:.3g}" for side in equivalent)
+            yield f"the inertia of {name} is that of a box of {lengths} mm, larger than its visual shapes"
+        along_sphere = directions(64)
         centre = axes[:3, 3]
-        if float((reach(model, geoms, every) - every @ centre).min()) < -SPREAD * size:
-            yield f"the centre of mass of {name} is outside of what is seen of it"
-    if not found:
-        raise Aside("no body has both a mass and a shape")
+        if float((reach(model, geoms, along_sphere) - along_sphere @ centre).min()) < -HULL_TOLERANCE * size:
+            yield f"the centre of mass of {name} is outside of its visual shapes"
+    if not judged:
+        raise NotApplicable("no body has both a mass and a shape")
 
 
 def masses(finished: Finished) -> Iterator[str]:
     model = finished.model
     for index, name in finished.bodies:
         mass, above = model.body_mass[index], int(model.body_parentid[index])
-        if above and model.body_mass[above] > RATIO * mass:
-            yield f"{name} weighs less than a thousandth of what it hangs on"
-        elif mass < LIGHT:
+        if above and model.body_mass[above] > MAX_MASS_RATIO * mass:
+            yield f"{name} weighs less than a thousandth of its parent"
+        elif mass < MIN_MASS:
             yield f"{name} weighs {1e3 * mass:.3g} g: fuse it with its neighbour, or give it its mass"
 
 
@@ -100,43 +106,56 @@ def moving(finished: Finished) -> Iterator[str]:
 
 def frames(finished: Finished) -> Iterator[str]:
     if not finished.robot.frames:
-        raise Aside("the robot has no frames")
+        raise NotApplicable("the robot has no frames")
     model = finished.model
-    there = {model.site(index).name for index in range(model.nsite)} | {name for _, name in finished.bodies}
+    existing = {model.site(index).name for index in range(model.nsite)} | {
+        name for _, name in finished.bodies
+    }
     yield from (
-        f"write the frame {one.name} as a site" for one in finished.robot.frames if one.name not in there
+        f"write the frame {frame.name} as a site"
+        for frame in finished.robot.frames
+        if frame.name not in existing
     )
 
 
 def names(finished: Finished) -> Iterator[str]:
     model = finished.model
-    counts = {"body": model.nbody, "joint": model.njnt, "actuator": model.nu, "site": model.nsite}
+    counts = {
+        "body": model.nbody,
+        "joint": model.njnt,
+        "actuator": actuator_count(model),
+        "site": model.nsite,
+    }
     counts |= {"sensor": model.nsensor}
-    found = {kind: [finished.name_of(kind, one) for one in range(number)] for kind, number in counts.items()}
-    for kind, every in found.items():
-        bad = [name for name in every if not re.fullmatch(r"[A-Za-z0-9_]+", name)]
-        if bad:
-            yield f"name each {kind} in letters, digits and underscores: {', '.join(map(repr, bad[:3]))}"
-    unnamed = [one for _, solid in finished.shapes.values() for one in solid if not model.geom(one).name]
+    names_by_kind = {
+        kind: [finished.name_of(kind, index) for index in range(number)] for kind, number in counts.items()
+    }
+    for kind, of_kind in names_by_kind.items():
+        illegal_names = [name for name in of_kind if not re.fullmatch(r"[A-Za-z0-9_]+", name)]
+        if illegal_names:
+            examples = ", ".join(map(repr, illegal_names[:3]))
+            yield f"name each {kind} in letters, digits and underscores: {examples}"
+    unnamed = [geom for _, solid in finished.shapes.values() for geom in solid if not model.geom(geom).name]
     if unnamed:
         yield f"name {count(len(unnamed), 'collider')}"
-    both = set(found["body"]) & set(found["joint"])
-    if both:
-        yield f"SDF takes no link and joint of one name: {', '.join(sorted(both))}"
+    shared_names = set(names_by_kind["body"]) & set(names_by_kind["joint"])
+    if shared_names:
+        yield f"SDF takes no link and joint of one name: {', '.join(sorted(shared_names))}"
 
 
 def pieces(finished: Finished) -> Iterator[str]:
     model = finished.model
     solid = {body: pair[1] for body, pair in finished.shapes.items() if pair[1]}
     if not solid:
-        raise Aside("nothing collides")
+        raise NotApplicable("nothing collides")
     for body, geoms in solid.items():
-        if len(geoms) > PIECES:
+        if len(geoms) > MAX_PIECES:
             name = finished.name_of("body", body)
-            yield f"{name} has {len(geoms)} colliders, more than {PIECES}: mesh.colliders"
+            yield f"{name} has {len(geoms)} colliders, more than {MAX_PIECES}: mesh.colliders"
     for geoms in solid.values():
         for geom in geoms:
             mesh = int(model.geom_dataid[geom]) if model.geom_type[geom] == MESH else -1
-            if mesh >= 0 and model.mesh_vertnum[mesh] > HULL:
+            if mesh >= 0 and model.mesh_vertnum[mesh] > MAX_HULL_VERTICES:
                 name = model.mesh(mesh).name
-                yield f"{name} has {model.mesh_vertnum[mesh]} vertices, more than {HULL}: mesh.max_vertices"
+                vertices = model.mesh_vertnum[mesh]
+                yield f"{name} has {vertices} vertices, more than {MAX_HULL_VERTICES}: mesh.max_vertices"

@@ -1,4 +1,4 @@
-"""A finished robot as the points of sim-readiness look at it: its folder, its XML, its model."""
+"""Defines a finished robot as the points of sim-readiness see it: its folder, its XML and its model."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -18,20 +18,26 @@ from linkwright.stages.validate.model.coordinates import HINGE, SLIDE
 from linkwright.stages.validate.model.shapes import seen_and_solid
 
 
-class Aside(Exception):
-    """Raised by a point that says nothing of this robot, or is proved elsewhere, with the reason."""
+class NotApplicable(Exception):
+    """The point does not apply to this robot, or is proved elsewhere. The message says why."""
 
 
 @dataclass(frozen=True, eq=False)
 class Finished:
-    """`model`: the compiled scene, or the robot's file where there is none. `robot`: as the MJCF has it.
-    `checks`: the results of this run. `geometry` is None where nothing is known of the shapes."""
+    """A robot whose files are finished."""
 
     folder: Path
     robot: Robot
+    """The robot in the form of the MJCF."""
+
     model: Any
+    """The compiled scene; without a scene, the compiled robot."""
+
     checks: Sequence[Check] = ()
+    """The results of this run."""
+
     geometry: Geometry | None = None
+    """The shapes; None if they are not known."""
 
     @property
     def path(self) -> Path:
@@ -44,26 +50,26 @@ class Finished:
 
     @cached_property
     def scene(self) -> Element:
-        """The scene's XML; Aside where there is none."""
+        """The scene's XML; raises NotApplicable if there is no scene."""
         path = self.folder / "scene.xml"
         if not path.exists():
-            raise Aside("no scene.xml was written")
+            raise NotApplicable("no scene.xml was written")
         return _parsed(path)
 
     @cached_property
     def urdf(self) -> Element:
-        """The URDF; Aside where there is none."""
+        """The URDF; raises NotApplicable if there is no URDF."""
         path = self.folder / f"{self.robot.name}.urdf"
         if not path.exists():
-            raise Aside("no URDF was written")
+            raise NotApplicable("no URDF was written")
         return _parsed(path)
 
     @cached_property
     def shapes(self) -> dict[int, tuple[list[int], list[int]]]:
-        """By body: the geoms that are only seen, and those that collide; not those of the scene."""
-        found = seen_and_solid(self.model)
-        own = {body: geoms for body, geoms in found.items() if body}
-        return {**own, **({0: found[0]} if 0 in found and self.robot.root.name == "world" else {})}
+        """Maps each body to its purely visual geoms and its colliding geoms, without those of the scene."""
+        by_body = seen_and_solid(self.model)
+        of_robot = {body: geoms for body, geoms in by_body.items() if body}
+        return {**of_robot, **({0: by_body[0]} if 0 in by_body and self.robot.root.name == "world" else {})}
 
     @property
     def bodies(self) -> Iterator[tuple[int, str]]:
@@ -86,28 +92,29 @@ class Finished:
         return str(getattr(self.model, kind)(int(index)).name)
 
     def proved_by(self, kinds: Iterable[str], otherwise: str) -> Iterator[str]:
-        """What the checks of this run of these kinds, their codes without the first letter, do not accept;
-        Aside where none of them ran."""
+        """Yields the failures of this run's checks of these kinds, or raises NotApplicable if none of the
+        checks ran. A kind is a code without its first letter."""
         codes = {f"C-{kind}" for kind in kinds}
-        own = [check for check in self.checks if check.code in codes]
-        if not own:
-            raise Aside(otherwise)
-        yield from (f"{one.name}: {one.detail}" for one in own if not one.passed)
+        checks = [check for check in self.checks if check.code in codes]
+        if not checks:
+            raise NotApplicable(otherwise)
+        yield from (f"{check.name}: {check.detail}" for check in checks if not check.passed)
 
 
 def _parsed(path: Path) -> Element:
-    """The root of a file, which may have been broken since it was written."""
+    """Returns the root of a file, which may have been damaged since it was written."""
     try:
         return parse(path.read_bytes())
     except Malformed:
-        raise Aside(f"{path.name} is no XML") from None
+        raise NotApplicable(f"{path.name} is no XML") from None
 
 
 Judge = Callable[[Finished], Iterable[str]]
-"""What would raise a point, in words; nothing where it is met. Raises Aside where it says nothing here."""
+"""Yields texts on what would meet a point, or nothing if it is met. Raises NotApplicable if the point does
+not apply."""
 
 
 def smallest_share(values: Any, limit: float) -> bool:
-    """Whether an attribute's numbers hold one that is noise beside its largest."""
+    """Tells whether an attribute's numbers include noise: a number that is tiny relative to the largest."""
     sizes = np.abs(np.asarray(values))
     return bool(((sizes > 0) & (sizes < limit * sizes.max(initial=0.0))).any())

@@ -1,4 +1,4 @@
-"""The points about joints, what drives them, and the first pose."""
+"""Judges the points about joints, their drives, and the first pose."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -6,41 +6,45 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from linkwright.stages.mujoco.names import actuator_count, controls_of
 from linkwright.stages.mujoco.state import keyframe_of
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.model.coordinates import BALL, FREE
 from linkwright.stages.validate.model.following import equalities
 from linkwright.stages.validate.model.shapes import reach
-from linkwright.stages.validate.readiness.finished import Aside, Finished
+from linkwright.stages.validate.readiness.finished import Finished, NotApplicable
 
-RANK = 1e-6
+MIN_SINGULAR_VALUE = 1e-6
+"""Smallest singular value of the equalities' Jacobian that counts for its rank."""
+
 ROUNDING = 1e-9
+"""Tolerance of values [rad, m], controls and quaternions at the ends of their ranges."""
 
-STANDS = (-1e-6, 2e-3)
-"""Where the lowest collider of a free base is above the ground [m]."""
+GROUND_DISTANCE = (-1e-6, 2e-3)
+"""Range of the height [m] of a free base's lowest collider above the ground."""
 
 DOWN = np.array([[0.0, 0.0, -1.0]])
 
 
 def limits(finished: Finished) -> Iterator[str]:
-    model, said = finished.model, {dof.name: dof.limits for dof in finished.robot.dofs}
+    model, limits_by_name = finished.model, {dof.name: dof.limits for dof in finished.robot.dofs}
     data = finished.home
     for joint in finished.scalar_joints:
         name = finished.name_of("joint", joint)
         low, high = model.jnt_range[joint]
         value = data.qpos[model.jnt_qposadr[joint]]
         if not model.jnt_limited[joint]:
-            if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE or name not in said:
+            if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE or name not in limits_by_name:
                 yield f"give {name} limits: joints: {{{name}: {{limits: [low, high]}}}}"
         elif not low - ROUNDING <= value <= high + ROUNDING:
             yield f"{name} is at {value:.4g} at home, outside its range {low:.4g} to {high:.4g}"
 
 
-def driven(finished: Finished) -> Iterator[str]:
+def drives(finished: Finished) -> Iterator[str]:
     model = finished.model
     joints = _driven(finished)
     if not joints:
-        raise Aside("nothing is driven")
+        raise NotApplicable("nothing is driven")
     for index, joint in joints:
         dof, name = int(model.jnt_dofadr[joint]), finished.name_of("joint", joint)
         if model.dof_armature[dof] <= 0:
@@ -55,10 +59,10 @@ def driven(finished: Finished) -> Iterator[str]:
             yield f"bound the force on {name} once, at the joint or at the actuator"
 
 
-def independent(finished: Finished) -> Iterator[str]:
+def controls(finished: Finished) -> Iterator[str]:
     model, joints = finished.model, _driven(finished)
     if not joints:
-        raise Aside("nothing is driven")
+        raise NotApplicable("nothing is driven")
     free = _free(finished)
     if len({joint for _, joint in joints}) != free:
         yield f"{count(len(joints), 'joint')} of {free} independent ones are driven: actuators"
@@ -68,33 +72,35 @@ def independent(finished: Finished) -> Iterator[str]:
         if servo and (model.actuator_gainprm[index, 0] <= 0 or model.actuator_biasprm[index, 2] >= 0):
             damped = model.dof_damping[int(model.jnt_dofadr[joint])] > 0
             if not damped:
-                yield f"the servo of {name} has no gain, or none of the speed: dampratio"
-        low, high = model.actuator_ctrlrange[index]
-        if servo and model.jnt_limited[joint] and model.actuator_ctrllimited[index]:
+                yield f"the servo of {name} has no gain, or no gain of the speed: dampratio"
+        controls = controls_of(model, index)
+        if servo and model.jnt_limited[joint] and controls and model.actuator_ctrllimited[controls.start]:
+            low, high = model.actuator_ctrlrange[controls.start]
             ends = model.jnt_range[joint] * model.actuator_gear[index, 0]
             if low < ends.min() - ROUNDING or high > ends.max() + ROUNDING:
                 yield f"keep the controls of {name} within its range"
 
 
 def _driven(finished: Finished) -> list[tuple[int, int]]:
-    """The actuators of joints with one dof, each with its joint."""
+    """Returns the actuators of joints with a single dof, each with its joint."""
     model = finished.model
     of_joint = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
     return [
         (index, int(model.actuator_trnid[index, 0]))
-        for index in range(model.nu)
+        for index in range(actuator_count(model))
         if model.actuator_trntype[index] in of_joint
         and int(model.actuator_trnid[index, 0]) in finished.scalar_joints
     ]
 
 
 def _free(finished: Finished) -> int:
-    """The number of independent motions besides a floating base: dofs less the rank of the equalities."""
+    """Returns the number of independent motions, without those of a floating base: the number of dofs less
+    the rank of the equalities."""
     model = finished.model
     passive = 6 * int((model.jnt_type == FREE).sum())
     jacobian, _ = equalities(model, mujoco.MjData(model), finished.home.qpos)
     sizes = np.linalg.svd(jacobian, compute_uv=False) if len(jacobian) else np.zeros(0)
-    return int(model.nv - passive - (sizes > RANK).sum())
+    return int(model.nv - passive - (sizes > MIN_SINGULAR_VALUE).sum())
 
 
 def keyframe(finished: Finished) -> Iterator[str]:
@@ -111,11 +117,12 @@ def keyframe(finished: Finished) -> Iterator[str]:
     low, high = model.actuator_ctrlrange.T
     control = model.key_ctrl[key]
     out = model.actuator_ctrllimited.astype(bool) & ((control < low - ROUNDING) | (control > high + ROUNDING))
-    for index in map(int, np.flatnonzero(out)):
-        yield f"{finished.name_of('actuator', index)} has a control at home out of its range"
+    for index in range(actuator_count(model)):
+        if out[controls_of(model, index)].any():
+            yield f"{finished.name_of('actuator', index)} has a control at home out of its range"
 
 
-def stance(finished: Finished) -> Iterator[str]:
+def base_placement(finished: Finished) -> Iterator[str]:
     model = finished.model
     free = [joint for joint in range(model.njnt) if model.jnt_type[joint] == FREE]
     if finished.robot.base.fixed:
@@ -127,19 +134,19 @@ def stance(finished: Finished) -> Iterator[str]:
     yield from ("name the free joint" for joint in free if not finished.name_of("joint", joint))
     ground = _ground(model)
     if ground is None:
-        raise Aside("there is no flat ground")
+        raise NotApplicable("there is no flat ground")
     lowest = min(
         (_lowest(finished, body, solid) for body, (_, solid) in finished.shapes.items() if solid),
         default=None,
     )
     if lowest is None:
-        raise Aside("nothing collides")
-    if not STANDS[0] <= lowest - ground <= STANDS[1]:
+        raise NotApplicable("nothing collides")
+    if not GROUND_DISTANCE[0] <= lowest - ground <= GROUND_DISTANCE[1]:
         yield f"the lowest collider is {1e3 * (lowest - ground):.3g} mm above the ground at home: scene.pose"
 
 
 def _ground(model: Any) -> float | None:
-    """The height of a level plane in the world [m]."""
+    """Returns the height of a level plane in the world [m]; None without such a plane."""
     for geom in range(model.ngeom):
         if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE and not model.geom_bodyid[geom]:
             level = abs(model.geom_quat[geom][1]) + abs(model.geom_quat[geom][2]) < ROUNDING
@@ -148,10 +155,10 @@ def _ground(model: Any) -> float | None:
 
 
 def _lowest(finished: Finished, body: int, solid: list[int]) -> float:
-    """How far down the colliders of a body reach at `home` [m]."""
+    """Returns the height [m] of a body's lowest colliding point at `home`."""
     data = finished.home
-    own = DOWN @ data.xmat[body].reshape(3, 3)
-    return float(data.xpos[body][2] - reach(finished.model, solid, own)[0])
+    down = DOWN @ data.xmat[body].reshape(3, 3)
+    return float(data.xpos[body][2] - reach(finished.model, solid, down)[0])
 
 
 def sensors(finished: Finished) -> Iterator[str]:

@@ -1,36 +1,36 @@
-"""The score of a finished robot, as a check with a table of its points."""
+"""Scores the readiness of a finished robot, as a check with a table of the points."""
 
 from collections.abc import Iterator
 
 from linkwright.stages.robot.check import Check, Finding, Table
 from linkwright.stages.robot.text.plural import count
-from linkwright.stages.validate.readiness.finished import Aside, Finished
+from linkwright.stages.validate.readiness.finished import Finished, NotApplicable
 from linkwright.stages.validate.readiness.points import POINTS, Point
 
 CODE = "C-READINESS"
 
 HEADER = ("point", "what a model should have", "", "what would raise it, or why not")
 
-PASSED, MISSING, ASIDE = "passed", "missing", "not applicable"
+PASSED, MISSING, NOT_APPLICABLE = "passed", "missing", "not applicable"
 
-SHOWN = 5
-"""So many faults of a point are named."""
+MAX_FAULTS = 5
+"""Largest number of faults that are listed for a point."""
 
 
 def score(finished: Finished) -> Check:
-    """It passes whatever the score is: it tells."""
+    """Scores a finished robot. The check always passes, since the score only informs."""
     rows, findings = [], []
     for point in POINTS:
-        verdict, words = judged(point, finished)
-        rows.append((point.number, point.title, verdict, words))
+        verdict, reason = judge_point(point, finished)
+        rows.append((point.number, point.title, verdict, reason))
         if verdict == MISSING:
-            findings.append(Finding(f"point {point.number}", "", f"{point.title}: {words}"))
+            findings.append(Finding(f"point {point.number}", "", f"{point.title}: {reason}"))
     passed = sum(verdict == PASSED for _, _, verdict, _ in rows)
     total = passed + len(findings)
     detail = f"{passed} of {count(total, 'point')}"
     if total < len(POINTS):
-        apply = "does not apply" if len(POINTS) - total == 1 else "do not apply"
-        detail += f" ({len(POINTS) - total} of the {len(POINTS)} {apply})"
+        verb = "does not apply" if len(POINTS) - total == 1 else "do not apply"
+        detail += f" ({len(POINTS) - total} of the {len(POINTS)} {verb})"
     if findings:
         numbers = ", ".join(str(number) for number, _, verdict, _ in rows if verdict == MISSING)
         detail += f"; missing: {numbers}"
@@ -39,18 +39,18 @@ def score(finished: Finished) -> Check:
     return Check(name, True, detail, float(passed), float(total), CODE, "warning", table=table)
 
 
-def judged(point: Point, finished: Finished) -> tuple[str, str]:
-    """A point's verdict, and the reason in words."""
+def judge_point(point: Point, finished: Finished) -> tuple[str, str]:
+    """Returns a point's verdict, and the reason as text."""
     try:
-        faults = list(_first(point, finished))
-    except Aside as reason:
-        return ASIDE, str(reason)
+        faults = list(_faults(point, finished))
+    except NotApplicable as reason:
+        return NOT_APPLICABLE, str(reason)
     except Exception as error:  # files may have been changed in any way
         return MISSING, f"it cannot be judged: {type(error).__name__}: {error}"
-    more = f", and {len(faults) - SHOWN} more" if len(faults) > SHOWN else ""
-    return (MISSING, "; ".join(faults[:SHOWN]) + more) if faults else (PASSED, "")
+    remainder = f", and {len(faults) - MAX_FAULTS} more" if len(faults) > MAX_FAULTS else ""
+    return (MISSING, "; ".join(faults[:MAX_FAULTS]) + remainder) if faults else (PASSED, "")
 
 
-def _first(point: Point, finished: Finished) -> Iterator[str]:
-    """The faults, each once."""
+def _faults(point: Point, finished: Finished) -> Iterator[str]:
+    """Yields each fault of a point once."""
     yield from dict.fromkeys(point.judge(finished))

@@ -1,27 +1,27 @@
-"""The points that the text of the files shows."""
+"""Judges the points about the text of the files."""
 
 import re
 from collections.abc import Iterator
 from contextlib import suppress
 
 from linkwright.stages.formats.xml import Element
-from linkwright.stages.validate.readiness.finished import Aside, Finished, smallest_share
+from linkwright.stages.validate.readiness.finished import Finished, NotApplicable, smallest_share
 
 NUMBER = re.compile(r"-?\d+(\.\d+)?([eE][-+]?\d+)?")
 
-NOISE = 1e-12
-"""A number below this share of the largest of its attribute is noise."""
+NOISE_SHARE = 1e-12
+"""Share of an attribute's largest number below which a number is noise."""
 
-OF_CLASS = ("contype", "conaffinity", "group", "density", "mass")
-"""What a geom's class says, so that no geom repeats it."""
+CLASS_ATTRIBUTES = ("contype", "conaffinity", "group", "density", "mass")
+"""Attributes that belong into a geom's class, so that no geom repeats them."""
 
 
 def the_robot_alone(finished: Finished) -> Iterator[str]:
-    for one in finished.xml.iterfind("worldbody/*"):
-        if one.tag == "light" or (one.tag == "geom" and one.get("type") == "plane"):
-            yield f"move <{one.tag}> from {finished.path.name} to scene.xml"
+    for element in finished.xml.iterfind("worldbody/*"):
+        if element.tag == "light" or (element.tag == "geom" and element.get("type") == "plane"):
+            yield f"move <{element.tag}> from {finished.path.name} to scene.xml"
     scene = finished.scene
-    if all(one.get("file") != finished.path.name for one in scene.iter("include")):
+    if all(include.get("file") != finished.path.name for include in scene.iter("include")):
         yield f"let scene.xml include {finished.path.name}"
     for place, words in (
         ("worldbody/geom", "a ground: ground.kind"),
@@ -34,30 +34,31 @@ def the_robot_alone(finished: Finished) -> Iterator[str]:
 
 def paths(finished: Finished) -> Iterator[str]:
     compiler = finished.xml.find("compiler")
-    said = {} if compiler is None else compiler.attrib
-    if said.get("angle") != "radian":
+    settings = {} if compiler is None else compiler.attrib
+    if settings.get("angle") != "radian":
         yield 'write <compiler angle="radian">'
-    if said.get("autolimits") == "false":
+    if settings.get("autolimits") == "false":
         yield "leave out autolimits"
-    folder = said.get("meshdir", "")
-    used = {f"{folder}/{one.get('file')}" if folder else one.get("file") for one in _files(finished.xml)}
+    folder = settings.get("meshdir", "")
+    files = (mesh.get("file") for mesh in _meshes(finished.xml))
+    used = {f"{folder}/{file}" if folder else file for file in files}
     for file in sorted(used):
         if file.startswith("/") or ".." in file or "://" in file:
             yield f"{file} is no path below the model's folder"
         elif not (finished.folder / file).is_file():
             yield f"{file} is not there"
-    there = {
+    existing = {
         path.relative_to(finished.folder).as_posix()
         for path in (finished.folder / "assets").glob("*")
         if path.suffix not in (".mtl", ".png")
     }
-    with suppress(Aside):
-        used |= {_below(one.get("filename", "")) for one in finished.urdf.iterfind(".//mesh")}
-    yield from (f"nothing uses {file}" for file in sorted(there - used))
+    with suppress(NotApplicable):
+        used |= {_below(mesh.get("filename", "")) for mesh in finished.urdf.iterfind(".//mesh")}
+    yield from (f"nothing uses {file}" for file in sorted(existing - used))
 
 
-def _files(xml: Element) -> list[Element]:
-    return [one for one in xml.iterfind("asset/*[@file]") if one.tag == "mesh"]
+def _meshes(xml: Element) -> list[Element]:
+    return [asset for asset in xml.iterfind("asset/*[@file]") if asset.tag == "mesh"]
 
 
 def _below(path: str) -> str:
@@ -66,17 +67,17 @@ def _below(path: str) -> str:
 
 def classes(finished: Finished) -> Iterator[str]:
     root = finished.xml.find("default/default")
-    known = set() if root is None else {one.get("class") for one in root.iter("default")}
-    if root is None or not root.get("class") or not {"visual", "collision"} <= known:
+    names = set() if root is None else {default.get("class") for default in root.iter("default")}
+    if root is None or not root.get("class") or not {"visual", "collision"} <= names:
         yield "write a root default class with the classes visual and collision"
-    bare, told = 0, set[str]()
+    bare, repeated = 0, set[str]()
     for geom in finished.xml.iterfind(".//worldbody//geom"):
         bare += geom.get("class") is None
-        told |= {key for key in OF_CLASS if key in geom.attrib}
+        repeated |= {key for key in CLASS_ATTRIBUTES if key in geom.attrib}
     if bare:
         yield f"give {bare} geoms a class"
-    if told:
-        yield f"let classes say {', '.join(sorted(told))}, not geoms"
+    if repeated:
+        yield f"let classes say {', '.join(sorted(repeated))}, not geoms"
 
 
 def inertials(finished: Finished) -> Iterator[str]:
@@ -89,17 +90,18 @@ def inertials(finished: Finished) -> Iterator[str]:
         yield f"{', '.join(sorted(massive))} have a mass of their own beside the inertia"
 
 
-def one_convention(finished: Finished) -> Iterator[str]:
-    found = set()
+def inertia_convention(finished: Finished) -> Iterator[str]:
+    forms = set()
     for inertial in finished.xml.iterfind(".//worldbody//body/inertial"):
-        found |= {"diaginertia", "fullinertia"} & set(inertial.attrib)
-    if len(found) > 1:
+        forms |= {"diaginertia", "fullinertia"} & set(inertial.attrib)
+    if len(forms) > 1:
         yield "write all inertias as diaginertia and quat, or all as fullinertia"
 
 
 def order(finished: Finished) -> Iterator[str]:
     tree = [joint.get("name") for joint in finished.xml.iterfind(".//worldbody//joint")]
-    driven = [(one.get("name"), one.get("joint")) for one in finished.xml.iterfind("actuator/*[@joint]")]
+    actuators = finished.xml.iterfind("actuator/*[@joint]")
+    driven = [(actuator.get("name"), actuator.get("joint")) for actuator in actuators]
     for name, joint in driven:
         if not (name or "").startswith(joint):
             yield f"name the actuator {name} by its joint {joint}"
@@ -107,39 +109,38 @@ def order(finished: Finished) -> Iterator[str]:
     if places != sorted(places):
         yield "write the actuators in the order of the joints"
     try:
-        urdf = [one.get("name") for one in finished.urdf.iterfind("joint") if one.get("name") in tree]
-    except Aside:
+        urdf = [joint.get("name") for joint in finished.urdf.iterfind("joint") if joint.get("name") in tree]
+    except NotApplicable:
         return
     if urdf != [name for name in tree if name in urdf]:
         yield "write the URDF's joints in the MJCF's order"
 
 
 def materials(finished: Finished) -> Iterator[str]:
-    colours = [
-        one.get("rgba") for one in finished.xml.iterfind("asset/material[@rgba]") if not one.get("texture")
-    ]
+    with_colour = finished.xml.iterfind("asset/material[@rgba]")
+    colours = [material.get("rgba") for material in with_colour if not material.get("texture")]
     if len(colours) != len(set(colours)):
         yield "share the materials of one colour"
-    own = [geom for geom in finished.xml.iterfind(".//worldbody//geom") if geom.get("rgba") is not None]
-    if own:
-        yield f"give {len(own)} geoms a material in place of a colour"
+    coloured = [geom for geom in finished.xml.iterfind(".//worldbody//geom") if geom.get("rgba") is not None]
+    if coloured:
+        yield f"give {len(coloured)} geoms a material in place of a colour"
 
 
 def numbers(finished: Finished) -> Iterator[str]:
-    for one in finished.xml.iter():
-        for key, text in one.attrib.items():
+    for element in finished.xml.iter():
+        for key, text in element.attrib.items():
             words = text.split()
             if not words or not all(NUMBER.fullmatch(word) for word in words):
                 continue
             zero = any(word.startswith("-") and float(word) == 0 for word in words)
-            if zero or (key != "qpos" and smallest_share([float(word) for word in words], NOISE)):
-                yield f'{one.tag} {one.get("name", "")}: {key}="{text}" has noise, or a negative zero'
+            if zero or (key != "qpos" and smallest_share([float(word) for word in words], NOISE_SHARE)):
+                yield f'{element.tag} {element.get("name", "")}: {key}="{text}" has noise, or a negative zero'
 
 
 def option(finished: Finished) -> Iterator[str]:
-    found = finished.xml.find("option")
-    said = {} if found is None else found.attrib
-    if "timestep" not in said:
+    element = finished.xml.find("option")
+    settings = {} if element is None else element.attrib
+    if "timestep" not in settings:
         yield "state the time step: scene.option.timestep"
-    if said.get("integrator") not in ("implicitfast", "implicit"):
+    if settings.get("integrator") not in ("implicitfast", "implicit"):
         yield "use the integrator implicitfast: scene.option.integrator"

@@ -1,1 +1,1 @@
-"""Reading files that may be anything: which, how large, and where in them something is."""
+"""Reads files of any content, within limits of size, and finds where in them an error is."""

@@ -1,4 +1,4 @@
-"""The files that a model names: meshes, textures and height fields, and where they lie."""
+"""Finds the files that a model names: meshes, textures and height fields."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,24 +10,26 @@ from linkwright.stages.robot.system.regular_files import is_file
 from linkwright.stages.validate.reading.documents import ModelDocument
 
 _MESH_FOLDER = ("mesh", "hfield", "skin", "flexcomp")
-"""Elements of an MJCF whose files lie in the compiler's `meshdir`."""
+"""Elements of an MJCF whose files are in the compiler's `meshdir`."""
 
 _SIDES = tuple(f"file{side}" for side in ("back", "down", "front", "left", "right", "up"))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NamedFile:
-    """A file that an element names by an attribute, as `text`. `path`: where it lies, None where no folder is
-    known for the package that it names."""
+    """A file that an element of a model names."""
 
     element: Element
     attribute: str
     text: str
+    """The value of the attribute."""
+
     path: Path | None
+    """Where the file is; None if the folder of its package is not known."""
 
 
-def named_files(document: ModelDocument) -> Iterator[NamedFile]:
-    """Every file that the model, with what it includes, names."""
+def referenced_files(document: ModelDocument) -> Iterator[NamedFile]:
+    """Yields every file that the model, or a file that it includes, names."""
     if document.language == "urdf":
         yield from _of_urdf(document)
     else:
@@ -35,40 +37,45 @@ def named_files(document: ModelDocument) -> Iterator[NamedFile]:
 
 
 def package_of(text: str) -> str:
-    """The package that a path begins with; "" for a plain path."""
+    """Returns the package that a path starts with; "" for a plain path."""
     return text.partition("://")[2].partition("/")[0] if is_of_package(text) else ""
 
 
 def is_of_package(text: str) -> bool:
-    """Whether a path counts from the folder of a package, which may be left out as in `package:///a.stl`."""
+    """Tells whether a path is relative to a package's folder. The package's name may be missing, as in
+    `package:///a.stl`."""
     return text.startswith(("package://", "model://"))
 
 
 def _of_urdf(document: ModelDocument) -> Iterator[NamedFile]:
     folder = document.path.parent
-    (meshdir,) = [one.get("meshdir", "") for one in document.root.iterfind("mujoco/compiler")][:1] or [""]
+    compilers = document.root.iterfind("mujoco/compiler")
+    (meshdir,) = [compiler.get("meshdir", "") for compiler in compilers][:1] or [""]
     for element in document.root.iter("mesh", "texture"):
         text = element.get("filename", "")
-        if not text.strip() or any("ros2_control" in tag(one) for one in element.iterancestors()):
+        if not text.strip() or any("ros2_control" in tag(ancestor) for ancestor in element.iterancestors()):
             continue
         yield NamedFile(element, "filename", text, _place(text, folder, meshdir, document.packages))
 
 
 def _place(text: str, folder: Path, meshdir: str, packages: tuple[str, ...] | None) -> Path | None:
-    """Where a path of a URDF leads: from its own folder, or from the folder of the package. `packages`: those
-    that its own folder may be, None for any."""
+    """Resolves a path of a URDF, relative to its folder or to the folder of the package. `packages`: the
+    packages that its folder may be, None for any."""
     if is_of_package(text):
         name = package_of(text)
-        rest = unquote(text.partition("://")[2].partition("/")[2])
-        tries = [folder / rest] if packages is None or name in packages else []
+        path_in_package = unquote(text.partition("://")[2].partition("/")[2])
+        tries = [folder / path_in_package] if packages is None or name in packages else []
         for above in (folder.resolve(), *folder.resolve().parents):
-            tries += [above / name / rest, *([above / rest] if above.name == name else [])]
-        tries += [folder / meshdir / PurePosixPath(rest).name] if meshdir else []
-        return next((one for one in tries if is_file(one)), None)
+            tries += [
+                above / name / path_in_package,
+                *([above / path_in_package] if above.name == name else []),
+            ]
+        tries += [folder / meshdir / PurePosixPath(path_in_package).name] if meshdir else []
+        return next((path for path in tries if is_file(path)), None)
     plain = text.removeprefix("file://")
     tries = [folder / plain]
     tries += [folder / meshdir / plain, folder / meshdir / PurePosixPath(plain).name] if meshdir else []
-    return next((one for one in tries if is_file(one)), tries[0])
+    return next((path for path in tries if is_file(path)), tries[0])
 
 
 def _of_mjcf(document: ModelDocument) -> Iterator[NamedFile]:
@@ -76,8 +83,8 @@ def _of_mjcf(document: ModelDocument) -> Iterator[NamedFile]:
     settings: dict[str, str] = {}
     for compiler in document.root.iterfind("compiler"):
         settings |= compiler.attrib
-    both = settings.get("assetdir", "")
-    meshes, textures = settings.get("meshdir", both), settings.get("texturedir", both)
+    asset_folder = settings.get("assetdir", "")
+    meshes, textures = settings.get("meshdir", asset_folder), settings.get("texturedir", asset_folder)
     strip = settings.get("strippath") == "true"
     for element in document.root.iter("mesh", "hfield", "skin", "texture", "flexcomp", "model"):
         for attribute in ("file", *(_SIDES if element.tag == "texture" else ())):

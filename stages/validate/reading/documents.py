@@ -1,4 +1,4 @@
-"""A model file as XML, with what it includes: its elements, what each is called, and where it lies."""
+"""Reads a model file as XML, with the files that it includes, and names its elements in findings."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -17,45 +17,53 @@ from linkwright.stages.validate.findings import named
 Language = Literal["urdf", "mjcf"]
 
 ROOTS: dict[str, Language] = {"robot": "urdf", "mujoco": "mjcf"}
-"""The root elements of models, and the languages that they begin."""
+"""The root elements of models, with their languages."""
 
 MAKERS = frozenset(["attach", "replicate", "composite", "flexcomp", "flex", "plugin", "model"])
-"""Elements of an MJCF that make others, with names and joints that are not in the text."""
+"""Elements of an MJCF that make other elements, with names and joints that are not in the text."""
 
-SHOWN = 3
-"""So many findings are written out in a check's own words."""
+MAX_LISTED = 3
+"""Largest number of findings that a check's detail lists."""
 
-MOST_INCLUDES = 100
-"""Files that a model may include."""
+MAX_INCLUDES = 100
+"""Largest number of files that a model may include."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ModelDocument:
-    """`root`: the model with what it includes; `included`: the elements of other files, and these files.
-    `language` is None where the root is of no model. `broken`: what of the text cannot be read.
-    `packages`: those that the file's own folder is to it, None where nothing is known of that. `foreign`:
-    whether another program wrote it."""
+    """A model file as XML."""
 
     path: Path
     root: Element
+    """The root of the model, with the elements of the files that it includes."""
+
     language: Language | None
+    """None if the root element is not that of a model."""
+
     included: dict[Element, Path]
+    """Element of an included file → the file."""
+
     broken: tuple[Finding, ...] = ()
+    """Findings on parts of the text that cannot be read."""
+
     packages: tuple[str, ...] | None = None
+    """The packages that the file's folder is; None if unknown."""
+
     foreign: bool = False
+    """Whether another program wrote the file."""
 
     def elements(self) -> Iterator[Element]:
-        """The elements of this file itself, in its order."""
-        return (one for one in self.root.iter() if one not in self.included)
+        """Returns the elements of this file, without included files, in their order."""
+        return (element for element in self.root.iter() if element not in self.included)
 
     def finding(self, element: Element, attribute: str, message: str) -> Finding:
-        """What is wrong with an attribute of an element, or with the element; the line is named."""
+        """Returns a finding on an attribute of an element, or on the element, with its line."""
         line = f" (line {element.sourceline})" if element.sourceline else ""
-        return Finding(called(element), attribute, f"{message}{line}")
+        return Finding(title_of(element), attribute, f"{message}{line}")
 
 
 def read(path: Path) -> ModelDocument | None:
-    """The document in a file; None where the file is no XML (see `broken_text`)."""
+    """Reads the document in a file; None if the file is not XML (see `broken_text`)."""
     try:
         root = parse(content(path, LARGEST_TEXT))
     except Malformed:
@@ -67,7 +75,7 @@ def read(path: Path) -> ModelDocument | None:
 
 
 def broken_text(path: Path) -> Finding | None:
-    """Why a file is no XML."""
+    """Returns the finding that says why a file is not XML; None if it is XML."""
     try:
         parse(content(path, LARGEST_TEXT))
     except Malformed as error:
@@ -75,59 +83,60 @@ def broken_text(path: Path) -> Finding | None:
     return None
 
 
-def called(element: Element) -> str:
-    """An element by tag and name, as `joint "elbow"`; one without a name also by what it is in."""
-    own = tag(element)
+def title_of(element: Element) -> str:
+    """Returns an element's title, such as `joint "elbow"`. Without a name it has the tag and the title of the
+    parent."""
+    name_of_tag = tag(element)
     name = name_of(element)
     if name:
-        return named(own, name)
-    if own == "mesh" and element.get("file"):
+        return named(name_of_tag, name)
+    if name_of_tag == "mesh" and element.get("file"):
         return named("mesh", stem(element))
     above = element.getparent()
     while above is not None and tag(above) in _BETWEEN:
         above = above.getparent()
     if above is None or above.getparent() is None:
-        return own
-    return f"{own} of {called(above)}"
+        return name_of_tag
+    return f"{name_of_tag} of {title_of(above)}"
 
 
 _BETWEEN = ("geometry", "inertial")
-"""Elements that are only around others."""
+"""Elements that only group other elements."""
 
 
 def stem(element: Element) -> str:
-    """The name of an asset without one: that of its file, without folder and ending."""
+    """Returns the name of an unnamed asset: the name of its file, without folder and ending."""
     return str(element.get("file", "")).replace("\\", "/").rpartition("/")[2].rpartition(".")[0]
 
 
 def sentence(findings: tuple[Finding, ...]) -> str:
-    """The first findings in one line."""
+    """Returns the first findings in a single line of text."""
     shown = [
-        f"{one.element}{f' {one.attribute}' if one.attribute else ''}: {one.message}"
-        for one in findings[:SHOWN]
+        f"{finding.element}{f' {finding.attribute}' if finding.attribute else ''}: {finding.message}"
+        for finding in findings[:MAX_LISTED]
     ]
-    more = len(findings) - len(shown)
-    return "; ".join(shown) + (f"; and {count(more, 'other')}" if more else "")
+    others_count = len(findings) - len(shown)
+    return "; ".join(shown) + (f"; and {count(others_count, 'other')}" if others_count else "")
 
 
 def _include(root: Element, path: Path, included: dict[Element, Path]) -> list[Finding]:
-    """Puts the elements of included files in the place of each <include>; paths count from the model's own
-    folder. Gives what cannot be included."""
-    seen, found = {path.resolve()}, []
+    """Replaces each <include> by the elements of its file; paths count from the model's own folder. Returns
+    findings of files that cannot be included."""
+    visited, findings = {path.resolve()}, []
 
     def refused(node: Element, why: str) -> Element | None:
-        found.append(Finding("include", "file", f'"{node.get("file", "")}" {why}'))
+        findings.append(Finding("include", "file", f'"{node.get("file", "")}" {why}'))
         return None
 
     def read(node: Element) -> Element | None:
-        wanted = node.get("file", "")
-        place = path.parent / wanted
+        name = node.get("file", "")
+        place = path.parent / name
         line = f"(line {node.sourceline})"
-        if not wanted or not is_file(place):
+        if not name or not is_file(place):
             return refused(node, f"does not exist {line}")
-        if place.resolve() in seen or len(seen) > MOST_INCLUDES:
+        if place.resolve() in visited or len(visited) > MAX_INCLUDES:
             return refused(node, f"is included already {line}")
-        seen.add(place.resolve())
+        visited.add(place.resolve())
         try:
             other = parse(content(place, LARGEST_TEXT))
         except FileTooLarge:
@@ -138,4 +147,4 @@ def _include(root: Element, path: Path, included: dict[Element, Path]) -> list[F
         return other
 
     resolve(root, read)
-    return found
+    return findings

@@ -1,4 +1,4 @@
-"""Checks of files that may be anything: one that breaks over a file does not take the others with it."""
+"""Runs checks of files of any content: an exception in a check does not stop the others."""
 
 from collections.abc import Callable, Iterable, Iterator
 
@@ -6,10 +6,10 @@ from linkwright.stages.robot.check import Check
 
 
 def guarded(name: str, make: Callable[[], Iterable[Check]]) -> Iterator[Check]:
-    """The results that `make` gives; where it breaks off, one called `name` that fails and says why."""
+    """Yields the results of `make`; if it raises, a failed result called `name` with the reason."""
     try:
         yield from make()
     except Exception as error:
-        what = " ".join(f"{type(error).__name__}: {error}".split())
-        detail = f"it cannot be checked, since something that it needs is missing or broken ({what})"
+        reason = " ".join(f"{type(error).__name__}: {error}".split())
+        detail = f"it cannot be checked, since something that it needs is missing or broken ({reason})"
         yield Check(name, False, detail)

@@ -1,4 +1,4 @@
-"""Where in a file an engine's refusal is: its message names an element or a file, and what is wrong."""
+"""Finds what made an engine refuse a file: the engine's message names an element or another file."""
 
 import re
 from collections.abc import Iterator
@@ -16,31 +16,31 @@ WRONG = (
     ("inertia", "body", "inertial inertia"),
     ("damping", "joint", "damping"),
 )
-"""A word of the message, the element that it is about, and its attribute."""
+"""A word of the message, the element that it refers to, and its attribute."""
 
 
 def located(path: Path, message: str) -> tuple[Finding, ...]:
-    """The one finding of a refusal; its element is the file where nothing more is known."""
+    """Returns the finding of a refusal. Its element is the file if nothing more is known."""
     text = " ".join(message.split())
     try:
         root = parse(path.read_bytes())
     except Malformed as error:
         return (Finding(path.name, "XML", str(error)),)
     urdf = path.suffix == ".urdf"
-    for element, attribute in _found(root, text, urdf):
+    for element, attribute in _places(root, text, urdf):
         return (Finding(element, attribute, text),)
     return (Finding(path.name, "", text),)
 
 
-def _found(root: Element, text: str, urdf: bool) -> Iterator[tuple[str, str]]:
-    """(element, attribute), the surest first."""
+def _places(root: Element, text: str, urdf: bool) -> Iterator[tuple[str, str]]:
+    """Yields (element, attribute) for each place that the message may mean, the surest first."""
     repeated = re.search(r"repeated name '([^']+)' in (\w+)", text)
     if repeated:
         kind = "link" if urdf and repeated[2] == "body" else repeated[2]
         yield named(kind, repeated[1]), "name"
-    again = re.search(r"element '([^']+)' is repeated in equality", text)
-    if again:
-        yield named("joint", again[1]), "name"
+    repeated_joint = re.search(r"element '([^']+)' is repeated in equality", text)
+    if repeated_joint:
+        yield named("joint", repeated_joint[1]), "name"
     file = re.search(r"[Ff]ile '([^']+)'", text)
     if file:
         yield from _naming(root, PurePosixPath(file[1]).name)
@@ -53,12 +53,12 @@ def _found(root: Element, text: str, urdf: bool) -> Iterator[tuple[str, str]]:
 
 
 def _naming(root: Element, file: str) -> Iterator[tuple[str, str]]:
-    """The elements that name a file."""
+    """Yields the elements that name a file."""
     for node in root.iter():
         for attribute, value in node.attrib.items():
             if PurePosixPath(str(value)).name != file:
                 continue
-            owner = next((one for one in node.iterancestors("link")), None)
+            owner = next(node.iterancestors("link"), None)
             if owner is not None:
                 yield link(owner.get("name", ""), urdf=True), f"{tag(node)} {attribute}"
             else:

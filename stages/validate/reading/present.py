@@ -1,4 +1,4 @@
-"""Whether the files of a robot are there."""
+"""Checks that the files of a robot exist."""
 
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -11,12 +11,12 @@ CODE = "C-PRESENT"
 
 
 def present(folder: Path, files: Iterable[str]) -> Iterator[Check]:
-    """One check of all files whose paths are known; none where there are none."""
+    """Yields a single check of all files; nothing without files."""
     paths = list(files)
     missing = [path for path in paths if not (folder / path).is_file()]
     detail = f"missing: {', '.join(missing)}" if missing else f"{count(len(paths), 'file')} of robot.json"
     message = "robot.json lists this file, and it is not there"
-    found = tuple(Finding(named("file", path), "", message) for path in missing)
+    findings = tuple(Finding(named("file", path), "", message) for path in missing)
     if paths:
         name, number = "robot.json: files", float(len(missing))
-        yield Check(name, not missing, detail, number, 0.0, CODE, "error", found)
+        yield Check(name, not missing, detail, number, 0.0, CODE, "error", findings)

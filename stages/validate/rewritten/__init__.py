@@ -1,13 +1,14 @@
-"""Files that nothing simulates, held against what a build would write again: fact by fact, not byte by byte.
+"""Compares files that nothing simulates with the files that a build would write, by facts instead of bytes.
 
-- amended: What the configuration's own XML changed in a file that a build would write again without it.
-- check: The checks of files that are written from others: each says what a build would write again.
-- compare: The differences between a file and what a build writes in its place.
-- facts: What a file says, as facts: a value at each place.
-- line_facts: The facts of CMake, command by command, and of any other text, line by line.
-- own: What of a package is for its user to set: what a build writes there is a start.
-- python_facts: The facts of a Python module, which is read and never run: its constants, value by value, and
-  the statements of its functions.
-- tree_facts: The facts of YAML, TOML and JSON: values by their keys.
-- xml_facts: The facts of XML.
+- amended: Recognizes differences that come from the user's own XML, which a build would not write again.
+- check: Checks the files that are written from others, by comparing each with what a build would write.
+- compare: Finds the differences between a file and what a build writes in its place.
+- facts: Defines facts, which are the content of a file: a value at each place.
+- line_facts: Reads the facts of CMake, command by command, and of any other text, line by line.
+- python_facts: Reads the facts of a Python module, which is parsed and never run: constants, and statements
+  of functions.
+- tree_facts: Reads YAML, TOML and JSON files as facts: pairs of a place (the path of keys) and a value.
+- user_settings: Lists the facts of a package that its user may set, since a build writes only first values.
+- xml_facts: Reads the facts of XML. The name of a material is not a fact, but its place in the order of
+  materials is.
 """

@@ -1,4 +1,4 @@
-"""What the configuration's own XML changed in a file that a build would write again without it."""
+"""Recognizes differences that come from the user's own XML, which a build would not write again."""
 
 from collections.abc import Iterable
 
@@ -7,11 +7,11 @@ from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.rewritten.compare import Difference
 
 PREFIX = "${prefix}"
-"""Before the names of a xacro."""
+"""Prefix of the names in a xacro."""
 
 
 def is_amended(difference: Difference, changes: Iterable[Amendment]) -> bool:
-    """Whether a difference is one of these changes, by its element and attribute."""
+    """Tells, by its element and attribute, whether a difference comes from these changes."""
     element = difference.finding.element.replace(PREFIX, "")
     return any(_is_of(difference, element, change) for change in changes)
 
@@ -24,7 +24,7 @@ def _is_of(difference: Difference, element: str, change: Amendment) -> bool:
     return difference.change == "added" and element in map(_element, change.adds)
 
 
-def _element(said: str) -> str:
-    """As findings name it, of "body torso"."""
-    tag, _, name = said.partition(" ")
+def _element(target: str) -> str:
+    """Returns the title, in findings, of a target such as "body torso"."""
+    tag, _, name = target.partition(" ")
     return named(tag_of(tag), name)

@@ -1,4 +1,4 @@
-"""The checks of files that are written from others: each says what a build would write again."""
+"""Checks the files that are written from others, by comparing each with what a build would write."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -13,10 +13,10 @@ from linkwright.stages.validate.findings import few, named
 from linkwright.stages.validate.reading.documents import sentence
 from linkwright.stages.validate.rewritten.amended import is_amended
 from linkwright.stages.validate.rewritten.compare import Difference, differences
-from linkwright.stages.validate.rewritten.own import DESCRIBES, Weight, weight_of
+from linkwright.stages.validate.rewritten.user_settings import ROBOT_ENDINGS, Weight, weight_of
 
-MANY = (".stl", ".obj", ".mtl", ".png", ".usd")
-"""Endings of files of which a folder has many: their check is one."""
+GROUPED_ENDINGS = (".stl", ".obj", ".mtl", ".png", ".usd")
+"""Endings of files that a folder has many of, so that they share a check."""
 
 
 def rewritten(
@@ -27,43 +27,45 @@ def rewritten(
     current: bool,
     changes: Sequence[Amendment] = (),
 ) -> Iterator[Check]:
-    """Whether each file, by its path, says what is expected. `copies`: whether they are copies, in which the
-    user sets nothing; `current`: whether this version of Linkwright wrote them: another version writes other
-    texts, so a difference is no fault; `changes`: what the user's own XML changed in files that describe the
-    robot."""
+    """Compares each file with its expected content, by path.
+
+    `copies`: whether the files are copies, in which the user sets nothing. `current`: whether this version of
+    Linkwright wrote the files: other versions write other texts, so that a difference is not a fault.
+    `changes`: the changes by the user's own XML to files that describe the robot.
+    """
     levels: tuple[CheckLevel, CheckLevel] = ("warning", "error" if current else "warning")
-    many = [path for path in sorted(expected) if PurePosixPath(path).suffix in MANY]
-    for path in sorted(expected.keys() - {*many}):
-        every = [
+    grouped = [path for path in sorted(expected) if PurePosixPath(path).suffix in GROUPED_ENDINGS]
+    for path in sorted(expected.keys() - {*grouped}):
+        weighed = [
             (difference, weight)
             for difference, weight in _differences(folder, path, expected[path], copies)
-            if not path.endswith(DESCRIBES) or not is_amended(difference, changes)
+            if not path.endswith(ROBOT_ENDINGS) or not is_amended(difference, changes)
         ]
-        wrong = [difference.finding for difference, weight in every if weight == "error"]
-        found = (*wrong, *(difference.finding for difference, weight in every if weight == "warning"))
-        yield _check(f"{path}: text", found, levels[bool(wrong)], "says what a build writes")
-    for place, paths in groupby(many, lambda path: str(PurePosixPath(path).parent)):
+        wrong = [difference.finding for difference, weight in weighed if weight == "error"]
+        findings = (*wrong, *(difference.finding for difference, weight in weighed if weight == "warning"))
+        yield _check(f"{path}: text", findings, levels[bool(wrong)], "equals what a build writes")
+    for place, paths in groupby(grouped, lambda path: str(PurePosixPath(path).parent)):
         files = [*paths]
-        found = tuple(
+        findings = tuple(
             replace(difference.finding, element=named("file", PurePosixPath(path).name))
             for path in files
             for difference, _ in _differences(folder, path, expected[path], copies=True)
         )
-        detail = f"{count(len(files), 'file')} as those of which they are copies"
-        yield _check(f"{place}: copies", found, levels[1], detail)
+        detail = f"{count(len(files), 'file')} equal to the files that they are copies of"
+        yield _check(f"{place}: copies", findings, levels[1], detail)
 
 
-def _check(name: str, found: tuple[Finding, ...], level: CheckLevel, passed: str) -> Check:
-    detail = sentence(found) if found else passed
-    return Check(name, not found, detail, float(len(found)), 0.0, "", level, few(found))
+def _check(name: str, findings: tuple[Finding, ...], level: CheckLevel, passed: str) -> Check:
+    detail = sentence(findings) if findings else passed
+    return Check(name, not findings, detail, float(len(findings)), 0.0, "", level, few(findings))
 
 
 def _differences(
     folder: Path, path: str, expected: bytes, copies: bool
 ) -> Iterator[tuple[Difference, Weight]]:
-    """What differs, and counts."""
+    """Yields the differences that count, with their weights."""
     if not is_file(folder / path):
-        yield Difference("missing", (), Finding("file", "", "there is none")), "error"
+        yield Difference("missing", (), Finding("file", "", "is missing")), "error"
         return
     name = PurePosixPath(path).name
     for difference in differences(name, (folder / path).read_bytes(), expected):

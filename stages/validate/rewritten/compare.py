@@ -1,4 +1,4 @@
-"""The differences between a file and what a build writes in its place."""
+"""Finds the differences between a file and what a build writes in its place."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -21,44 +21,46 @@ READERS: Mapping[str, Reader] = {
     ".txt": cmake_facts,
     **dict.fromkeys((".obj", ".mtl", ".usda"), text_facts),
 }
-"""What reads a file, by the ending of its name; any other is compared byte by byte."""
+"""Ending of a file's name → reader. Other files are compared byte by byte."""
 
-LONGER, MORE = 20, 1_000_000
-"""A file that is as many times longer than what a build writes, and by as many bytes, is not read."""
+MAX_LENGTH_RATIO, MAX_MORE_BYTES = 20, 1_000_000
+"""A file that is longer than this ratio times a build's file plus this number of bytes is not read."""
 
 _MARKS = ("", "{}")
-"""Ends of the path of what only says that something is there."""
+"""Last entries of paths of facts that only state that something exists."""
 
-_OTHER_BYTES = "has other bytes than the file that it is a copy of"
+_OTHER_BYTES = "differs from the file that it is a copy of"
 
 Change = Literal["missing", "added", "other"]
 
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """A fact that a build does not write so: it is missing, added, or another. `path`: of its place."""
+    """A fact that differs from a build's."""
 
     change: Change
     path: tuple[str, ...]
+    """The path of the fact's place."""
+
     finding: Finding
 
 
 def differences(name: str, data: bytes, expected: bytes) -> Iterator[Difference]:
-    """Of a file of this name. None where both say the same."""
+    """Yields the differences of a file of this name; nothing if both contents have the same facts."""
     if data == expected:
         return
     reader = READERS.get(PurePosixPath(name).suffix or name)
     try:
-        wanted = dict(reader(expected)) if reader is not None else None
+        facts = dict(reader(expected)) if reader is not None else None
     except Unparsable:
-        wanted = None
-    if reader is None or wanted is None:
+        facts = None
+    if reader is None or facts is None:
         yield _of_file(_OTHER_BYTES)
-    elif len(data) > LONGER * len(expected) + MORE:
+    elif len(data) > MAX_LENGTH_RATIO * len(expected) + MAX_MORE_BYTES:
         yield _of_file(f"has {len(data)} bytes, expected {len(expected)}")
     else:
         try:
-            yield from _differences(dict(reader(data)), wanted)
+            yield from _differences(dict(reader(data)), facts)
         except Unparsable as error:
             yield _of_file(str(error))
         except RecursionError:
@@ -69,31 +71,31 @@ def _of_file(message: str) -> Difference:
     return Difference("other", (), Finding("file", "", message))
 
 
-def _differences(facts: Facts, wanted: Facts) -> Iterator[Difference]:
-    places = {place.path: place for place in (*facts, *wanted)}
+def _differences(facts: Facts, facts_expected: Facts) -> Iterator[Difference]:
+    places = {place.path: place for place in (*facts, *facts_expected)}
     values = {place.path: value for place, value in facts.items()}
-    expected = {place.path: value for place, value in wanted.items()}
+    expected = {place.path: value for place, value in facts_expected.items()}
     reported: set[tuple[str, ...]] = set()
     for path in sorted(places):
-        # What is in an element that is not there is not there either.
+        # The content of a missing element is missing too.
         if any(path[:length] in reported for length in range(1, len(path))):
             continue
         place = places[path]
         if path in values and path in expected:
             if not same(values[path], expected[path], place.least):
-                yield _difference("other", place, _otherwise(values[path], expected[path]))
+                yield _difference("other", place, _words(values[path], expected[path]))
             continue
         reported.add(path[:-1] if path[-1] in _MARKS else path)
         if path in expected:
             wish = "" if expected[path] is True else f", expected {shown(expected[path])}"
-            yield _difference("missing", place, f"there is none{wish}")
+            yield _difference("missing", place, f"is missing{wish}")
         else:
             word = "there" if values[path] is True else shown(values[path])
-            yield _difference("added", place, f"is {word}, and a build writes none")
+            yield _difference("added", place, f"is {word}, but a build does not write it")
 
 
-def _otherwise(value: Value, expected: Value) -> str:
-    """How a value differs, of long rows only where."""
+def _words(value: Value, expected: Value) -> str:
+    """Returns a text on the difference of two values; for long rows only on the entries that differ."""
     if isinstance(value, tuple) and isinstance(expected, tuple):
         surplus, missing = (
             tuple(entry for entry in row if entry not in other)

@@ -1,5 +1,5 @@
-"""What a file says, as facts: a value at each place. Order, white space, comments, quotes and the digits of a
-number are not facts."""
+"""Defines facts, which are the content of a file: a value at each place. Order, white space, comments, quotes
+and the digits of a number are not facts."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping
@@ -8,8 +8,8 @@ from typing import TypeAlias
 
 from linkwright.stages.robot.model.poses import rotation_from_rpy
 
-SAME = 1e-9
-"""Numbers are the same within this, relative to the largest of their row, and turns within this [rad]."""
+TOLERANCE = 1e-9
+"""Tolerance of numbers, relative to the largest number of their row, and of turns [rad]."""
 
 
 class Unparsable(Exception):
@@ -18,38 +18,45 @@ class Unparsable(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """Three angles that stand for the rotation that they make: near 90 degrees others make the same."""
+    """A rotation by three angles [rad]. It is compared as a rotation, since near 90 degrees other angles give
+    the same."""
 
     rpy: tuple[float, float, float]
 
 
 Value: TypeAlias = "str | int | float | bool | Turn | tuple[Value, ...] | None"
-"""Texts and numbers, and rows of them. In YAML 3 is another value than 3.0: ROS does not take it for a real
+"""A text, a number, or a row of these. In YAML 3 differs from 3.0, since ROS does not accept 3 as a real
 number."""
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where a fact is: `path` tells it from all others of the file; `element` and `attribute` name it for a
-    reader. `least`: numbers there are compared relative to no less than this."""
+    """The place of a fact in a file."""
 
     path: tuple[str, ...]
+    """A path that is unique in the file."""
+
     element: str
+    """The element, as it is shown to a reader."""
+
     attribute: str
+    """The attribute, as it is shown to a reader."""
+
     least: float = 0.0
+    """Smallest value to which differences of numbers are relative."""
 
 
 Facts = Mapping[Place, Value]
 
 Reader = Callable[[bytes], Iterator[tuple[Place, Value]]]
-"""Reads the facts of a file. Unparsable where its text is not of its format."""
+"""Reads the facts of a file. Raises Unparsable if its text is not of its format."""
 
 
 def same(value: Value, expected: Value, least: float = 0.0) -> bool:
-    """Whether two values are the same; texts are, whatever white space is in them. `least`: see `Place`."""
+    """Tells whether two values are the same, apart from the white space of texts. `least`: see `Place`."""
     if isinstance(value, Turn) and isinstance(expected, Turn):
         offset = rotation_from_rpy(value.rpy) - rotation_from_rpy(expected.rpy)
-        return bool(abs(offset).max() <= SAME)
+        return bool(abs(offset).max() <= TOLERANCE)
     if isinstance(value, tuple) and isinstance(expected, tuple):
         if len(value) != len(expected):
             return False
@@ -57,14 +64,14 @@ def same(value: Value, expected: Value, least: float = 0.0) -> bool:
         scale = max((least, *filter(math.isfinite, numbers)))
         return all(same(*pair, scale) for pair in zip(value, expected, strict=True))
     if isinstance(value, float) and isinstance(expected, float):
-        return value == expected or abs(value - expected) <= SAME * max(least, abs(expected))
+        return value == expected or abs(value - expected) <= TOLERANCE * max(least, abs(expected))
     if isinstance(value, str) and isinstance(expected, str):
         return value.split() == expected.split()
     return type(value) is type(expected) and value == expected
 
 
 def words(text: str) -> Value:
-    """A text as a fact: a row of numbers where it is nothing but that."""
+    """Returns a text as a fact, which is a row of numbers if it has only numbers."""
     try:
         numbers = tuple(float(word) for word in text.split())
     except ValueError:
@@ -73,7 +80,7 @@ def words(text: str) -> Value:
 
 
 def shown(value: Value) -> str:
-    """A value in a message."""
+    """Returns a value as text for a message."""
     if isinstance(value, Turn):
         return shown(value.rpy)
     if isinstance(value, tuple):
@@ -85,8 +92,8 @@ def shown(value: Value) -> str:
         text = f'"{" ".join(value.split())}"'
     else:
         text = str(value)
-    return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."
+    return text if len(text) <= MAX_LETTERS else f"{text[: MAX_LETTERS - 3]}..."
 
 
-LONGEST = 80
-"""Letters of a value in a message."""
+MAX_LETTERS = 80
+"""Largest number of letters of a value in a message."""

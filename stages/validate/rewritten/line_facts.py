@@ -1,4 +1,4 @@
-"""The facts of CMake, command by command, and of any other text, line by line."""
+"""Reads the facts of CMake, command by command, and of any other text, line by line."""
 
 import re
 from collections import Counter
@@ -11,11 +11,11 @@ _COMMENT = re.compile(r"#[^\n]*")
 
 
 def cmake_facts(data: bytes) -> Iterator[tuple[Place, Value]]:
-    """Each word of each command; the order of words is not a fact."""
+    """Yields each word of each command. The order of words is not a fact."""
     text = _COMMENT.sub("", _decoded(data))
-    rest = _COMMAND.sub("", text).split()
-    if rest:
-        raise Unparsable(f"has what is not a command: {' '.join(rest)[:60]}")
+    remainder = _COMMAND.sub("", text).split()
+    if remainder:
+        raise Unparsable(f"has what is not a command: {' '.join(remainder)[:60]}")
     seen: Counter[str] = Counter()
     for command, inside in _COMMAND.findall(text):
         arguments = tuple(word.strip('"') for word in inside.split())
@@ -24,21 +24,22 @@ def cmake_facts(data: bytes) -> Iterator[tuple[Place, Value]]:
         path = (name, str(seen[name]))
         yield Place((*path, ""), name, ""), True
         for number, word in enumerate(arguments):
-            # The first says what a command is about: the name of a project, what is installed.
+            # The first word is the subject of a command, such as the name of a project or the kind of target
+            # to install.
             key = word if number else "first"
             yield Place((*path, key), name, word if number else ""), word if not number else True
 
 
 def text_facts(data: bytes) -> Iterator[tuple[Place, Value]]:
-    """Each line that is neither empty nor a comment, as texts and numbers."""
+    """Yields each line that is neither empty nor a comment, as texts and numbers."""
     lines = [line.split() for line in _decoded(data).splitlines()]
-    kept = [line for line in lines if line and not line[0].startswith("#")]
-    for number, line in enumerate(kept, 1):
+    fact_lines = [line for line in lines if line and not line[0].startswith("#")]
+    for number, line in enumerate(fact_lines, 1):
         yield Place((str(number),), f"line {number}", ""), tuple(map(_word, line))
 
 
 def _word(word: str) -> Value:
-    # Whole numbers and real ones are one kind here.
+    # Integers and real numbers are not told apart here.
     value = words(word)
     return value[0] if isinstance(value, tuple) else value
 

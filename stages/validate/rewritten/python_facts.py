@@ -1,5 +1,7 @@
-"""The facts of a Python module, which is read and never run: its constants, value by value, and the
-statements of its functions. Docstrings, comments, quotes, and the order of imports are not facts."""
+"""Reads the facts of a Python module, which is parsed and never run: constants, and statements of functions.
+
+Docstrings, comments, quotes, and the order of imports are not facts.
+"""
 
 import ast
 from collections.abc import Iterator
@@ -9,11 +11,12 @@ from linkwright.stages.validate.rewritten.facts import Place, Unparsable, Value
 
 
 def python_facts(data: bytes) -> Iterator[tuple[Place, Value]]:
+    """Yields the facts of a module; raises Unparsable."""
     try:
         module = ast.parse(data)
     except (SyntaxError, ValueError) as error:
-        where = f", line {error.lineno}" if isinstance(error, SyntaxError) else ""
-        raise Unparsable(f"is not Python: {error.args[0]}{where}") from None
+        line_text = f", line {error.lineno}" if isinstance(error, SyntaxError) else ""
+        raise Unparsable(f"is not Python: {error.args[0]}{line_text}") from None
     yield from _body(module.body, (), "module")
 
 
@@ -21,7 +24,7 @@ def _body(body: list[ast.stmt], path: tuple[str, ...], element: str) -> Iterator
     number = 0
     for statement in body:
         if isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant):
-            continue  # a docstring, of the module, of a function or of a constant
+            continue  # a docstring of the module, of a function or of a constant
         if isinstance(statement, ast.FunctionDef | ast.ClassDef):
             yield from _definition(statement, path)
         elif not path and isinstance(statement, ast.Assign):
@@ -45,7 +48,8 @@ def _definition(
 
 
 def _constant(node: ast.expr, path: tuple[str, ...], element: str) -> Iterator[tuple[Place, Value]]:
-    """A dictionary by its keys; a list of texts as a row of them, whatever the order of `__all__`."""
+    """Yields the entries of a dictionary by their keys, and a list of texts as a row. The order of `__all__`
+    is not a fact."""
     attribute = " ".join(path[1:])
     if isinstance(node, ast.Dict):
         yield Place((*path, "{}"), element, attribute), True

@@ -1,4 +1,4 @@
-"""The facts of YAML, TOML and JSON: values by their keys."""
+"""Reads YAML, TOML and JSON files as facts: pairs of a place (the path of keys) and a value."""
 
 import json
 import re
@@ -11,15 +11,15 @@ import yaml
 
 from linkwright.stages.validate.rewritten.facts import Place, Unparsable, Value
 
-MOST = 1_000_000
-"""Values of a file: aliases of YAML make many of few bytes."""
+MAX_VALUES = 1_000_000
+"""Largest number of values in a file: YAML's aliases can turn a few bytes into very many values."""
 
-KINDS = ("Class", "Name")
-"""Keys by which RViz tells the members of a list."""
+IDENTIFYING_KEYS = ("Class", "Name")
+"""Keys that identify the members of a list in RViz's files."""
 
 
 class _Loader(yaml.SafeLoader):  # type: ignore[misc]
-    """Takes 1e-1 for a number, as YAML 1.2 and ROS do."""
+    """A YAML loader that reads 1e-1 as a number, like YAML 1.2 and ROS; PyYAML reads it as text."""
 
 
 _Loader.add_implicit_resolver(
@@ -28,8 +28,9 @@ _Loader.add_implicit_resolver(
 
 
 def yaml_facts(data: bytes) -> Iterator[tuple[Place, Value]]:
+    """Yields the facts of a YAML file; raises Unparsable."""
     try:
-        # The loader makes texts, numbers, lists and mappings of what it reads, and runs nothing.
+        # A subclass of SafeLoader: it makes only plain data, and runs no code.
         tree = yaml.load(data, _Loader)
     except (yaml.YAMLError, ValueError) as error:
         raise Unparsable(f"is not YAML: {' '.join(str(error).split())}") from None
@@ -37,6 +38,7 @@ def yaml_facts(data: bytes) -> Iterator[tuple[Place, Value]]:
 
 
 def toml_facts(data: bytes) -> Iterator[tuple[Place, Value]]:
+    """Yields the facts of a TOML file; raises Unparsable."""
     try:
         tree = tomllib.loads(data.decode())
     except ValueError as error:
@@ -45,26 +47,27 @@ def toml_facts(data: bytes) -> Iterator[tuple[Place, Value]]:
 
 
 def json_facts(data: bytes) -> Iterator[tuple[Place, Value]]:
+    """Yields the facts of a JSON file; raises Unparsable."""
     try:
         tree = json.loads(data)
     except ValueError as error:
         raise Unparsable(f"is not JSON: {error}") from None
-    yield from _facts(_reals(tree))
+    yield from _facts(_with_floats(tree))
 
 
-def _reals(tree: Any) -> Any:
-    """JSON has one kind of number."""
+def _with_floats(tree: Any) -> Any:
+    """Converts all integers to floats, since JSON does not tell them apart."""
     if isinstance(tree, Mapping):
-        return {key: _reals(value) for key, value in tree.items()}
+        return {key: _with_floats(value) for key, value in tree.items()}
     if isinstance(tree, list):
-        return [_reals(value) for value in tree]
+        return [_with_floats(value) for value in tree]
     return float(tree) if isinstance(tree, int) and not isinstance(tree, bool) else tree
 
 
 def _facts(tree: Any) -> Iterator[tuple[Place, Value]]:
-    for number, (path, value) in enumerate(_values(tree, ())):
-        if number == MOST:
-            raise Unparsable(f"has more than {MOST} values")
+    for index, (path, value) in enumerate(_values(tree, ())):
+        if index == MAX_VALUES:
+            raise Unparsable(f"has more than {MAX_VALUES} values")
         first, *inner = path or ("",)
         yield Place(path, first, " ".join(inner)), value
 
@@ -77,8 +80,8 @@ def _values(tree: Any, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...],
             yield from _values(value, (*path, str(key)))
     elif isinstance(tree, list) and any(isinstance(entry, list | Mapping) for entry in tree):
         seen: Counter[str] = Counter()
-        for number, value in enumerate(tree):
-            key = _key(value, number)
+        for index, value in enumerate(tree):
+            key = _member_key(value, index)
             seen[key] += 1
             yield from _values(value, (*path, f"[{key}]" if seen[key] == 1 else f"[{key} {seen[key]}]"))
     elif isinstance(tree, list):
@@ -87,14 +90,14 @@ def _values(tree: Any, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...],
         yield path, _scalar(tree)
 
 
-def _key(member: Any, number: int) -> str:
+def _member_key(member: Any, index: int) -> str:
     if isinstance(member, Mapping):
-        for key in KINDS:
+        for key in IDENTIFYING_KEYS:
             if isinstance(member.get(key), str):
                 return str(member[key])
-    return str(number)
+    return str(index)
 
 
 def _scalar(value: Any) -> Value:
-    # A date of YAML or TOML is a text here.
+    # Dates in YAML and TOML are compared as text.
     return value if value is None or isinstance(value, str | bool | int | float) else str(value)

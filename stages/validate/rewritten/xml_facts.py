@@ -1,4 +1,5 @@
-"""The facts of XML. What a material is called is not a fact: its place in the order of materials is."""
+"""Reads the facts of XML. The name of a material is not a fact, but its place in the order of materials
+is."""
 
 from collections import Counter
 from collections.abc import Iterator
@@ -8,23 +9,24 @@ from linkwright.stages.formats.xml import Element, Malformed, parse, tag
 from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.rewritten.facts import Place, Turn, Unparsable, Value, words
 
-KEYS = ("link1", "link2", "filename", "file")
-"""Attributes beside `name` that tell an element from siblings of its tag."""
+IDENTIFYING_ATTRIBUTES = ("link1", "link2", "filename", "file")
+"""Attributes, in addition to `name`, that tell an element from siblings with its tag."""
 
-THINGS = ('joint "', 'link "', 'sensor "')
-"""Elements whose named parts a reader finds by them."""
+WHOLE_ELEMENTS = ('joint "', 'link "', 'sensor "')
+"""Elements whose named parts are shown as parts of them."""
 
-TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-"""Attributes that are one value."""
+TENSOR_ATTRIBUTES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+"""Attributes that are compared as a single value, the tensor."""
 
-LENGTHS = ("xyz", "offset", "lower", "upper")
-"""Attributes in metres or radians: what is much smaller than 1 is no less exact."""
+LENGTH_ATTRIBUTES = ("xyz", "offset", "lower", "upper")
+"""Attributes in metres or radians, whose differences are absolute for numbers below 1."""
 
-POSITIONS = ("param",)
-"""Elements whose text is a length or an angle: of ros2_control."""
+LENGTH_ELEMENTS = ("param",)
+"""Elements of ros2_control whose text is a length or an angle."""
 
 
 def xml_facts(data: bytes) -> Iterator[tuple[Place, Value]]:
+    """Yields the facts of an XML file; raises Unparsable."""
     try:
         root = parse(data, large=True)
     except Malformed as error:
@@ -34,7 +36,7 @@ def xml_facts(data: bytes) -> Iterator[tuple[Place, Value]]:
 
 
 def _materials(root: Element) -> list[str]:
-    """The names of materials, in the order in which the file has them."""
+    """Returns the names of materials, in the order of the file."""
     names = (
         node.get(key)
         for node in root.iter("*")
@@ -50,7 +52,7 @@ def _facts(node: Element, place: Place, materials: dict[str, str]) -> Iterator[t
     children = [child for child in node if isinstance(child.tag, str)]
     text = " ".join(" ".join(node.xpath("text()")).split())
     if text and not children:
-        least = 1.0 if tag(node) in POSITIONS else 0.0
+        least = 1.0 if tag(node) in LENGTH_ELEMENTS else 0.0
         yield replace(_within(place, "text", ""), least=least), words(text)
     seen: Counter[str] = Counter()
     tags = Counter(map(tag, children))
@@ -61,7 +63,7 @@ def _facts(node: Element, place: Place, materials: dict[str, str]) -> Iterator[t
 
 
 def _attributes(node: Element, materials: dict[str, str]) -> Iterator[tuple[str, Value]]:
-    tensor = tuple(words(node.get(key, "")) for key in TENSOR if key in node.attrib)
+    tensor = tuple(words(node.get(key, "")) for key in TENSOR_ATTRIBUTES if key in node.attrib)
     if tensor:
         yield "tensor", tuple(row[0] if isinstance(row, tuple) else row for row in tensor)
     for key, text in node.attrib.items():
@@ -71,13 +73,13 @@ def _attributes(node: Element, materials: dict[str, str]) -> Iterator[tuple[str,
         elif key == "rpy" and isinstance(value, tuple) and len(value) == 3:
             roll, pitch, yaw = (float(str(angle)) for angle in value)
             yield key, Turn((roll, pitch, yaw))
-        elif key not in TENSOR:
+        elif key not in TENSOR_ATTRIBUTES:
             yield key, value
 
 
 def _key(node: Element, repeats: bool) -> str:
-    """What tells an element from its siblings, but for those that say the same."""
-    keys = ("name", *KEYS) if repeats else ("name",)
+    """Returns the key that tells an element from its siblings, unless they have the same content."""
+    keys = ("name", *IDENTIFYING_ATTRIBUTES) if repeats else ("name",)
     values = [f"{key}={node.get(key)}" for key in keys if node.get(key) and tag(node) != "material"]
     if not values and repeats and not len(node):
         values = [" ".join((node.text or "").split())]
@@ -85,11 +87,11 @@ def _key(node: Element, repeats: bool) -> str:
 
 
 def _below(place: Place, node: Element, key: str, number: int) -> Place:
-    """The place of a child: to a reader an element where it has a name, but for what a joint or a
-    link has; else a part of the element above."""
+    """Returns the place of a child. A child with a name is an element, except in a joint or a link; any other
+    child is a part of the element above."""
     path = (*place.path, f"{key} {number}")
     name = node.get("name") if tag(node) != "material" else None
-    if name and not place.element.startswith(THINGS):
+    if name and not place.element.startswith(WHOLE_ELEMENTS):
         return Place(path, named(tag(node), name), "")
     links = node.get("link1"), node.get("link2")
     if all(links):
@@ -99,5 +101,5 @@ def _below(place: Place, node: Element, key: str, number: int) -> Place:
 
 
 def _within(place: Place, key: str, attribute: str) -> Place:
-    least = 1.0 if attribute in LENGTHS else 0.0
+    least = 1.0 if attribute in LENGTH_ATTRIBUTES else 0.0
     return Place((*place.path, key), place.element, f"{place.attribute} {attribute}".strip(), least)

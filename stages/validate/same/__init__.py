@@ -1,15 +1,12 @@
-"""The comparers: whether what a reader of any format read is the robot as it was written.
+"""Compares the robot that the reader of any format returns with the robot as it was written.
 
-- differences: Where a file's kinematics leaves the robot's: the first elements of the tree that are not as
-  they must be.
-- found: A robot as a file has it: what a reader of a format gives to the checks of `stages.validate.same`.
-- joints: Type and numbers of each joint: limits, effort and dynamics; nothing else acts on it.
-- loops: What closes a loop is where the robot has it, at values at which nothing is closed.
-- masses: Mass, centre of mass and inertia of each link are those of its parts in CAD.
-- motion: Links and frames are where the robot has them: where CAD saved its parts, and wherever its joints
-  move.
-- names: Every link, joint and frame is there by name, and nothing else.
-- relations: Each relation of two joints is there, with its numbers, and no other.
-- shapes: Each link has the shapes of the robot: as many, of their files and sizes, where they must be, and of
-  their colours.
+- differences: Finds where a file's kinematics differs from the robot's: the first such elements of the tree.
+- joints: Compares the type and the numbers of each joint: limits, effort and dynamics.
+- loops: Compares the frames that close a loop with the robot's, at values at which no loop is closed.
+- masses: Compares the mass, centre of mass and inertia of each link with those of its parts in CAD.
+- motion: Compares the places of links and frames: where CAD saved the parts, and where the joints move them.
+- names: Compares the names of links, joints and frames with the robot's.
+- read_robot: Defines the robot that a format's reader reads from a file, for the comparisons in this package.
+- relations: Compares the relations of joints with the robot's, with their numbers.
+- shapes: Compares the shapes of each link with the robot's: their number, files, sizes, places and colours.
 """

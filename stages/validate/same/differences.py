@@ -1,6 +1,6 @@
-"""Where a file's kinematics leaves the robot's: the first elements of the tree that are not as they must be.
+"""Finds where a file's kinematics differs from the robot's: the first such elements of the tree.
 
-Each link is looked at from its parent alone, so that what is wrong above it does not count for it.
+Each link is compared relative to its parent, so that errors above it do not count for it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -11,35 +11,37 @@ import numpy as np
 from linkwright.stages.robot.check import Finding
 from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import Array, Dof, Joint
-from linkwright.stages.validate.findings import apart, differs, few, place_differs
-from linkwright.stages.validate.model.coordinates import SAME, distance
-from linkwright.stages.validate.same.found import Poses, ReadRobot
+from linkwright.stages.validate.findings import differs, few, offset_and_angle, pose_findings
+from linkwright.stages.validate.model.coordinates import ENGINE_TOLERANCE, distance
+from linkwright.stages.validate.same.read_robot import Poses, ReadRobot
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PosePair:
-    """Poses at the same values: those of the file, and those of the robot."""
+    """The poses of the file and of the robot, at the same values of the dofs."""
 
-    found: Poses
+    actual: Poses
     expected: Poses
 
 
-def differences(read: ReadRobot, looks: Sequence[PosePair]) -> tuple[Finding, ...]:
-    """Findings on joints, links and frames whose pose on what carries them is not the robot's, parents
-    first. `looks`: first where the file stands, or at zero, then at values spread over those of the dofs."""
-    return few([*_joints(read, looks), *_frames(read, looks[0].found)])
+def differences(read: ReadRobot, pairs: Sequence[PosePair]) -> tuple[Finding, ...]:
+    """Returns findings on joints, links and frames whose pose relative to their parent is not the robot's,
+    parents first. `pairs`: the poses at the file's own placement or at zero, then at spread values."""
+    return few([*_joints(read, pairs), *_frames(read, pairs[0].actual)])
 
 
-def _joints(read: ReadRobot, looks: Sequence[PosePair]) -> Iterator[Finding]:
+def _joints(read: ReadRobot, pairs: Sequence[PosePair]) -> Iterator[Finding]:
     for joint in read.robot.joints:
-        pairs = [tuple(_on_parent(joint, poses) for poses in (look.found, look.expected)) for look in looks]
-        if all(distance(*pair) <= read.precision.pose for pair in pairs):
+        relative = [
+            tuple(_on_parent(joint, poses) for poses in (pair.actual, pair.expected)) for pair in pairs
+        ]
+        if all(distance(*pair) <= read.precision.pose for pair in relative):
             continue
         parent = read.parent(joint.child)
         if parent != joint.parent:
             yield differs(read.placed(joint), "parent", parent or "none of the robot's links", joint.parent)
         else:
-            yield from _of_joint(read, joint, pairs)
+            yield from _of_joint(read, joint, relative)
 
 
 def _on_parent(joint: Joint, poses: Poses) -> Array:
@@ -47,48 +49,51 @@ def _on_parent(joint: Joint, poses: Poses) -> Array:
 
 
 def _of_joint(read: ReadRobot, joint: Joint, pairs: list[tuple[Array, ...]]) -> Iterator[Finding]:
-    """What is wrong with a joint: its axis or place where the child moves otherwise than from where it
-    stands, else where the child stands."""
+    """Reports a joint's error: an error of its axis or place if the child moves wrongly from its start, else
+    an error of the child's start."""
     words, least = read.words, read.precision.pose
-    (rest, wanted), *others = pairs
-    off = [apart(inverse(rest) @ found, inverse(wanted) @ expected) for found, expected in others]
+    (rest, expected_rest), *spread = pairs
+    errors = [
+        offset_and_angle(inverse(rest) @ pose, inverse(expected_rest) @ expected_pose)
+        for pose, expected_pose in spread
+    ]
     scalars = [dof for dof in joint.dofs if dof.kind in ("turn", "slide")]
-    if joint.dofs and not max(value for both in off for value in both) <= least:
-        dof = next((one for one in scalars if not _same_axis(read, joint, one)), joint.dofs[0])
+    if joint.dofs and not max(value for pair in errors for value in pair) <= least:
+        dof = next((scalar for scalar in scalars if not _same_axis(read, joint, scalar)), joint.dofs[0])
         element, axis = read.element("joint", dof.name), read.axis(dof)
-        turned = not max(angle for _, angle in off) <= least
+        is_turned = not max(angle for _, angle in errors) <= least
         if axis is None:
             attributes = f"{words.place[0]}, {words.axis}"
-            yield Finding(element, attributes, "moves its child otherwise than the robot's")
-        elif dof.kind == "slide" or (dof.kind == "turn" and turned):
+            yield Finding(element, attributes, "moves its child differently than the robot's")
+        elif dof.kind == "slide" or (dof.kind == "turn" and is_turned):
             yield differs(element, words.axis, axis, dof.axis)
-        elif turned:
-            yield Finding(element, words.place[1], "turns otherwise than the robot's")
+        elif is_turned:
+            yield Finding(element, words.place[1], "turns differently than the robot's")
         else:
             yield Finding(element, words.place[0], "is not where the robot's axis is")
         return
     for dof in scalars:
         zero = read.zero(dof)
-        if zero is not None and not abs(zero[0] - zero[1]) <= SAME * max(1.0, abs(zero[1])):
+        if zero is not None and not abs(zero[0] - zero[1]) <= ENGINE_TOLERANCE * max(1.0, abs(zero[1])):
             yield differs(read.element("joint", dof.name), words.zero, *zero)
             return
-    yield from place_differs(read.placed(joint), rest, wanted, words.place, least)
+    yield from pose_findings(read.placed(joint), rest, expected_rest, words.place, least)
 
 
 def _same_axis(read: ReadRobot, joint: Joint, dof: Dof) -> bool:
-    """Whether the file's axis is that of the dof: of the joints of one child only the last is sure to be in
-    the axes of that, and so is the only one."""
+    """Tells whether the file's axis is that of the dof. Only a child's last joint is surely in the axes of
+    the child."""
     axis = read.axis(dof)
-    return len(joint.dofs) > 1 or axis is None or float(np.abs(axis - dof.axis).max()) <= SAME
+    return len(joint.dofs) > 1 or axis is None or float(np.abs(axis - dof.axis).max()) <= ENGINE_TOLERANCE
 
 
-def _frames(read: ReadRobot, found: Poses) -> Iterator[Finding]:
+def _frames(read: ReadRobot, poses: Poses) -> Iterator[Finding]:
     for frame in read.robot.frames:
-        if frame.name not in found.frames:
+        if frame.name not in poses.frames:
             continue
-        own = inverse(found.links[frame.link]) @ found.frames[frame.name]
+        pose = inverse(poses.links[frame.link]) @ poses.frames[frame.name]
         element = read.element("frame", frame.name)
-        if np.isnan(own).any():
-            yield Finding(element, "name", "there is none of this name")
-        elif not distance(own, frame.link_from_frame) <= SAME:
-            yield from place_differs(element, own, frame.link_from_frame, read.words.place, SAME)
+        if np.isnan(pose).any():
+            yield Finding(element, "name", "is missing")
+        elif not distance(pose, frame.link_from_frame) <= ENGINE_TOLERANCE:
+            yield from pose_findings(element, pose, frame.link_from_frame, read.words.place, ENGINE_TOLERANCE)

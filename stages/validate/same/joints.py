@@ -1,4 +1,4 @@
-"""Type and numbers of each joint: limits, effort and dynamics; nothing else acts on it."""
+"""Compares the type and the numbers of each joint: limits, effort and dynamics."""
 
 import math
 from collections.abc import Iterator
@@ -8,26 +8,26 @@ import numpy as np
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.model.robot import Array, Dof, Limits
 from linkwright.stages.validate.findings import differs, shown
-from linkwright.stages.validate.same.found import FoundJoint, Numbers, ReadRobot
+from linkwright.stages.validate.same.read_robot import FoundJoint, Numbers, ReadRobot
 
-OPEN = 1e6
-"""The end of a range from here on stands for no limit [rad, m]."""
+UNLIMITED = 1e6
+"""Value [rad, m] from which the end of a range counts as no limit."""
 
 ENDS = ("lower", "upper", "range")
 """Quantities that are ends of ranges."""
 
 FORCES = ("effort", "actuatorfrcrange")
-"""Quantities of which a small one is as exact as a large one."""
+"""Quantities that are compared relative to their value, however small it is."""
 
 
 def joints(read: ReadRobot) -> Iterator[Check]:
-    """One result."""
+    """Yields a single result."""
     wrong: dict[str, list[Finding]] = {}
     for joint in read.joints():
-        found = list(_differences(read, joint))
-        wrong |= {joint.name: found} if found else {}
+        findings = list(_differences(read, joint))
+        wrong |= {joint.name: findings} if findings else {}
     detail = f"differ: {', '.join(wrong)}" if wrong else "type, limits, effort and dynamics of each joint"
-    findings = [finding for every in wrong.values() for finding in every]
+    findings = [finding for of_joint in wrong.values() for finding in of_joint]
     yield read.within("joints", float(len(wrong)), 0.0, detail, findings)
 
 
@@ -36,23 +36,23 @@ def _differences(read: ReadRobot, joint: FoundJoint) -> Iterator[Finding]:
         yield differs(joint.element, "type", joint.type, " or ".join(joint.types))
         return
     of_dof = {} if joint.dof is None else expected(joint.dof)
-    for quantity, found in joint.numbers.items():
-        wanted = joint.wanted.get(quantity, of_dof.get(quantity, 0.0))
-        if quantity in read.demands and wanted in (math.inf, -math.inf):
+    for quantity, actual in joint.numbers.items():
+        number = joint.expected.get(quantity, of_dof.get(quantity, 0.0))
+        if quantity in read.required_numbers and number in (math.inf, -math.inf):
             continue
-        values, goals = (np.array(one, dtype=float) for one in (found, wanted))
+        values, goals = (np.array(numbers, dtype=float) for numbers in (actual, number))
         if quantity in ENDS:
-            values, goals = _opened(values), _opened(goals)
-        if not _alike(values, goals, 0.0 if quantity in FORCES else 1.0, read.precision.number):
+            values, goals = _with_open_ends(values), _with_open_ends(goals)
+        if not _is_same(values, goals, 0.0 if quantity in FORCES else 1.0, read.precision.number):
             attribute = read.words.numbers.get(quantity, quantity)
-            if quantity in read.demands and np.isinf(values).all():
+            if quantity in read.required_numbers and np.isinf(values).all():
                 yield Finding(joint.element, attribute, f"is missing, expected {shown(goals)}")
                 continue
-            yield differs(joint.element, attribute, _said(values), _said(goals), _unit(quantity, joint.dof))
+            yield differs(joint.element, attribute, _shown(values), _shown(goals), _unit(quantity, joint.dof))
 
 
 def expected(dof: Dof) -> Numbers:
-    """What a file has to say of a dof, by quantity; `cone`: of a ball, how far it tilts."""
+    """Returns the numbers that a file must have for a dof, by quantity. `cone` is the tilt of a ball."""
     (low, high), dynamics = dof.limits.interval, dof.dynamics
     return {
         "lower": low,
@@ -66,21 +66,21 @@ def expected(dof: Dof) -> Numbers:
     }
 
 
-def _alike(found: Array, wanted: Array, least: float, exact: float) -> bool:
-    """Within `exact`, relative to what is wanted, but to no less than `least`."""
-    if found.shape != wanted.shape:
+def _is_same(actual: Array, expected: Array, least: float, exact: float) -> bool:
+    """Tells whether values agree within `exact`, relative to the larger of the expected value and `least`."""
+    if actual.shape != expected.shape:
         return False
     with np.errstate(invalid="ignore"):
-        near = np.abs(found - wanted) <= exact * np.maximum(least, np.abs(wanted))
-    return bool(((found == wanted) | (near & np.isfinite(wanted))).all())
+        is_near = np.abs(actual - expected) <= exact * np.maximum(least, np.abs(expected))
+    return bool(((actual == expected) | (is_near & np.isfinite(expected))).all())
 
 
-def _opened(ends: Array) -> Array:
-    return np.where(np.abs(ends) >= OPEN, np.copysign(np.inf, ends), ends)
+def _with_open_ends(ends: Array) -> Array:
+    return np.where(np.abs(ends) >= UNLIMITED, np.copysign(np.inf, ends), ends)
 
 
-def _said(value: Array) -> object:
-    """A number that is infinite is none; so is a range without ends."""
+def _shown(value: Array) -> object:
+    """Returns a value for a message. An infinite number, or a range without ends, is shown as missing."""
     return None if np.isinf(value).all() else value
 
 

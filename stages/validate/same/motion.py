@@ -1,4 +1,4 @@
-"""Links and frames are where the robot has them: where CAD saved its parts, and wherever its joints move.
+"""Compares the places of links and frames: where CAD saved the parts, and where the joints move them.
 
 The robot's own kinematics is the reference for motion: it was compared with CAD at the saved pose.
 """
@@ -13,80 +13,92 @@ from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import Array
 from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.validate.findings import shown
-from linkwright.stages.validate.model.coordinates import CAD_ERROR, distance, every_saved, spread
+from linkwright.stages.validate.model.coordinates import CAD_ERROR, distance, saved_values, spread_values
 from linkwright.stages.validate.same.differences import PosePair, differences
-from linkwright.stages.validate.same.found import Poses, ReadRobot
+from linkwright.stages.validate.same.read_robot import Poses, ReadRobot
 
 
 def poses(read: ReadRobot) -> Iterator[Check]:
-    """At the saved configuration every part is where CAD's occurrence has it, in the axes of the root, which
-    a file may put anywhere. What moves freely may stand anywhere, where the file has no joint for it."""
+    """Checks that every part is where CAD's occurrence has it, at the saved configuration.
+
+    Poses are relative to the root, which a file may put anywhere. Links on free joints that the file does not
+    have may be anywhere.
+    """
     robot = read.robot
-    found = read.poses({**every_saved(robot), **read.still}).links
-    root_from_cad, worst, where, holder = inverse(robot.world_from_root), 0.0, "", ""
-    held = _held(read)
+    links = read.poses({**saved_values(robot), **read.fixed_dofs}).links
+    root_from_cad, worst, worst_part, holder = inverse(robot.world_from_root), 0.0, "", ""
+    held_links = _held_links(read)
     for link in robot.links:
-        for part in link.parts if link.name in held else ():
-            value = distance(found[link.name] @ part.link_from_part, root_from_cad @ part.world_from_part)
+        for part in link.parts if link.name in held_links else ():
+            value = distance(links[link.name] @ part.link_from_part, root_from_cad @ part.world_from_part)
             if not value < worst:
-                worst, where, holder = value, part.name, link.name
-    detail = f"parts against CAD's occurrences at the saved pose [m, rad]; worst: {where}"
-    limit = max(CAD_ERROR, read.precision.pose * (_size(found) if read.precision.sized else 1.0))
+                worst, worst_part, holder = value, part.name, link.name
+    detail = f"parts against CAD's occurrences at the saved pose [m, rad]; worst: {worst_part}"
+    limit = max(CAD_ERROR, read.precision.pose * (_size(links) if read.precision.scales_with_size else 1.0))
     findings: tuple[Finding, ...] = ()
     if not worst <= limit:
-        message = f"its part {where} is {shown(worst)} m or rad from CAD's occurrence"
+        message = f"its part {worst_part} is {shown(worst)} m or rad from CAD's occurrence"
         element = read.element("link", holder)
-        findings = found_differences(read) or (Finding(element, read.words.place[0], message),)
+        findings = kinematic_differences(read) or (Finding(element, read.words.place[0], message),)
     yield read.within("poses", worst, limit, detail, findings)
 
 
 def motion(read: ReadRobot) -> Iterator[Check]:
-    """Links and frames at configurations spread over the dofs' values."""
-    worst, where, every = 0.0, "", looks(read)
-    for look in every:
-        for name, value in _off(read, look):
+    """Compares links and frames at spread values of the dofs."""
+    worst, worst_name, pairs = 0.0, "", pose_pairs(read)
+    for pair in pairs:
+        for name, value in _pose_errors(read, pair):
             value = math.inf if math.isnan(value) else value
             if value > worst:
-                worst, where = value, name
+                worst, worst_name = value, name
     detail = "links and frames at four configurations against the robot's own kinematics [m, rad]; worst: "
     limit, findings = read.precision.pose, tuple[Finding, ...]()
     if not worst <= limit:
-        element = read.element("frame" if where in every[0].found.frames else "link", where)
+        element = read.element("frame" if worst_name in pairs[0].actual.frames else "link", worst_name)
         message = f"is {shown(worst)} m or rad from where the robot has it"
-        findings = differences(read, every) or (Finding(element, read.words.place[0], message),)
-    yield read.within("motion", worst, limit, detail + where, findings)
+        findings = differences(read, pairs) or (Finding(element, read.words.place[0], message),)
+    yield read.within("motion", worst, limit, detail + worst_name, findings)
 
 
-def found_differences(read: ReadRobot) -> tuple[Finding, ...]:
-    """Why links or frames are not where the robot has them."""
-    return differences(read, looks(read))
+def kinematic_differences(read: ReadRobot) -> tuple[Finding, ...]:
+    """Returns findings on the causes of links or frames that are not at the robot's places."""
+    return differences(read, pose_pairs(read))
 
 
-def looks(read: ReadRobot) -> list[PosePair]:
-    """The poses of the file and those of the robot: first where the file stands, or at zero."""
-    robot, found = read.robot, []
-    for q in (read.standing, *({**spread(robot, turn), **read.still} for turn in range(3))):
+def pose_pairs(read: ReadRobot) -> list[PosePair]:
+    """Returns the poses of the file and of the robot: first at the file's own placement or at zero, then at
+    spread values."""
+    robot, pairs = read.robot, []
+    for q in (
+        read.file_configuration,
+        *({**spread_values(robot, turn), **read.fixed_dofs} for turn in range(3)),
+    ):
         links = link_poses(robot, q)
         frames = {frame.name: links[frame.link] @ frame.link_from_frame for frame in robot.frames}
-        found.append(PosePair(read.poses(q), Poses(links, frames)))
-    return found
+        pairs.append(PosePair(read.poses(q), Poses(links, frames)))
+    return pairs
 
 
-def _off(read: ReadRobot, look: PosePair) -> Iterator[tuple[str, float]]:
-    size = _size(look.expected.links) if read.precision.sized else 1.0
-    for own, wanted in ((look.found.links, look.expected.links), (look.found.frames, look.expected.frames)):
-        yield from ((name, distance(own[name], pose) / size) for name, pose in wanted.items() if name in own)
+def _pose_errors(read: ReadRobot, pair: PosePair) -> Iterator[tuple[str, float]]:
+    size = _size(pair.expected.links) if read.precision.scales_with_size else 1.0
+    for actual, expected in (
+        (pair.actual.links, pair.expected.links),
+        (pair.actual.frames, pair.expected.frames),
+    ):
+        yield from (
+            (name, distance(actual[name], pose) / size) for name, pose in expected.items() if name in actual
+        )
 
 
 def _size(links: Mapping[str, Array]) -> float:
-    """How far [m] a robot reaches from its root, at least 1."""
+    """Returns the robot's reach [m] from its root, at least 1."""
     return max(1.0, *(float(np.abs(pose[:3, 3]).max()) for pose in links.values()))
 
 
-def _held(read: ReadRobot) -> set[str]:
-    """The links that the joints of the file hold."""
-    held = {read.robot.root.name}
+def _held_links(read: ReadRobot) -> set[str]:
+    """Returns the links that the joints of the file connect to the root."""
+    held_links = {read.robot.root.name}
     for joint in read.robot.joints:
-        if joint.parent in held and not any(dof.name in read.still for dof in joint.dofs):
-            held.add(joint.child)
-    return held
+        if joint.parent in held_links and not any(dof.name in read.fixed_dofs for dof in joint.dofs):
+            held_links.add(joint.child)
+    return held_links

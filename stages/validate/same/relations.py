@@ -1,4 +1,4 @@
-"""Each relation of two joints is there, with its numbers, and no other."""
+"""Compares the relations of joints with the robot's, with their numbers."""
 
 from collections.abc import Iterator
 
@@ -6,16 +6,16 @@ from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.model.robot import Relation
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.findings import differs, named
-from linkwright.stages.validate.model.coordinates import SAME
-from linkwright.stages.validate.same.found import FoundMimic, ReadRobot
+from linkwright.stages.validate.model.coordinates import ENGINE_TOLERANCE
+from linkwright.stages.validate.same.read_robot import FoundMimic, ReadRobot
 
 
 def relations(read: ReadRobot) -> Iterator[Check]:
-    """One result."""
-    found = read.mimics()
-    if found is None:
+    """Yields a single result."""
+    read_mimics = read.mimics()
+    if read_mimics is None:
         return
-    mimics = sorted(found, key=lambda mimic: not mimic.active)
+    mimics = sorted(read_mimics, key=lambda mimic: not mimic.active)
     wrong: dict[str, Finding] = {}
     for relation in read.robot.relations:
         finding = _difference(read, relation, mimics)
@@ -30,31 +30,31 @@ def relations(read: ReadRobot) -> Iterator[Check]:
 
 
 def _difference(read: ReadRobot, relation: Relation, mimics: list[FoundMimic]) -> Finding | None:
-    """What is wrong with a relation, which a file may solve for either of its dofs. Takes it out of the
-    `mimics`."""
+    """Returns the error of a relation, which a file may solve for either of its dofs. Takes the relation's
+    mimic out of `mimics`."""
     element = read.element("relation", relation.name)
     factor, offset = relation.multiplier, relation.offset
-    mimic = _taken(mimics, relation.follower, relation.driver)
+    mimic = _take_mimic(mimics, relation.follower, relation.driver)
     if mimic is None and factor:
-        mimic = _taken(mimics, relation.driver, relation.follower)
+        mimic = _take_mimic(mimics, relation.driver, relation.follower)
         factor, offset = 1 / factor, -offset / factor
     if mimic is None:
         message = f"nothing says that {relation.follower} follows {relation.driver}"
         return Finding(element, read.words.mimic[0], message)
     if not mimic.active:
         return Finding(element, "active", f"is false, so that {relation.follower} does not follow")
-    allowed = SAME * max(1.0, abs(factor), abs(offset))
-    found, wanted = (mimic.multiplier, mimic.offset), (factor, offset)
-    off = [not abs(one - other) <= allowed for one, other in zip(found, wanted, strict=True)]
-    if not any(off):
+    allowed = ENGINE_TOLERANCE * max(1.0, abs(factor), abs(offset))
+    actual, expected = (mimic.multiplier, mimic.offset), (factor, offset)
+    are_wrong = [not abs(value - goal) <= allowed for value, goal in zip(actual, expected, strict=True)]
+    if not any(are_wrong):
         return None
     if read.words.mimic[0] == read.words.mimic[1]:
-        return differs(element, read.words.mimic[0], found[::-1], wanted[::-1])
-    at = off.index(True)
-    return differs(element, read.words.mimic[at], found[at], wanted[at])
+        return differs(element, read.words.mimic[0], actual[::-1], expected[::-1])
+    at = are_wrong.index(True)
+    return differs(element, read.words.mimic[at], actual[at], expected[at])
 
 
-def _taken(mimics: list[FoundMimic], follower: str, driver: str) -> FoundMimic | None:
+def _take_mimic(mimics: list[FoundMimic], follower: str, driver: str) -> FoundMimic | None:
     for mimic in mimics:
         if (mimic.follower, mimic.driver) == (follower, driver):
             mimics.remove(mimic)

@@ -1,5 +1,4 @@
-"""Each link has the shapes of the robot: as many, of their files and sizes, where they must be, and of their
-colours."""
+"""Compares the shapes of each link with the robot's: their number, files, sizes, places and colours."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -14,38 +13,50 @@ from linkwright.stages.robot.model.geometry import Colour, Geometry, Role, Shape
 from linkwright.stages.robot.model.poses import UNMOVED
 from linkwright.stages.robot.model.robot import Array
 from linkwright.stages.robot.text.plural import count
-from linkwright.stages.validate.findings import differs, place_differs, shown
-from linkwright.stages.validate.model.coordinates import SAME
+from linkwright.stages.validate.findings import differs, pose_findings, shown
+from linkwright.stages.validate.model.coordinates import ENGINE_TOLERANCE
 
-COLOUR = 1e-4
-"""Of each channel; a screen has steps of 1/255."""
+COLOUR_TOLERANCE = 1e-4
+"""Tolerance of each colour channel; a screen has steps of 1/255."""
 
-WITHIN = 2e-5
-"""Bounds of meshes [m], and relatively beyond a metre: points are in single precision."""
+BOUNDS_TOLERANCE = 2e-5
+"""Tolerance of the bounds of meshes [m], relative above a metre: points are in single precision."""
 
 ROLES: tuple[Role, Role] = ("visual", "collision")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WrittenShape:
-    """What a file has to have. `kind`: that of a primitive, or "mesh"; `size` [m] as in `model.Primitive`, ()
-    for a mesh; `file`: the name of a mesh's file, "" for none; `link_from_shape` (4, 4). `colour`: RGBA, None
-    where nothing is known of it; `texture`: the name of its image, "" for none. `bounds` and `area`: of a
-    mesh, as in `geometry.Shape`."""
+    """A shape that a file must have."""
 
     kind: str
+    """The kind of a primitive, or "mesh"."""
+
     size: tuple[float, ...]
+    """The size [m] as in `model.Primitive`; () for a mesh."""
+
     file: str
+    """The name of a mesh's file; "" for a primitive."""
+
     link_from_shape: Array
+    """The pose (4, 4) in the link."""
+
     colour: Colour | None = None
+    """RGBA; None if it is not known."""
+
     texture: str = ""
+    """The name of the image; "" without an image."""
+
     bounds: tuple[float, ...] = ()
+    """The bounds of a mesh, as in `geometry.Shape`."""
+
     area: float = 0.0
+    """The area of a mesh, as in `geometry.Shape`."""
 
 
 class ReadShape(Protocol):
-    """What a file has: `filename` is that of a mesh, as the file has it, None where it does not say it, and
-    `scale` that of a mesh; `texture` is that of an image."""
+    """A shape of a file. A mesh has a `filename`, None if the file does not give it, and a `scale`. `texture`
+    is the name of an image's file."""
 
     @property
     def kind(self) -> str: ...
@@ -65,90 +76,98 @@ class ReadShape(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class ShapeWords:
-    """What a format calls the kind of a shape, the file and the scale of a mesh, position and turn of a
-    shape, and its colour."""
+    """A format's names for the properties of a shape."""
 
     kind: str
     file: str
+    """The file of a mesh."""
+
     scale: str
+    """The scale of a mesh."""
+
     place: tuple[str, str]
+    """The position and the orientation."""
+
     colour: str
 
 
 def solid_of(shape: Shape) -> WrittenShape:
-    """A shape as it is."""
-    one, look = shape.primitive, (shape.colour, shape.texture or "")
-    if one is None:
+    """Returns a shape as it is written by default, in its own form."""
+    primitive, look = shape.primitive, (shape.colour, shape.texture or "")
+    if primitive is None:
         return WrittenShape("mesh", (), str(shape.file), UNMOVED, *look, shape.bounds, shape.area)
-    return WrittenShape(one.kind, tuple(one.size), "", one.link_from_shape, *look)
+    return WrittenShape(primitive.kind, tuple(primitive.size), "", primitive.link_from_shape, *look)
 
 
 def solids_by_link(
     geometry: Geometry, solids: Callable[[Shape], Iterable[WrittenShape]], held: Holders
 ) -> Mapping[tuple[str, Role], list[WrittenShape]]:
-    """By link of a file and role: what it has, in the order of the links that it holds. `solids`: what stands
-    in the file for a shape; `held`: the holders of links that are part of others, and where they are."""
+    """Maps each link of a file and role to its shapes, in the order of the links that it holds. `solids`:
+    returns the shapes of the file for a shape; `held`: the holders of links that are part of other links, and
+    their places."""
     by_link = geometry.by_link()
-    found: dict[tuple[str, Role], list[WrittenShape]] = {}
+    by_role: dict[tuple[str, Role], list[WrittenShape]] = {}
     for name in dict.fromkeys((*held, *(shape.link for shape in geometry.shapes))):
         holder, place = held.get(name, (name, UNMOVED))
         for role in ROLES:
-            own = found.setdefault((holder, role), [])
+            written = by_role.setdefault((holder, role), [])
             for shape in by_link[name, role]:
-                every = solids(shape)
-                own += [replace(one, link_from_shape=place @ one.link_from_shape) for one in every]
-    return found
+                solids_of_shape = solids(shape)
+                written += [
+                    replace(solid, link_from_shape=place @ solid.link_from_shape) for solid in solids_of_shape
+                ]
+    return by_role
 
 
 def differences(
-    element: str, role: str, shapes: Sequence[ReadShape], wanted: Sequence[WrittenShape], words: ShapeWords
+    element: str, role: str, shapes: Sequence[ReadShape], expected: Sequence[WrittenShape], words: ShapeWords
 ) -> Iterator[Finding]:
-    """What a link's shapes of one role are otherwise than they have to be. `element`: the link."""
-    if len(shapes) != len(wanted):
-        yield Finding(element, role, f"has {count(len(shapes), role)}, expected {len(wanted)}")
+    """Yields the differences of a link's shapes of a role. `element`: the title of the link."""
+    if len(shapes) != len(expected):
+        yield Finding(element, role, f"has {count(len(shapes), role)}, expected {len(expected)}")
         return
-    for number, (shape, one) in enumerate(zip(shapes, wanted, strict=True), 1):
-        yield from look_differs(element, f"{role} {number} {words.colour}", shape, one)
-        yield from form_differs(element, f"{role} {number} ", shape, one, words, SAME)
+    for number, (shape, goal) in enumerate(zip(shapes, expected, strict=True), 1):
+        yield from look_differs(element, f"{role} {number} {words.colour}", shape, goal)
+        yield from form_differs(element, f"{role} {number} ", shape, goal, words, ENGINE_TOLERANCE)
 
 
 def form_differs(
-    element: str, which: str, shape: ReadShape, wanted: WrittenShape, words: ShapeWords, least: float
+    element: str, which: str, shape: ReadShape, expected: WrittenShape, words: ShapeWords, least: float
 ) -> Iterator[Finding]:
-    """What one shape is otherwise: its kind, file or size, else its place, by more than `least`. `which`: how
-    attributes begin."""
-    if shape.kind != wanted.kind:
-        yield differs(element, f"{which}{words.kind}", shape.kind or "none", wanted.kind)
-    elif wanted.file and shape.filename is not None and _name(shape.filename) != _name(wanted.file):
-        yield differs(element, f"{which}{words.file}", shape.filename, wanted.file)
-    elif wanted.file and shape.scale != (1.0, 1.0, 1.0):
+    """Yields the differences of a shape by more than `least`: of its kind, file or size, else of its place.
+    `which`: the prefix of the attributes."""
+    if shape.kind != expected.kind:
+        yield differs(element, f"{which}{words.kind}", shape.kind or "none", expected.kind)
+    elif expected.file and shape.filename is not None and _name(shape.filename) != _name(expected.file):
+        yield differs(element, f"{which}{words.file}", shape.filename, expected.file)
+    elif expected.file and shape.scale != (1.0, 1.0, 1.0):
         yield differs(element, f"{which}{words.scale}", shape.scale, (1.0, 1.0, 1.0))
-    elif not np.allclose(shape.size, wanted.size, rtol=least, atol=least):
-        message = f"is {shown(shape.size)}, expected {shown(wanted.size)} [m]"
-        yield Finding(element, f"{which}{wanted.kind} size", message)
+    elif not np.allclose(shape.size, expected.size, rtol=least, atol=least):
+        message = f"is {shown(shape.size)}, expected {shown(expected.size)} [m]"
+        yield Finding(element, f"{which}{expected.kind} size", message)
     else:
         attributes = (f"{which}{words.place[0]}", f"{which}{words.place[1]}")
-        yield from place_differs(element, shape.link_from_shape, wanted.link_from_shape, attributes, least)
+        yield from pose_findings(element, shape.link_from_shape, expected.link_from_shape, attributes, least)
 
 
-def look_differs(element: str, attribute: str, shape: ReadShape, wanted: WrittenShape) -> Iterator[Finding]:
-    """What colour or image a shape has otherwise."""
-    if wanted.colour is None:
+def look_differs(element: str, attribute: str, shape: ReadShape, expected: WrittenShape) -> Iterator[Finding]:
+    """Yields the difference of a shape's colour or image."""
+    if expected.colour is None:
         return
     image = _name(shape.texture)
-    if image != wanted.texture:
-        yield differs(element, attribute, image or "no image", wanted.texture or "no image")
-    elif not same_colour(shape.colour, wanted.colour):
-        yield differs(element, attribute, shape.colour, wanted.colour)
+    if image != expected.texture:
+        yield differs(element, attribute, image or "no image", expected.texture or "no image")
+    elif not same_colour(shape.colour, expected.colour):
+        yield differs(element, attribute, shape.colour, expected.colour)
 
 
 def bounds_differ(
-    element: str, attribute: str, found: Sequence[float], wanted: WrittenShape
+    element: str, attribute: str, actual: Sequence[float], expected: WrittenShape
 ) -> Iterator[Finding]:
-    """Whether the points of a mesh are where those of its file are."""
-    off = float(np.abs(np.subtract(found, wanted.bounds)).max())
-    if not off <= WITHIN * max(1.0, float(np.abs(wanted.bounds).max())):
-        message = f"its bounds are {shown(1e3 * off)} mm off those of {wanted.file}"
+    """Compares the bounds of a mesh with those of its file."""
+    difference = float(np.abs(np.subtract(actual, expected.bounds)).max())
+    if not difference <= BOUNDS_TOLERANCE * max(1.0, float(np.abs(expected.bounds).max())):
+        message = f"its bounds are {shown(1e3 * difference)} mm off those of {expected.file}"
         yield Finding(element, attribute, message)
 
 
@@ -156,6 +175,6 @@ def _name(path: str) -> str:
     return PurePosixPath(path).name
 
 
-def same_colour(found: Sequence[float] | Array | None, wanted: Colour) -> bool:
-    """Whether both are the same within what a screen shows."""
-    return found is not None and bool(np.allclose(found, wanted, rtol=0, atol=COLOUR))
+def same_colour(actual: Sequence[float] | Array | None, expected: Colour) -> bool:
+    """Tells whether two colours are the same on a screen."""
+    return actual is not None and bool(np.allclose(actual, expected, rtol=0, atol=COLOUR_TOLERANCE))

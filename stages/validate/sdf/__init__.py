@@ -1,1 +1,1 @@
-"""An SDF read back: the checks that it is the robot."""
+"""Compares an SDF that was read back with the robot."""

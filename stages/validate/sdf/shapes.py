@@ -1,4 +1,4 @@
-"""The checks of what an SDF's links look like, and how the model stands."""
+"""Checks the shapes of an SDF's links, and the model's placement."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -12,10 +12,10 @@ from linkwright.stages.robot.model.geometry import Geometry, Shape
 from linkwright.stages.robot.model.poses import UNMOVED
 from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.robot.model.scene import Scene
-from linkwright.stages.validate.findings import differs, few, named, place_differs, shown
-from linkwright.stages.validate.model.coordinates import SAME
+from linkwright.stages.validate.findings import differs, few, named, pose_findings, shown
+from linkwright.stages.validate.model.coordinates import ENGINE_TOLERANCE
 from linkwright.stages.validate.same.shapes import (
-    COLOUR,
+    COLOUR_TOLERANCE,
     ShapeWords,
     WrittenShape,
     differences,
@@ -24,89 +24,96 @@ from linkwright.stages.validate.same.shapes import (
     solids_by_link,
 )
 
-WORDS = ShapeWords("geometry", "mesh uri", "mesh scale", ("pose", "pose"), "material diffuse")
-"""What an SDF calls what a shape is."""
+ATTRIBUTE_NAMES = ShapeWords("geometry", "mesh uri", "mesh scale", ("pose", "pose"), "material diffuse")
+"""SDF's names for the properties of a shape."""
 
 
 def missing_meshes(path: Path) -> Check:
-    """Every mesh that the file names is there."""
-    found = []
+    """Checks that every mesh that the file names exists."""
+    findings = []
     texts = {node.text or "" for node in parse(path.read_bytes()).iterfind(".//mesh/uri")}
     for text in sorted(texts):
         inside = text.partition("://")[2].partition("/")[2] if "://" in text else text
         if not (path.parent / inside).is_file():
-            found.append(Finding("mesh", "uri", f'"{text}" does not exist'))
-    detail = f"missing: {', '.join(one.message for one in found[:3])}" if found else "every mesh is there"
-    return Check(f"{path.name}: meshes", not found, detail, float(len(found)), 0.0, findings=few(found))
+            findings.append(Finding("mesh", "uri", f'"{text}" does not exist'))
+    missing = ", ".join(finding.message for finding in findings[:3])
+    detail = f"missing: {missing}" if findings else "every mesh is there"
+    return Check(
+        f"{path.name}: meshes", not findings, detail, float(len(findings)), 0.0, findings=few(findings)
+    )
 
 
 def of_model(model: SdfModel, robot: Robot, root: str, scene: Scene | None) -> list[Finding]:
-    """Its name, that gravity and forces move its links, and that it stands where the scene has the robot. At
-    what height a free robot touches the ground depends on its joints, which need not stand as at qpos0.
-    `root`: its root link."""
-    element, found = named("model", model.name), list[Finding]()
+    """Checks the model's name, that gravity and forces move its links, and that it is where the scene has the
+    robot. The height of a free robot is not compared, since it depends on the joints, which may differ from
+    qpos0. `root`: the root link."""
+    element, findings = named("model", model.name), list[Finding]()
     if model.name != robot.name:
-        found.append(differs(element, "name", model.name, robot.name))
-    for one in model.links.values():
-        own = named("link", one.name)
-        found += [] if one.falls else [differs(own, "gravity", "false", "true")]
-        found += [] if one.forced else [differs(own, "kinematic", "true", "false")]
+        findings.append(differs(element, "name", model.name, robot.name))
+    for link in model.links.values():
+        title = named("link", link.name)
+        findings += [] if link.falls else [differs(title, "gravity", "false", "true")]
+        findings += [] if link.forced else [differs(title, "kinematic", "true", "false")]
     if scene is not None and robot.root.name != "world":
         place = model.world_from_model @ model.links[root].model_from_link
         if not robot.base.fixed:
             place[2, 3] = scene.world_from_root[2, 3]
-        found += place_differs(element, place, scene.world_from_root, ("pose", "pose"), SAME)
-    return found
+        findings += pose_findings(element, place, scene.world_from_root, ("pose", "pose"), ENGINE_TOLERANCE)
+    return findings
 
 
 def shapes(model: SdfModel, links: Mapping[str, str], geometry: Geometry) -> list[Finding]:
-    """What the shapes of links are otherwise, and how slippery; what is between the dofs of a joint has none.
-    `links`: the names in the SDF of the robot's links."""
-    held = {name: (own, UNMOVED) for name, own in links.items()}
-    wanted = solids_by_link(geometry, lambda shape: (_solid(shape),), held)
+    """Compares the shapes of links, and their friction. Links between the dofs of a joint have no shapes.
+    `links`: link of the robot → its name in the SDF."""
+    holders = {name: (title, UNMOVED) for name, title in links.items()}
+    expected = solids_by_link(geometry.with_whole_visuals, lambda shape: (_solid(shape),), holders)
     colliders = {
-        links[link]: every
-        for (link, role), every in geometry.by_link().items()
+        links[link]: shapes
+        for (link, role), shapes in geometry.by_link().items()
         if role == "collision" and link in links
     }
-    found: list[Finding] = []
+    findings: list[Finding] = []
     for link in model.links.values():
         element = named("link", link.name)
-        own = wanted.get((link.name, "visual"), [])
-        different = list(differences(element, "visual", link.visuals, own, WORDS))
-        found += different or _shades(element, link.visuals, own)
-        own = wanted.get((link.name, "collision"), [])
-        different = list(differences(element, "collision", link.collisions, own, WORDS))
-        found += different or _frictions(element, link.collisions, colliders.get(link.name, []))
-    return found
+        expected_shapes = expected.get((link.name, "visual"), [])
+        different = list(differences(element, "visual", link.visuals, expected_shapes, ATTRIBUTE_NAMES))
+        findings += different or _shades(element, link.visuals, expected_shapes)
+        expected_shapes = expected.get((link.name, "collision"), [])
+        different = list(differences(element, "collision", link.collisions, expected_shapes, ATTRIBUTE_NAMES))
+        findings += different or _frictions(element, link.collisions, colliders.get(link.name, []))
+    return findings
 
 
 def _solid(shape: Shape) -> WrittenShape:
-    """A mesh with an image has the colours of its own file."""
+    """Returns the expected solid of a shape. A mesh with an image has the colours of its file."""
     solid = solid_of(shape)
     return replace(solid, colour=None, texture="") if shape.texture else solid
 
 
-def _shades(element: str, found: Sequence[SdfShape], wanted: Sequence[WrittenShape]) -> Iterator[Finding]:
-    """`found` and `wanted`: a link's visuals, as many of the one as of the other."""
-    for number, (shape, own) in enumerate(zip(found, wanted, strict=True), 1):
-        if own.colour is None:
+def _shades(element: str, actual: Sequence[SdfShape], expected: Sequence[WrittenShape]) -> Iterator[Finding]:
+    """Compares the shades of a link's visuals. `actual` and `expected` have the same length."""
+    for number, (shape, solid) in enumerate(zip(actual, expected, strict=True), 1):
+        if solid.colour is None:
             continue
-        if not same_colour(shape.ambient, own.colour):
-            yield differs(element, f"visual {number} material ambient", shape.ambient, own.colour)
-        if not abs(shape.transparency - (1.0 - own.colour[3])) <= COLOUR:
-            yield differs(element, f"visual {number} transparency", shape.transparency, 1.0 - own.colour[3])
+        if not same_colour(shape.ambient, solid.colour):
+            yield differs(element, f"visual {number} material ambient", shape.ambient, solid.colour)
+        if not abs(shape.transparency - (1.0 - solid.colour[3])) <= COLOUR_TOLERANCE:
+            yield differs(element, f"visual {number} transparency", shape.transparency, 1.0 - solid.colour[3])
 
 
-def _frictions(element: str, found: Sequence[SdfShape], wanted: Sequence[Shape]) -> Iterator[Finding]:
-    """`found` and `wanted`: a link's colliders, as many of the one as of the other."""
-    for number, (shape, own) in enumerate(zip(found, wanted, strict=True), 1):
+def _frictions(element: str, actual: Sequence[SdfShape], expected: Sequence[Shape]) -> Iterator[Finding]:
+    """Compares the friction of a link's colliders. `actual` and `expected` have the same length."""
+    for number, (shape, goal) in enumerate(zip(actual, expected, strict=True), 1):
         which = f"collision {number} surface"
-        friction = own.contact.friction[0] if own.contact and own.contact.friction else None
+        friction = goal.contact.friction[0] if goal.contact and goal.contact.friction else None
         for key, value in zip(("mu", "mu2"), shape.friction, strict=True):
-            if value != friction and not _alike(value, friction):
+            if value != friction and not _is_same(value, friction):
                 yield differs(element, f"{which} friction ode {key}", shown(value), shown(friction))
 
 
-def _alike(value: float | None, wanted: float | None) -> bool:
-    return value is not None and wanted is not None and abs(value - wanted) <= SAME * max(1.0, abs(wanted))
+def _is_same(value: float | None, expected: float | None) -> bool:
+    return (
+        value is not None
+        and expected is not None
+        and abs(value - expected) <= ENGINE_TOLERANCE * max(1.0, abs(expected))
+    )

@@ -1,1 +1,1 @@
-"""A compiled model in motion: how it is run, and what holds it."""
+"""Runs compiled models, and computes the forces that hold them."""

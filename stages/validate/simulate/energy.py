@@ -1,4 +1,4 @@
-"""How well the engine keeps the energy of a robot that nothing but gravity moves."""
+"""Measures how well the engine keeps the energy of a robot that only gravity moves."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -6,61 +6,65 @@ from typing import Any
 import mujoco
 
 from linkwright.stages.mujoco.state import at_keyframe
-from linkwright.stages.validate.model.coordinates import FREE, SLIDE, WIDTH
-from linkwright.stages.validate.simulate.running import PASSIVE, drawn, flags, with_options
+from linkwright.stages.validate.model.coordinates import DOFS_OF_TYPE, FREE, SLIDE
+from linkwright.stages.validate.simulate.running import PASSIVE, flags, seeded_numbers, with_options
 
 SECONDS = 0.5
-"""The length of a run."""
+"""Length of a run [s]."""
 
-SPEED = 1.0
-"""The largest speed of a turn at the start [rad/s]; of a slide it is that times the size of the model."""
+MAX_SPEED = 1.0
+"""The largest speed [rad/s] of a turn at the start; for a slide it is multiplied by the size of the model."""
 
-DRIFT = 1e-6
-"""Of the energy, per second, relative to the largest kinetic energy: less than this is none."""
+MAX_DRIFT = 1e-6
+"""Drift of the energy per second, relative to the largest kinetic energy, below which it counts as zero."""
 
-FALL = 8.0
-"""A drift that falls at least so much when the step is halved is the integrator's own: it is of fourth order,
-and falls sixteenfold where the step is short enough."""
+MIN_FALL = 8.0
+"""Smallest factor by which a drift falls at half the step if it is the integrator's error. The integrator is
+of fourth order, so that its error falls sixteenfold if the step is short enough."""
 
-HALVINGS = 4
-"""So often the step is halved: light links far out whip around, and need short steps."""
+MAX_HALVINGS = 4
+"""Largest number of halvings of the step: light links at the end of a chain whip around, and need short
+steps."""
 
 SAMPLES = 25
-"""So often the energy is looked at in a run."""
+"""Number of times that the energy is computed in a run."""
 
 
 @dataclass(frozen=True, slots=True)
 class Drift:
-    """The drift of energy [1/s] by time step [s], each half of the one before; the first is the model's."""
+    """The drift of energy [1/s] by time step [s]. The first step is the model's; each further step is half of
+    the previous."""
 
     by_step: tuple[tuple[float, float], ...]
 
     @property
     def conserved(self) -> bool:
         (_, last), before = self.by_step[-1], self.by_step[-2:-1]
-        return last < DRIFT or any(last * FALL <= drift for _, drift in before)
+        return last < MAX_DRIFT or any(last * MIN_FALL <= drift for _, drift in before)
 
 
 def drift_of_energy(model: Any) -> Drift:
-    """Runs the passive model, without contacts, limits, friction, damping, springs, closed loops and
-    actuators, from seeded speeds at `home`, by Runge and Kutta's method at its own time step; then at half of
-    that, and so on, until the energy is conserved or the step has been halved `HALVINGS` times."""
-    found: list[tuple[float, float]] = []
+    """Measures the drift of the passive model from seeded speeds at `home`, by the Runge-Kutta method.
+
+    The model has no contacts, limits, friction, damping, springs, closed loops and actuators. The time step
+    is halved until the energy is conserved, at most `MAX_HALVINGS` times.
+    """
+    drifts: list[tuple[float, float]] = []
     step = float(model.opt.timestep)
-    for _ in range(HALVINGS + 1):
-        found.append((step, _drift(model, step)))
-        if Drift(tuple(found)).conserved:
+    for _ in range(MAX_HALVINGS + 1):
+        drifts.append((step, _drift(model, step)))
+        if Drift(tuple(drifts)).conserved:
             break
         step /= 2
-    return Drift(tuple(found))
+    return Drift(tuple(drifts))
 
 
 def _drift(model: Any, step: float) -> float:
-    off = flags("CONSTRAINT", "ACTUATION", "SENSOR", *PASSIVE)
+    disabled_features = flags("CONSTRAINT", "ACTUATION", "SENSOR", *PASSIVE)
     changed = {
         "timestep": step,
         "integrator": mujoco.mjtIntegrator.mjINT_RK4,
-        "disableflags": off | int(model.opt.disableflags) & flags("GRAVITY"),
+        "disableflags": disabled_features | int(model.opt.disableflags) & flags("GRAVITY"),
         "enableflags": int(mujoco.mjtEnableBit.mjENBL_ENERGY),
     }
     with with_options(model, **changed):
@@ -68,26 +72,26 @@ def _drift(model: Any, step: float) -> float:
         data.qvel[:] = speeds(model)
         mujoco.mj_forward(model, data)
         start, largest, off_by = float(data.energy.sum()), float(data.energy[1]), 0.0
-        each = max(1, round(SECONDS / step / SAMPLES))
+        steps = max(1, round(SECONDS / step / SAMPLES))
         for _ in range(SAMPLES):
-            mujoco.mj_step(model, data, each)
+            mujoco.mj_step(model, data, steps)
             mujoco.mj_forward(model, data)
             largest = max(largest, float(data.energy[1]))
             off_by = max(off_by, abs(float(data.energy.sum()) - start))
             if not off_by < float("inf"):
                 return float("inf")
-    return off_by / largest / (SAMPLES * each * step) if largest else 0.0
+    return off_by / largest / (SAMPLES * steps * step) if largest else 0.0
 
 
 def speeds(model: Any) -> Any:
-    """Speeds (nv,) of every degree of freedom, seeded by the names of the joints."""
+    """Returns speeds (nv,) of every degree of freedom, seeded by the names of the joints."""
     size = float(model.stat.extent)
-    found = mujoco.MjData(model).qvel
+    qvel = mujoco.MjData(model).qvel
     for joint in range(model.njnt):
         first = int(model.jnt_dofadr[joint])
         kind = mujoco.mjtJoint(model.jnt_type[joint])
-        own = SPEED * drawn(model.joint(joint).name, WIDTH[kind])
+        numbers = MAX_SPEED * seeded_numbers(model.joint(joint).name, DOFS_OF_TYPE[kind])
         if kind in (SLIDE, FREE):
-            own[:3] *= size
-        found[first : first + len(own)] = own
-    return found
+            numbers[:3] *= size
+        qvel[first : first + len(numbers)] = numbers
+    return qvel

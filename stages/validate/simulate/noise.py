@@ -1,4 +1,4 @@
-"""Noise over the whole range of each control."""
+"""Runs a model with noise over the whole range of each control."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -6,82 +6,91 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from linkwright.stages.mujoco.names import actuator_count, controls_of
 from linkwright.stages.mujoco.state import at_keyframe
-from linkwright.stages.mujoco.trial import EFFORT, failure
-from linkwright.stages.mujoco.warnings import listening
+from linkwright.stages.mujoco.trial import MAX_WORK, failure
+from linkwright.stages.mujoco.warnings import collected_warnings
 from linkwright.stages.robot.model.robot import Array
 from linkwright.stages.validate.model.coordinates import HINGE
 
-HOLD = 0.1
-"""In the second half of a run each control keeps a value for so long [s]: what is moved by it gets further
-than by noise that is another at every step."""
+HOLD_TIME = 0.1
+"""Time [s] for which each control keeps a value in the second half of a run, so that joints move further than
+with noise that changes at every step."""
 
-OPEN = 1e6
-"""The end of a range from here on stands for no limit [rad, m]."""
+UNLIMITED = 1e6
+"""Value [rad, m] from which the end of a range counts as no limit."""
 
 _PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29)
 
 
 def control_ranges(model: Any) -> Array:
-    """The lowest and the highest control (nu, 2) of each actuator: its range; without one that of what it
-    moves, where it is a servo, else ±1."""
-    found = np.tile([-1.0, 1.0], (model.nu, 1))
-    for actuator in range(model.nu):
-        if model.actuator_ctrllimited[actuator]:
-            found[actuator] = model.actuator_ctrlrange[actuator]
+    """Returns the lowest and the highest value (nu, 2) of each control: its range; without a range, for the
+    first control of a servo the range of its joint, else ±1."""
+    limited = np.array(model.actuator_ctrllimited, bool)[:, None]
+    ranges = np.where(limited, model.actuator_ctrlrange, [-1.0, 1.0])
+    for actuator in range(actuator_count(model)):
+        controls = controls_of(model, actuator)
+        if not controls or limited[controls.start]:
             continue
         joint = int(model.actuator_trnid[actuator][0])
         of_joint = model.actuator_trntype[actuator] == mujoco.mjtTrn.mjTRN_JOINT
         servo = model.actuator_biasprm[actuator][1] != 0.0
         if of_joint and servo and model.jnt_limited[joint]:
-            found[actuator] = sorted(_ends(model, joint) * model.actuator_gear[actuator][0])
-    return found
+            ranges[controls.start] = sorted(_ends(model, joint) * model.actuator_gear[actuator][0])
+    return ranges
 
 
 @dataclass(frozen=True, slots=True)
 class Shake:
-    """How a run with noise ended. `failed`: what went wrong, "" for nothing; `time` [s] when, or the end;
-    `joint`: at which joint, "" where MuJoCo names none."""
+    """The end of a run with noise."""
 
     failed: str
+    """The failure as text; "" without failure."""
+
     time: float
+    """The time [s] of the failure, or of the end."""
+
     joint: str = ""
+    """The joint at which the failure began; "" if MuJoCo names no joint."""
 
 
-def shaken(model: Any, seconds: float) -> Shake:
-    """Runs a model from `home` with noise for controls. In the first half the noise is another at every step,
-    in the second it is held for `HOLD`."""
+def run_with_noise(model: Any, seconds: float) -> Shake:
+    """Runs a model from `home` with noise for controls. In the first half of the run the noise changes at
+    every step, in the second half it is held for `HOLD_TIME`."""
     data = at_keyframe(model)
     low, high = control_ranges(model).T
     step = float(model.opt.timestep)
-    steps = max(2, min(round(seconds / step), int(EFFORT / max(1, model.nv) ** 2)))
-    held, done, turn = max(1, round(HOLD / step)), 0, 0
-    with listening():
-        while done < steps:
+    steps = max(2, min(round(seconds / step), int(MAX_WORK / max(1, model.nv) ** 2)))
+    hold_steps, steps_done, turn = max(1, round(HOLD_TIME / step)), 0, 0
+    with collected_warnings():
+        while steps_done < steps:
             turn += 1
             data.ctrl[:] = low + (high - low) * _halton(turn, model.nu)
-            each = 1 if done < steps // 2 else min(held, steps - done)
-            mujoco.mj_step(model, data, each)
-            done += each
-            if found := failure(model, data):
-                return Shake(found[0], done * step, *found[1][:1])
-    return Shake("", done * step)
+            count = 1 if steps_done < steps // 2 else min(hold_steps, steps - steps_done)
+            mujoco.mj_step(model, data, count)
+            steps_done += count
+            if failed := failure(model, data):
+                return Shake(failed[0], steps_done * step, *failed[1][:1])
+    return Shake("", steps_done * step)
 
 
 def _ends(model: Any, joint: int) -> Array:
-    """The ends (2,) of a joint's range; an end that is open is a turn, or a metre, from the other."""
+    """Returns the ends (2,) of a joint's range. An open end is a turn, or a metre, from the other end."""
     low, high = model.jnt_range[joint]
     span = 2.0 * np.pi if model.jnt_type[joint] == HINGE else 1.0
-    if low <= -OPEN:
-        low = high - span if high < OPEN else -span / 2
-    return np.array([low, low + span if high >= OPEN else high])
+    if low <= -UNLIMITED:
+        low = high - span if high < UNLIMITED else -span / 2
+    return np.array([low, low + span if high >= UNLIMITED else high])
 
 
 def _halton(turn: int, count: int) -> Array:
-    """Point number `turn` (count,) of a sequence that fills 0 to 1 evenly: Halton's in the first dimensions;
-    his of high dimensions are all alike, so there each has one of the first turned by an irrational share."""
-    found = np.empty(count)
+    """Returns point number `turn` (count,) of a sequence that fills 0 to 1 evenly.
+
+    The first dimensions are Halton's. Since Halton's high dimensions are nearly equal, further dimensions are
+    copies of the first ones, shifted by an irrational share.
+    """
+    point = np.empty(count)
     for at in range(count):
         lap, which = divmod(at, len(_PRIMES))
-        found[at] = (mujoco.mju_Halton(turn, _PRIMES[which]) + lap * 0.618033988749895) % 1.0
-    return found
+        point[at] = (mujoco.mju_Halton(turn, _PRIMES[which]) + lap * 0.618033988749895) % 1.0
+    return point

@@ -1,4 +1,4 @@
-"""How fast the simulated file runs: a figure of the machine as much as of the robot, no check."""
+"""Measures the speed of the simulated file. It is not a check, since it depends on the machine as well."""
 
 import time
 from pathlib import Path
@@ -7,29 +7,30 @@ import mujoco
 
 from linkwright.stages.mujoco.compile import NotCompiled, compiled_file
 from linkwright.stages.mujoco.state import at_keyframe
-from linkwright.stages.mujoco.warnings import listening
+from linkwright.stages.mujoco.warnings import collected_warnings
 
 SECONDS = 0.5
-"""So long it is measured, in pieces of `PIECE` steps."""
+"""Duration [s] of the measurement, which is done in pieces of `STEPS_PER_PIECE` steps."""
 
-PIECE = 50
+STEPS_PER_PIECE = 50
+"""Number of steps between two looks at the clock."""
 
 
 def steps_per_second(folder: Path, robot: str) -> float | None:
-    """Steps that MuJoCo makes in a second of one thread's time, from `home` with the controls there, to two
-    digits; None where there is no MJCF that compiles and moves."""
+    """Returns the number of steps per second of a single thread's time, to two digits, from `home` with the
+    controls there. Returns None without an MJCF that compiles and moves."""
     path = next((path for path in (folder / "scene.xml", folder / f"{robot}.xml") if path.exists()), None)
     if path is None:
         return None
     try:
-        with listening():
+        with collected_warnings():
             model = compiled_file(path)
             data = at_keyframe(model)
             mujoco.mj_step(model, data)
             steps, start = 0, time.thread_time()
             while (spent := time.thread_time() - start) < SECONDS:
-                mujoco.mj_step(model, data, PIECE)
-                steps += PIECE
+                mujoco.mj_step(model, data, STEPS_PER_PIECE)
+                steps += STEPS_PER_PIECE
     except NotCompiled:
-        return None  # the checks say so
+        return None  # the checks report it
     return float(f"{steps / spent:.2g}") if model.nv else None

@@ -1,10 +1,10 @@
-"""An SRDF held against the robot and its URDF's names.
+"""Compares an SRDF with the robot and its URDF's names.
 
-- base: What an SRDF says of the robot's base, and of joints that nothing drives.
-- groups: The groups of an SRDF and its end effectors, against the robot.
-- known: An SRDF that was read, and the robot that it must be of.
-- pairs: The pairs of links that an SRDF keeps from colliding, against the robot.
-- read_back: The run of the checks of an SRDF.
-- references: Every link, joint and group that an SRDF names is there.
-- states: The poses of an SRDF's groups, against the robot's keyframes.
+- base: Checks the robot's base in an SRDF, and its passive joints.
+- groups: Compares the groups and end effectors of an SRDF with the robot.
+- pairs: Compares the pairs of links that an SRDF keeps from colliding with the robot's.
+- read_back: Runs the checks of an SRDF.
+- read_srdf: Reads an SRDF, and finds its groups and joints in the robot that it describes.
+- references: Checks that every link, joint and group that an SRDF names exists.
+- states: Compares the poses of an SRDF's groups with the robot's keyframes.
 """

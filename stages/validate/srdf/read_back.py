@@ -1,4 +1,4 @@
-"""The run of the checks of an SRDF."""
+"""Runs the checks of an SRDF."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,8 +10,8 @@ from linkwright.stages.validate.findings import few
 from linkwright.stages.validate.reading.documents import sentence
 from linkwright.stages.validate.srdf.base import base, passive
 from linkwright.stages.validate.srdf.groups import end_effectors, groups
-from linkwright.stages.validate.srdf.known import ReadSrdf
 from linkwright.stages.validate.srdf.pairs import pairs
+from linkwright.stages.validate.srdf.read_srdf import ReadSrdf
 from linkwright.stages.validate.srdf.references import references
 from linkwright.stages.validate.srdf.states import states
 
@@ -27,12 +27,12 @@ CHECKS = {
         "the pairs of links that the robot keeps from colliding, with the reasons",
     ),
 }
-"""In the order of the report: by name what looks, and what is true where it finds nothing."""
+"""Name of a check → its function, and the message without findings; in the order of the report."""
 
 
 def check_file(path: Path, written: Written, *, quick: bool) -> Iterator[Check]:
-    """The results. `quick`: none, since the text alone is looked
-    at elsewhere. None of a file that is no XML either."""
+    """Yields the results. It yields nothing if `quick`, or for a file that is not XML, since another check
+    reads the text."""
     try:
         root = parse(path.read_bytes())
     except Malformed:
@@ -40,7 +40,9 @@ def check_file(path: Path, written: Written, *, quick: bool) -> Iterator[Check]:
     if quick:
         return
     read = ReadSrdf(root, written)
-    for name, (look, passed) in CHECKS.items():
-        found = list(look(read))
-        detail = sentence(tuple(found)) if found else passed
-        yield Check(f"{path.name}: {name}", not found, detail, float(len(found)), 0.0, findings=few(found))
+    for name, (function, passed) in CHECKS.items():
+        findings = list(function(read))
+        detail = sentence(tuple(findings)) if findings else passed
+        yield Check(
+            f"{path.name}: {name}", not findings, detail, float(len(findings)), 0.0, findings=few(findings)
+        )

@@ -1,4 +1,4 @@
-"""Every link, joint and group that an SRDF names is there."""
+"""Checks that every link, joint and group that an SRDF names exists."""
 
 from collections.abc import Iterator
 
@@ -6,9 +6,9 @@ from linkwright.stages.formats.xml import Element, tag
 from linkwright.stages.robot.check import Finding
 from linkwright.stages.robot.text.globs import did_you_mean
 from linkwright.stages.validate.findings import named
-from linkwright.stages.validate.srdf.known import ReadSrdf, pair, state
+from linkwright.stages.validate.srdf.read_srdf import ReadSrdf, pair, state
 
-WHERE = (
+REFERENCES = (
     ("virtual_joint", "child_link", "link"),
     ("group/link", "name", "link"),
     ("group/joint", "name", "joint"),
@@ -28,28 +28,28 @@ WHERE = (
     ("disable_default_collisions", "link", "link"),
     ("link_sphere_approximation", "link", "link"),
 )
-"""The elements below the root that name something: by what attribute, and what that is: of the URDF, or a
-group of the SRDF."""
+"""Path of an element that names something, the attribute, and the kind of thing: a link or joint of the URDF,
+or a group of the SRDF."""
 
-OPTIONAL = ("parent_group",)
+OPTIONAL_ATTRIBUTES = ("parent_group",)
 """Attributes that may be missing."""
 
 
 def references(read: ReadSrdf) -> Iterator[Finding]:
-    """What is named and is not there, with the nearest name that is."""
-    known = {"link": read.links, "joint": read.joints, "group": frozenset(read.groups)}
-    for path, attribute, kind in WHERE:
+    """Yields names of things that do not exist, with the nearest name that does."""
+    names = {"link": read.links, "joint": read.joints, "group": frozenset(read.groups)}
+    for path, attribute, kind in REFERENCES:
         for node in read.root.iterfind(path):
             name = node.get(attribute, "")
-            if name not in known[kind] and (name or attribute not in OPTIONAL):
-                near = did_you_mean(name, sorted(known[kind]))
-                hint = f"; {near}" if near else ""
+            if name not in names[kind] and (name or attribute not in OPTIONAL_ATTRIBUTES):
+                nearest = did_you_mean(name, sorted(names[kind]))
+                hint = f"; {nearest}" if nearest else ""
                 inner = f"{tag(node)} " if "/" in path else ""
-                element = _called(node.getparent() if inner else node)
+                element = _title(node.getparent() if inner else node)
                 yield Finding(element, f"{inner}{attribute}", f'there is no {kind} "{name}"{hint}')
 
 
-def _called(node: Element) -> str:
+def _title(node: Element) -> str:
     if tag(node) == "group_state":
         return state(node)
     if node.get("link1") is not None:

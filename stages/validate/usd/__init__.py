@@ -1,14 +1,13 @@
-"""The checks of a USD, read by usd-core.
+"""Checks a USD, which usd-core reads.
 
-- driving: What the joints of a USD resist, where they start, what drives them and what they follow, against
-  the robot's.
-- look_reader: Reads the materials of a USD: what a shape looks like, and how slippery it is.
-- looks: What the shapes of a USD look like, and how slippery they are, against the robot's.
-- model: What a USD says of its units, of where the robot stands, of its shapes and of what collides.
+- actuators: Compares the actuators of a USD, in MuJoCo's own schema, with the robot's.
+- driving: Compares the joints of a USD with the robot's: resistance, start, drives and relations.
+- look_reader: Reads the materials of a USD, which give a shape its look and its friction.
+- looks: Compares the looks and the friction of a USD's shapes with the robot's.
+- model: Compares a USD's units, placement, shapes and collisions with the robot's.
 - place_reader: Reads the frames and the cameras on the bodies of a USD, in metres and radians.
-- places: The frames and cameras of a USD against the robot's.
-- prim_reader: What is wrong with the prims of a USD whatever robot they are: names of what is not there,
-  quaternions that are no rotations, and extents that are not those of the points.
+- places: Compares the frames and cameras of a USD with the robot's.
+- prim_reader: Finds errors of a USD's prims that do not depend on the robot.
 - reader: Reads the bodies and joints of a USD, with lengths in metres and angles in radians.
-- shape_reader: Reads what the bodies of a USD look like and collide with, in metres.
+- shape_reader: Reads the visual shapes and colliders of a USD's bodies, in metres.
 """

@@ -1,86 +1,92 @@
-"""What the joints of a USD resist, where they start, what drives them and what they follow, against the
-robot's."""
+"""Compares the joints of a USD with the robot's: resistance, start, drives and relations."""
 
 from collections.abc import Iterator, Mapping
 
 from linkwright.stages.formats.usd.drives import Drives
-from linkwright.stages.formats.usd.joint_facts import JointFacts, driven, mimic, resistance, state
+from linkwright.stages.formats.usd.joint_facts import (
+    JointFacts,
+    joint_drive,
+    joint_mimic,
+    joint_state,
+    resistance,
+)
 from linkwright.stages.formats.usd.names import UsdNames
 from linkwright.stages.robot.check import Finding
 from linkwright.stages.robot.model.robot import Configuration, Dof, Robot
 from linkwright.stages.validate.findings import differs, named
 from linkwright.stages.validate.usd.reader import ReadUsdJoint, UsdRobot
 
-SINGLE = 1e-6
-"""Attributes are in single precision, relatively; positions below 1 [deg or m] are so to this."""
+SINGLE_PRECISION = 1e-6
+"""Relative tolerance of attributes in single precision, which is absolute for positions below 1 [deg, m]."""
 
-POSITIONS = ("osition", "offset", "Coef0")
-"""Endings of the names of positions."""
+POSITION_ENDINGS = ("osition", "offset", "Coef0")
+"""Endings of the names of attributes that are positions."""
 
-UNSAID = {
+DEFAULTS = {
     "physics:jointEnabled": 1.0,
     "physics:collisionEnabled": 0.0,
     "physics:breakForce": float("inf"),
     "physics:breakTorque": float("inf"),
 }
-"""What UsdPhysics has of a joint that a build leaves unsaid, by attribute."""
+"""UsdPhysics's defaults for attributes of a joint that a build does not write."""
 
 
-Said = Mapping[str, float] | Mapping[str, str]
+Attributes = Mapping[str, float] | Mapping[str, str]
 """Attributes of numbers, or of words, by name."""
 
 
 def driving(
     usd: UsdRobot, robot: Robot, names: UsdNames, drives: Drives, home: Configuration
 ) -> Iterator[Finding]:
-    """Of each joint, against what a build says of it: nothing of one that closes a loop."""
+    """Compares each joint with the attributes that a build writes for it. A joint that closes a loop has
+    none."""
     dofs = {dof.name: dof for joint in robot.joints for dof in joint.dofs if dof.kind != "free"}
     between = [dof for loop in robot.loops for dof in loop.dofs[:-1]]
-    said = [*dofs.values(), *between]
-    wanted = {names.joints[dof.name]: _said(dof, drives, home) for dof in said}
+    written = [*dofs.values(), *between]
+    expected = {names.joints[dof.name]: _expected(dof, drives, home) for dof in written}
     for relation in robot.relations:
-        both = dofs[relation.follower], dofs[relation.driver]
-        own, other = (usd.joints[names.joints[dof.name]] for dof in both)
-        follows = mimic(relation, *both, (own.letter, other.letter))
+        follower_and_driver = dofs[relation.follower], dofs[relation.driver]
+        read, read_driver = (usd.joints[names.joints[dof.name]] for dof in follower_and_driver)
+        follows = joint_mimic(relation, *follower_and_driver, (read.letter, read_driver.letter))
         targets = {name: names.joints[dof] for name, dof in follows.targets.items()}
-        wanted[names.joints[relation.follower]] |= JointFacts(
+        expected[names.joints[relation.follower]] |= JointFacts(
             follows.schemas, follows.numbers, follows.words, targets
         )
     for name, joint in usd.joints.items():
-        yield from _differences(named("def", name), joint, wanted.get(name, JointFacts()))
+        yield from _differences(named("def", name), joint, expected.get(name, JointFacts()))
 
 
-def _said(dof: Dof, drives: Drives, home: Configuration) -> JointFacts:
+def _expected(dof: Dof, drives: Drives, home: Configuration) -> JointFacts:
     facts, value = resistance(dof), home[dof.name]
     if isinstance(value, tuple):
         return facts
     drive = drives.of.get(dof.name)
-    return facts | state(dof, value) | (driven(dof, drive) if drive is not None else JointFacts())
+    return facts | joint_state(dof, value) | (joint_drive(dof, drive) if drive is not None else JointFacts())
 
 
-def _differences(element: str, joint: ReadUsdJoint, wanted: JointFacts) -> Iterator[Finding]:
-    found = joint.facts
-    for schema in wanted.schemas:
-        if schema not in found.schemas:
+def _differences(element: str, joint: ReadUsdJoint, expected: JointFacts) -> Iterator[Finding]:
+    facts = joint.facts
+    for schema in expected.schemas:
+        if schema not in facts.schemas:
             yield differs(element, "apiSchemas", f"no {schema}", schema)
-    yield from _each(element, found.numbers, {**_default(found), **wanted.numbers})
-    yield from _each(element, found.words, wanted.words)
-    yield from _each(element, found.targets, wanted.targets)
+    yield from _attribute_differences(element, facts.numbers, {**_defaults(facts), **expected.numbers})
+    yield from _attribute_differences(element, facts.words, expected.words)
+    yield from _attribute_differences(element, facts.targets, expected.targets)
 
 
-def _default(found: JointFacts) -> dict[str, float]:
-    """Of what is said, and need not be: what it must be."""
-    return {name: value for name, value in UNSAID.items() if name in found.numbers}
+def _defaults(facts: JointFacts) -> dict[str, float]:
+    """Returns the defaults of the attributes that a file may set although a build does not."""
+    return {name: value for name, value in DEFAULTS.items() if name in facts.numbers}
 
 
-def _each(element: str, found: Said, wanted: Said) -> Iterator[Finding]:
-    for name in sorted({*found, *wanted}):
-        if not _alike(name, found.get(name), wanted.get(name)):
-            yield differs(element, name, found.get(name), wanted.get(name))
+def _attribute_differences(element: str, actual: Attributes, expected: Attributes) -> Iterator[Finding]:
+    for name in sorted({*actual, *expected}):
+        if not _is_same(name, actual.get(name), expected.get(name)):
+            yield differs(element, name, actual.get(name), expected.get(name))
 
 
-def _alike(name: str, found: float | str | None, wanted: float | str | None) -> bool:
-    if isinstance(found, float) and isinstance(wanted, float):
-        least = 1.0 if name.endswith(POSITIONS) else 0.0
-        return found == wanted or abs(found - wanted) <= SINGLE * max(least, abs(wanted))
-    return found == wanted
+def _is_same(name: str, actual: float | str | None, expected: float | str | None) -> bool:
+    if isinstance(actual, float) and isinstance(expected, float):
+        least = 1.0 if name.endswith(POSITION_ENDINGS) else 0.0
+        return actual == expected or abs(actual - expected) <= SINGLE_PRECISION * max(least, abs(expected))
+    return actual == expected

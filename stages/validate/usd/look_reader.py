@@ -1,4 +1,4 @@
-"""Reads the materials of a USD: what a shape looks like, and how slippery it is."""
+"""Reads the materials of a USD, which give a shape its look and its friction."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -12,23 +12,28 @@ FRICTION = {
     "PhysicsMaterialAPI": ("physics:staticFriction", "physics:dynamicFriction"),
     "NewtonMaterialAPI": ("newton:torsionalFriction", "newton:rollingFriction"),
 }
-"""The schemas of a material that say how slippery it is, and their attributes."""
+"""The schemas of a material that give its friction, and their attributes."""
 
 
 @dataclass(frozen=True, slots=True)
 class ReadUsdLook:
-    """The colour of a shape's material, linear, with its opacity and its roughness, () where there is no
-    material whose surface is known; and the path of its image as the file has it, "" for none. `display`: the
-    colour without materials, () for none. `friction`: of its material of physics, by attribute."""
+    """The look and the friction of a shape."""
 
     colour: tuple[float, ...] = ()
+    """The linear colour, the opacity and the roughness of the material; () if its surface is not known."""
+
     image: str = ""
+    """The path of the image in the file; "" without an image."""
+
     display: tuple[float, ...] = ()
+    """The colour of renderers without materials; () if missing."""
+
     friction: Mapping[str, float] = field(default_factory=dict)
+    """The friction of the physics material, by attribute."""
 
 
 def look_of(prim: Any) -> ReadUsdLook:
-    """Of a shape; what is above it counts, as materials and colours are inherited."""
+    """Returns the look of a shape, with the materials and colours that it inherits from prims above it."""
     display = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor").Get() or ()
     colour, image = _surface(_bound(prim, UsdShade.Tokens.allPurpose))
     first = tuple(map(float, display[0])) if display else ()
@@ -36,11 +41,11 @@ def look_of(prim: Any) -> ReadUsdLook:
 
 
 def _bound(prim: Any, purpose: str) -> Any:
-    """The material, None where there is none: a binding without its schema is not looked at."""
+    """Returns the bound material, or None. A binding without its schema is ignored."""
     material, binding = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(purpose)
     if not material or "MaterialBindingAPI" not in schemas(binding.GetPrim()):
         return None
-    # Without one for physics, that for everything is found.
+    # Without a physics material, USD returns the all-purpose material.
     if purpose == "physics" and not binding.GetName().endswith(":physics"):
         return None
     return material
@@ -52,22 +57,22 @@ def _surface(material: Any) -> tuple[tuple[float, ...], str]:
     shader, *_ = material.ComputeSurfaceSource()
     if not shader or shader.GetIdAttr().Get() != "UsdPreviewSurface":
         return (), ""
-    rest = float(_input(shader, "opacity", 1.0)), float(_input(shader, "roughness", 0.5))
+    opacity_and_roughness = float(_input(shader, "opacity", 1.0)), float(_input(shader, "roughness", 0.5))
     colour = shader.GetInput("diffuseColor")
     sources = colour.GetConnectedSources()[0] if colour else []
     if not sources:
-        return (*map(float, _input(shader, "diffuseColor", Gf.Vec3f(0.18))), *rest), ""
+        return (*map(float, _input(shader, "diffuseColor", Gf.Vec3f(0.18))), *opacity_and_roughness), ""
     image = UsdShade.Shader(sources[0].source.GetPrim())
     if image.GetIdAttr().Get() != "UsdUVTexture":
         return (), ""
     scale = _input(image, "scale", Gf.Vec4f(1.0))
     file = _input(image, "file", None)
-    return (*map(float, tuple(scale)[:3]), *rest), "" if file is None else str(file.path)
+    return (*map(float, tuple(scale)[:3]), *opacity_and_roughness), "" if file is None else str(file.path)
 
 
 def _input(shader: Any, name: str, default: Any) -> Any:
-    given = shader.GetInput(name)
-    value = given.Get() if given else None
+    attribute = shader.GetInput(name)
+    value = attribute.Get() if attribute else None
     return default if value is None else value
 
 
@@ -75,10 +80,10 @@ def _friction(material: Any) -> dict[str, float]:
     if material is None:
         return {}
     prim = material.GetPrim()
-    found = {}
+    values = {}
     for schema, names in FRICTION.items():
         for name in names:
             value = prim.GetAttribute(name).Get() if schema in schemas(prim) else None
             if value is not None:
-                found[name] = float(value)
-    return found
+                values[name] = float(value)
+    return values

@@ -1,4 +1,4 @@
-"""What the shapes of a USD look like, and how slippery they are, against the robot's."""
+"""Compares the looks and the friction of a USD's shapes with the robot's."""
 
 from collections.abc import Iterator
 from pathlib import PurePosixPath
@@ -11,43 +11,44 @@ from linkwright.stages.robot.model.geometry import Shape
 from linkwright.stages.validate.findings import differs
 from linkwright.stages.validate.usd.shape_reader import ReadUsdShape
 
-COLOUR = 1e-5
-"""Colours are in single precision."""
+COLOUR_TOLERANCE = 1e-5
+"""Tolerance of colours, which are in single precision."""
 
 
-def looks(element: str, which: str, shape: ReadUsdShape, wanted: Shape) -> Iterator[Finding]:
-    """`element`: the body; `which`: the shape's role and number."""
-    if wanted.colour is not None and wanted.role == "visual":
-        yield from _colours(element, which, shape, wanted)
-    friction = wanted.contact.friction if wanted.contact is not None else None
+def looks(element: str, which: str, shape: ReadUsdShape, in_robot: Shape) -> Iterator[Finding]:
+    """Compares the look of a shape. `element`: the title of the body; `which`: the shape's role and
+    number."""
+    if in_robot.colour is not None and in_robot.role == "visual":
+        yield from _colours(element, which, shape, in_robot)
+    friction = in_robot.contact.friction if in_robot.contact is not None else None
     expected = {}
     if friction is not None:
         slide, twist, roll = friction
         expected = dict.fromkeys(("physics:staticFriction", "physics:dynamicFriction"), slide)
         expected |= {"newton:torsionalFriction": twist, "newton:rollingFriction": roll}
-    found = shape.look.friction
-    for name in (*expected, *(found.keys() - expected.keys())):
-        if not _alike(found.get(name), expected.get(name)):
+    friction_found = shape.look.friction
+    for name in (*expected, *(friction_found.keys() - expected.keys())):
+        if not _is_same(friction_found.get(name), expected.get(name)):
             attribute = f"{which} material:binding:physics {name}"
-            yield differs(element, attribute, found.get(name), expected.get(name))
+            yield differs(element, attribute, friction_found.get(name), expected.get(name))
 
 
-def _colours(element: str, which: str, shape: ReadUsdShape, wanted: Shape) -> Iterator[Finding]:
-    assert wanted.colour is not None
-    rgb, look = linear(wanted.colour), shape.look
-    expected = (*rgb, wanted.colour[3], ROUGHNESS)
+def _colours(element: str, which: str, shape: ReadUsdShape, in_robot: Shape) -> Iterator[Finding]:
+    assert in_robot.colour is not None
+    rgb, look = linear(in_robot.colour), shape.look
+    expected = (*rgb, in_robot.colour[3], ROUGHNESS)
     attribute = f"{which} material:binding"
     if not look.colour:
         yield differs(element, attribute, "no material of a surface", expected)
-    elif PurePosixPath(look.image).name != (wanted.texture or ""):
-        yield differs(element, attribute, look.image or "no image", wanted.texture or "no image")
-    elif not np.allclose(look.colour, expected, atol=COLOUR):
+    elif PurePosixPath(look.image).name != (in_robot.texture or ""):
+        yield differs(element, attribute, look.image or "no image", in_robot.texture or "no image")
+    elif not np.allclose(look.colour, expected, atol=COLOUR_TOLERANCE):
         yield differs(element, attribute, look.colour, expected)
-    if not look.display or not np.allclose(look.display, rgb, atol=COLOUR):
+    if not look.display or not np.allclose(look.display, rgb, atol=COLOUR_TOLERANCE):
         yield differs(element, f"{which} primvars:displayColor", look.display or None, rgb)
 
 
-def _alike(found: float | None, wanted: float | None) -> bool:
-    if found is None or wanted is None:
-        return found is wanted
-    return abs(found - wanted) <= COLOUR * max(1.0, abs(wanted))
+def _is_same(actual: float | None, expected: float | None) -> bool:
+    if actual is None or expected is None:
+        return actual is expected
+    return abs(actual - expected) <= COLOUR_TOLERANCE * max(1.0, abs(expected))

@@ -1,4 +1,4 @@
-"""What a USD says of its units, of where the robot stands, of its shapes and of what collides."""
+"""Compares a USD's units, placement, shapes and collisions with the robot's."""
 
 import struct
 from collections.abc import Iterator, Sequence
@@ -14,67 +14,71 @@ from linkwright.stages.robot.model.geometry import Geometry, Role, Shape
 from linkwright.stages.robot.model.poses import UNMOVED
 from linkwright.stages.robot.model.robot import Array, Robot
 from linkwright.stages.robot.text.plural import count
-from linkwright.stages.validate.findings import differs, named, place_differs, shown
+from linkwright.stages.validate.findings import differs, named, pose_findings, shown
 from linkwright.stages.validate.usd.looks import looks
 from linkwright.stages.validate.usd.reader import UsdRobot
 from linkwright.stages.validate.usd.shape_reader import ReadUsdShape
 
-PLACE = 1e-6
-"""Places of shapes [m, rad] and sizes of primitives [m] are the same within this."""
+PLACE_TOLERANCE = 1e-6
+"""Tolerance of the places of shapes [m, rad] and the sizes of primitives [m]."""
 
-SINGLE = 1e-5
-"""The frames of joints [m, rad] are in single precision."""
+FRAME_TOLERANCE = 1e-5
+"""Tolerance of the frames of joints [m, rad], which are in single precision."""
 
-WITHIN = 2e-5
-"""Bounds of meshes [m], and relatively beyond a metre: points are in single precision."""
+BOUNDS_TOLERANCE = 2e-5
+"""Tolerance of the bounds of meshes [m], relative above a metre: points are in single precision."""
 
 
 def units(usd: UsdRobot) -> list[Finding]:
-    """All numbers are of metres and kilograms, and z points upwards."""
-    found = []
+    """Checks that the units are metres and kilograms, and that z points upwards."""
+    findings = []
     for name, value in zip(("metersPerUnit", "kilogramsPerUnit"), usd.units, strict=True):
         if value != 1.0:
-            found.append(differs("layer", name, value, 1.0))
+            findings.append(differs("layer", name, value, 1.0))
     if usd.up != "Z":
-        found.append(differs("layer", "upAxis", usd.up, "Z"))
-    return found
+        findings.append(differs("layer", "upAxis", usd.up, "Z"))
+    return findings
 
 
 def rooted(usd: UsdRobot, robot: Robot, names: UsdNames) -> Iterator[Finding]:
-    """An articulation begins at the joint that holds a fixed robot, else at its root link, and at each link
-    that moves freely from another and carries a joint."""
+    """Checks that an articulation begins at the joint that holds a fixed robot, or else at its root link, and
+    at each link on a free joint that carries a joint."""
     carries = {joint.parent for joint in robot.joints if joint.type != "free"}
     free = [joint.child for joint in robot.joints if joint.type == "free" and joint.child in carries]
-    wanted = {names.base} if robot.base.fixed else {names.links[robot.root.name]}
-    wanted |= {names.links[link] for link in free}
-    for name in sorted(wanted - usd.roots.keys()):
-        words = "begins no articulation, expected PhysicsArticulationRootAPI"
-        yield Finding(named("def", name), "apiSchemas", words)
-    for name in sorted(usd.roots.keys() - wanted):
-        words = "begins an articulation by PhysicsArticulationRootAPI, and the robot's begins elsewhere"
-        yield Finding(named("def", name), "apiSchemas", words)
+    expected = {names.base} if robot.base.fixed else {names.links[robot.root.name]}
+    expected |= {names.links[link] for link in free}
+    for name in sorted(expected - usd.roots.keys()):
+        message = "begins no articulation, expected PhysicsArticulationRootAPI"
+        yield Finding(named("def", name), "apiSchemas", message)
+    for name in sorted(usd.roots.keys() - expected):
+        message = "begins an articulation by PhysicsArticulationRootAPI, and the robot's begins elsewhere"
+        yield Finding(named("def", name), "apiSchemas", message)
 
 
 def placed(usd: UsdRobot, robot: Robot, names: UsdNames, place: Array | None) -> Iterator[Finding]:
-    """The root stands, and is held, where the scene has the robot at `home`: `place` (4, 4), None where that
-    is not known."""
+    """Checks that the root is where the scene has the robot at `home`, and that it is held there. `place`:
+    this pose (4, 4), None if it is not known."""
     if place is None:
         return
     body = names.links[robot.root.name]
     attributes = ("xformOp:translate", "xformOp:orient")
-    yield from place_differs(named("def", body), usd.bodies[body].world_from_body, place, attributes, PLACE)
+    yield from pose_findings(
+        named("def", body), usd.bodies[body].world_from_body, place, attributes, PLACE_TOLERANCE
+    )
     if robot.base.fixed and names.base in usd.joints:
         joint = usd.joints[names.base]
         if joint.place != usd.path:
             yield differs(named("def", names.base), "physics:body0", joint.place or "none", usd.path)
-        held = joint.first_from_joint @ np.linalg.inv(joint.second_from_joint)
+        world_from_root = joint.first_from_joint @ np.linalg.inv(joint.second_from_joint)
         attributes = ("physics:localPos0", "physics:localRot0")
-        yield from place_differs(named("def", names.base), held, place, attributes, SINGLE)
+        yield from pose_findings(
+            named("def", names.base), world_from_root, place, attributes, FRAME_TOLERANCE
+        )
 
 
 def moving(usd: UsdRobot, robot: Robot, names: UsdNames, geometry: Geometry | None) -> Iterator[Finding]:
-    """Forces move every body, by its own mass and from rest, and those bodies collide with each other that do
-    in the robot."""
+    """Checks that forces move every body, by its mass and from rest, and that the same bodies collide with
+    each other as in the robot."""
     for name, body in usd.bodies.items():
         if not body.moves:
             yield Finding(named("def", name), "physics:rigidBodyEnabled", "no force moves it")
@@ -90,92 +94,103 @@ def moving(usd: UsdRobot, robot: Robot, names: UsdNames, geometry: Geometry | No
             if collides != geometry.self_contact:
                 word = str(geometry.self_contact).lower()
                 yield differs(named("def", name), attribute, str(collides).lower(), word)
-    # Engines leave out by themselves what a joint of the tree holds together.
-    joined = {frozenset((one.first, one.second)) for one in usd.joints.values() if not one.closes}
-    own = {frozenset((names.links[one.link_a], names.links[one.link_b])): one for one in geometry.excludes}
-    whole = {pair for pair, one in own.items() if not one.geoms} - joined
-    found = {frozenset((name, other)) for name, body in usd.bodies.items() for other in body.apart}
-    for pair in sorted(map(sorted, whole ^ (found - joined))):
-        words = (
-            "collide, and do not in the robot"
-            if frozenset(pair) in whole
-            else "do not collide, but in the robot"
+    # In engines, bodies that a joint of the tree connects never collide.
+    joined_pairs = {
+        frozenset((joint.first, joint.second)) for joint in usd.joints.values() if not joint.closes
+    }
+    excludes = {
+        frozenset((names.links[exclude.link_a], names.links[exclude.link_b])): exclude
+        for exclude in geometry.excludes
+    }
+    excluded_pairs = {pair for pair, exclude in excludes.items() if not exclude.geoms} - joined_pairs
+    filtered = {frozenset((name, other)) for name, body in usd.bodies.items() for other in body.filtered}
+    for pair in sorted(map(sorted, excluded_pairs ^ (filtered - joined_pairs))):
+        message = (
+            "collide, but not in the robot"
+            if frozenset(pair) in excluded_pairs
+            else "do not collide, but must, as in the robot"
         )
-        yield Finding(named("def", pair[0]), "physics:filteredPairs", f"{' and '.join(pair)} {words}")
+        yield Finding(named("def", pair[0]), "physics:filteredPairs", f"{' and '.join(pair)} {message}")
 
 
 def shapes(usd: UsdRobot, names: UsdNames, geometry: Geometry, folder: Path) -> Iterator[Finding]:
-    """Each body has the shapes of its link: as many, where they must be, of their size; and what is between
-    the dofs of a joint has none. `folder`: that of the USD, which has the files of its meshes."""
-    links = {own: name for name, own in names.links.items()}
+    """Checks that each body has the shapes of its link: their number, places and sizes. Bodies between the
+    dofs of a joint must have none. `folder`: the folder of the USD, which has the files of its meshes."""
+    links = {body: name for name, body in names.links.items()}
     by_link = geometry.by_link()
     roles: tuple[Role, ...] = ("visual", "collision")
     for body, read in usd.bodies.items():
         for role in roles:
-            wanted = by_link[links.get(body, ""), role]
-            found = [one for one in read.shapes if one.collides == (role == "collision")]
+            expected = by_link[links.get(body, ""), role]
+            actual = [shape for shape in read.shapes if shape.collides == (role == "collision")]
             element = named("def", body)
-            if len(found) != len(wanted):
-                yield Finding(element, role, f"has {count(len(found), role)}, expected {len(wanted)}")
+            if len(actual) != len(expected):
+                yield Finding(element, role, f"has {count(len(actual), role)}, expected {len(expected)}")
                 continue
-            yield from _differences(element, role, found, wanted, folder)
+            yield from _differences(element, role, actual, expected, folder)
 
 
 def _differences(
-    element: str, role: str, found: Sequence[ReadUsdShape], wanted: Sequence[Shape], folder: Path
+    element: str, role: str, actual: Sequence[ReadUsdShape], expected: Sequence[Shape], folder: Path
 ) -> Iterator[Finding]:
-    for number, (shape, one) in enumerate(zip(found, wanted, strict=True), 1):
+    for number, (shape, in_robot) in enumerate(zip(actual, expected, strict=True), 1):
         which = f"{role} {number}"
-        yield from looks(element, which, shape, one)
-        for attribute, has, expected in shape.lacks:
-            yield differs(element, f"{which} {attribute}", has, expected)
-        kind = one.primitive.kind if one.primitive else "mesh"
+        yield from looks(element, which, shape, in_robot)
+        for attribute, has, required in shape.lacks:
+            yield differs(element, f"{which} {attribute}", has, required)
+        kind = in_robot.primitive.kind if in_robot.primitive else "mesh"
         if shape.kind != kind:
             yield differs(element, f"{which} type", shape.kind, kind)
-        elif one.primitive is None:
-            yield from _of_mesh(element, which, shape, one, folder)
-        elif not np.allclose(shape.size, one.primitive.size, rtol=PLACE, atol=PLACE):
-            words = f"is {shown(shape.size)}, expected {shown(one.primitive.size)} [m]"
-            yield Finding(element, f"{which} {kind} size", words)
+        elif in_robot.primitive is None:
+            yield from _of_mesh(element, which, shape, in_robot, folder)
+        elif not np.allclose(shape.size, in_robot.primitive.size, rtol=PLACE_TOLERANCE, atol=PLACE_TOLERANCE):
+            message = f"is {shown(shape.size)}, expected {shown(in_robot.primitive.size)} [m]"
+            yield Finding(element, f"{which} {kind} size", message)
         else:
             attributes = (f"{which} xformOp:translate", f"{which} xformOp:orient")
-            expected_place = one.primitive.link_from_shape
-            yield from place_differs(element, shape.body_from_shape, expected_place, attributes, PLACE)
+            expected_place = in_robot.primitive.link_from_shape
+            yield from pose_findings(
+                element, shape.body_from_shape, expected_place, attributes, PLACE_TOLERANCE
+            )
 
 
-def _of_mesh(element: str, which: str, shape: ReadUsdShape, wanted: Shape, folder: Path) -> Iterator[Finding]:
+def _of_mesh(
+    element: str, which: str, shape: ReadUsdShape, in_robot: Shape, folder: Path
+) -> Iterator[Finding]:
     attributes = (f"{which} xformOp:translate", f"{which} xformOp:orient")
-    moved = list(place_differs(element, shape.body_from_shape, UNMOVED, attributes, PLACE))
-    yield from moved
-    if moved or not wanted.bounds:
+    findings_on_place = list(
+        pose_findings(element, shape.body_from_shape, UNMOVED, attributes, PLACE_TOLERANCE)
+    )
+    yield from findings_on_place
+    if findings_on_place or not in_robot.bounds:
         return
     if not shape.bounds:
-        yield Finding(element, f"{which} references", f"has no points, expected those of {wanted.file}")
+        yield Finding(element, f"{which} references", f"has no points, expected those of {in_robot.file}")
         return
-    off = float(np.abs(np.subtract(shape.bounds, wanted.bounds)).max())
-    if off > WITHIN * max(1.0, float(np.abs(wanted.bounds).max())):
-        words = f"its bounds are {shown(1e3 * off)} mm off those of {wanted.file}"
-        yield Finding(element, f"{which} references", words)
+    difference = float(np.abs(np.subtract(shape.bounds, in_robot.bounds)).max())
+    if difference > BOUNDS_TOLERANCE * max(1.0, float(np.abs(in_robot.bounds).max())):
+        message = f"its bounds are {shown(1e3 * difference)} mm off those of {in_robot.file}"
+        yield Finding(element, f"{which} references", message)
         return
-    corners, texcoords = _written(folder, wanted)
-    if corners is not None and not _alike(shape.corners, corners):
-        words = f"has other triangles than assets/{wanted.file}"
-        yield Finding(element, f"{which} faceVertexIndices", words)
-    elif texcoords is not None and not _alike(shape.texcoords, texcoords):
-        words = f"are not the texture coordinates of assets/{wanted.file}"
-        yield Finding(element, f"{which} primvars:st", words)
+    corners, texcoords = _corners_and_texcoords(folder, in_robot)
+    if corners is not None and not _is_same(shape.corners, corners):
+        message = f"has other triangles than assets/{in_robot.file}"
+        yield Finding(element, f"{which} faceVertexIndices", message)
+    elif texcoords is not None and not _is_same(shape.texcoords, texcoords):
+        message = f"are not the texture coordinates of assets/{in_robot.file}"
+        yield Finding(element, f"{which} primvars:st", message)
 
 
-def _written(folder: Path, shape: Shape) -> tuple[Array | None, Array | None]:
-    """The corners and the texture coordinates of a mesh's file; None where it cannot be read, which another
-    check says."""
+def _corners_and_texcoords(folder: Path, shape: Shape) -> tuple[Array | None, Array | None]:
+    """Returns the corners and the texture coordinates of a mesh's file; None if it cannot be read, which
+    another check reports."""
     try:
         return mesh_corners(str(shape.file), (folder / "assets" / str(shape.file)).read_bytes())
     except (OSError, ValueError, IndexError, struct.error):
         return None, None
 
 
-def _alike(found: npt.NDArray[np.float32] | None, wanted: Array) -> bool:
-    if found is None or found.shape != wanted.shape:
+def _is_same(actual: npt.NDArray[np.float32] | None, expected: Array) -> bool:
+    if actual is None or actual.shape != expected.shape:
         return False
-    return np.allclose(found, wanted, rtol=0, atol=WITHIN)
+    return np.allclose(actual, expected, rtol=0, atol=BOUNDS_TOLERANCE)

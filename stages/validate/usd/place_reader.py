@@ -11,36 +11,41 @@ from pxr import UsdGeom
 from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import Array
 
-_IMAGE = np.diag([1.0, -1.0, -1.0, 1.0])
-"""prim_from_image (4, 4): cameras of USD look along −z, with y up; ours along z, with y down."""
+_PRIM_FROM_IMAGE = np.diag([1.0, -1.0, -1.0, 1.0])
+"""prim_from_image (4, 4): a camera of USD looks along −z, with y up; a camera of the robot along z, with y
+down."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ReadUsdPlace:
-    """A frame or a camera: where it is on its body (4, 4); a camera as ours are. `fovy`: the vertical field
-    of view of a camera [deg], and `aspect` its width by its height; 0 of a frame."""
+    """A frame or a camera on a body."""
 
     body_from_place: Array
+    """The pose (4, 4) on the body; a camera has the robot's axes."""
+
     fovy: float = 0.0
+    """The vertical field of view [deg] of a camera; 0 for a frame."""
+
     aspect: float = 0.0
+    """The width of a camera's image divided by its height; 0 for a frame."""
 
 
 def places_of(body: Any) -> Iterator[tuple[str, ReadUsdPlace]]:
-    """By the names of their prims."""
+    """Yields the frames and cameras of a body, with the names of their prims."""
     cache = UsdGeom.XformCache()
     body_from_world = inverse(np.array(cache.GetLocalToWorldTransform(body)).T)
     for prim in body.GetChildren():
         pose = body_from_world @ np.array(cache.GetLocalToWorldTransform(prim)).T
         if prim.IsA(UsdGeom.Camera):
-            yield prim.GetName(), _camera(UsdGeom.Camera(prim), pose @ _IMAGE)
+            yield prim.GetName(), _camera(UsdGeom.Camera(prim), pose @ _PRIM_FROM_IMAGE)
         elif prim.GetTypeName() == "Xform":
             yield prim.GetName(), ReadUsdPlace(pose)
 
 
 def _camera(camera: Any, pose: Array) -> ReadUsdPlace:
     focal, height, width = (
-        float(one.Get())
-        for one in (
+        float(attribute.Get())
+        for attribute in (
             camera.GetFocalLengthAttr(),
             camera.GetVerticalApertureAttr(),
             camera.GetHorizontalApertureAttr(),

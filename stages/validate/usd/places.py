@@ -1,4 +1,4 @@
-"""The frames and cameras of a USD against the robot's."""
+"""Compares the frames and cameras of a USD with the robot's."""
 
 from collections.abc import Iterator, Mapping
 
@@ -6,44 +6,48 @@ from linkwright.stages.formats.usd.names import UsdNames, identifiers
 from linkwright.stages.robot.check import Finding
 from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.robot.model.sensing import Sensing
-from linkwright.stages.validate.findings import differs, named, place_differs
+from linkwright.stages.validate.findings import differs, named, pose_findings
 from linkwright.stages.validate.usd.place_reader import ReadUsdPlace
 from linkwright.stages.validate.usd.reader import UsdRobot
 
-PLACE = 1e-9
-"""Frames are in double precision [m, rad]."""
+FRAME_TOLERANCE = 1e-9
+"""Tolerance [m, rad] of frames, which are in double precision."""
 
-ANGLE = 1e-5
-"""Fields of view and aspects, relatively: those are in single precision."""
+LENS_TOLERANCE = 1e-5
+"""Relative tolerance of fields of view and aspects, which are in single precision."""
 
 
 def places(usd: UsdRobot, robot: Robot, names: UsdNames, sensing: Sensing) -> Iterator[Finding]:
-    """Each frame, site of a sensor and camera is on its body, where it must be."""
+    """Checks that each frame, site of a sensor and camera is at its place on its body."""
     for link, body in names.links.items():
-        there = usd.bodies[body].places
-        poses = {one.name: one.link_from_frame for one in robot.frames if one.link == link}
-        poses |= {one.name: one.link_from_site for one in sensing.sites if one.link == link}
-        own = identifiers(poses)
+        read_places = usd.bodies[body].places
+        poses = {frame.name: frame.link_from_frame for frame in robot.frames if frame.link == link}
+        poses |= {site.name: site.link_from_site for site in sensing.sites if site.link == link}
+        titles = identifiers(poses)
         for name, pose in poses.items():
-            yield from _at(there, body, own[name], ReadUsdPlace(pose))
-        cameras = {one.name: one for one in sensing.cameras if one.link == link}
-        for name, prim in identifiers(cameras, own.values()).items():
+            yield from _at(read_places, body, titles[name], ReadUsdPlace(pose))
+        cameras = {camera.name: camera for camera in sensing.cameras if camera.link == link}
+        for name, prim in identifiers(cameras, titles.values()).items():
             camera = cameras[name]
             width, height = camera.resolution
             place = ReadUsdPlace(camera.link_from_camera, camera.fovy, width / height)
-            yield from _at(there, body, prim, place)
+            yield from _at(read_places, body, prim, place)
 
 
-def _at(there: Mapping[str, ReadUsdPlace], body: str, name: str, wanted: ReadUsdPlace) -> Iterator[Finding]:
-    element, found = named("def", body), there.get(name)
-    if found is None:
+def _at(
+    read_places: Mapping[str, ReadUsdPlace], body: str, name: str, expected: ReadUsdPlace
+) -> Iterator[Finding]:
+    element, place = named("def", body), read_places.get(name)
+    if place is None:
         yield Finding(element, name, "there is no frame or camera of this name")
         return
     attributes = (f"{name} xformOp:translate", f"{name} xformOp:orient")
-    yield from place_differs(element, found.body_from_place, wanted.body_from_place, attributes, PLACE)
-    for attribute, value, expected in (
-        ("verticalAperture", found.fovy, wanted.fovy),
-        ("horizontalAperture", found.aspect, wanted.aspect),
+    yield from pose_findings(
+        element, place.body_from_place, expected.body_from_place, attributes, FRAME_TOLERANCE
+    )
+    for attribute, value, number in (
+        ("verticalAperture", place.fovy, expected.fovy),
+        ("horizontalAperture", place.aspect, expected.aspect),
     ):
-        if not abs(value - expected) <= ANGLE * expected:
-            yield differs(element, f"{name} {attribute}", value, expected)
+        if not abs(value - number) <= LENS_TOLERANCE * number:
+            yield differs(element, f"{name} {attribute}", value, number)

@@ -1,5 +1,7 @@
-"""What is wrong with the prims of a USD whatever robot they are: names of what is not there, quaternions that
-are no rotations, and extents that are not those of the points."""
+"""Finds errors of a USD's prims that do not depend on the robot.
+
+These are references to missing prims, quaternions that are not of unit length, and wrong extents.
+"""
 
 from collections.abc import Iterator
 from typing import Any
@@ -10,25 +12,25 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 from linkwright.stages.robot.check import Finding
 from linkwright.stages.validate.findings import differs, named
 
-UNIT = 1e-5
-"""A quaternion's length is 1 within this, and an extent [m] that of the points: in single precision."""
+SINGLE_PRECISION = 1e-5
+"""Tolerance of the length of a unit quaternion, and of an extent [m]: both are in single precision."""
 
 
 def schemas(prim: Any) -> frozenset[str]:
-    """The applied schemas, also those that usd-core does not know."""
+    """Returns the applied schemas, also those that usd-core does not know."""
     return frozenset(map(str, prim.GetPrimTypeInfo().GetAppliedAPISchemas()))
 
 
 def flaws(stage: Any, top: Any) -> Iterator[Finding]:
-    """Of all prims at and below `top`."""
+    """Yields the errors of all prims at and below `top`."""
     for prim in Usd.PrimRange(top, Usd.TraverseInstanceProxies()):
-        yield from _named(stage, prim)
-        yield from _turned(prim)
+        yield from _missing_targets(stage, prim)
+        yield from _quaternions(prim)
         yield from _extent(prim)
 
 
-def _found(prim: Any, attribute: str, message: str) -> Finding:
-    """Named by what is below the default prim, or below the scope that it is in."""
+def _finding(prim: Any, attribute: str, message: str) -> Finding:
+    """Returns a finding on the prim directly below the default prim, or directly below a scope."""
     return Finding(*_place(prim, attribute), message)
 
 
@@ -40,35 +42,39 @@ def _place(prim: Any, attribute: str) -> tuple[str, str]:
     return named("def", first), " ".join(("/".join(inner), attribute)).strip()
 
 
-def _named(stage: Any, prim: Any) -> Iterator[Finding]:
-    """Each relationship and each connection ends at something."""
-    every = [(one.GetName(), one.GetTargets()) for one in prim.GetRelationships()]
-    every += [(one.GetName(), one.GetConnections()) for one in prim.GetAuthoredAttributes()]
-    for name, paths in every:
+def _missing_targets(stage: Any, prim: Any) -> Iterator[Finding]:
+    """Yields relationships and connections to missing prims."""
+    references = [(relation.GetName(), relation.GetTargets()) for relation in prim.GetRelationships()]
+    references += [
+        (attribute.GetName(), attribute.GetConnections()) for attribute in prim.GetAuthoredAttributes()
+    ]
+    for name, paths in references:
         for path in paths:
             if not stage.GetObjectAtPath(path):
-                yield _found(prim, name, f"names <{path}>, which is not there")
+                yield _finding(prim, name, f"names <{path}>, which is not there")
 
 
-def _turned(prim: Any) -> Iterator[Finding]:
+def _quaternions(prim: Any) -> Iterator[Finding]:
     for attribute in prim.GetAuthoredAttributes():
         if attribute.GetTypeName() in (Sdf.ValueTypeNames.Quatd, Sdf.ValueTypeNames.Quatf):
             length = Gf.Quatd(attribute.Get()).GetLength()
-            if not abs(length - 1) <= UNIT:
+            if not abs(length - 1) <= SINGLE_PRECISION:
                 place = _place(prim, attribute.GetName())
                 yield Finding(*place, f"has the length {length:.6g}, expected 1")
 
 
 def _extent(prim: Any) -> Iterator[Finding]:
-    """What a renderer leaves out by its extent must not be seen."""
+    """Checks the extent, by which renderers skip prims outside the picture."""
     boundable = UsdGeom.Boundable(prim)
     if not boundable or not boundable.GetExtentAttr().HasAuthoredValue():
         return
-    found = np.array(boundable.GetExtentAttr().Get(), dtype=float)
-    wanted = UsdGeom.Boundable.ComputeExtentFromPlugins(boundable, Usd.TimeCode.Default())
-    if wanted is None or not len(wanted):
+    extent = np.array(boundable.GetExtentAttr().Get(), dtype=float)
+    computed = UsdGeom.Boundable.ComputeExtentFromPlugins(boundable, Usd.TimeCode.Default())
+    if computed is None or not len(computed):
         return
-    expected = np.array(wanted, dtype=float)
-    if found.shape != expected.shape or not np.allclose(found, expected, rtol=UNIT, atol=UNIT):
+    expected = np.array(computed, dtype=float)
+    if extent.shape != expected.shape or not np.allclose(
+        extent, expected, rtol=SINGLE_PRECISION, atol=SINGLE_PRECISION
+    ):
         element, attribute = _place(prim, "extent")
-        yield differs(element, attribute, found, expected, "m")
+        yield differs(element, attribute, extent, expected, "m")

@@ -14,6 +14,7 @@ from linkwright.stages.formats.usd.joint_facts import JointFacts
 from linkwright.stages.robot.check import Finding
 from linkwright.stages.robot.model.poses import from_parts, rotation_from_quat
 from linkwright.stages.robot.model.robot import Array, Inertial, frozen
+from linkwright.stages.validate.usd.actuators import ReadUsdActuator, read_actuators
 from linkwright.stages.validate.usd.place_reader import ReadUsdPlace, places_of
 from linkwright.stages.validate.usd.prim_reader import flaws, schemas
 from linkwright.stages.validate.usd.shape_reader import ReadUsdShape, shapes_of
@@ -22,22 +23,22 @@ SELF_COLLISION = (
     ("PhysxArticulationAPI", "physxArticulation:enabledSelfCollisions"),
     ("NewtonArticulationRootAPI", "newton:selfCollisionEnabled"),
 )
-"""The schemas that say whether an articulation collides with itself, and their attributes."""
+"""The schemas that decide whether an articulation collides with itself, and their attributes."""
 
-OWN = re.compile(
+READ_PROPERTIES = re.compile(
     "physics:(axis|lowerLimit|upperLimit|coneAngle[01]Limit|localPos[01]|localRot[01]|body[01]"
     "|excludeFromArticulation)|limit:.*|physxArticulation:.*|newton:selfCollisionEnabled|xformOp.*"
     "|proxyPrim|visibility|purpose"
 )
 """Attributes and relationships of a joint that are not among its `facts`."""
 
-STARTS = ("physics:velocity", "physics:angularVelocity", "physics:startsAsleep")
+START_ATTRIBUTES = ("physics:velocity", "physics:angularVelocity", "physics:startsAsleep")
 
 AXES = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
 
 
 FreeRanges = Mapping[tuple[str, str], tuple[float, float]]
-"""The ranges [m or rad] of what a general joint leaves free, by ("trans", "X")."""
+"""The ranges [m or rad] of a general joint's free motions, by ("trans", "X")."""
 
 
 class UsdError(Exception):
@@ -46,61 +47,98 @@ class UsdError(Exception):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ReadUsdBody:
-    """Where a body stands (4, 4), and its mass properties. `moves`: whether forces move it; `starts`: its
-    speeds at the start [m/s, deg/s], and whether it sleeps, by attribute. `shapes`: what it looks like and
-    collides with; `places`: frames and cameras, by name; `apart`: the bodies that it does not collide with;
-    `schemas`: what is applied to it."""
+    """A body of a USD."""
 
     world_from_body: Array
+    """The pose (4, 4)."""
+
     inertial: Inertial
     moves: bool
+    """Whether forces move the body."""
+
     starts: Mapping[str, float]
+    """The speeds at the start [m/s, deg/s], and whether the body sleeps, by attribute."""
+
     shapes: tuple[ReadUsdShape, ...]
+    """The visual shapes and colliders."""
+
     places: Mapping[str, ReadUsdPlace]
-    apart: frozenset[str]
+    """The frames and cameras, by name."""
+
+    filtered: frozenset[str]
+    """The names of the bodies with which the body does not collide."""
+
     schemas: frozenset[str]
+    """The applied schemas."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ReadUsdJoint:
-    """A joint: its type in UsdPhysics, its bodies, "" for none, the path of the prim that its first frame is
-    in, and its frame (4, 4) on both; the unit vector
-    (3,) of its axis, and its letter; its range, infinite where open; of a general joint the ranges of what is
-    free, by ("trans", "X"). `closes`: whether it is outside the articulation; `facts`: all else that its prim
-    says, with targets by the names of their prims."""
+    """A joint of a USD."""
 
     type: str
+    """The type in UsdPhysics."""
+
     first: str
+    """The name of the first body; "" without a body."""
+
     second: str
+    """The name of the second body; "" without a body."""
+
     place: str
+    """The path of the prim that has the first frame."""
+
     first_from_joint: Array
+    """The frame (4, 4) on the first body."""
+
     second_from_joint: Array
+    """The frame (4, 4) on the second body."""
+
     axis: Array
+    """The unit vector (3,) of the axis."""
+
     letter: str
+    """The letter of the axis."""
+
     ends: tuple[float, float]
+    """The range, with infinite ends if there is no limit."""
+
     free: FreeRanges
+    """The free motions of a general joint, with their ranges."""
+
     closes: bool
+    """Whether the joint is outside the articulation."""
+
     facts: JointFacts
+    """All other attributes of the prim; targets are the names of prims."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UsdRobot:
-    """Bodies and joints by the names of their prims; `roots`: the prims that begin an articulation, with what
-    each engine says of whether its bodies collide with each other, by attribute. `units`: metres and
-    kilograms per unit; `up`: the axis that points upwards; `path`: of the default prim.
-    `flaws`: what is wrong whatever robot it is."""
+    """The robot of a USD. Bodies, joints and actuators are by the names of their prims."""
 
     bodies: Mapping[str, ReadUsdBody]
     joints: Mapping[str, ReadUsdJoint]
     roots: Mapping[str, Mapping[str, bool]]
+    """The prims that begin an articulation, with each engine's attribute for collisions between its
+    bodies."""
+
+    actuators: Mapping[str, ReadUsdActuator]
     units: tuple[float, float]
+    """Metres and kilograms per unit."""
+
     up: str
+    """The axis that points upwards."""
+
     path: str
+    """The path of the default prim."""
+
     flaws: tuple[Finding, ...]
+    """Errors that do not depend on the robot."""
 
 
 def read_usd(path: Path) -> UsdRobot:
-    """The robot of the file's default prim. UsdError where there is none."""
+    """Reads the robot of the file's default prim. Raises UsdError if there is no such robot."""
     try:
         stage = Usd.Stage.Open(str(path))
     except Tf.ErrorException as error:
@@ -110,26 +148,28 @@ def read_usd(path: Path) -> UsdRobot:
         msg = "it has no default prim"
         raise UsdError(msg)
     prims = list(Usd.PrimRange(top))
-    moving = [one for one in prims if one.HasAPI(UsdPhysics.RigidBodyAPI)]
-    paths = {one.GetPath() for one in moving}
-    bodies = {one.GetName(): _body(one, paths) for one in moving}
+    moving = [prim for prim in prims if prim.HasAPI(UsdPhysics.RigidBodyAPI)]
+    paths = {prim.GetPath() for prim in moving}
+    bodies = {prim.GetName(): _body(prim, paths) for prim in moving}
     joints = {
-        one.GetName(): _joint(UsdPhysics.Joint(one), paths) for one in prims if one.IsA(UsdPhysics.Joint)
+        prim.GetName(): _joint(UsdPhysics.Joint(prim), paths) for prim in prims if prim.IsA(UsdPhysics.Joint)
     }
-    roots = {one.GetName(): _collides(one) for one in prims if one.HasAPI(UsdPhysics.ArticulationRootAPI)}
+    roots = {prim.GetName(): _collides(prim) for prim in prims if prim.HasAPI(UsdPhysics.ArticulationRootAPI)}
     units = UsdGeom.GetStageMetersPerUnit(stage), UsdPhysics.GetStageKilogramsPerUnit(stage)
     up = str(UsdGeom.GetStageUpAxis(stage))
-    return UsdRobot(bodies, joints, roots, units, up, str(top.GetPath()), tuple(flaws(stage, top)))
+    return UsdRobot(
+        bodies, joints, roots, read_actuators(prims), units, up, str(top.GetPath()), tuple(flaws(stage, top))
+    )
 
 
 def _collides(root: Any) -> dict[str, bool]:
-    """Whether the bodies of an articulation collide with each other, in PhysX and in Newton: in both they do
-    unless it is said, by an attribute of a schema that is applied."""
+    """Returns whether the bodies of an articulation collide with each other, in PhysX and in Newton. In both
+    they do, unless an attribute of an applied schema forbids it."""
     applied = schemas(root)
-    found = {}
+    by_attribute = {}
     for schema, name in SELF_COLLISION:
-        found[name] = not (schema in applied and root.GetAttribute(name).Get() is False)
-    return found
+        by_attribute[name] = not (schema in applied and root.GetAttribute(name).Get() is False)
+    return by_attribute
 
 
 def _body(prim: Any, bodies: set[Any]) -> ReadUsdBody:
@@ -143,15 +183,15 @@ def _body(prim: Any, bodies: set[Any]) -> ReadUsdBody:
     rigid = UsdPhysics.RigidBodyAPI(prim)
     moves = rigid.GetRigidBodyEnabledAttr().Get() and not rigid.GetKinematicEnabledAttr().Get()
     filters = UsdPhysics.FilteredPairsAPI(prim).GetFilteredPairsRel()
-    apart = filters.GetTargets() if prim.HasAPI(UsdPhysics.FilteredPairsAPI) else []
+    targets = filters.GetTargets() if prim.HasAPI(UsdPhysics.FilteredPairsAPI) else []
     return ReadUsdBody(
         np.array(world).T,
         Inertial(float(api.GetMassAttr().Get()), frozen(com), frozen(inertia)),
         bool(moves),
-        {name: float(np.linalg.norm(prim.GetAttribute(name).Get())) for name in STARTS},
+        {name: float(np.linalg.norm(prim.GetAttribute(name).Get())) for name in START_ATTRIBUTES},
         tuple(shapes_of(prim)),
         dict(places_of(prim)),
-        frozenset(str(path.name) for path in apart if path in bodies),
+        frozenset(str(path.name) for path in targets if path in bodies),
         schemas(prim),
     )
 
@@ -159,7 +199,7 @@ def _body(prim: Any, bodies: set[Any]) -> ReadUsdBody:
 def _joint(joint: Any, bodies: set[Any]) -> ReadUsdJoint:
     prim = joint.GetPrim()
     kind = prim.GetTypeName().removeprefix("Physics").removesuffix("Joint")
-    first, second = (_target(one, bodies) for one in (joint.GetBody0Rel(), joint.GetBody1Rel()))
+    first, second = (_target(relation, bodies) for relation in (joint.GetBody0Rel(), joint.GetBody1Rel()))
     axis = prim.GetAttribute("physics:axis")
     ends = (-math.inf, math.inf)
     if kind in ("Revolute", "Prismatic"):
@@ -173,15 +213,17 @@ def _joint(joint: Any, bodies: set[Any]) -> ReadUsdJoint:
         (joint.GetLocalPos0Attr(), joint.GetLocalRot0Attr()),
         (joint.GetLocalPos1Attr(), joint.GetLocalRot1Attr()),
     )
-    one, other = (from_parts(_rotation(turn.Get()), np.array(at.Get(), dtype=float)) for at, turn in places)
+    first_from_joint, second_from_joint = (
+        from_parts(_rotation(turn.Get()), np.array(at.Get(), dtype=float)) for at, turn in places
+    )
     letter = str(axis.Get()) if axis else "X"
     return ReadUsdJoint(
         kind,
         first,
         second,
         " ".join(map(str, joint.GetBody0Rel().GetTargets())),
-        one,
-        other,
+        first_from_joint,
+        second_from_joint,
         np.array(AXES[letter]),
         letter,
         ends,
@@ -192,14 +234,15 @@ def _joint(joint: Any, bodies: set[Any]) -> ReadUsdJoint:
 
 
 def _target(relation: Any, bodies: set[Any]) -> str:
-    """The name of the body, by its path: the default prim, which holds them all, may have a link's name."""
+    """Returns the name of the target body, which is found by its path: the default prim, which holds all
+    bodies, may have a link's name."""
     paths = relation.GetTargets()
     return str(paths[0].name) if paths and paths[0] in bodies else ""
 
 
 def _free(prim: Any) -> Iterator[tuple[tuple[str, str], tuple[float, float]]]:
-    """Of a general joint: what is free, and its range [m or rad]. What is locked has a lower limit above the
-    upper one."""
+    """Yields the free motions of a general joint, with their ranges [m or rad]. A locked motion has a lower
+    limit above the upper one."""
     for kind, scale in (("trans", 1.0), ("rot", math.pi / 180)):
         for axis in AXES:
             ends = [prim.GetAttribute(f"limit:{kind}{axis}:physics:{end}") for end in ("low", "high")]
@@ -212,17 +255,19 @@ def _free(prim: Any) -> Iterator[tuple[tuple[str, str], tuple[float, float]]]:
 
 
 def _facts(prim: Any) -> JointFacts:
-    """What the prim of a joint says that nothing else reads."""
-    said = {
-        one.GetName(): one.Get() for one in prim.GetAuthoredAttributes() if not OWN.fullmatch(one.GetName())
+    """Returns the attributes and targets of a joint's prim that nothing else reads."""
+    values = {
+        attribute.GetName(): attribute.Get()
+        for attribute in prim.GetAuthoredAttributes()
+        if not READ_PROPERTIES.fullmatch(attribute.GetName())
     }
     targets = {
-        one.GetName(): " ".join(str(path.name) for path in one.GetTargets())
-        for one in prim.GetAuthoredRelationships()
-        if not OWN.fullmatch(one.GetName())
+        relation.GetName(): " ".join(str(path.name) for path in relation.GetTargets())
+        for relation in prim.GetAuthoredRelationships()
+        if not READ_PROPERTIES.fullmatch(relation.GetName())
     }
-    numbers = {name: float(value) for name, value in said.items() if isinstance(value, int | float)}
-    words = {name: str(value) for name, value in said.items() if name not in numbers}
+    numbers = {name: float(value) for name, value in values.items() if isinstance(value, int | float)}
+    words = {name: str(value) for name, value in values.items() if name not in numbers}
     return JointFacts(tuple(sorted(schemas(prim))), numbers, words, targets)
 
 

@@ -1,4 +1,4 @@
-"""Reads what the bodies of a USD look like and collide with, in metres."""
+"""Reads the visual shapes and colliders of a USD's bodies, in metres."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -14,33 +14,43 @@ from linkwright.stages.validate.usd.look_reader import ReadUsdLook, look_of
 from linkwright.stages.validate.usd.prim_reader import schemas
 
 KINDS = {"Cube": "box", "Sphere": "sphere", "Cylinder": "cylinder", "Capsule": "capsule", "Mesh": "mesh"}
-"""What shapes are called elsewhere, by the types of their prims."""
+"""Type of a prim → kind of shape."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ReadUsdShape:
-    """A shape of a body. `collides`: whether it is one to collide with: it has UsdPhysics's schema for that,
-    or is a guide, which is not drawn. `lacks`: the schemas and attributes that keep it from colliding, or
-    from being convex, or that make another surface of it, as (attribute, found, expected). `size` [m] as in
-    `model.Primitive`, () of a mesh; `body_from_shape` (4, 4), without scale. Of a mesh, in the body's frame:
-    `bounds` (6,) [m] of its points, the least x, y and z and the largest, () without any; the `corners`
-    (n, 3, 3) [m] of its triangles, None where its faces are no triangles of its points; and their `texcoords`
-    (n, 3, 2), None where there are none for each corner. `look`: its materials."""
+    """A shape of a body. What a mesh has is in the body's frame."""
 
     name: str
     kind: str
     collides: bool
+    """Whether the shape is a collider: it has UsdPhysics's schema, or is a guide, which is not drawn."""
+
     lacks: tuple[tuple[str, str, str], ...]
+    """(attribute, actual, expected) for schemas and attributes that keep the shape from colliding or from
+    being convex, or that change its surface."""
+
     size: tuple[float, ...]
+    """The size [m] as in `model.Primitive`; () for a mesh."""
+
     body_from_shape: Array
+    """The pose (4, 4), without scale."""
+
     bounds: tuple[float, ...]
+    """The bounds (6,) [m] of a mesh: the least x, y and z, then the largest; () without points."""
+
     corners: npt.NDArray[np.float32] | None
+    """The corners (n, 3, 3) [m] of a mesh's triangles; None if the faces are not triangles of its points."""
+
     texcoords: npt.NDArray[np.float32] | None
+    """The texture coordinates (n, 3, 2) of the corners; None unless each corner has them."""
+
     look: ReadUsdLook
+    """The look and the friction."""
 
 
 def shapes_of(body: Any) -> Iterator[ReadUsdShape]:
-    """Those of a prim and of what is below it, in their order, within instances too."""
+    """Yields the shapes at and below a prim, in their order, also those in instances."""
     cache = UsdGeom.XformCache()
     body_from_world = inverse(np.array(cache.GetLocalToWorldTransform(body)).T)
     for prim in Usd.PrimRange(body, Usd.TraverseInstanceProxies()):
@@ -73,15 +83,17 @@ def _shape(prim: Any, body_from_prim: Array) -> ReadUsdShape:
 
 
 def _unlike(prim: Any, kind: str) -> Iterator[tuple[str, str, str]]:
-    """What would make another surface of the triangles of a mesh."""
+    """Yields attributes that would change the surface of a mesh's triangles."""
     if kind != "mesh":
         return
     mesh = UsdGeom.Mesh(prim)
-    found = mesh.GetSubdivisionSchemeAttr().Get(), mesh.GetOrientationAttr().Get()
-    wanted = UsdGeom.Tokens.none, UsdGeom.Tokens.rightHanded
-    for attribute, one, other in zip(("subdivisionScheme", "orientation"), found, wanted, strict=True):
-        if one != other:
-            yield attribute, str(one), str(other)
+    conventions = mesh.GetSubdivisionSchemeAttr().Get(), mesh.GetOrientationAttr().Get()
+    expected = UsdGeom.Tokens.none, UsdGeom.Tokens.rightHanded
+    for attribute, value, required in zip(
+        ("subdivisionScheme", "orientation"), conventions, expected, strict=True
+    ):
+        if value != required:
+            yield attribute, str(value), str(required)
 
 
 def _lacks(prim: Any, kind: str, has: bool, guide: bool) -> Iterator[tuple[str, str, str]]:
@@ -95,9 +107,9 @@ def _lacks(prim: Any, kind: str, has: bool, guide: bool) -> Iterator[tuple[str, 
     if kind == "mesh":
         if "PhysicsMeshCollisionAPI" not in schemas(prim):
             yield "apiSchemas", "no PhysicsMeshCollisionAPI", "PhysicsMeshCollisionAPI"
-        found = UsdPhysics.MeshCollisionAPI(prim).GetApproximationAttr().Get() or "none"
-        if found != UsdPhysics.Tokens.convexHull:
-            yield "physics:approximation", str(found), str(UsdPhysics.Tokens.convexHull)
+        approximation = UsdPhysics.MeshCollisionAPI(prim).GetApproximationAttr().Get() or "none"
+        if approximation != UsdPhysics.Tokens.convexHull:
+            yield "physics:approximation", str(approximation), str(UsdPhysics.Tokens.convexHull)
 
 
 def _size(prim: Any, kind: str, scale: Array) -> tuple[float, ...]:
@@ -105,7 +117,7 @@ def _size(prim: Any, kind: str, scale: Array) -> tuple[float, ...]:
         return float(prim.GetAttribute(name).Get())
 
     if kind == "box":
-        return tuple(float(number("size") * one) for one in scale)
+        return tuple(float(number("size") * factor) for factor in scale)
     if kind == "sphere":
         return (number("radius") * float(scale[0]),)
     if kind in ("cylinder", "capsule"):
@@ -114,30 +126,30 @@ def _size(prim: Any, kind: str, scale: Array) -> tuple[float, ...]:
 
 
 def _points(prim: Any, body_from_prim: Array) -> Array:
-    """The points (N, 3) of a mesh in its body's frame [m]; none of what is no mesh."""
+    """Returns the points (N, 3) [m] of a mesh in its body's frame; none for a prim that is not a mesh."""
     points = UsdGeom.Mesh(prim).GetPointsAttr().Get() if prim.IsA(UsdGeom.Mesh) else None
-    found = np.array(points if points else np.zeros((0, 3)), dtype=float)
-    return np.asarray(found @ body_from_prim[:3, :3].T + body_from_prim[:3, 3])
+    local = np.array(points if points else np.zeros((0, 3)), dtype=float)
+    return np.asarray(local @ body_from_prim[:3, :3].T + body_from_prim[:3, 3])
 
 
 def _corners(prim: Any, points: Array) -> npt.NDArray[np.float32] | None:
-    """The triangles (N, 3, 3) of a mesh; None where its faces are others, or have no points."""
+    """Returns the triangles (N, 3, 3) of a mesh; None if the faces are not triangles, or have no points."""
     if not len(points):
         return None
     mesh = UsdGeom.Mesh(prim)
     sides, index = (
-        np.array(one.Get() or (), dtype=np.int64)
-        for one in (mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr())
+        np.array(attribute.Get() or (), dtype=np.int64)
+        for attribute in (mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr())
     )
-    whole = len(index) == 3 * len(sides) and bool((sides == 3).all())
-    if not whole or (len(index) and not 0 <= index.min() <= index.max() < len(points)):
+    is_triangular = len(index) == 3 * len(sides) and bool((sides == 3).all())
+    if not is_triangular or (len(index) and not 0 <= index.min() <= index.max() < len(points)):
         return None
     return points.astype(np.float32)[index].reshape(-1, 3, 3)
 
 
 def _texcoords(prim: Any, triangles: int) -> npt.NDArray[np.float32] | None:
     places = UsdGeom.PrimvarsAPI(prim).GetPrimvar("st")
-    found = places.ComputeFlattened() if places else None
-    if found is None or len(found) != 3 * triangles:
+    texcoords = places.ComputeFlattened() if places else None
+    if texcoords is None or len(texcoords) != 3 * triangles:
         return None
-    return np.array(found, dtype=np.float32).reshape(-1, 3, 2)
+    return np.array(texcoords, dtype=np.float32).reshape(-1, 3, 2)

@@ -1,10 +1,11 @@
-"""The section <contact> of an MJCF: bodies that do not collide, and those of their geoms that do.
+"""Writes the section <contact> of an MJCF: excluded bodies, and pairs of their geoms that collide
+nevertheless.
 
-A pair has none of the properties of its geoms, but MuJoCo's defaults; so it is given those with which MuJoCo
-would let the two collide (its documentation, "Computation", on contact parameters): those of the geom with
-the higher priority; of equal priority the larger `condim` and `friction`, the mean of `solref` and `solimp`,
-or the smaller `solref` where one is direct (not above 0). Margins add up, as in MuJoCo since 3.5; before, the
-larger counts where there is no pair.
+A pair does not inherit the properties of its geoms. It is written with the properties that MuJoCo would
+compute for their contact (its documentation, "Computation", on contact parameters): those of the geom with
+the higher priority; with equal priority the larger `condim` and `friction`, and the mean of `solref` and
+`solimp`, or the smaller `solref` if one of them is direct (not above 0). Margins add up, as in MuJoCo since
+3.5; without a pair, older versions use the larger margin.
 """
 
 from collections.abc import Mapping
@@ -16,7 +17,7 @@ from linkwright.stages.robot.model.geom_form import ContactProperties
 
 Vector = tuple[float, ...]
 
-DEFAULT: Mapping[str, Vector] = {
+DEFAULTS: Mapping[str, Vector] = {
     "friction": (1.0, 0.005, 0.0001),
     "condim": (3.0,),
     "solref": (0.02, 1.0),
@@ -24,31 +25,34 @@ DEFAULT: Mapping[str, Vector] = {
     "margin": (0.0,),
     "priority": (0.0,),
 }
-"""MuJoCo's own for what a geom does not say."""
+"""MuJoCo's defaults for the properties of a geom."""
 
 
 def write_contacts(
     root: Element,
-    kept_apart: Filters,
+    contact_filters: Filters,
     names: Mapping[Geom, str],
     contacts: Mapping[Geom, ContactProperties | None],
 ) -> None:
-    """`names`, `contacts`: of the geoms that collide."""
-    if not kept_apart.pairs:
+    """Writes the excluded bodies and the colliding pairs. `names`, `contacts`: geom that collides → its name,
+    and its contact properties."""
+    if not contact_filters.pairs:
         return
     contact = element(root, "contact")
-    for one, other in kept_apart.kept:
-        properties = _together(contacts[one], contacts[other])
-        element(contact, "pair", geom1=names[one], geom2=names[other], **properties)
-    for link, other_link in kept_apart.pairs:
+    for first, second in contact_filters.kept:
+        properties = _pair_attributes(contacts[first], contacts[second])
+        element(contact, "pair", geom1=names[first], geom2=names[second], **properties)
+    for link, other_link in contact_filters.pairs:
         element(contact, "exclude", body1=link, body2=other_link)
 
 
-def _together(one: ContactProperties | None, other: ContactProperties | None) -> dict[str, str]:
-    """The attributes of a pair of geoms with these properties, as far as one of them has some."""
-    given = [{} if contact is None else _vectors(contact) for contact in (one, other)]
-    first, second = ({**DEFAULT, **own} for own in given)
-    mixed = {key: _mixed(key, first, second) for key in DEFAULT if key in given[0] | given[1]}
+def _pair_attributes(
+    first_contact: ContactProperties | None, second_contact: ContactProperties | None
+) -> dict[str, str]:
+    """Returns the attributes of a pair of geoms, for the properties that either of them sets."""
+    properties = [{} if contact is None else _vectors(contact) for contact in (first_contact, second_contact)]
+    first, second = ({**DEFAULTS, **geom_properties} for geom_properties in properties)
+    mixed = {key: _mixed(key, first, second) for key in DEFAULTS if key in properties[0] | properties[1]}
     if "friction" in mixed:
         sliding, torsional, rolling = mixed["friction"]
         mixed["friction"] = (sliding, sliding, torsional, rolling, rolling)
@@ -60,14 +64,14 @@ def _vectors(contact: ContactProperties) -> dict[str, Vector]:
 
 
 def _mixed(key: str, first: Mapping[str, Vector], second: Mapping[str, Vector]) -> Vector:
-    one, other = first[key], second[key]
+    a, b = first[key], second[key]
     if key == "margin":
-        return (one[0] + other[0],)
+        return (a[0] + b[0],)
     if first["priority"] != second["priority"]:
-        return one if first["priority"] > second["priority"] else other
-    pairs = list(zip(one, other, strict=True))
+        return a if first["priority"] > second["priority"] else b
+    pairs = list(zip(a, b, strict=True))
     if key in ("condim", "friction"):
         return tuple(max(pair) for pair in pairs)
-    if key == "solref" and min(one[0], other[0]) <= 0:
+    if key == "solref" and min(a[0], b[0]) <= 0:
         return tuple(min(pair) for pair in pairs)
     return tuple(sum(pair) / 2 for pair in pairs)

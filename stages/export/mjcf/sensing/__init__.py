@@ -1,1 +1,1 @@
-"""The sites and cameras of an MJCF."""
+"""The sites and cameras of sensors in an MJCF."""

@@ -1,4 +1,5 @@
-"""Cameras in MJCF. Ours look along z with x to the right and y down; MuJoCo's along −z with y up."""
+"""Writes cameras in MJCF. Linkwright's cameras look along z, with x to the right and y down; MuJoCo's look
+along −z, with y up."""
 
 from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING
@@ -17,35 +18,35 @@ from linkwright.stages.robot.text.globs import there_are
 if TYPE_CHECKING:
     from linkwright.stages.export.configuration.scene_section import CameraSection
 
-OURS_FROM_MUJOCO = frozen(np.diag([1.0, -1.0, -1.0, 1.0]))
+FRAME_FROM_MUJOCO = frozen(np.diag([1.0, -1.0, -1.0, 1.0]))
 
 FOVY = 45.0
 """Vertical field of view [deg] of the overview: MuJoCo's default."""
 
-FROM = np.array([1.0, -0.9, 0.6])
-"""From where the overview looks at the robot."""
+OVERVIEW_DIRECTION = np.array([1.0, -0.9, 0.6])
+"""Direction from the robot to the overview camera."""
 
 
 def carried_cameras(
     robot: Robot, cameras: Mapping[str, "CameraSection"]
 ) -> dict[str, list[tuple[str, Array]]]:
-    """By link: the name and link_from_frame (4, 4) of each camera that it carries.
+    """Returns, by link, the name and link_from_frame (4, 4) of each camera that it carries.
 
-    ExportError for a frame that the robot does not have.
+    Raises ExportError for a frame that the robot does not have.
     """
     if problems := unknown_frames(robot, cameras):
         raise ExportError("the cameras cannot be placed", problems=problems)
     frames = _frames(robot)
-    found: dict[str, list[tuple[str, Array]]] = {}
+    carried: dict[str, list[tuple[str, Array]]] = {}
     for name, camera in cameras.items():
         if camera.frame is not None:
             link, link_from_frame = frames[camera.frame]
-            found.setdefault(link, []).append((name, link_from_frame))
-    return found
+            carried.setdefault(link, []).append((name, link_from_frame))
+    return carried
 
 
 def unknown_frames(robot: Robot, cameras: Mapping[str, "CameraSection"]) -> list[Diagnostic]:
-    """E-FRAME for each camera on a frame that the robot does not have."""
+    """Returns a problem for each camera on a frame that the robot does not have (E-FRAME)."""
     frames = _frames(robot)
     return [
         Diagnostic(
@@ -60,46 +61,49 @@ def unknown_frames(robot: Robot, cameras: Mapping[str, "CameraSection"]) -> list
 
 
 def _frames(robot: Robot) -> dict[str, tuple[str, Array]]:
-    """By name of a frame or link: its link and link_from_frame (4, 4)."""
+    """Returns, by the name of a frame or link, its link and link_from_frame (4, 4)."""
     frames = {frame.name: (frame.link, frame.link_from_frame) for frame in robot.frames}
     return frames | {link.name: (link.name, UNMOVED) for link in robot.links}
 
 
-def write_camera(above: Element, name: str, camera: "CameraSection", above_from_frame: Array) -> None:
-    """A camera under the element of a body or the world, in whose axes `above_from_frame` (4, 4) is."""
-    place = np.array(camera.xyz)
-    turned = rotation_from_rpy(camera.rpy)
+def write_camera(parent: Element, name: str, camera: "CameraSection", parent_from_frame: Array) -> None:
+    """Writes a camera under the element of a body or the world. `parent_from_frame` (4, 4): the pose of the
+    camera's frame in that element."""
+    position = np.array(camera.xyz)
+    rotation = rotation_from_rpy(camera.rpy)
     if camera.look_at is not None:
-        turned = _looking(np.array(camera.look_at) - place)
-    pose = above_from_frame @ from_parts(turned, place) @ OURS_FROM_MUJOCO
-    _camera(above, name, pose, camera.fovy, camera.resolution)
+        rotation = _look_along(np.array(camera.look_at) - position)
+    pose = parent_from_frame @ from_parts(rotation, position) @ FRAME_FROM_MUJOCO
+    _camera(parent, name, pose, camera.fovy, camera.resolution)
 
 
-def write_sensor_camera(above: Element, above_from_camera: Array, camera: SensorCamera) -> Element:
-    """A camera of the robot under the element of a body, in whose axes `above_from_camera` (4, 4) is."""
-    pose = above_from_camera @ OURS_FROM_MUJOCO
-    return _camera(above, camera.name, pose, camera.fovy, camera.resolution)
+def write_sensor_camera(parent: Element, parent_from_camera: Array, camera: SensorCamera) -> Element:
+    """Writes a sensor's camera under the element of a body. `parent_from_camera` (4, 4): its pose in that
+    element."""
+    pose = parent_from_camera @ FRAME_FROM_MUJOCO
+    return _camera(parent, camera.name, pose, camera.fovy, camera.resolution)
 
 
-def overview(world: Element, middle: Array, radius: float) -> None:
-    """A camera that sees all of the sphere of this `radius` [m] around `middle` (3,)."""
-    away = FROM / np.linalg.norm(FROM)
+def write_overview(world: Element, center: Array, radius: float) -> None:
+    """Writes a camera that sees the whole sphere with this `radius` [m] around `center` (3,)."""
+    direction = OVERVIEW_DIRECTION / np.linalg.norm(OVERVIEW_DIRECTION)
     distance = 1.1 * max(radius, 1e-3) / np.sin(np.radians(FOVY) / 2)
-    place = np.round(middle + away * distance, 3)
-    pose = from_parts(_looking(middle - place), place) @ OURS_FROM_MUJOCO
+    position = np.round(center + direction * distance, 3)
+    pose = from_parts(_look_along(center - position), position) @ FRAME_FROM_MUJOCO
     _camera(world, "overview", pose, FOVY, None)
 
 
 def _camera(
-    above: Element, name: str, pose: Array, fovy: float, resolution: Collection[int] | None
+    parent: Element, name: str, pose: Array, fovy: float, resolution: Collection[int] | None
 ) -> Element:
     size = None if resolution is None else " ".join(map(str, resolution))
-    return element(above, "camera", name=name, **placement(pose), fovy=number(fovy), resolution=size)
+    return element(parent, "camera", name=name, **placement(pose), fovy=number(fovy), resolution=size)
 
 
-def _looking(way: Array) -> Array:
-    """The rotation (3, 3) whose z axis is along `way` and whose y axis points down as far as it can."""
-    z = way / np.linalg.norm(way)
+def _look_along(direction: Array) -> Array:
+    """Returns the rotation (3, 3) whose z axis is along `direction`, and whose y axis points down as far as
+    possible."""
+    z = direction / np.linalg.norm(direction)
     down = np.array([0.0, 0.0, -1.0])
     if np.linalg.norm(np.cross(down, z)) < 1e-9:
         down = np.array([-1.0, 0.0, 0.0])

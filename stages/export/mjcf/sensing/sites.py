@@ -1,8 +1,8 @@
-"""The sites and cameras of sensors in MJCF."""
+"""Writes the sites and cameras of sensors in MJCF."""
 
 from collections.abc import Mapping
 
-from linkwright.stages.export.mjcf.placement import above_bodies, placement
+from linkwright.stages.export.mjcf.placement import move_before_bodies, placement
 from linkwright.stages.export.mjcf.sensing.cameras import write_sensor_camera
 from linkwright.stages.formats.numbers import spaced
 from linkwright.stages.formats.xml import Element, element
@@ -10,31 +10,32 @@ from linkwright.stages.robot.dynamics.fusing import Holders
 from linkwright.stages.robot.model.robot import Array
 from linkwright.stages.robot.model.sensing import Sensing, SensorSite
 
-HIDDEN = "3"
-"""A group of sites that MuJoCo's viewers do not show unless asked."""
+HIDDEN_GROUP = "3"
+"""Group of sites that MuJoCo's viewers hide by default."""
 
 
 def write_mounted(elements: Mapping[str, tuple[Element, Array]], holders: Holders, sensing: Sensing) -> None:
-    """The sites and cameras under the bodies that carry them. `elements`: by link that has one, its element,
-    with element_from_link (4, 4)."""
+    """Writes the sites and cameras under the bodies that carry them. `elements`: link with an element → that
+    element, and element_from_link (4, 4)."""
 
-    def at(link: str, link_from_it: Array) -> tuple[Element, Array]:
+    def body_and_pose(link: str, link_from_object: Array) -> tuple[Element, Array]:
         holder, holder_from_link = holders[link]
         body, body_from_holder = elements[holder]
-        return body, body_from_holder @ holder_from_link @ link_from_it
+        return body, body_from_holder @ holder_from_link @ link_from_object
 
     for site in sensing.sites:
-        body, pose = at(site.link, site.link_from_site)
-        above_bodies(body, element(body, "site", name=site.name, **placement(pose), **_form(site)))
+        body, pose = body_and_pose(site.link, site.link_from_site)
+        move_before_bodies(body, element(body, "site", name=site.name, **placement(pose), **_form(site)))
     for camera in sensing.cameras:
-        body, pose = at(camera.link, camera.link_from_camera)
-        above_bodies(body, write_sensor_camera(body, pose, camera))
+        body, pose = body_and_pose(camera.link, camera.link_from_camera)
+        move_before_bodies(body, write_sensor_camera(body, pose, camera))
 
 
 def _form(site: SensorSite) -> dict[str, str]:
-    """MuJoCo's shape of a site, whose lengths are halves; hidden in viewers, since it covers a link."""
+    """Returns the shape of a site, with MuJoCo's half lengths. It is hidden in viewers, since it covers a
+    link."""
     if not site.shape:
         return {}
     radii = 0 if site.shape in ("box", "ellipsoid") else 1
     size = [*site.size[:radii], *(length / 2 for length in site.size[radii:])]
-    return {"type": site.shape, "size": spaced(size), "group": HIDDEN}
+    return {"type": site.shape, "size": spaced(size), "group": HIDDEN_GROUP}

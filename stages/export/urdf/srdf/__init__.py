@@ -1,12 +1,12 @@
-"""SRDF: what MoveIt has to know of a robot beside its URDF.
+"""SRDF: the data of a robot that MoveIt needs beside its URDF.
 
-- convex: How far apart convex bodies are at least, at many poses at once.
-- disabled: The pairs of links that MoveIt does not check for collisions.
-- distant_links: Which links never meet: apart in every one of many seeded poses, and by so much that what the
-  poses cannot have seen is apart too.
-- groups: The groups of joints that MoveIt plans for: chains to named frames and to ends of the robot,
+- convex: Computes lower bounds of the distance of convex bodies, at many poses at once.
+- disabled: Finds the pairs of links that MoveIt does not check for collisions.
+- distant_links: Finds links that never meet: they are apart in each of many seeded poses, with a margin for
+  the poses between.
+- groups: Finds the groups of joints that MoveIt plans for: chains to named frames and to ends of the robot,
   grippers, and all joints.
-- model: SRDF: groups, poses, and pairs of links that are not checked for collisions.
-- source_groups: The groups and end effectors that the robot has from its source's SRDF, as its URDF has them.
-- states: The values of a URDF's joints at a robot's poses.
+- model: Writes the SRDF of a robot: groups, poses, and pairs of links that are not checked for collisions.
+- source_groups: Finds the groups and end effectors of the source's SRDF in the robot's URDF.
+- states: Computes the values of a URDF's joints at a robot's poses.
 """

@@ -1,8 +1,8 @@
-"""How far apart convex bodies are at least, at many poses at once.
+"""Computes lower bounds of the distance of convex bodies, at many poses at once.
 
-Gilbert's algorithm on the difference of two bodies ("An iterative procedure for computing the minimum of a
-quadratic form on a convex set", SIAM J. Control 4, 1966): every step knows a plane between the bodies, and
-the distance along its normal is one that they have at least, whether the algorithm has converged or not.
+Gilbert's algorithm is applied to the difference of two bodies ("An iterative procedure for computing the
+minimum of a quadratic form on a convex set", SIAM J. Control 4, 1966). Every step knows a plane between the
+bodies, and the distance along its normal is a lower bound, whether the algorithm has converged or not.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,115 +16,129 @@ from linkwright.stages.robot.model.geometry import Geometry, Role, Shape
 from linkwright.stages.robot.model.robot import Array, Primitive
 
 _STEPS = (1, 1, 2, 4, 8)
-"""Steps of the algorithm, after which bodies are left out that cannot be the nearest ones."""
+"""Numbers of steps of the algorithm. After each of them the pairs of bodies that cannot be the nearest are
+dropped."""
 
-_GUESSED = 4
-"""Steps by which a pose's likely nearest bodies are looked at before all others."""
+_GUESS_STEPS = 4
+"""Number of steps for a pose's likely nearest bodies, which are examined before all others."""
 
-_SIDES = 16
-"""Sides of the prism around a cylinder."""
+_PRISM_SIDES = 16
+"""Number of sides of the prism around a cylinder."""
 
-_MOST = 512
-"""A mesh with more points counts as the box around it."""
+_MAX_POINTS = 512
+"""Largest number of points of a mesh: a larger mesh counts as the box around it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ConvexBodies:
-    """The colliders of a link, each the convex hull of balls.
-
-    `points` (b, v, 3) and `radii` (b, v) [m], in the frame of the link, the first ball repeated where a body
-    has fewer; `middles` (b, 3): a point within each; `reaches` (b,): how far it goes from there. `middle`
-    (3,), `reach`: of the ball around all; `box`: the box around all, as a body of its own.
-    """
+    """The colliders of a link, each the convex hull of balls. Lengths are in metres, in the link's frame."""
 
     points: Array
+    """Centres (b, v, 3) of the balls of each body. A body with fewer balls repeats its first."""
+
     radii: Array
+    """Radii (b, v) of the balls."""
+
     middles: Array
+    """A point (b, 3) within each body."""
+
     reaches: Array
+    """Radii (b,) of the balls around `middles` that contain each body."""
+
     middle: Array
+    """Centre (3,) of the ball around all bodies."""
+
     reach: float
+    """Radius of the ball around all bodies."""
+
     box: "ConvexBodies | None" = None
+    """The box around all bodies, as a body of its own."""
 
     def of(self, rows: npt.NDArray[np.intp]) -> "Part":
-        """Some of the bodies."""
+        """Returns the bodies of these rows."""
         return self.points[rows], self.radii[rows]
 
 
 def bodies_of(
     geometry: Geometry, groups: Mapping[str, Sequence[tuple[str, Array]]]
 ) -> dict[str, ConvexBodies]:
-    """By link the colliders of all links that are part of it, each with holder_from_link (4, 4). Links
-    without any are left out."""
+    """Returns the colliders of each link, without links that have none. `groups`: link → all links that are
+    part of it, each with holder_from_link (4, 4)."""
     shapes = geometry.by_link()
-    made = {link: _of_link(geometry, shapes, held) for link, held in groups.items()}
-    return {link: one for link, one in made.items() if one is not None}
+    bodies = {link: _of_link(geometry, shapes, links) for link, links in groups.items()}
+    return {link: body for link, body in bodies.items() if body is not None}
 
 
 def _of_link(
     geometry: Geometry,
     shapes: Mapping[tuple[str, Role], Sequence[Shape]],
-    held: Sequence[tuple[str, Array]],
+    links: Sequence[tuple[str, Array]],
 ) -> ConvexBodies | None:
-    found = [
+    clouds = [
         (points @ pose[:3, :3].T + pose[:3, 3], radii)
-        for link, pose in held
+        for link, pose in links
         for points, radii in (_balls(shape, geometry) for shape in shapes[link, "collision"])
     ]
-    if not found:
+    if not clouds:
         return None
-    low = np.min([(points - radii[:, None]).min(axis=0) for points, radii in found], axis=0)
-    high = np.max([(points + radii[:, None]).max(axis=0) for points, radii in found], axis=0)
+    low = np.min([(points - radii[:, None]).min(axis=0) for points, radii in clouds], axis=0)
+    high = np.max([(points + radii[:, None]).max(axis=0) for points, radii in clouds], axis=0)
     corners = _corners(low, high)
-    return _bodies(found, _bodies([(corners, np.zeros(8))]))
+    return _bodies(clouds, _bodies([(corners, np.zeros(8))]))
 
 
-def at_least(first: ConvexBodies, second: ConvexBodies, first_from_second: Array, close: float) -> Array:
-    """(n,) [m]: the distance that two links have at least where the second is at these poses (n, 4, 4) in the
-    frame of the first; nothing is known of them where it is not positive. The work ends, with less known of
-    the rest, at the first pose that has them no further apart than `close` [m]."""
+def distance_bounds(
+    first: ConvexBodies, second: ConvexBodies, first_from_second: Array, close: float
+) -> Array:
+    """Returns lower bounds (n,) [m] of the distance of two links, where the second is at these poses (n, 4,
+    4) in the frame of the first. A bound that is not positive tells nothing. The work ends, with weaker
+    bounds for the rest, at the first pose in which the links are no further apart than `close` [m]."""
     count = len(first_from_second)
     turns, shifts = first_from_second[:, :3, :3], first_from_second[:, :3, 3]
-    # (n, a, b): of each pair of bodies, how far their middles, and the balls around them, are apart.
+    # (n, a, b): the distances of the middles, and of the balls around the bodies, of each pair of bodies.
     middles = np.einsum("nij,bj->nbi", turns, second.middles) + shifts[:, None]
-    between = np.linalg.norm(first.middles[None, :, None] - middles[:, None], axis=3)
-    gaps = between - first.reaches[None, :, None] - second.reaches
-    most = between.reshape(count, -1).min(axis=1)
-    found = np.full(count, np.inf)
-    if most.min() <= close:
+    distances = np.linalg.norm(first.middles[None, :, None] - middles[:, None], axis=3)
+    gaps = distances - first.reaches[None, :, None] - second.reaches
+    upper_bounds = distances.reshape(count, -1).min(axis=1)
+    bounds = np.full(count, np.inf)
+    if upper_bounds.min() <= close:
         blind: Array = gaps.reshape(count, -1).min(axis=1)
         return blind
     if gaps[0].size > 1:
-        most = np.minimum(most, _first_guess(first, second, turns, shifts, middles, gaps))
-    near = gaps < most[:, None, None]
-    np.minimum(found, np.where(near, np.inf, gaps).reshape(count, -1).min(axis=1), out=found)
-    rows, ones, others = np.nonzero(near)
-    best = gaps[near]
-    point = first.middles[ones] - middles[rows, others]
+        upper_bounds = np.minimum(upper_bounds, _first_guess(first, second, turns, shifts, middles, gaps))
+    may_be_nearest = gaps < upper_bounds[:, None, None]
+    np.minimum(bounds, np.where(may_be_nearest, np.inf, gaps).reshape(count, -1).min(axis=1), out=bounds)
+    poses, in_first, in_second = np.nonzero(may_be_nearest)
+    best = gaps[may_be_nearest]
+    point = first.middles[in_first] - middles[poses, in_second]
     for steps in _STEPS:
-        pair = first.of(ones), second.of(others)
-        best, point = _narrowed(*pair, turns[rows], shifts[rows], best, point, steps)
-        np.minimum.at(most, rows, np.linalg.norm(point, axis=1))
-        # Of one pose only the bodies matter that may be the nearest ones.
-        open_ = best < most[rows]
-        np.minimum.at(found, rows[~open_], best[~open_])
-        rows, ones, others, best, point = (each[open_] for each in (rows, ones, others, best, point))
-        if most.min() <= close or not len(rows):
+        pair = first.of(in_first), second.of(in_second)
+        best, point = _narrowed(*pair, turns[poses], shifts[poses], best, point, steps)
+        np.minimum.at(upper_bounds, poses, np.linalg.norm(point, axis=1))
+        # In each pose only the pairs of bodies matter that may be the nearest.
+        is_open = best < upper_bounds[poses]
+        np.minimum.at(bounds, poses[~is_open], best[~is_open])
+        poses, in_first, in_second, best, point = (
+            each[is_open] for each in (poses, in_first, in_second, best, point)
+        )
+        if upper_bounds.min() <= close or not len(poses):
             break
-    np.minimum.at(found, rows, best)
-    return found
+    np.minimum.at(bounds, poses, best)
+    return bounds
 
 
 def _first_guess(
     first: ConvexBodies, second: ConvexBodies, turns: Array, shifts: Array, middles: Array, gaps: Array
 ) -> Array:
-    """(n,) [m]: how far apart two links are at most, by the two bodies whose balls are the nearest."""
+    """Returns upper bounds (n,) [m] of the distance of two links, from the two bodies whose balls are
+    nearest."""
     poses: npt.NDArray[np.intp] = np.arange(len(gaps))
-    ones, others = np.divmod(gaps.reshape(len(gaps), -1).argmin(axis=1), gaps.shape[2])
-    point = first.middles[ones] - middles[poses, others]
-    best = gaps[poses, ones, others]
-    point = _narrowed(first.of(ones), second.of(others), turns, shifts, best, point, _GUESSED)[1]
-    found: Array = np.linalg.norm(point, axis=1)
-    return found
+    in_first, in_second = np.divmod(gaps.reshape(len(gaps), -1).argmin(axis=1), gaps.shape[2])
+    point = first.middles[in_first] - middles[poses, in_second]
+    best = gaps[poses, in_first, in_second]
+    point = _narrowed(first.of(in_first), second.of(in_second), turns, shifts, best, point, _GUESS_STEPS)[1]
+    distances: Array = np.linalg.norm(point, axis=1)
+    return distances
 
 
 Part = tuple[Array, Array]
@@ -134,36 +148,36 @@ Part = tuple[Array, Array]
 def _narrowed(
     first: Part, second: Part, turns: Array, shifts: Array, best: Array, point: Array, steps: int
 ) -> tuple[Array, Array]:
-    """After so many more steps: (m,) [m] the largest distance of two parallel planes between each two
-    bodies, as far as it is found, and the shortest way (m, 3) from the second to the first."""
+    """Returns the state after `steps` more steps: the largest distance (m,) [m] of parallel planes between
+    each two bodies so far, and the shortest vector (m, 3) from the second to the first."""
     for _ in range(steps):
         size = np.linalg.norm(point, axis=1)
-        towards = -point / np.maximum(size, 1e-12)[:, None]
-        far = _support(first, towards)
-        near = _support(second, -np.einsum("mji,mj->mi", turns, towards))
-        corner = far - np.einsum("mij,mj->mi", turns, near) - shifts
-        best = np.maximum(best, -np.einsum("mi,mi->m", corner, towards))
-        way = corner - point
-        length = np.einsum("mi,mi->m", way, way)
-        share = np.einsum("mi,mi->m", -point, way) / np.maximum(length, 1e-24)
-        point = point + np.clip(share, 0.0, 1.0)[:, None] * way
+        direction = -point / np.maximum(size, 1e-12)[:, None]
+        first_point = _support(first, direction)
+        second_point = _support(second, -np.einsum("mji,mj->mi", turns, direction))
+        corner = first_point - np.einsum("mij,mj->mi", turns, second_point) - shifts
+        best = np.maximum(best, -np.einsum("mi,mi->m", corner, direction))
+        step_vector = corner - point
+        length = np.einsum("mi,mi->m", step_vector, step_vector)
+        share = np.einsum("mi,mi->m", -point, step_vector) / np.maximum(length, 1e-24)
+        point = point + np.clip(share, 0.0, 1.0)[:, None] * step_vector
     return best, point
 
 
-def _support(part: Part, towards: Array) -> Array:
-    """The point (m, 3) of each body that is furthest in a direction (m, 3)."""
+def _support(part: Part, direction: Array) -> Array:
+    """Returns the point (m, 3) of each body that is furthest in a direction (m, 3)."""
     points, radii = part
-    along = np.matmul(points, towards[:, :, None])[:, :, 0] + radii
+    along = np.matmul(points, direction[:, :, None])[:, :, 0] + radii
     best = along.argmax(axis=1)
     rows: npt.NDArray[np.intp] = np.arange(len(best))
-    found: Array = points[rows, best] + radii[rows, best][:, None] * towards
-    return found
+    points_of_support: Array = points[rows, best] + radii[rows, best][:, None] * direction
+    return points_of_support
 
 
 def _bodies(balls: Sequence[tuple[Array, Array]], box: ConvexBodies | None = None) -> ConvexBodies:
-    most = max(len(radii) for _, radii in balls)
-    points = np.stack([np.concatenate([p, np.repeat(p[:1], most - len(p), axis=0)]) for p, _ in balls])
-    radii = np.stack([np.concatenate([r, np.repeat(r[:1], most - len(r))]) for _, r in balls])
+    ball_count = max(len(radii) for _, radii in balls)
+    points = np.stack([np.concatenate([p, np.repeat(p[:1], ball_count - len(p), axis=0)]) for p, _ in balls])
+    radii = np.stack([np.concatenate([r, np.repeat(r[:1], ball_count - len(r))]) for _, r in balls])
     middles = points.mean(axis=1)
     reaches = (np.linalg.norm(points - middles[:, None], axis=2) + radii).max(axis=1)
     low, high = points.min(axis=(0, 1)), points.max(axis=(0, 1))
@@ -173,12 +187,12 @@ def _bodies(balls: Sequence[tuple[Array, Array]], box: ConvexBodies | None = Non
 
 
 def _balls(shape: Shape, geometry: Geometry) -> tuple[Array, Array]:
-    """Points (v, 3) and radii (v,) of balls whose convex hull has the whole shape in it."""
+    """Returns points (v, 3) and radii (v,) of balls whose convex hull contains the whole shape."""
     if shape.primitive is not None:
         return _of_primitive(shape.primitive)
     assert shape.file is not None
     points = np.unique(mesh_points(shape.file, geometry.files[shape.file]), axis=0)
-    if len(points) > _MOST:
+    if len(points) > _MAX_POINTS:
         points = _corners(points.min(axis=0), points.max(axis=0))
     return points, np.zeros(len(points))
 
@@ -194,14 +208,15 @@ def _of_primitive(primitive: Primitive) -> tuple[Array, Array]:
     elif primitive.kind == "capsule":
         radius, points = size[0], np.array([[0, 0, -size[1] / 2], [0, 0, size[1] / 2]])
     else:
-        angles = 2 * np.pi * np.arange(_SIDES) / _SIDES
-        ring = size[0] / np.cos(np.pi / _SIDES) * np.column_stack([np.cos(angles), np.sin(angles)])
+        angles = 2 * np.pi * np.arange(_PRISM_SIDES) / _PRISM_SIDES
+        # The prism is circumscribed, so that it contains the cylinder.
+        ring = size[0] / np.cos(np.pi / _PRISM_SIDES) * np.column_stack([np.cos(angles), np.sin(angles)])
         ends = (-size[1] / 2, size[1] / 2)
-        points = np.concatenate([np.column_stack([ring, np.full(_SIDES, end)]) for end in ends])
+        points = np.concatenate([np.column_stack([ring, np.full(_PRISM_SIDES, end)]) for end in ends])
     return points @ pose[:3, :3].T + pose[:3, 3], np.full(len(points), radius)
 
 
 def _corners(low: Array, high: Array) -> Array:
-    """(8, 3) of a box."""
+    """Returns the corners (8, 3) of a box."""
     ends = np.stack([low, high])
-    return np.array([[ends[one, axis] for axis, one in enumerate(pick)] for pick in np.ndindex(2, 2, 2)])
+    return np.array([[ends[end, axis] for axis, end in enumerate(pick)] for pick in np.ndindex(2, 2, 2)])

@@ -1,5 +1,5 @@
-"""Which links never meet: apart in every one of many seeded poses, and by so much that what the poses
-cannot have seen is apart too."""
+"""Finds links that never meet: they are apart in each of many seeded poses, with a margin for the poses
+between."""
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
@@ -7,64 +7,66 @@ from itertools import combinations
 
 import numpy as np
 
-from linkwright.stages.export.urdf.srdf.convex import ConvexBodies, at_least
+from linkwright.stages.export.urdf.srdf.convex import ConvexBodies, distance_bounds
 from linkwright.stages.robot.model.robot import Array, Configuration, Limits, Robot
 from linkwright.stages.robot.motion.adjacency import Pair
 from linkwright.stages.robot.motion.pose_batch import count_of, many_link_poses
 from linkwright.stages.robot.motion.pose_samples import sampled_poses
-from linkwright.stages.robot.motion.tree_paths import ways_up
+from linkwright.stages.robot.motion.tree_paths import paths_up
 
-POSES = 512
-"""Poses in which a pair has to be apart."""
+POSE_COUNT = 512
+"""Number of poses in which a pair has to be apart."""
 
-MARGIN = 1e-3
-"""What has to remain of the distance [m] beyond the poses that were looked at."""
+MIN_DISTANCE = 1e-3
+"""Distance [m] that must remain between two links in the poses between the sampled ones."""
 
-REACH = 1.0
-"""How far a slide without limits goes to either side [m], as in the URDF."""
+SLIDE_REACH = 1.0
+"""Range of a slide without limits to either side [m], as in the URDF."""
 
-_LEAST = POSES // 4
-"""With fewer poses whose loops close nothing is known."""
+_MIN_POSES = POSE_COUNT // 4
+"""Smallest number of poses with closed loops from which anything is concluded."""
 
-_FEW = 6
-"""With more dofs between two links so many poses say too little, unless balls around them stay apart."""
+_MAX_DOFS = 6
+"""Largest number of dofs between two links for which the sampled poses suffice. Links with more dofs between
+them count only if the balls around them stay apart."""
 
-_NEAREST = 32
-"""The poses whose distances tell how near other poses may come."""
+_NEAREST_COUNT = 32
+"""Number of nearest poses, from whose distances those of unseen poses are extrapolated."""
 
-_FIRST = 8
-_AT_ONCE = 64
-_MOST = 256
-"""Poses of one pair whose distance is worked out, at a time and at most: a pair that needs more counts as one
-that may meet."""
+_FIRST_BATCH = 8
+_BATCH = 64
+"""Number of poses of a pair whose distances are computed at once: at first, and then."""
+
+_MAX_COMPUTED = 256
+"""Largest number of poses of a pair whose distances are computed: a pair that needs more may meet."""
 
 
-def apart(
-    robot: Robot, start: Configuration, bodies: Mapping[str, ConvexBodies], known: Collection[Pair]
+def never_meeting(
+    robot: Robot, start: Configuration, bodies: Mapping[str, ConvexBodies], excluded: Collection[Pair]
 ) -> tuple[Pair, ...]:
-    """The pairs of links, none of them `known`, that never meet, in the order of the links. `start`: a pose
-    in which the loops are closed; `bodies`: the colliders of those links that have any.
+    """Returns the pairs of links that never meet, without those `excluded`, in the order of the links.
+    `start`: a pose in which the loops are closed; `bodies`: the colliders of the links that have some.
 
-    Where the distance of two links grows from its least value at the end of ranges, the n-th least of N
-    values over k dofs is (n / N)^(1/k) of the way: the least one that N poses cannot have seen lies
-    (d_n - d_1) / (n^(1/k) - 1) below the least one seen. A minimum within the ranges is flatter.
+    If the distance of two links grows from its minimum at the end of ranges, the n-th smallest of N values
+    over k dofs is (n / N)^(1/k) of the way. The smallest distance that N poses cannot have seen then lies
+    (d_n - d_1) / (n^(1/k) - 1) below the smallest seen. A minimum within the ranges is flatter.
     """
-    robot = _as_read(robot)
+    robot = _as_read_from_urdf(robot)
     order = [link.name for link in robot.links if link.name in bodies]
-    counts = _Between(robot)
-    pairs = [(pair, counts.of(*pair)) for pair in combinations(order, 2) if pair not in known]
+    counts = _DofCounts(robot)
+    pairs = [(pair, counts.of(*pair)) for pair in combinations(order, 2) if pair not in excluded]
     pairs = [(pair, count) for pair, count in pairs if count]
     if not pairs:
         return ()
-    values = sampled_poses(robot, POSES, REACH, start)
-    if robot.dofs and count_of(values) < _LEAST:
+    values = sampled_poses(robot, POSE_COUNT, SLIDE_REACH, start)
+    if robot.dofs and count_of(values) < _MIN_POSES:
         return ()
     poses = many_link_poses(robot, values)
     middles = {link: poses[link][:, :3, :3] @ bodies[link].middle + poses[link][:, :3, 3] for link in order}
     return tuple(
         pair
         for pair, count in pairs
-        if _never(
+        if _never_meet(
             bodies[pair[0]],
             bodies[pair[1]],
             poses[pair[0]],
@@ -75,46 +77,59 @@ def apart(
     )
 
 
-def _never(
-    one: ConvexBodies, other: ConvexBodies, first: Array, second: Array, between: Array, count: int
+def _never_meet(
+    first_bodies: ConvexBodies,
+    second_bodies: ConvexBodies,
+    first: Array,
+    second: Array,
+    between: Array,
+    count: int,
 ) -> bool:
-    """Whether two links at the poses `first` and `second` (n, 4, 4), whose balls' middles are that far
-    apart (n,), with so many dofs between them, never meet."""
-    least = between - one.reach - other.reach
-    if _beyond(least, count) > MARGIN:
+    """Tells whether two links never meet. `first`, `second`: their poses (n, 4, 4); `between`: the distances
+    (n,) of the middles of the balls around them; `count`: the number of dofs between them."""
+    distances = between - first_bodies.reach - second_bodies.reach
+    if _extrapolated_distance(distances, count) > MIN_DISTANCE:
         return True
-    if count > _FEW:
+    if count > _MAX_DOFS:
         return False
-    worked_out = np.zeros(len(least), dtype=bool)
-    while not worked_out[np.argsort(least, kind="stable")[:_NEAREST]].all():
-        first_time = not worked_out.any()
-        rows = np.argsort(np.where(worked_out, np.inf, least), kind="stable")
-        rows = rows[: _FIRST if first_time else _AT_ONCE]
-        rows = rows[~worked_out[rows]]
-        found = at_least(one, other, _relative(first[rows], second[rows]), MARGIN)
-        least[rows] = np.maximum(least[rows], found)
-        worked_out[rows] = True
-        # What is worked out stays, and the rest only grows.
-        if _beyond(least, count, float(least[worked_out].min())) <= MARGIN or worked_out.sum() >= _MOST:
+    computed = np.zeros(len(distances), dtype=bool)
+    while not computed[np.argsort(distances, kind="stable")[:_NEAREST_COUNT]].all():
+        is_first = not computed.any()
+        rows = np.argsort(np.where(computed, np.inf, distances), kind="stable")
+        rows = rows[: _FIRST_BATCH if is_first else _BATCH]
+        rows = rows[~computed[rows]]
+        bounds = distance_bounds(
+            first_bodies, second_bodies, _relative(first[rows], second[rows]), MIN_DISTANCE
+        )
+        distances[rows] = np.maximum(distances[rows], bounds)
+        computed[rows] = True
+        # Computed distances stay, and the bounds of the others only grow.
+        if (
+            _extrapolated_distance(distances, count, float(distances[computed].min())) <= MIN_DISTANCE
+            or computed.sum() >= _MAX_COMPUTED
+        ):
             return False
-        if first_time and one.box is not None and other.box is not None:
-            rest = np.flatnonzero(~worked_out)
-            boxes = at_least(one.box, other.box, _relative(first[rest], second[rest]), -np.inf)
-            least[rest] = np.maximum(least[rest], boxes)
-    return _beyond(least, count) > MARGIN
+        if is_first and first_bodies.box is not None and second_bodies.box is not None:
+            uncomputed = np.flatnonzero(~computed)
+            boxes = distance_bounds(
+                first_bodies.box, second_bodies.box, _relative(first[uncomputed], second[uncomputed]), -np.inf
+            )
+            distances[uncomputed] = np.maximum(distances[uncomputed], boxes)
+    return _extrapolated_distance(distances, count) > MIN_DISTANCE
 
 
-def _beyond(least: Array, count: int, nearest: float | None = None) -> float:
-    """The least distance [m] that is to be expected in all poses, of links with so many dofs between them,
-    from those in some; `nearest`: the least of these, unless it is among them."""
-    found = np.partition(least, _NEAREST - 1)[:_NEAREST]
-    first, last = float(found.min()) if nearest is None else nearest, float(found.max())
-    unseen: float = (last - first) / (float(_NEAREST) ** (1.0 / count) - 1.0)
+def _extrapolated_distance(distances: Array, count: int, nearest: float | None = None) -> float:
+    """Returns the smallest distance [m] to expect in all poses, from the distances in the sampled ones.
+    `count`: the number of dofs between the links; `nearest`: the smallest distance, if it is not to be taken
+    from `distances`."""
+    smallest = np.partition(distances, _NEAREST_COUNT - 1)[:_NEAREST_COUNT]
+    first, last = float(smallest.min()) if nearest is None else nearest, float(smallest.max())
+    unseen: float = (last - first) / (float(_NEAREST_COUNT) ** (1.0 / count) - 1.0)
     return first - unseen
 
 
 def _relative(first: Array, second: Array) -> Array:
-    """first_from_second (n, 4, 4)."""
+    """Returns first_from_second (n, 4, 4)."""
     turns = np.swapaxes(first[:, :3, :3], 1, 2)
     out = np.tile(np.eye(4), (len(first), 1, 1))
     out[:, :3, :3] = turns @ second[:, :3, :3]
@@ -122,10 +137,10 @@ def _relative(first: Array, second: Array) -> Array:
     return out
 
 
-def _as_read(robot: Robot) -> Robot:
-    """The robot as a reader of its URDF moves it: its balls tilt freely, and limits of followers hold up
+def _as_read_from_urdf(robot: Robot) -> Robot:
+    """Returns the robot as a reader of its URDF moves it: balls tilt freely, and limits of followers stop
     nothing."""
-    followers = {one.follower for one in robot.relations}
+    followers = {relation.follower for relation in robot.relations}
     joints = tuple(
         replace(
             joint,
@@ -139,13 +154,13 @@ def _as_read(robot: Robot) -> Robot:
     return replace(robot, joints=joints)
 
 
-class _Between:
-    """How many dofs move links against each other."""
+class _DofCounts:
+    """The numbers of dofs between any two links."""
 
     def __init__(self, robot: Robot) -> None:
         self._parents = {joint.child: joint.parent for joint in robot.joints}
         self._order = {link.name: number for number, link in enumerate(robot.links)}
-        drivers = {one.follower: one.driver for one in robot.relations}
+        drivers = {relation.follower: relation.driver for relation in robot.relations}
         self._free = {joint.child for joint in robot.joints if joint.type == "free"}
         self._dofs = {
             joint.child: [
@@ -156,14 +171,15 @@ class _Between:
             for joint in robot.joints
         }
 
-    def of(self, one: str, other: str) -> int:
-        """0 where a free joint is between them: what flies may go anywhere."""
+    def of(self, first: str, second: str) -> int:
+        """Returns the number of dofs between two links; 0 if a free joint is between them, which may go
+        anywhere."""
         links: Iterator[str] = (
-            link for way in ways_up(one, other, self._parents, self._order) for link in way
+            link for path in paths_up(first, second, self._parents, self._order) for link in path
         )
-        moved: set[str] = set()
+        dofs: set[str] = set()
         for link in links:
             if link in self._free:
                 return 0
-            moved |= set(self._dofs[link])
-        return len(moved)
+            dofs |= set(self._dofs[link])
+        return len(dofs)

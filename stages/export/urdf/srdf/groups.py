@@ -1,5 +1,5 @@
-"""The groups of joints that MoveIt plans for: chains to named frames and to ends of the robot, grippers, and
-all joints."""
+"""Finds the groups of joints that MoveIt plans for: chains to named frames and to ends of the robot,
+grippers, and all joints."""
 
 import re
 from collections.abc import Collection, Iterator
@@ -10,7 +10,7 @@ from linkwright.stages.robot.model.robot import Joint, Robot
 from linkwright.stages.robot.text.names import free
 
 ALL = "all"
-"""The group of all joints."""
+"""Name of the group of all joints."""
 
 _FINGER = re.compile(r"finger|thumb|jaw|claw", re.IGNORECASE)
 _GRIPPER = re.compile(r"gripper", re.IGNORECASE)
@@ -18,75 +18,85 @@ _GRIPPER = re.compile(r"gripper", re.IGNORECASE)
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """`joints`: those that move, in the order of the URDF; `base` and `tip`: the links of a chain, "" where
-    the group is none."""
+    """A group of joints."""
 
     name: str
+
     joints: tuple[str, ...]
+    """The joints that move, in the order of the URDF."""
+
     base: str = ""
+    """The first link of a chain; "" for a group that is not a chain."""
+
     tip: str = ""
+    """The last link of a chain; "" for a group that is not a chain."""
 
 
 @dataclass(frozen=True, slots=True)
 class Gripper:
-    """What is at the end of an arm. `parent_link`: the link that carries its fingers; `arm`: the group of the
-    chain to that."""
+    """An end effector."""
 
     name: str
+
     group: str
+    """The group of its joints."""
+
     parent_link: str
+    """The link that carries its fingers."""
+
     arm: str
+    """The group of the chain to the parent link."""
 
 
 @dataclass(frozen=True, slots=True)
 class Groups:
-    """The groups, chains first and that of all joints last, and the grippers among them."""
+    """The groups of a robot, chains first and the group of all joints last, and its grippers."""
 
     groups: tuple[Group, ...]
     grippers: tuple[Gripper, ...]
 
 
 def groups_of(robot: Robot, passive: Collection[str]) -> Groups:
-    """The groups of a robot as its URDF has it, by the names there. `passive`: the dofs that nothing drives.
+    """Returns the groups of a robot by the names in its URDF. `passive`: the dofs that nothing drives.
 
-    A chain goes to each named frame, and to each end of the robot that has no frame, from the root, or from
-    the link that flies on its own; it has the name of the frame or link. A gripper is what is beyond an arm,
-    where that is clear: two fingers or more that move together, or joints that are called so.
+    Chains start at the root, or at the link that floats freely. They go to each named frame, and to each end
+    of the robot without a frame, and have the name of the frame or link. A gripper is the part beyond an arm
+    if that is clear: two fingers or more that move together, or joints named like fingers.
     """
     tree = _Tree(robot, passive)
     hands = tree.hands()
     fingers = {body for hand in hands for body in tree.below(hand)}
-    taken: set[str] = set()
+    used_names: set[str] = set()
     chains: list[Group] = []
     for tip, link in tree.tips(fingers, frozenset(hands)):
         joints = tree.moving[link]
         if joints:
-            chains.append(Group(_name(tip, taken), joints, tree.base[link], tip))
-    names = {one.tip: one.name for one in chains}
+            chains.append(Group(_name(tip, used_names), joints, tree.base[link], tip))
+    names = {chain.tip: chain.name for chain in chains}
     grippers: list[Gripper] = []
     groups: list[Group] = []
     for hand in hands:
-        own = "gripper" if len(hands) == 1 else f"{hand}_gripper"
-        group = Group(_name(own, taken), tree.joints_below(hand))
+        gripper_name = "gripper" if len(hands) == 1 else f"{hand}_gripper"
+        group = Group(_name(gripper_name, used_names), tree.joints_below(hand))
         groups.append(group)
         grippers.append(Gripper(group.name, group.name, tree.holder(hand), names[tree.tip_of(hand)]))
-    every = tuple(name for joint in robot.joints for name in tree.names[joint.name])
-    if every and all(len(one.joints) < len(every) for one in chains):
-        groups.append(Group(_name(ALL, taken), every))
+    all_joints = tuple(name for joint in robot.joints for name in tree.names[joint.name])
+    if all_joints and all(len(chain.joints) < len(all_joints) for chain in chains):
+        groups.append(Group(_name(ALL, used_names), all_joints))
     return Groups((*chains, *groups), tuple(grippers))
 
 
-def _name(name: str, taken: set[str]) -> str:
-    found = free(name, taken)
-    taken.add(found)
-    return found
+def _name(name: str, used_names: set[str]) -> str:
+    unique = free(name, used_names)
+    used_names.add(unique)
+    return unique
 
 
 class _Tree:
     """The rigid bodies of a robot, each named by its first link, and the joints between them.
 
-    `names`: by joint of the robot, those of the URDF that move, without free ones, which are in no group.
-    `moving`: by link, those on the chain to it; `base`: where that begins.
+    `names`: joint of the robot → its moving joints in the URDF, without free joints, which are in no group.
+    `moving`: link → the moving joints on the chain to it; `base`: link → the first link of that chain.
     """
 
     def __init__(self, robot: Robot, passive: Collection[str]) -> None:
@@ -107,130 +117,135 @@ class _Tree:
         self._links: dict[str, list[str]] = {root: [root]}
         self._children: dict[str, list[Joint]] = {root: []}
         for joint in robot.joints:
-            flies = joint.type == "free"
-            self.base[joint.child] = joint.child if flies else self.base[joint.parent]
-            self.moving[joint.child] = () if flies else self.moving[joint.parent] + self.names[joint.name]
+            is_free = joint.type == "free"
+            self.base[joint.child] = joint.child if is_free else self.base[joint.parent]
+            self.moving[joint.child] = () if is_free else self.moving[joint.parent] + self.names[joint.name]
             body = self._body[joint.parent] if not joint.dofs else joint.child
             self._body[joint.child] = body
             self._links.setdefault(body, []).append(joint.child)
             self._children.setdefault(body, [])
-            if joint.dofs and not flies:
+            if joint.dofs and not is_free:
                 self._children[self._body[joint.parent]].append(joint)
         self._frames: dict[str, list[tuple[str, str]]] = {body: [] for body in self._links}
         for frame in robot.frames:
             self._frames[self._body[frame.link]].append((names.frames[frame.name], frame.link))
         self._leaves = {link.name for link in robot.links} - {joint.parent for joint in robot.joints}
         self._ends = {body for body in self._links if not self._children[body]} - self._rods(robot)
-        self._beyond = self._all_beyond(robot, frozenset(passive))
+        self._subtree_of = self._subtrees(robot, frozenset(passive))
 
     def tips(self, fingers: Collection[str], hands: Collection[str]) -> Iterator[tuple[str, str]]:
-        """Where chains end: the link of the URDF, and the robot's link on which that is."""
+        """Yields the ends of chains: the link of the URDF, and the robot's link that carries it."""
         for body in self._links:
             yield from self._frames[body]
-            alone = body in hands or (body in self._ends and body not in fingers)
-            if alone and not self._frames[body]:
+            is_end = body in hands or (body in self._ends and body not in fingers)
+            if is_end and not self._frames[body]:
                 tip = self.tip_of(body)
                 yield tip, tip
 
     def tip_of(self, body: str) -> str:
-        """The end of the first chain to a body: a frame, the one link that carries nothing, or the one
-        that moves."""
+        """Returns the end of the first chain to a body: a frame, the single link that carries nothing, or the
+        link that moves."""
         if self._frames[body]:
             return self._frames[body][0][0]
         leaves = [link for link in self._links[body] if link in self._leaves]
         return leaves[0] if len(leaves) == 1 else body
 
     def hands(self) -> list[str]:
-        """The bodies beyond which there are fingers and nothing else."""
-        found: list[str] = []
+        """Returns the bodies beyond which there are only fingers."""
+        hands: list[str] = []
         within: set[str] = set()
         for body in self._links:
             if body not in within and self.moving[body] and self._carries_fingers(body):
                 within |= {body, *self.below(body)}
-                found.append(body)
-        return found
+                hands.append(body)
+        return hands
 
     def holder(self, body: str) -> str:
-        """The link of a hand that carries the first finger."""
+        """Returns the link of a hand that carries the first finger."""
         return self._children[body][0].parent
 
     def joints_below(self, body: str) -> tuple[str, ...]:
-        """The joints beyond a body that move, in the order of the robot."""
+        """Returns the moving joints beyond a body, in the order of the robot."""
         inside = {body, *self.below(body)}
-        joints = [joint for one in inside for joint in self._children[one]]
+        joints = [joint for inner in inside for joint in self._children[inner]]
         joints.sort(key=lambda joint: self._place[joint.child])
         return tuple(name for joint in joints for name in self.names[joint.name])
 
     def below(self, body: str) -> list[str]:
-        """The bodies beyond one."""
-        found: list[str] = []
-        waiting = [body]
-        while waiting:
-            children = [joint.child for joint in self._children[waiting.pop()]]
-            found += children
-            waiting += children
-        return found
+        """Returns the bodies beyond a body."""
+        bodies: list[str] = []
+        stack = [body]
+        while stack:
+            children = [joint.child for joint in self._children[stack.pop()]]
+            bodies += children
+            stack += children
+        return bodies
 
     def _carries_fingers(self, body: str) -> bool:
-        children, beyond = self._children[body], self._beyond[body]
+        children, subtree = self._children[body], self._subtree_of[body]
         if not children:
             return False
-        if beyond.fingers:
+        if subtree.fingers:
             return True
-        direct = all(not self._children[one.child] for one in children)
-        if direct and all(_GRIPPER.search(one.name) for one in children):
+        direct = all(not self._children[joint.child] for joint in children)
+        if direct and all(_GRIPPER.search(joint.name) for joint in children):
             return True
-        # What drives it all has to be one of them.
-        own = beyond.driver is not None and beyond.driver in beyond.has
-        return own and sum(self._beyond[one.child].ends for one in children) > 1
+        # The dof that drives all joints has to be one of them.
+        has_driver = subtree.driver is not None and subtree.driver in subtree.has
+        return has_driver and sum(self._subtree_of[joint.child].ends for joint in children) > 1
 
-    def _all_beyond(self, robot: Robot, passive: frozenset[str]) -> dict[str, "_Beyond"]:
-        drivers = {one.follower: one.driver for one in robot.relations}
-        found: dict[str, _Beyond] = {}
+    def _subtrees(self, robot: Robot, passive: frozenset[str]) -> dict[str, "_Subtree"]:
+        drivers = {relation.follower: relation.driver for relation in robot.relations}
+        subtrees: dict[str, _Subtree] = {}
         for body in reversed(self._links):
-            below = [found[joint.child] for joint in self._children[body]]
-            fingers = all(one.fingers for one in below)
-            driving = {name for one in below for name in one.drivers}
+            below = [subtrees[joint.child] for joint in self._children[body]]
+            fingers = all(part.fingers for part in below)
+            driving = {name for part in below for name in part.drivers}
             for joint in self._children[body]:
                 fingers &= bool(_FINGER.search(joint.name) or _FINGER.search(joint.child))
                 driving |= {drivers.get(dof.name, dof.name) for dof in joint.dofs} - passive
             has: set[str] = set()
             if len(driving) == 1:
-                own = {dof.name for joint in self._children[body] for dof in joint.dofs}
-                has = driving & own.union(*(one.has for one in below))
-            ends = body in self._ends or any(one.ends for one in below)
-            # Two are as many as matter.
-            found[body] = _Beyond(fingers, tuple(sorted(driving)[:2]), frozenset(has), ends)
-        return found
+                dofs = {dof.name for joint in self._children[body] for dof in joint.dofs}
+                has = driving & dofs.union(*(part.has for part in below))
+            ends = body in self._ends or any(part.ends for part in below)
+            # Only whether there are none, one or several matters.
+            subtrees[body] = _Subtree(fingers, tuple(sorted(driving)[:2]), frozenset(has), ends)
+        return subtrees
 
     def _rods(self, robot: Robot) -> set[str]:
-        """The bodies that only hold others in closed loops: of two ends that a loop joins the lighter one."""
+        """Returns the bodies that only close loops: the lighter of the two ends that a loop joins."""
         masses: dict[str, float] = dict.fromkeys(self._links, 0.0)
         for link in robot.links:
             masses[self._body[link.name]] += link.inertial.mass
-        found: set[str] = set()
+        rods: set[str] = set()
         for loop in robot.loops:
             ends = [self._body[loop.link_a], self._body[loop.link_b]]
             ends = [body for body in ends if not self._children[body]]
             if ends and (len(ends) == 1 or ends[0] != ends[1]):
-                one = ends[0] if len(ends) == 1 else min(ends, key=masses.__getitem__)
-                if not self._frames[one]:
-                    found.add(one)
-        return found
+                rod = ends[0] if len(ends) == 1 else min(ends, key=masses.__getitem__)
+                if not self._frames[rod]:
+                    rods.add(rod)
+        return rods
 
 
 @dataclass(frozen=True, slots=True)
-class _Beyond:
-    """What is beyond a body. `fingers`: whether all joints are called so; `drivers`: of the dofs that drive
-    the joints there the first two; `has`: those of the drivers that are there themselves, as far as there is
-    one driver; `ends`: whether an end of the robot is there, or the body is one."""
+class _Subtree:
+    """The part of the robot beyond a body."""
 
     fingers: bool
+    """Whether all its joints are named like fingers."""
+
     drivers: tuple[str, ...]
+    """The first two dofs that drive its joints."""
+
     has: frozenset[str]
+    """The driver, if it is single and moves a joint of this part."""
+
     ends: bool
+    """Whether the part includes an end of the robot."""
 
     @property
     def driver(self) -> str | None:
-        """The one dof that drives them all."""
+        """Returns the single dof that drives all joints of the part, or None."""
         return self.drivers[0] if len(self.drivers) == 1 else None

@@ -1,4 +1,4 @@
-"""SRDF: groups, poses, and pairs of links that are not checked for collisions.
+"""Writes the SRDF of a robot: groups, poses, and pairs of links that are not checked for collisions.
 
 Element rules are those of srdfdom, MoveIt's own reader; names are those of the URDF.
 """
@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from linkwright.stages.export.urdf.srdf.disabled import Disabled, disabled_pairs
-from linkwright.stages.export.urdf.srdf.distant_links import POSES
+from linkwright.stages.export.urdf.srdf.distant_links import POSE_COUNT
 from linkwright.stages.export.urdf.srdf.groups import Groups, groups_of
 from linkwright.stages.export.urdf.srdf.source_groups import source_groups
 from linkwright.stages.export.urdf.srdf.states import states_of
@@ -20,36 +20,42 @@ from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.robot.text.names import free
 
 WORLD = "world"
-"""What the base is fixed to, or flies in."""
+"""Name of the frame to which the base is fixed, or in which it floats."""
 
 
 @dataclass(frozen=True, slots=True)
 class SrdfPlan:
-    """What an SRDF says of a robot. `states`: by pose and joint of the URDF, the text of its value;
-    `passive`: joints of the URDF; `loops`: whose links the URDF does not hold together."""
+    """The content of an SRDF."""
 
     groups: Groups
+
     states: Mapping[str, Mapping[str, str]]
+    """Pose → joint of the URDF → the text of its value."""
+
     disabled: Disabled
+
     passive: tuple[str, ...]
+    """The joints of the URDF that nothing drives."""
+
     loops: tuple[str, ...]
+    """The loops whose links the URDF does not hold together."""
 
     @property
     def record(self) -> SrdfRecord:
-        """What robot.json tells of the SRDF."""
+        """Returns the entry of the SRDF in robot.json."""
         never: dict[str, tuple[str, ...]] = {}
-        for (one, other), reason in self.disabled.pairs:
+        for (first, second), reason in self.disabled.pairs:
             if reason == "Never":
-                never[one] = (*never.get(one, ()), other)
-        return SrdfRecord(never, tuple(one.name for one in self.groups.grippers))
+                never[first] = (*never.get(first, ()), second)
+        return SrdfRecord(never, tuple(gripper.name for gripper in self.groups.grippers))
 
 
 def plan_of(written: Written) -> SrdfPlan:
-    """What the SRDF beside the URDF says."""
-    robot, described, names = written.robot, written.as_urdf.robot, written.urdf_names
-    passive = passive_dofs(robot, described, written.actuation)
+    """Returns the content of the SRDF beside the URDF."""
+    robot, urdf_robot, names = written.robot, written.as_urdf.robot, written.urdf_names
+    passive = passive_dofs(robot, urdf_robot, written.actuation)
     return SrdfPlan(
-        source_groups(written) if robot.semantics.groups else groups_of(described, passive),
+        source_groups(written) if robot.semantics.groups else groups_of(urdf_robot, passive),
         states_of(robot, names),
         disabled_pairs(written),
         tuple(name for dof in passive for name in names.turns.get(dof, (dof,))),
@@ -58,9 +64,9 @@ def plan_of(written: Written) -> SrdfPlan:
 
 
 def write_srdf(robot: Robot, plan: SrdfPlan) -> bytes:
-    """The robot's SRDF."""
+    """Returns the robot's SRDF."""
     root = element(None, "robot", name=robot.name)
-    _base(root, robot)
+    _write_virtual_joint(root, robot)
     for group in plan.groups.groups:
         node = element(root, "group", name=group.name)
         if group.tip:
@@ -68,8 +74,8 @@ def write_srdf(robot: Robot, plan: SrdfPlan) -> bytes:
         else:
             for joint in group.joints:
                 element(node, "joint", name=joint)
-    # Readers that know no groups keep one state of a name: that of the group with the most joints.
-    for group in sorted(plan.groups.groups, key=lambda one: -len(one.joints)):
+    # Readers without groups keep the first state of a name, which is that of the group with the most joints.
+    for group in sorted(plan.groups.groups, key=lambda candidate: -len(candidate.joints)):
         for name, values in plan.states.items():
             state = element(root, "group_state", name=name, group=group.name)
             for joint in group.joints:
@@ -87,25 +93,27 @@ def write_srdf(robot: Robot, plan: SrdfPlan) -> bytes:
         element(root, "passive_joint", name=joint)
     if any(reason == "Never" for _, reason in plan.disabled.pairs):
         where = ", where the source does not say so" if robot.semantics.disabled else ""
-        told = f"Never{where}: apart in each of {POSES} seeded poses, with room for what lies between them"
-        comment(root, told)
-    for (one, other), reason in plan.disabled.pairs:
-        element(root, "disable_collisions", link1=one, link2=other, reason=reason or None)
+        text = (
+            f"Never{where}: apart in each of {POSE_COUNT} seeded poses, with room for what lies between them"
+        )
+        comment(root, text)
+    for (first, second), reason in plan.disabled.pairs:
+        element(root, "disable_collisions", link1=first, link2=second, reason=reason or None)
     return to_bytes(root)
 
 
-def _base(root: Element, robot: Robot) -> None:
-    """The joint by which the robot is in the world; a root link that is the world needs none."""
+def _write_virtual_joint(root: Element, robot: Robot) -> None:
+    """Writes the joint that connects the robot to the world, unless its root link is the world."""
     if robot.root.name == WORLD:
         return
-    taken = {joint.name for joint in robot.joints} | {dof.name for dof in robot.dofs}
-    taken |= set(urdf_names(robot).holders.values())
-    own = robot.semantics.virtual_joint
+    joint_names = {joint.name for joint in robot.joints} | {dof.name for dof in robot.dofs}
+    joint_names |= set(urdf_names(robot).holders.values())
+    virtual_joint = robot.semantics.virtual_joint
     element(
         root,
         "virtual_joint",
-        name=free(own.name if own else "world_joint", taken),
+        name=free(virtual_joint.name if virtual_joint else "world_joint", joint_names),
         type="fixed" if robot.base.fixed else "floating",
-        parent_frame=own.parent_frame if own else WORLD,
+        parent_frame=virtual_joint.parent_frame if virtual_joint else WORLD,
         child_link=robot.root.name,
     )

@@ -1,4 +1,4 @@
-"""The values of a URDF's joints at a robot's poses."""
+"""Computes the values of a URDF's joints at a robot's poses."""
 
 from collections.abc import Iterator
 
@@ -12,20 +12,20 @@ from linkwright.stages.robot.motion.start_pose import HOME, keyframes
 
 
 def states_of(robot: Robot, names: UrdfNames) -> dict[str, dict[str, str]]:
-    """By pose: the text of the value of each joint of the URDF that moves, but for free ones. The poses are
-    `home` and those of the user; `names`: those of the URDF."""
-    named = [HOME, *(one.name for one in robot.keyframes if one.name != HOME)]
+    """Returns the values, as text, of the moving joints of the URDF in each pose: `home` and the poses of the
+    user. Free joints have no values. `names`: the names in the URDF."""
+    pose_names = [HOME, *(keyframe.name for keyframe in robot.keyframes if keyframe.name != HOME)]
     poses = keyframes(robot)
     return {
         name: dict(pair for dof in robot.dofs for pair in _texts(dof, poses[name][dof.name], names))
-        for name in named
+        for name in pose_names
     }
 
 
 def _texts(dof: Dof, value: Value, names: UrdfNames) -> Iterator[tuple[str, str]]:
     if dof.kind == "ball":
-        turned = turns_from_rotation(rotation_from_quat(np.array(value)))
-        for name, angle in zip(names.turns[dof.name], turned, strict=True):
+        angles = turns_from_rotation(rotation_from_quat(np.array(value)))
+        for name, angle in zip(names.turns[dof.name], angles, strict=True):
             yield name, number(angle, least=least_of("ball"))
     elif dof.kind != "free":
         assert not isinstance(value, tuple)

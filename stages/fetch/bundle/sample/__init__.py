@@ -1,1 +1,1 @@
-"""The robot that is shipped with the package."""
+"""Provides the robot that is shipped with the package."""

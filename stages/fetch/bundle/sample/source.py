@@ -1,4 +1,4 @@
-"""The source `sample`: the robot that is shipped with the package, as a bundle."""
+"""Defines the source `sample`: the robot that is shipped with the package, as a bundle."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from linkwright.stages.fetch.bundle.source import BundleSource
 
 
 class SampleSource(BundleSource):
-    """The bundle in the package."""
+    """The source that reads the bundle in the package."""
 
     advice: ClassVar[str] = "install linkwright again"
 

@@ -8,7 +8,7 @@ import mujoco
 from linkwright.stages.formats.mjcf.model import MjcfActuator, MjcfSensor, MjcfSensorEnd
 from linkwright.stages.formats.numbers import exact
 from linkwright.stages.mujoco.elements import actuator_attributes
-from linkwright.stages.mujoco.names import name_of
+from linkwright.stages.mujoco.names import controls_of, name_of
 from linkwright.stages.mujoco.sensors import sensor_attributes
 
 _SCALAR = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
@@ -26,59 +26,62 @@ _TYPES: Mapping[str, tuple[str, Mapping[str, str]]] = {
         },
     ),
 }
-"""The attributes that have words, with those that every MuJoCo knows; muscles, plug-ins and motors of
-later versions are left out."""
+"""The attributes whose values are words, with the words that every MuJoCo version knows. Muscles, plug-ins
+and the motors of later versions are left out."""
 
 _DEFAULTS: Mapping[str, tuple[float, ...]] = {"gainprm": (1.0,), "biasprm": (), "dynprm": (1.0,)}
 
 
 def driven(model: Any, kept: Collection[int]) -> tuple[int, ...]:
-    """The actuators that can be carried over: of a hinge or slide of the bodies `kept`."""
-    return tuple(one for one in range(len(model.actuator_trntype)) if _carried(model, one, kept))
+    """Returns the actuators that can be carried over: those of hinges and slides of the bodies `kept`."""
+    return tuple(index for index in range(len(model.actuator_trntype)) if _carried(model, index, kept))
 
 
-def _carried(model: Any, one: int, kept: Collection[int]) -> bool:
-    if int(model.actuator_trntype[one]) not in (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT):
+def _carried(model: Any, index: int, kept: Collection[int]) -> bool:
+    if int(model.actuator_trntype[index]) not in (
+        mujoco.mjtTrn.mjTRN_JOINT,
+        mujoco.mjtTrn.mjTRN_JOINTINPARENT,
+    ):
         return False
-    joint = int(model.actuator_trnid[one][0])
-    known = all(_word(model, one, name) is not None for name in _TYPES)
-    return known and int(model.jnt_type[joint]) in _SCALAR and int(model.jnt_bodyid[joint]) in kept
+    joint = int(model.actuator_trnid[index][0])
+    has_known_words = all(_word(model, index, name) is not None for name in _TYPES)
+    return has_known_words and int(model.jnt_type[joint]) in _SCALAR and int(model.jnt_bodyid[joint]) in kept
 
 
-def _word(model: Any, one: int, attribute: str) -> str | None:
+def _word(model: Any, index: int, attribute: str) -> str | None:
     kind, words = _TYPES[attribute]
-    return words.get(getattr(mujoco, kind)(int(getattr(model, f"actuator_{attribute}")[one])).name)
+    return words.get(getattr(mujoco, kind)(int(getattr(model, f"actuator_{attribute}")[index])).name)
 
 
-def actuator(model: Any, one: int, order: Mapping[int, int]) -> MjcfActuator:
-    """An actuator, of the joint that `order` numbers."""
-    words = {name: _word(model, one, name) or "" for name in _TYPES}
-    numbers = {name: _trimmed(getattr(model, f"actuator_{name}")[one]) for name in _DEFAULTS}
+def actuator(model: Any, index: int, order: Mapping[int, int]) -> MjcfActuator:
+    """Returns an actuator. `order`: MuJoCo's number of a joint → its number in our model."""
+    words = {name: _word(model, index, name) or "" for name in _TYPES}
+    numbers = {name: _trimmed(getattr(model, f"actuator_{name}")[index]) for name in _DEFAULTS}
     kind, kp, kv = _shortcut(words, numbers)
-    terms = () if kind != "general" else _terms(model, one, words, numbers)
+    terms = () if kind != "general" else _terms(model, index, words, numbers)
     return MjcfActuator(
-        name=name_of(model, mujoco.mjtObj.mjOBJ_ACTUATOR, one),
-        joint=order[int(model.actuator_trnid[one][0])],
+        name=name_of(model, mujoco.mjtObj.mjOBJ_ACTUATOR, index),
+        joint=order[int(model.actuator_trnid[index][0])],
         type=kind,
-        gear=float(model.actuator_gear[one][0]),
+        gear=float(model.actuator_gear[index][0]),
         kp=kp,
         kv=kv,
-        control=_range(model, one, "ctrl"),
-        force=_range(model, one, "force"),
+        control=_range(model, controls_of(model, index).start, "ctrl"),
+        force=_range(model, index, "force"),
         terms=terms,
-        attributes=actuator_attributes(model, one),
+        attributes=actuator_attributes(model, index),
     )
 
 
 def _shortcut(
     words: Mapping[str, str], numbers: Mapping[str, tuple[float, ...]]
 ) -> tuple[str, float | None, float | None]:
-    """The shortcut that has these parameters, with its kp and kv."""
+    """Returns the shortcut that has these parameters, with its kp and kv."""
     gain, bias = numbers["gainprm"], (*numbers["biasprm"], 0.0, 0.0, 0.0)
-    plain = words["dyntype"] == "none" and words["gaintype"] == "fixed" and len(gain) == 1
-    if plain and words["biastype"] == "none" and gain == (1.0,):
+    is_plain = words["dyntype"] == "none" and words["gaintype"] == "fixed" and len(gain) == 1
+    if is_plain and words["biastype"] == "none" and gain == (1.0,):
         return "motor", None, None
-    if plain and words["biastype"] == "affine" and bias[0] == 0 and not any(bias[3:]) and gain[0] > 0:
+    if is_plain and words["biastype"] == "affine" and bias[0] == 0 and not any(bias[3:]) and gain[0] > 0:
         if bias[1] == -gain[0] and bias[2] <= 0:
             return "position", gain[0], -bias[2] + 0.0
         if bias[1] == 0 and bias[2] == -gain[0]:
@@ -87,29 +90,29 @@ def _shortcut(
 
 
 def _terms(
-    model: Any, one: int, words: Mapping[str, str], numbers: Mapping[str, tuple[float, ...]]
+    model: Any, index: int, words: Mapping[str, str], numbers: Mapping[str, tuple[float, ...]]
 ) -> tuple[tuple[str, str], ...]:
-    found = [(name, words[name]) for name in ("dyntype", "gaintype", "biastype")]
-    found += [(name, exact(numbers[name])) for name in ("dynprm", "gainprm", "biasprm") if numbers[name]]
-    if model.actuator_actlimited[one]:
-        found.append(("actrange", exact(tuple(float(end) for end in model.actuator_actrange[one]))))
-    if model.actuator_actearly[one]:
-        found.append(("actearly", "true"))
-    return tuple(found)
+    terms = [(name, words[name]) for name in ("dyntype", "gaintype", "biastype")]
+    terms += [(name, exact(numbers[name])) for name in ("dynprm", "gainprm", "biasprm") if numbers[name]]
+    if model.actuator_actlimited[index]:
+        terms.append(("actrange", exact(tuple(float(end) for end in model.actuator_actrange[index]))))
+    if model.actuator_actearly[index]:
+        terms.append(("actearly", "true"))
+    return tuple(terms)
 
 
 def _trimmed(values: Any) -> tuple[float, ...]:
-    """The numbers without the zeros at the end."""
-    found = [float(value) for value in values]
-    while found and found[-1] == 0:
-        found.pop()
-    return tuple(found)
+    """Returns the numbers without the zeros at the end."""
+    numbers = [float(value) for value in values]
+    while numbers and numbers[-1] == 0:
+        numbers.pop()
+    return tuple(numbers)
 
 
-def _range(model: Any, one: int, name: str) -> tuple[float, float] | None:
-    if not getattr(model, f"actuator_{name}limited")[one]:
+def _range(model: Any, index: int, name: str) -> tuple[float, float] | None:
+    if not getattr(model, f"actuator_{name}limited")[index]:
         return None
-    low, high = (float(end) for end in getattr(model, f"actuator_{name}range")[one])
+    low, high = (float(end) for end in getattr(model, f"actuator_{name}range")[index])
     return low, high
 
 
@@ -136,33 +139,33 @@ _OBJECTS: Mapping[int, str] = {
 }
 
 Numbers = Mapping[str, Mapping[int, int]]
-"""By kind of object: MuJoCo's numbers of those that are carried over → ours."""
+"""Kind of object → MuJoCo's numbers of the objects that are carried over → ours."""
 
 
-def sensor(model: Any, one: int, numbers: Numbers) -> MjcfSensor | None:
-    """A sensor; None where it, or what it is on, is not carried over."""
-    raw = mujoco.mjtSensor(int(model.sensor_type[one])).name.removeprefix("mjSENS_").lower()
+def sensor(model: Any, index: int, numbers: Numbers) -> MjcfSensor | None:
+    """Returns a sensor; None if it, or its object, is not carried over."""
+    raw = mujoco.mjtSensor(int(model.sensor_type[index])).name.removeprefix("mjSENS_").lower()
     kind = _WORDS.get(raw, raw)
-    on = _end(int(model.sensor_objtype[one]), int(model.sensor_objid[one]), numbers)
-    of = _end(int(model.sensor_reftype[one]), int(model.sensor_refid[one]), numbers)
+    on = _end(int(model.sensor_objtype[index]), int(model.sensor_objid[index]), numbers)
+    of = _end(int(model.sensor_reftype[index]), int(model.sensor_refid[index]), numbers)
     # A rangefinder may give more than a distance.
-    more = kind == "rangefinder" and int(model.sensor_intprm[one][0]) not in (0, 1)
-    if kind not in _PLAIN_SENSORS or on is None or of is None or more:
+    has_vector_output = kind == "rangefinder" and int(model.sensor_intprm[index][0]) not in (0, 1)
+    if kind not in _PLAIN_SENSORS or on is None or of is None or has_vector_output:
         return None
     return MjcfSensor(
-        name=name_of(model, mujoco.mjtObj.mjOBJ_SENSOR, one),
+        name=name_of(model, mujoco.mjtObj.mjOBJ_SENSOR, index),
         type=kind,
         on=on,
         relative_to=of,
-        noise=float(model.sensor_noise[one]),
-        cutoff=float(model.sensor_cutoff[one]),
-        attributes=sensor_attributes(model, one),
-        **(_zone(model, int(model.sensor_objid[one])) if kind == "touch" else {}),
+        noise=float(model.sensor_noise[index]),
+        cutoff=float(model.sensor_cutoff[index]),
+        attributes=sensor_attributes(model, index),
+        **(_zone(model, int(model.sensor_objid[index])) if kind == "touch" else {}),
     )
 
 
 def _zone(model: Any, site: int) -> dict[str, Any]:
-    """The shape of a site, and its sizes, which MuJoCo has as halves."""
+    """Returns the shape of a site, and its full sizes: MuJoCo stores half sizes."""
     shape = mujoco.mjtGeom(int(model.site_type[site])).name.removeprefix("mjGEOM_").lower()
     half = [float(length) for length in model.site_size[site]]
     if shape == "sphere":
@@ -178,5 +181,5 @@ def _end(kind: int, number: int, numbers: Numbers) -> MjcfSensorEnd | None:
         return None
     if not word or number < 0:
         return MjcfSensorEnd("", -1)
-    own = numbers.get(word, {}).get(number)
-    return None if own is None else MjcfSensorEnd(word, own)
+    our_number = numbers.get(word, {}).get(number)
+    return None if our_number is None else MjcfSensorEnd(word, our_number)

@@ -1,4 +1,5 @@
-"""The equalities of a compiled model that our robot model has: loops, and joints that follow others."""
+"""Reads the equalities of a compiled model that our robot model has: loops, and joints that follow another
+joint."""
 
 from __future__ import annotations
 
@@ -16,12 +17,13 @@ from linkwright.stages.mujoco.names import OBJ
 from linkwright.stages.robot.model.mjcf_extras import Attributes
 from linkwright.stages.robot.model.robot import frozen
 
-_STILL = np.array([1.0, 0.0, 0.0, 0.0])
+_NO_TURN = np.array([1.0, 0.0, 0.0, 0.0])
+"""The quaternion of no rotation."""
 
 
 def carried(model: Any, eq: int, kept: Collection[int]) -> bool:
-    """Whether our robot model can represent an equality: a connect, a weld, or a joint that follows another
-    in proportion, between bodies that are kept."""
+    """Tells whether our robot model can represent an equality: a connect, a weld, or a joint that follows
+    another in proportion, between bodies that are kept."""
     kind, first, second = (int(model.eq_type[eq]), int(model.eq_obj1id[eq]), int(model.eq_obj2id[eq]))
     if not model.eq_active0[eq]:
         return False
@@ -36,16 +38,16 @@ def carried(model: Any, eq: int, kept: Collection[int]) -> bool:
 
 
 def _attributes(model: Any, eq: int) -> Attributes:
-    """How stiff an equality is, always said: ours are stiffer than MuJoCo's default."""
-    found = attributes(model, EQUALITY, eq, always=("solref", "solimp"))
+    """Returns the stiffness of an equality, even if it is MuJoCo's default: our default is stiffer."""
+    stiffness = attributes(model, EQUALITY, eq, always=("solref", "solimp"))
     scale = float(model.eq_data[eq][10])
     weld = int(model.eq_type[eq]) == mujoco.mjtEq.mjEQ_WELD
-    return (*found, ("torquescale", exact([scale]))) if weld and scale != 1 else found
+    return (*stiffness, ("torquescale", exact([scale]))) if weld and scale != 1 else stiffness
 
 
 def closures(model: Any, numbers: Mapping[int, int]) -> Iterator[MjcfClosure]:
-    """Connects and welds. Between bodies, `eq_data` of a connect is the point in both; of a weld the point
-    in the second, the same in the first, and first_from_second as a quaternion."""
+    """Yields connects and welds. Between bodies, `eq_data` of a connect is the point in both; of a weld it is
+    the point in the second, the same in the first, and first_from_second as a quaternion."""
     for eq in range(model.neq):
         kind = int(model.eq_type[eq])
         if kind == mujoco.mjtEq.mjEQ_JOINT or not carried(model, eq, numbers):
@@ -59,9 +61,9 @@ def closures(model: Any, numbers: Mapping[int, int]) -> Iterator[MjcfClosure]:
             sites = (model.site(ends[0]).name, model.site(ends[1]).name)
             frames = [pose_of(model.site_pos[end], model.site_quat[end]) for end in ends]
         elif kind == mujoco.mjtEq.mjEQ_CONNECT:
-            frames = [pose_of(data[0:3], _STILL), pose_of(data[3:6], _STILL)]
+            frames = [pose_of(data[0:3], _NO_TURN), pose_of(data[3:6], _NO_TURN)]
         else:
-            frames = [pose_of(data[3:6], data[6:10]), pose_of(data[0:3], _STILL)]
+            frames = [pose_of(data[3:6], data[6:10]), pose_of(data[0:3], _NO_TURN)]
         yield MjcfClosure(
             name=model.equality(eq).name,
             type="connect" if kind == mujoco.mjtEq.mjEQ_CONNECT else "weld",
@@ -74,12 +76,12 @@ def closures(model: Any, numbers: Mapping[int, int]) -> Iterator[MjcfClosure]:
 
 
 def relations(model: Any, numbers: Mapping[int, int], order: Mapping[int, int]) -> Iterator[MjcfRelation]:
-    """Linear joint equalities: y − y₀ = a₀ + a₁ (x − x₀)."""
+    """Yields linear joint equalities: y − y₀ = a₀ + a₁ (x − x₀)."""
     for eq in range(model.neq):
         if model.eq_type[eq] != mujoco.mjtEq.mjEQ_JOINT or not carried(model, eq, numbers):
             continue
         follower, driver = int(model.eq_obj1id[eq]), int(model.eq_obj2id[eq])
         y, x = (float(model.qpos0[model.jnt_qposadr[joint]]) for joint in (follower, driver))
         constant, slope = (float(value) for value in model.eq_data[eq][:2])
-        offset, more = y + constant - slope * x, _attributes(model, eq)
-        yield MjcfRelation(model.equality(eq).name, order[follower], order[driver], slope, offset, more)
+        offset, attributes = y + constant - slope * x, _attributes(model, eq)
+        yield MjcfRelation(model.equality(eq).name, order[follower], order[driver], slope, offset, attributes)

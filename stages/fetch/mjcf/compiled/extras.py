@@ -1,5 +1,5 @@
-"""What only an MJCF has of a compiled model: tendons and what is on them, options, and the scene around the
-robot."""
+"""Reads the parts of a compiled model that only an MJCF has: tendons, their actuators and sensors, options,
+and the scene around the robot."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ _ON_BODIES = (
     ("site", "nsite", OBJ.mjOBJ_SITE, "site_bodyid"),
     ("camera", "ncam", OBJ.mjOBJ_CAMERA, "cam_bodyid"),
 )
-"""What is on bodies and may be named: tag, MuJoCo's count, kind, and the array of its bodies."""
+"""Elements on bodies that may have names: tag, MuJoCo's count, kind, and the array of their bodies."""
 
 Numbered = tuple[int, MjcfElement | None]
-"""An element's number in MuJoCo, and the element, None where it is not carried over."""
+"""MuJoCo's number of an element, and the element; None if it is not carried over."""
 
 
 class ExtrasReader:
-    """Reads what only an MJCF has. `kept`: the robot's bodies, the world first."""
+    """Reader of the parts of a model that only an MJCF has. `kept`: the robot's bodies, the world first."""
 
     def __init__(self, model: Any, kept: Sequence[int]) -> None:
         self._model = model
@@ -44,37 +44,42 @@ class ExtrasReader:
         )
 
     def frames(self, body: int) -> list[int]:
-        """The sites that are frames: those with names on the robot, and on the world if it stands there."""
+        """Returns the sites that are frames: those with names on the robot, and on the world if the robot is
+        fixed there."""
         model = self._model
         if not body and not self._stands:
             return []
         return [int(site) for site in np.flatnonzero(model.site_bodyid == body) if model.site(site).name]
 
     def mounted(self, body: int, geoms: Sequence[MjcfPlaced]) -> tuple[MjcfPlaced, ...]:
-        """Cameras, lights and sites without names on a body, after these `geoms`."""
+        """Returns the cameras, lights and sites without names on a body, after these `geoms`."""
         model = self._model
-        found = list(geoms)
+        mounted = list(geoms)
         for site in np.flatnonzero(model.site_bodyid == body):
             if not model.site(site).name:
                 pose = pose_of(model.site_pos[site], model.site_quat[site])
-                found.append(MjcfPlaced(frozen(pose), elements.site(model, int(site))))
+                mounted.append(MjcfPlaced(frozen(pose), elements.site(model, int(site))))
         for camera in np.flatnonzero(model.cam_bodyid == body):
             pose = pose_of(model.cam_pos[camera], model.cam_quat[camera])
-            found.append(MjcfPlaced(frozen(pose), elements.camera(model, int(camera))))
+            mounted.append(MjcfPlaced(frozen(pose), elements.camera(model, int(camera))))
         for light in np.flatnonzero(model.light_bodyid == body):
             pose = light_pose(model, int(light))
-            found.append(MjcfPlaced(frozen(pose), elements.light(model, int(light))))
-        return tuple(found)
+            mounted.append(MjcfPlaced(frozen(pose), elements.light(model, int(light))))
+        return tuple(mounted)
 
     def read(self, acting: Collection[int], measured: Collection[int]) -> FoundExtras:
-        """All that is the whole model's. `acting`, `measured`: the actuators and sensors that the robot has
-        itself."""
-        found = FoundExtras(self._model, self._kept, acting, measured)
+        """Returns the extras of the whole model. `acting`, `measured`: the actuators and sensors that the
+        robot has itself."""
+        sections = FoundExtras(self._model, self._kept, acting, measured)
         bodies = CompiledBodies(self._model, lambda body: body not in self._kept)
-        world = [one for one in bodies.world() if not (self._stands and one.tag == "site" and one.name)]
-        found.scene["asset"], found.scene["worldbody"] = list(bodies.assets()), world
-        found.read()
-        return found
+        world = [
+            element
+            for element in bodies.world()
+            if not (self._stands and element.tag == "site" and element.name)
+        ]
+        sections.scene["asset"], sections.scene["worldbody"] = list(bodies.assets()), world
+        sections.read()
+        return sections
 
 
 def _floats(model: Any, body: int) -> bool:
@@ -82,8 +87,8 @@ def _floats(model: Any, body: int) -> bool:
 
 
 class FoundExtras:
-    """The sections of a model: those of the robot, and those of the scene, which name things beside it.
-    `lost`: (tag, number) of what is not carried over."""
+    """The sections of a model: those of the robot, and those of the scene, whose elements name things outside
+    the robot. `lost`: (tag, number) of the elements that are not carried over."""
 
     def __init__(
         self, model: Any, kept: Collection[int], acting: Collection[int], measured: Collection[int]
@@ -98,13 +103,14 @@ class FoundExtras:
         self.lost: set[tuple[str, int]] = set()
 
     def read(self) -> None:
+        """Reads all sections of the model, after the names of the elements on bodies that they refer to."""
         model = self._model
         for body in range(model.nbody):
             self._add("body", name_of(model, OBJ.mjOBJ_BODY, body), body in self._kept)
         for tag, count, kind, bodies in _ON_BODIES:
             for index in range(getattr(model, count)):
                 on = int(getattr(model, bodies)[index])
-                # What is on the world is the scene's, but for the frames of a robot that stands there.
+                # Elements on the world belong to the scene, except the frames of a robot that is fixed there.
                 self._add(tag, name_of(model, kind, index), on in self._kept and (on > 0 or tag == "site"))
         self._section("contact", "pair", ((i, elements.pair(model, i)) for i in range(model.npair)))
         self._section("contact", "exclude", ((i, elements.exclude(model, i)) for i in range(model.nexclude)))
@@ -118,9 +124,10 @@ class FoundExtras:
         if name:
             (self._names if robots else self._scene_names).add((kind, name))
 
-    def _section(self, section: str, kind: str, every: Iterator[Numbered]) -> None:
-        """Puts each element where what it names is; one that names what is lost is lost too."""
-        for number, element in every:
+    def _section(self, section: str, kind: str, numbered: Iterator[Numbered]) -> None:
+        """Puts each element into the robot or the scene, by the things that it names. An element that names a
+        lost element is lost too."""
+        for number, element in numbered:
             if element is None or not set(element.named()) <= self._names | self._scene_names:
                 self.lost.add((kind, number))
                 continue
@@ -130,20 +137,20 @@ class FoundExtras:
             if robots and section in self.order:
                 self.order[section].append(element.name)
 
-    def _titled(self, kind: str, obj: Any, own: Collection[int]) -> Iterator[Numbered]:
-        """The actuators or sensors but for the robot's `own`, each with a name."""
+    def _titled(self, kind: str, obj: Any, robots_own: Collection[int]) -> Iterator[Numbered]:
+        """Yields the actuators or sensors except `robots_own`, each with a name."""
         model = self._model
         number = len(model.actuator_trntype) if kind == "actuator" else model.nsensor
         names = [name_of(model, obj, index) for index in range(number)]
-        taken = set(names)
+        used_names = set(names)
         for index, name in enumerate(names):
-            if index in own:
+            if index in robots_own:
                 self._add(kind, name, robots=True)
                 self.order[kind].append(name)
                 continue
             element = elements.actuator(model, index) if kind == "actuator" else sensor(model, index)
-            name = name or free(f"{kind}_{index}", taken)
-            taken.add(name)
+            name = name or free(f"{kind}_{index}", used_names)
+            used_names.add(name)
             title: Attributes = (("name", name),)
             yield (
                 index,
@@ -151,9 +158,11 @@ class FoundExtras:
             )
 
     def extras(self) -> MjcfExtras:
-        """The value, without what is at the robot's own things."""
+        """Returns the extras as a value, without the attributes of the robot's own things."""
         model = self._model
-        beside = [joint for joint in range(model.njnt) if int(model.jnt_bodyid[joint]) not in self._kept]
+        scene_joints = [
+            joint for joint in range(model.njnt) if int(model.jnt_bodyid[joint]) not in self._kept
+        ]
         fixed = [
             geom
             for geom in range(model.ngeom)
@@ -164,23 +173,23 @@ class FoundExtras:
             sections=_sections(self.sections),
             order=tuple((section, tuple(names)) for section, names in self.order.items() if names),
             scene=_sections(self.scene),
-            scene_qpos=qpos_of(model, beside, model.qpos0),
+            scene_qpos=qpos_of(model, scene_joints, model.qpos0),
             has_ground=any(touches(model, geom) for geom in fixed),
             option=tuple(options(model)),
             flag=tuple(flags(model)),
         )
 
 
-def _sections(found: dict[str, list[MjcfElement]]) -> tuple[MjcfElement, ...]:
-    return tuple(MjcfElement(tag, children=tuple(every)) for tag, every in found.items() if every)
+def _sections(by_tag: dict[str, list[MjcfElement]]) -> tuple[MjcfElement, ...]:
+    return tuple(MjcfElement(tag, children=tuple(children)) for tag, children in by_tag.items() if children)
 
 
 _SIZES = {0: 7, 1: 4, 2: 1, 3: 1}
-"""Numbers of a joint in `qpos`, by MuJoCo's type."""
+"""MuJoCo's type of joint → its number of values in `qpos`."""
 
 
 def qpos_of(model: Any, joints: Collection[int], qpos: Any) -> tuple[float, ...]:
-    """The numbers of these joints in `qpos`."""
+    """Returns the values of these joints in `qpos`."""
     return tuple(
         float(qpos[int(model.jnt_qposadr[joint]) + place])
         for joint in joints

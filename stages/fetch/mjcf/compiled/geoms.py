@@ -1,4 +1,4 @@
-"""The geoms of a body of a compiled model: what is seen, what collides, and what is neither."""
+"""Sorts the geoms of a body of a compiled model into visual geoms, colliders, and geoms that are neither."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ GEOMS: Mapping[int, MjcfGeomKind] = {
     int(mujoco.mjtGeom.mjGEOM_ELLIPSOID): "mesh",
     int(mujoco.mjtGeom.mjGEOM_MESH): "mesh",
 }
-"""An ellipsoid is a mesh to all but MuJoCo."""
+"""MuJoCo's type of geom → kind. An ellipsoid is a mesh in every format except MJCF."""
 
 _ELLIPSOID, _PLANE = int(mujoco.mjtGeom.mjGEOM_ELLIPSOID), int(mujoco.mjtGeom.mjGEOM_PLANE)
 
 _DEFAULT = (0.5, 0.5, 0.5, 1.0)
-"""MuJoCo's default colour of a geom; with it, the material's colour is used."""
+"""MuJoCo's default colour of a geom; a geom with this colour has its material's colour."""
 
 _SHOWN = 3
 """Geoms of this group or above are hidden in MuJoCo's viewer by default."""
@@ -43,24 +43,27 @@ _WHOLE = ("condim", "priority", "contype", "conaffinity")
 
 
 def touches(model: Any, number: int) -> bool:
-    """Whether another geom can collide with this one by its bits."""
+    """Tells whether another geom can collide with this geom, by its bits."""
     return bool(model.geom_contype[number] or model.geom_conaffinity[number])
 
 
 def rgba_of(model: Any, number: int) -> Colour:
-    """The geom's own colour, else its material's."""
-    own, material = _colour(model.geom_rgba[number]), int(model.geom_matid[number])
-    return own if own != _DEFAULT or material < 0 else _colour(model.mat_rgba[material])
+    """Returns the geom's own colour, or else its material's."""
+    rgba, material = _colour(model.geom_rgba[number]), int(model.geom_matid[number])
+    return rgba if rgba != _DEFAULT or material < 0 else _colour(model.mat_rgba[material])
 
 
 def shows(model: Any, number: int) -> bool:
-    """Whether a geom is only visual."""
+    """Tells whether a geom is only visual."""
     return not touches(model, number) and model.geom_bodyid[number] > 0 and rgba_of(model, number)[3] > 0
 
 
 def is_extra(model: Any, number: int) -> bool:
-    """Whether a geom is an MJCF's alone: a plane, and a primitive that is neither seen nor collides, or that
-    a fluid acts on beside what is seen of it."""
+    """Tells whether only an MJCF can have a geom.
+
+    That is a plane, a primitive that is neither visible nor collides, or a primitive on which a fluid acts,
+    next to its visible shape.
+    """
     kind = int(model.geom_type[number])
     if kind == _PLANE:
         return True
@@ -70,29 +73,32 @@ def is_extra(model: Any, number: int) -> bool:
 
 
 class Geoms:
-    """Reads the geoms of a model; the triangles of its meshes go to `meshes`."""
+    """Reader of the geoms of a model; the triangles of its meshes go to `meshes`."""
 
     def __init__(self, model: Any, meshes: Meshes, textures: Textures) -> None:
         self._model, self._meshes, self._textures = model, meshes, textures
         self._shown = any(shows(model, number) for number in range(model.ngeom))
 
     def of(self, body: int) -> Iterator[MjcfGeom]:
-        """A body's shapes. A collision geom is visual too where the body has no visual geom of another group,
-        unless it is in a hidden group of a model that has visual geoms: viewers draw group by group."""
+        """Yields a body's shapes.
+
+        A collision geom is visual too if the body has no visual geom of another group, unless it is in a
+        hidden group of a model that has visual geoms: viewers draw group by group.
+        """
         model = self._model
         dress = {int(model.geom_group[number]) for number in self._numbers(body) if shows(model, number)}
         for number in self._numbers(body):
             collides, group = touches(model, number), int(model.geom_group[number])
             hidden = bool(dress - {group}) or (self._shown and group >= _SHOWN)
-            seen = rgba_of(model, number)[3] > 0 and not (collides and hidden)
-            if int(model.geom_type[number]) in GEOMS and (collides or seen):
-                yield self._geom(number, collides, seen)
+            is_visible = rgba_of(model, number)[3] > 0 and not (collides and hidden)
+            if int(model.geom_type[number]) in GEOMS and (collides or is_visible):
+                yield self._geom(number, collides, is_visible)
 
-    def _geom(self, number: int, collides: bool, seen: bool) -> MjcfGeom:
+    def _geom(self, number: int, collides: bool, is_visible: bool) -> MjcfGeom:
         model, kind = self._model, int(self._model.geom_type[number])
         rgba = rgba_of(model, number)
-        image = self._textures.of(number) if seen else ""
-        colour = rgba if seen and (rgba != _DEFAULT or image) else None
+        image = self._textures.of(number) if is_visible else ""
+        colour = rgba if is_visible and (rgba != _DEFAULT or image) else None
         pose = pose_of(model.geom_pos[number], model.geom_quat[number])
         form, mesh = _form(model, number, collides), None
         if kind == _ELLIPSOID:
@@ -102,10 +108,11 @@ class Geoms:
             mesh = self._meshes.ref(data, colour, image)
             pose = pose @ inverse(self._meshes.asset_from_mesh(data))
         size = _size(GEOMS[kind], model.geom_size[number])
-        return MjcfGeom(form, GEOMS[kind], size, mesh, frozen(pose), colour, collides, seen)
+        return MjcfGeom(form, GEOMS[kind], size, mesh, frozen(pose), colour, collides, is_visible)
 
     def unseen(self, body: int) -> tuple[MjcfPlaced, ...]:
-        """What is neither seen nor collides, but for meshes, and what only an MJCF has, as planes."""
+        """Returns the geoms that are neither visible nor collide, except meshes, and the geoms that only an
+        MJCF can have, such as planes."""
         model = self._model
         return tuple(
             MjcfPlaced(
@@ -116,49 +123,51 @@ class Geoms:
         )
 
     def _numbers(self, body: int) -> range:
+        """Returns the numbers of the geoms of a body."""
         first = int(self._model.body_geomadr[body])
         return range(first, first + int(self._model.body_geomnum[body]))
 
 
 def _unseen(model: Any, number: int) -> Any:
-    """A geom as an element, without mass; what a fluid acts on is not seen a second time."""
-    found = geom(model, number)
-    own = dict(found.attributes) | {"mass": "0"}
+    """Returns a geom as an element, without mass. A geom for a fluid is invisible, as its visible shape is
+    elsewhere."""
+    element = geom(model, number)
+    values = dict(element.attributes) | {"mass": "0"}
     if shows(model, number) and int(model.geom_type[number]) != _PLANE:
-        own["rgba"] = "0 0 0 0"
-    return replace(found, attributes=tuple(own.items()))
+        values["rgba"] = "0 0 0 0"
+    return replace(element, attributes=tuple(values.items()))
 
 
 def _form(model: Any, number: int, collides: bool) -> GeomForm:
-    """The name of a geom, its contacts where it has some, and what no other format has of it; what a fluid
-    acts on is another geom where this is only seen."""
-    own = model.geom(number).name
+    """Returns the name of a geom, its contacts, if any, and its properties that no other format has. If this
+    geom is only visible, a fluid acts on another geom."""
+    name = model.geom(number).name
     if not collides and is_extra(model, number):
-        own = ""
+        name = ""
     kind = int(model.geom_type[number])
-    more = dict(geom_attributes(model, number))
+    attributes = dict(geom_attributes(model, number))
     if not collides:
-        more.pop("fluidshape", None)
-        more.pop("fluidcoef", None)
+        attributes.pop("fluidshape", None)
+        attributes.pop("fluidcoef", None)
     lengths = tuple(2 * float(half) for half in model.geom_size[number]) if kind == _ELLIPSOID else ()
-    return GeomForm(own, _contact(model, number) if collides else None, tuple(more.items()), lengths)
+    return GeomForm(name, _contact(model, number) if collides else None, tuple(attributes.items()), lengths)
 
 
 def _contact(model: Any, number: int) -> ContactProperties | None:
-    """What a geom has otherwise than MuJoCo's default."""
-    given: dict[str, Any] = {}
+    """Returns the contact properties of a geom that differ from MuJoCo's defaults."""
+    differing: dict[str, Any] = {}
     for name in (*_NUMBERS, *_WHOLE):
         value, usual = getattr(model, f"geom_{name}")[number], getattr(bare(), f"geom_{name}")[-1]
         if not np.array_equal(value, usual):
             if name in _WHOLE:
-                given[name] = int(value)
+                differing[name] = int(value)
             else:
-                given[name] = tuple(map(float, value)) if np.ndim(value) else float(value)
-    return ContactProperties(**given) if given else None
+                differing[name] = tuple(map(float, value)) if np.ndim(value) else float(value)
+    return ContactProperties(**differing) if differing else None
 
 
 def _size(kind: MjcfGeomKind, size: Array) -> tuple[float, ...]:
-    """The full size: MuJoCo stores radii, and half lengths."""
+    """Returns the full size: MuJoCo stores radii and half lengths."""
     x, y, z = (float(value) for value in size)
     if kind == "mesh":
         return ()

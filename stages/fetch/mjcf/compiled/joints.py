@@ -1,4 +1,4 @@
-"""The joints of a body of a compiled model."""
+"""Reads the joints of a body of a compiled model."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ JOINTS: Mapping[int, MjcfJointType] = {
     int(mujoco.mjtJoint.mjJNT_FREE): "free",
 }
 
-_OPEN = 1e6
-"""A bound [rad or m] beyond which a side counts as open: MuJoCo has no one-sided range."""
+_OPEN_BOUND = 1e6
+"""Bound [rad or m] beyond which a side of a range counts as open: MuJoCo has no one-sided range."""
 
 _IN_DYNAMICS = ("damping", "frictionloss", "armature", "stiffness")
-"""Attributes that `Dynamics` has, where they are one number."""
+"""Attributes that `Dynamics` has, if they are a single number."""
 
 
 def joints_of(model: Any, body: int, efforts: Mapping[int, float]) -> tuple[MjcfJoint, ...]:
-    """The joints of a body, in their order. `efforts`: by joint, of those that have limits."""
+    """Returns the joints of a body, in order. `efforts`: effort limits by joint."""
     first = int(model.body_jntadr[body])
     return tuple(
         _joint(model, joint, efforts.get(joint))
@@ -54,8 +54,8 @@ def _joint(model: Any, joint: int, effort: float | None) -> MjcfJoint:
         axis=frozen(model.jnt_axis[joint] if scalar else np.zeros(3)),
         ref=float(model.qpos0[place]) if scalar else 0.0,
         limits=Limits(
-            low if ranged and low > -_OPEN else None,
-            high if ranged and high < _OPEN else None,
+            low if ranged and low > -_OPEN_BOUND else None,
+            high if ranged and high < _OPEN_BOUND else None,
         ),
         dynamics=Dynamics(
             damping=unless_zero(model.dof_damping[dof]),
@@ -69,26 +69,28 @@ def _joint(model: Any, joint: int, effort: float | None) -> MjcfJoint:
 
 
 def _spring(model: Any, joint: int, place: int) -> Spring | None:
-    """The spring of a hinge, slide or ball whose first number in `qpos` is at `place`."""
+    """Returns the spring of a hinge, slide or ball whose first number in `qpos` is at `place`."""
     stiffness = float(model.jnt_stiffness[joint])
-    rest = 0.0 if JOINTS[int(model.jnt_type[joint])] == "ball" else float(model.qpos_spring[place])
+    reference = 0.0 if JOINTS[int(model.jnt_type[joint])] == "ball" else float(model.qpos_spring[place])
     return (
-        Spring(stiffness, rest) if stiffness or "stiffness" in dict(joint_attributes(model, joint)) else None
+        Spring(stiffness, reference)
+        if stiffness or "stiffness" in dict(joint_attributes(model, joint))
+        else None
     )
 
 
 def _attributes(model: Any, joint: int, kind: MjcfJointType, effort: float | None) -> Attributes:
-    """What the file says of a joint beside its type, place, limits and dynamics; of a free joint all that
-    it says. An effort that is the actuators' alone is no limit of the joint."""
-    found = dict(joint_attributes(model, joint))
+    """Returns the attributes of a joint in the file besides its type, pose, limits and dynamics; for a free
+    joint, all attributes. An effort that results from the actuators alone is not a limit of the joint."""
+    values = dict(joint_attributes(model, joint))
     for name in _IN_DYNAMICS:
-        if kind != "free" and " " not in found.get(name, ""):
-            found.pop(name, None)
-    own = [float(bound) for bound in model.jnt_actfrcrange[joint]]
-    if effort is not None and model.jnt_actfrclimited[joint] and -own[0] == own[1] == effort:
-        found.pop("actuatorfrcrange", None)
+        if kind != "free" and " " not in values.get(name, ""):
+            values.pop(name, None)
+    force_range = [float(bound) for bound in model.jnt_actfrcrange[joint]]
+    if effort is not None and model.jnt_actfrclimited[joint] and -force_range[0] == force_range[1] == effort:
+        values.pop("actuatorfrcrange", None)
     elif effort is not None and not model.jnt_actfrclimited[joint]:
-        found["actuatorfrclimited"] = "false"
+        values["actuatorfrclimited"] = "false"
     if kind == "ball" and model.jnt_limited[joint]:
-        found["range"] = exact(float(bound) for bound in model.jnt_range[joint])
-    return tuple(found.items())
+        values["range"] = exact(float(bound) for bound in model.jnt_range[joint])
+    return tuple(values.items())

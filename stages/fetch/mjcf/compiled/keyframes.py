@@ -1,4 +1,4 @@
-"""Keyframes of a model that MuJoCo compiled: the values of its joints, and what is left out of them."""
+"""Reads the keyframes of a model that MuJoCo compiled: the values of its joints, and the values left out."""
 
 from __future__ import annotations
 
@@ -16,19 +16,21 @@ _SIZES = {int(mujoco.mjtJoint.mjJNT_FREE): 7, int(mujoco.mjtJoint.mjJNT_BALL): 4
 
 
 def keyframes(model: mujoco.MjModel, joints: Mapping[int, int]) -> tuple[MjcfNamedPose, ...]:
-    """The keyframes. `joints`: MuJoCo's numbers of those that are kept → ours."""
-    found = []
-    beside = [joint for joint in range(model.njnt) if joint not in joints]
+    """Returns the keyframes. `joints`: MuJoCo's number of a kept joint → its number in our model."""
+    poses = []
+    scene_joints = [joint for joint in range(model.njnt) if joint not in joints]
     afloat = [joint for joint in joints if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_FREE]
     for key in range(model.nkey):
         qpos = model.key_qpos[key]
-        values = {own: float(qpos[model.jnt_qposadr[joint]]) for joint, own in joints.items()}
-        scalar = tuple((own, values[own]) for joint, own in joints.items() if _is_scalar(model, joint))
-        moved = tuple(own for joint, own in joints.items() if _is_moved(model, joint, qpos))
+        values = {number: float(qpos[model.jnt_qposadr[joint]]) for joint, number in joints.items()}
+        scalar = tuple(
+            (number, values[number]) for joint, number in joints.items() if _is_scalar(model, joint)
+        )
+        moved_joints = tuple(number for joint, number in joints.items() if _is_moved(model, joint, qpos))
         floating = tuple((joints[joint], qpos_of(model, [joint], qpos)) for joint in afloat)
-        scene = qpos_of(model, beside, qpos)
-        found.append(MjcfNamedPose(model.key(key).name, scalar, moved, floating, scene))
-    return tuple(found)
+        scene = qpos_of(model, scene_joints, qpos)
+        poses.append(MjcfNamedPose(model.key(key).name, scalar, moved_joints, floating, scene))
+    return tuple(poses)
 
 
 def _is_scalar(model: mujoco.MjModel, joint: int) -> bool:
@@ -36,17 +38,17 @@ def _is_scalar(model: mujoco.MjModel, joint: int) -> bool:
 
 
 def _is_moved(model: mujoco.MjModel, joint: int, qpos: np.ndarray) -> bool:
-    """Whether a ball or free joint is elsewhere than at qpos0."""
+    """Tells whether a ball or free joint is not at qpos0."""
     first, size = int(model.jnt_qposadr[joint]), _SIZES.get(int(model.jnt_type[joint]), 0)
-    own, usual = qpos[first : first + size].copy(), model.qpos0[first : first + size]
-    if size and own[-4:] @ usual[-4:] < 0:
-        own[-4:] *= -1  # the same rotation
-    return not np.allclose(own, usual, rtol=0, atol=1e-9)
+    numbers, usual = qpos[first : first + size].copy(), model.qpos0[first : first + size]
+    if size and numbers[-4:] @ usual[-4:] < 0:
+        numbers[-4:] *= -1  # the same rotation
+    return not np.allclose(numbers, usual, rtol=0, atol=1e-9)
 
 
 def left_of_keyframes(model: mujoco.MjModel, driven: Collection[int]) -> Iterator[Omission]:
-    """What keyframes have beside the values of joints: speeds, times, poses of mocap bodies, and the
-    activations of actuators but for those `driven`, whose state follows from the pose."""
+    """Yields the omitted values of keyframes: speeds, times, poses of mocap bodies, and activations. The
+    activations of the actuators `driven` are no loss: they follow from the pose."""
     states = [
         number
         for index in range(len(model.actuator_trntype))

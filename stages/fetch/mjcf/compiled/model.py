@@ -37,8 +37,11 @@ _FINITE = (
 def convert(
     model: mujoco.MjModel, spec: mujoco.MjSpec, meshes: Meshes, textures: Textures, where: str
 ) -> Mjcf:
-    """The model as a value; `spec` is what it was compiled from, and `where` names its file. SourceError
-    where a number is not finite."""
+    """Returns the model as a value.
+
+    `spec`: the spec that the model was compiled from; `where`: the name of its file. Raises SourceError if a
+    number is not finite.
+    """
     if model.nbody < 2:
         msg = "not readable as an MJCF: it has no body"
         raise SourceError(msg, where, "a robot's links are the <body>s of its <worldbody>")
@@ -53,9 +56,9 @@ def convert(
     acting = driven(model, numbers)
     places = _numbers(numbers, order, acting, sites)
     sensors = {index: sensor(model, index, places) for index in range(model.nsensor)}
-    measured = {index: one for index, one in sensors.items() if one is not None}
+    measured = {index: kept_sensor for index, kept_sensor in sensors.items() if kept_sensor is not None}
     limits = efforts(model)
-    found = extras.read(acting, list(measured))
+    found_extras = extras.read(acting, list(measured))
     return Mjcf(
         name=model.names.split(b"\0", 1)[0].decode(errors="replace"),
         bodies=tuple(
@@ -77,12 +80,12 @@ def convert(
         relations=tuple(relations(model, numbers, order)),
         diagnostics=(
             *in_the_scene(model, kept, where),
-            *left_out(model, spec, kept, textures, where, found.lost, acting),
+            *left_out(model, spec, kept, textures, where, found_extras.lost, acting),
         ),
         actuators=tuple(actuator(model, index, order) for index in acting),
         sensors=tuple(measured.values()),
         keyframes=keyframes(model, order),
-        extras=found.extras(),
+        extras=found_extras.extras(),
     )
 
 
@@ -92,21 +95,21 @@ def _numbers(
     acting: Iterable[int],
     sites: Mapping[int, Iterable[int]],
 ) -> Numbers:
-    """By kind of object: MuJoCo's numbers → those of the model."""
-    named = [site for every in sites.values() for site in every]
+    """Returns kind of object → MuJoCo's number → number in our model."""
+    frame_sites = [site for body_sites in sites.values() for site in body_sites]
     return {
         "joint": joints,
         "actuator": {index: number for number, index in enumerate(acting)},
-        "site": {site: number for number, site in enumerate(named)},
+        "site": {site: number for number, site in enumerate(frame_sites)},
         "body": bodies,
         "xbody": bodies,
     }
 
 
 def _require_finite(model: mujoco.MjModel, where: str) -> None:
-    wrong = [name for name in _FINITE if not np.isfinite(getattr(model, name)).all()]
-    if wrong:
-        msg = f"invalid MJCF: NaN or infinite values in {', '.join(wrong)}"
+    fields = [name for name in _FINITE if not np.isfinite(getattr(model, name)).all()]
+    if fields:
+        msg = f"invalid MJCF: NaN or infinite values in {', '.join(fields)}"
         raise SourceError(msg, where, "look for nan and inf in the file")
 
 
@@ -114,8 +117,8 @@ def _inertial(model: mujoco.MjModel, body: int) -> Inertial | None:
     mass = float(model.body_mass[body])
     if body == 0 or mass == 0.0:
         return None
-    own = Inertial(mass, np.zeros(3), np.diag(model.body_inertia[body]))
-    return moved(own, pose_of(model.body_ipos[body], model.body_iquat[body]))
+    about_com = Inertial(mass, np.zeros(3), np.diag(model.body_inertia[body]))
+    return moved(about_com, pose_of(model.body_ipos[body], model.body_iquat[body]))
 
 
 def _site(model: mujoco.MjModel, site: int) -> MjcfSite:

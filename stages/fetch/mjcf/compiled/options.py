@@ -1,4 +1,4 @@
-"""The options and flags of a compiled model that are not MuJoCo's defaults, as an MJCF has them."""
+"""Reads the options and flags of a compiled model that are not MuJoCo's defaults, in the words of an MJCF."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -19,13 +19,14 @@ _CHOICES = {
 _NAMES = {"disableactuator": "actuatorgroupdisable"}
 
 ALWAYS = ("timestep", "integrator")
-"""What is always said: ours are not MuJoCo's defaults."""
+"""The options that are always written: our defaults differ from MuJoCo's."""
 
-_MOST_GROUPS = 31
+_GROUP_COUNT = 31
+"""Number of groups of actuators: bits of MuJoCo's integer."""
 
 
 def options(model: Any) -> Iterator[tuple[str, Setting]]:
-    """(attribute of <option>, value)."""
+    """Yields (attribute of <option>, value)."""
     for field in dir(model.opt):
         if field.startswith("_") or field.endswith("flags") or callable(getattr(model.opt, field)):
             continue
@@ -40,19 +41,20 @@ def _setting(field: str, value: Any) -> Setting:
         word = str(_CHOICES[field](int(value)).name.split("_", 1)[1])
         return {"euler": "Euler", "newton": "Newton"}.get(word.lower(), _case(field, word))
     if field == "disableactuator":
-        return tuple(float(group) for group in range(_MOST_GROUPS) if int(value) & 1 << group)
+        return tuple(float(group) for group in range(_GROUP_COUNT) if int(value) & 1 << group)
     if np.ndim(value):
         return tuple(map(float, value))
     return float(value)
 
 
 def _case(field: str, word: str) -> str:
-    """MuJoCo writes the names of algorithms in capitals, and other words in small letters."""
+    """Returns the word in MuJoCo's case: the names of algorithms are in capitals, other words in small
+    letters."""
     return word if field == "solver" or word == "RK4" else word.lower()
 
 
 def flags(model: Any) -> Iterator[tuple[str, str]]:
-    """(attribute of <flag>, enable or disable)."""
+    """Yields (attribute of <flag>, enable or disable)."""
     for field, kinds in (("disableflags", mujoco.mjtDisableBit), ("enableflags", mujoco.mjtEnableBit)):
         value, usual = int(getattr(model.opt, field)), int(getattr(bare().opt, field))
         for name, member in kinds.__members__.items():

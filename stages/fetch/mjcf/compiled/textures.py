@@ -1,4 +1,4 @@
-"""The textures that a compiled model's materials give to its meshes."""
+"""Reads the textures that a compiled model's materials give to its meshes."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ _COLOURS = (mujoco.mjtTextureRole.mjTEXROLE_RGB, mujoco.mjtTextureRole.mjTEXROLE
 
 
 class Textures:
-    """The textures of a model, as far as they are asked for.
+    """The requested textures of a model.
 
-    `images`: the PNG of each by its digest. `carried`: their numbers in the model.
+    `images`: digest → the PNG of a texture.
     """
 
     def __init__(self, model: mujoco.MjModel) -> None:
@@ -28,16 +28,20 @@ class Textures:
 
     @property
     def carried(self) -> set[int]:
+        """The numbers of the textures that are carried over."""
         return set(self._digests)
 
     @property
     def materials(self) -> set[int]:
-        """The numbers of the materials whose textures were carried wherever they are seen."""
+        """The numbers of the materials whose textures are carried over wherever they are visible."""
         return self._used - self._lost
 
     def of(self, geom: int) -> str:
-        """The digest of the image of a geom that is seen; "" where it has none, or one that is not carried:
-        a cube's, one on a shape without texture coordinates, or more than a colour."""
+        """Returns the digest of the image of a visible geom.
+
+        Returns "" without an image, and for an image that is not carried over: a cube's, an image on a shape
+        without texture coordinates, or an image of more than a colour.
+        """
         model = self._model
         material = int(model.geom_matid[geom])
         if material < 0 or not (model.mat_texid[material] >= 0).any():
@@ -45,14 +49,14 @@ class Textures:
         roles = model.mat_texid[material]
         texture = max(int(roles[role]) for role in _COLOURS)
         carried = texture >= 0 and self._is_flat(texture) and self._has_coordinates(geom)
-        alone = (roles >= 0).sum() == 1
-        (self._used if carried and alone else self._lost).add(material)
+        is_only_role = (roles >= 0).sum() == 1
+        (self._used if carried and is_only_role else self._lost).add(material)
         return self._image(texture) if carried else ""
 
     def _is_flat(self, texture: int) -> bool:
         model = self._model
         pixels = int(model.tex_height[texture]) * int(model.tex_width[texture])
-        usual = model.tex_nchannel[texture] in (1, 3, 4) and 0 < pixels <= png.MOST_PIXELS
+        usual = model.tex_nchannel[texture] in (1, 3, 4) and 0 < pixels <= png.MAX_PIXELS
         return bool(usual and model.tex_type[texture] == mujoco.mjtTexture.mjTEXTURE_2D)
 
     def _has_coordinates(self, geom: int) -> bool:
@@ -64,7 +68,7 @@ class Textures:
         return first >= 0 and bool(np.isfinite(model.mesh_texcoord[first : first + count]).all())
 
     def _image(self, texture: int) -> str:
-        """The digest of a texture's PNG. MuJoCo's first row is the upper one, as in a PNG."""
+        """Returns the digest of a texture's PNG. MuJoCo's first row is the upper one, as in a PNG."""
         if texture not in self._digests:
             model = self._model
             height, width = int(model.tex_height[texture]), int(model.tex_width[texture])

@@ -1,4 +1,4 @@
-"""Which bodies of a model are the robot; all others lie in the scene around it."""
+"""Finds the bodies of a model that are the robot; all other bodies are in the scene around it."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -11,12 +11,12 @@ _TIES = (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD))
 
 
 def robot_bodies(model: Any) -> list[int]:
-    """The bodies of the robot, in their order, after the world, which is the first.
+    """Returns the bodies of the robot, in order, after the world.
 
-    A tree below the world is one thing with all trees that equalities or tendons tie to it. The robot is
-    what stands on the world and has actuators, or what floats, whichever has most actuators; of equals that
-    with the most joints. Without any actuator all that stands on the world is one robot. Mocap bodies, and
-    what is below them, are none of it.
+    Trees below the world that equalities or tendons tie together count as a group. The robot is either all
+    groups fixed to the world that have actuators, or a floating group: the choice with the most actuators,
+    and among equals the most joints. Without any actuator, all groups fixed to the world are the robot. Mocap
+    bodies, and the bodies below them, are not part of it.
     """
     tops = _tops(model)
     if not tops:
@@ -36,7 +36,7 @@ def robot_bodies(model: Any) -> list[int]:
 
 
 def _tops(model: Any) -> dict[int, int]:
-    """By body: the one below the world that it hangs on; not of mocap bodies."""
+    """Returns the top-level body above each body; mocap bodies are left out."""
     tops: dict[int, int] = {}
     for body in range(1, model.nbody):
         above = int(model.body_parentid[body])
@@ -46,12 +46,12 @@ def _tops(model: Any) -> dict[int, int]:
 
 
 def _groups(model: Any, tops: dict[int, int]) -> dict[int, int]:
-    """By body below the world: the first of those that are tied to it; 0 where that is the world."""
+    """Returns the first body of the group of each top-level body; 0 if that is the world."""
     nearer = {top: top for top in {0, *tops.values()}}
 
     def first(top: int) -> int:
         while nearer[top] != top:
-            nearer[top] = nearer[nearer[top]]  # so that no way grows long
+            nearer[top] = nearer[nearer[top]]  # so that paths stay short
             top = nearer[top]
         return top
 
@@ -63,13 +63,13 @@ def _groups(model: Any, tops: dict[int, int]) -> dict[int, int]:
 
 
 def _stands(model: Any, top: int) -> bool:
-    """Whether a body below the world does not float."""
+    """Tells whether a body below the world does not float."""
     first = int(model.body_jntadr[top])
     return not (model.body_jntnum[top] and model.jnt_type[first] == mujoco.mjtJoint.mjJNT_FREE)
 
 
 def _equalities(model: Any) -> Iterator[Sequence[int]]:
-    """The bodies that each equality holds together."""
+    """Yields the bodies that each equality holds together."""
     for eq in range(model.neq):
         kind, ends = int(model.eq_type[eq]), (int(model.eq_obj1id[eq]), int(model.eq_obj2id[eq]))
         if not model.eq_active0[eq]:
@@ -82,7 +82,7 @@ def _equalities(model: Any) -> Iterator[Sequence[int]]:
 
 
 def _tendons(model: Any) -> Iterator[Sequence[int]]:
-    """The bodies that each tendon acts on, but for the world."""
+    """Yields the bodies that each tendon acts on, except the world."""
     for tendon in range(model.ntendon):
         bodies = {*_on_path(model, tendon)} - {0}
         if bodies:
@@ -100,7 +100,7 @@ def _on_path(model: Any, tendon: int) -> Iterator[int]:
 
 
 def _driven(model: Any) -> Iterator[int]:
-    """The body that each actuator acts on: of a tendon the first on its path."""
+    """Yields the body that each actuator acts on: for a tendon, the first on its path."""
     for index in range(len(model.actuator_trntype)):
         kind, on = int(model.actuator_trntype[index]), int(model.actuator_trnid[index][0])
         if kind == mujoco.mjtTrn.mjTRN_TENDON:

@@ -14,14 +14,14 @@ from linkwright.stages.fetch.mjcf.compiled.unsupported_fields import (
     of_the_file,
     of_the_viewer,
 )
-from linkwright.stages.mujoco.bodies import WRITTEN
+from linkwright.stages.mujoco.bodies import CONVERTED_GEOM_TYPES
 from linkwright.stages.mujoco.names import name_of, names_of
 from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.text.globs import listed
 from linkwright.stages.robot.text.plural import count
 
-_SHOWN = 5
-"""The most names of each kind that are reported."""
+_MAX_NAMES = 5
+"""Largest number of names of each kind that are reported."""
 
 
 def left_out(
@@ -33,13 +33,13 @@ def left_out(
     lost: Collection[tuple[str, int]],
     driven: Collection[int] = (),
 ) -> Iterator[Diagnostic]:
-    """W-MJCF-LEFT for omissions that affect motion or contact, I-MJCF-LEFT for the rest.
+    """Reports W-MJCF-LEFT for omissions that affect motion or contact, and I-MJCF-LEFT for the rest.
 
-    `spec`: the spec from which `model` was compiled. `kept`: the bodies that become links. `textures`: those
-    that are carried over; `lost`: (tag, number) of the elements that are not; `driven`: the actuators that
-    the robot has itself.
+    `spec`: the spec from which `model` was compiled. `kept`: the bodies that become links. `textures`: the
+    textures that are carried over; `lost`: (tag, number) of the elements that are not; `driven`: the
+    actuators that the robot has itself.
     """
-    found = [
+    omissions = [
         *_geoms(model, kept),
         *of_elements(model, textures.materials),
         *_elements(model, lost, textures.carried),
@@ -47,18 +47,19 @@ def left_out(
         *of_the_viewer(model),
         *of_the_file(spec),
     ]
-    affects_motion = [_text(one) for one in found if one.affects_motion]
+    affects_motion = [_text(omission) for omission in omissions if omission.affects_motion]
     if affects_motion:
         text = f"not carried over, so the robot may move differently: {'; '.join(affects_motion)}"
         yield Diagnostic("W-MJCF-LEFT", text, where, "check whether the robot needs it")
-    beside = [_text(one) for one in found if not one.affects_motion]
-    if beside:
-        text = f"not carried over (not part of the mechanism): {'; '.join(beside)}"
+    harmless = [_text(omission) for omission in omissions if not omission.affects_motion]
+    if harmless:
+        text = f"not carried over (not part of the mechanism): {'; '.join(harmless)}"
         yield Diagnostic("I-MJCF-LEFT", text, where)
 
 
 def in_the_scene(model: Any, kept: Collection[int], where: str) -> Iterator[Diagnostic]:
-    """I-MJCF-SCENE: the bodies that are not part of the robot, and what is fixed to the world."""
+    """Reports I-MJCF-SCENE for the bodies that are not part of the robot, and the geoms fixed to the
+    world."""
     tops = [body for body in range(1, model.nbody) if not model.body_parentid[body] and body not in kept]
     fixed = int((model.geom_bodyid == 0).sum())
     words = (
@@ -69,31 +70,33 @@ def in_the_scene(model: Any, kept: Collection[int], where: str) -> Iterator[Diag
     words += [count(fixed, "geom of the world", "geoms of the world")] if fixed else []
     if words:
         text = f"not part of the robot, so in the scene: {', '.join(words)}"
-        hint = "scene.surroundings=drop leaves it out; the robot is what has actuators"
+        hint = "scene.surroundings=drop leaves them out; the robot is the mechanism that has actuators"
         yield Diagnostic("I-MJCF-SCENE", text, where, hint)
 
 
-def _text(left: Omission) -> str:
-    """The omitted attribute, its number, and the names of the first elements."""
-    if not left.names:
-        return left.words
-    shown = [name for name in left.names if name][:_SHOWN]
-    more = ", ..." if shown and len(shown) < len(left.names) else ""
-    return f"{len(left.names)} × {left.words}" + (f" ({', '.join(shown)}{more})" if shown else "")
+def _text(omission: Omission) -> str:
+    """Describes an omission: the attribute, how many elements set it, and the names of the first elements."""
+    if not omission.names:
+        return omission.words
+    names = [name for name in omission.names if name][:_MAX_NAMES]
+    ellipsis = ", ..." if names and len(names) < len(omission.names) else ""
+    return f"{len(omission.names)} × {omission.words}" + (f" ({', '.join(names)}{ellipsis})" if names else "")
 
 
 def _some(words: str, affects_motion: bool, names: Iterable[str]) -> Iterator[Omission]:
-    """The omissions that occur."""
-    every = tuple(names)
-    if every:
-        yield Omission(words, affects_motion, every)
+    """Yields an omission of the elements with these names, if there are any."""
+    all_names = tuple(names)
+    if all_names:
+        yield Omission(words, affects_motion, all_names)
 
 
 def _geoms(model: Any, kept: Collection[int]) -> Iterator[Omission]:
-    """Geoms that are left out, and the names of meshes that are only seen, which are joined."""
-    every = range(model.ngeom)
-    own = [geom for geom in every if model.geom_bodyid[geom] and int(model.geom_bodyid[geom]) in kept]
-    beside = [geom for geom in every if geom not in own]
+    """Yields geoms that are left out, and the names of meshes that are only visible, which are joined."""
+    all_geoms = range(model.ngeom)
+    robot_geoms = [
+        geom for geom in all_geoms if model.geom_bodyid[geom] and int(model.geom_bodyid[geom]) in kept
+    ]
+    scene_geoms = [geom for geom in all_geoms if geom not in robot_geoms]
 
     def named(geoms: Iterable[int]) -> Iterator[str]:
         return (model.geom(geom).name for geom in geoms)
@@ -101,10 +104,12 @@ def _geoms(model: Any, kept: Collection[int]) -> Iterator[Omission]:
     def kind(geom: int) -> int:
         return int(model.geom_type[geom])
 
-    strange = [geom for geom in own if kind(geom) not in GEOMS and not is_extra(model, geom)]
-    strange += [geom for geom in beside if kind(geom) not in WRITTEN]
+    strange = [geom for geom in robot_geoms if kind(geom) not in GEOMS and not is_extra(model, geom)]
+    strange += [geom for geom in scene_geoms if kind(geom) not in CONVERTED_GEOM_TYPES]
     yield from _some("geom type (field, sdf, ...)", True, named(strange))
-    meshes = [geom for geom in own if kind(geom) == mujoco.mjtGeom.mjGEOM_MESH and not touches(model, geom)]
+    meshes = [
+        geom for geom in robot_geoms if kind(geom) == mujoco.mjtGeom.mjGEOM_MESH and not touches(model, geom)
+    ]
     unseen = [geom for geom in meshes if not shows(model, geom)]
     yield from _some("mesh that is neither visible nor collides", False, named(unseen))
     yield from _some("name of a mesh that is only visible", False, (name for name in named(meshes) if name))
@@ -118,7 +123,7 @@ _KINDS = {
     "actuator": ("mjOBJ_ACTUATOR", True),
     "sensor": ("mjOBJ_SENSOR", False),
 }
-"""Elements that may be lost: MuJoCo's name of each, and whether a robot moves otherwise without."""
+"""Elements that may be lost: tag → MuJoCo's name, and whether a loss changes motions."""
 
 _WHOLE = {
     "flex": ("mjOBJ_FLEX", "nflex", True),
@@ -128,12 +133,12 @@ _WHOLE = {
     "custom tuple": ("mjOBJ_TUPLE", "ntuple", False),
     "plugin": ("mjOBJ_PLUGIN", "nplugin", True),
 }
-"""Elements that are left out as a whole: MuJoCo's name of each, the field with its number, and whether a
-robot moves otherwise without."""
+"""Elements that are always left out: tag → MuJoCo's name, the field with their number, and whether the loss
+changes motions."""
 
 
 def _elements(model: Any, lost: Collection[tuple[str, int]], textures: Collection[int]) -> Iterator[Omission]:
-    """Elements of each kind that are not carried over."""
+    """Yields the elements of each kind that are not carried over."""
     for tag, (kind, moves) in _KINDS.items():
         numbers = sorted(number for word, number in lost if word == tag)
         names = (name_of(model, getattr(mujoco.mjtObj, kind), number) for number in numbers)

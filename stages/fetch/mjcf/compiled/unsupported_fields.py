@@ -1,4 +1,4 @@
-"""Attributes and options of an MJCF that our robot model cannot represent, found in MuJoCo's compiled model.
+"""Finds, in MuJoCo's compiled model, attributes and options of an MJCF that our robot model cannot represent.
 
 The compiled model is compared with an empty model of the same MuJoCo, so it does not matter where a value
 comes from (a default, an include), and values equal to MuJoCo's default are not reported. Fields that a later
@@ -19,13 +19,16 @@ from linkwright.stages.mujoco.names import name_of
 
 @dataclass(frozen=True, slots=True)
 class Omission:
-    """An attribute or option that is not carried over: `words` name it as an MJCF does, and `names` are the
-    elements that set it ("" for an element without a name; empty for an option of the whole model).
-    `affects_motion`: without it the robot may move differently."""
+    """An attribute or option that is not carried over."""
 
     words: str
+    """The name of the attribute or option, as in an MJCF."""
+
     affects_motion: bool
+    """Whether the robot may move differently without it."""
+
     names: tuple[str, ...] = ()
+    """The elements that set it: "" for an element without a name; empty for an option of the whole model."""
 
 
 _STRUCTURE: Mapping[str, Collection[str]] = {
@@ -52,12 +55,12 @@ _STRUCTURE: Mapping[str, Collection[str]] = {
     ),
     "sensor": ("type", "datatype", "needstage", "objtype", "reftype", "dim", "intprm", "plugin"),
 }
-"""Beside those of `stages.mujoco.fields`: arrays that are carried over, that follow from others, or that
-`unsupported` reports."""
+"""Arrays, besides those of `stages.mujoco.fields`, that are carried over, that follow from other arrays, or
+that `unsupported` reports."""
 
 _PLACES = ("id", "adr", "num", "invweight0")
 _NO_PLACES = ("fluid", "texid", "matid", "dataid")
-"""Endings of the names of fields that are only indices or derived values; and the exceptions."""
+"""Endings of the names of fields that are only indices or derived values (_PLACES), and the exceptions."""
 
 _WORDS: Mapping[str, str] = {
     "mat_texid": "material texture",
@@ -71,29 +74,32 @@ _WORDS: Mapping[str, str] = {
 _ELEMENTS = {"jnt": "joint", "dof": "joint", "eq": "equality", "mat": "material", "cam": "camera"}
 
 _LIGHT = ("sensor_", "site_", "mat_", "cam_", "light_", "tendon_matid")
-"""Beginnings of the names of arrays that do not change how the robot itself moves."""
+"""Prefixes of arrays that do not change how the robot itself moves."""
 
 
 def of_elements(model: Any, textured: Collection[int]) -> Iterator[Omission]:
-    """The omissions of the elements of a model; the materials that are `textured` keep their textures."""
-    found: dict[str, Omission] = {}
-    for kind, (array, named) in _KINDS.items():
-        every = range(1 if kind == "body" else 0, len(getattr(model, array)))
+    """Yields the omissions of the elements of a model; the materials that are `textured` keep their
+    textures."""
+    omissions: dict[str, Omission] = {}
+    for kind, (array, names_of) in _KINDS.items():
+        numbers = range(1 if kind == "body" else 0, len(getattr(model, array)))
         for field in _fields(kind):
-            whole = f"{kind}_{field}"
-            concerned = [n for n in every if whole != "mat_texid" or n not in textured]
-            names = [named(model, n) for n in _differing(model, whole, concerned)]
+            array_name = f"{kind}_{field}"
+            concerned = [n for n in numbers if array_name != "mat_texid" or n not in textured]
+            names = [names_of(model, n) for n in _differing(model, array_name, concerned)]
             if names:
-                words = _WORDS.get(whole, f"{_ELEMENTS.get(kind, kind)} {field}")
-                before = found[words].names if words in found else ()
-                every_name = before + tuple(name for name in names if not name or name not in before)
-                found[words] = Omission(words, not whole.startswith(_LIGHT), every_name)
-    yield from found.values()
+                words = _WORDS.get(array_name, f"{_ELEMENTS.get(kind, kind)} {field}")
+                earlier_names = omissions[words].names if words in omissions else ()
+                every_name = earlier_names + tuple(
+                    name for name in names if not name or name not in earlier_names
+                )
+                omissions[words] = Omission(words, not array_name.startswith(_LIGHT), every_name)
+    yield from omissions.values()
 
 
 @cache
 def _fields(kind: str) -> tuple[str, ...]:
-    """The fields of a kind of element that are not carried over, in the order of their names."""
+    """Returns the fields of a kind of element that are not carried over, sorted by name."""
     names = (name.removeprefix(f"{kind}_") for name in dir(bare()) if name.startswith(f"{kind}_"))
     return tuple(
         name
@@ -105,7 +111,7 @@ def _fields(kind: str) -> tuple[str, ...]:
 
 
 def _differing(model: Any, field: str, numbers: Sequence[int]) -> list[int]:
-    """The elements whose value of the field differs from that in an empty model."""
+    """Returns the elements whose value of the field differs from that in an empty model."""
     if not numbers:
         return []
     values = getattr(model, field)[list(numbers)].reshape(len(numbers), -1)
@@ -139,30 +145,33 @@ _KINDS: Mapping[str, tuple[str, Callable[[Any, int], str]]] = {
     "actuator": ("actuator_trntype", _named(mujoco.mjtObj.mjOBJ_ACTUATOR)),
     "sensor": ("sensor_type", _named(mujoco.mjtObj.mjOBJ_SENSOR)),
 }
-"""By the beginning of the names of the arrays: one of them, and the names of the elements."""
+"""Prefix of arrays → an array, and a function that returns the names of the elements."""
 
 
 def of_the_viewer(model: Any) -> Iterator[Omission]:
-    """The parts of <visual> that are set, and their attributes."""
+    """Yields the parts of <visual> that are set, and their attributes."""
     for part in _members(model.vis):
-        mine, plain = getattr(model.vis, part), getattr(bare().vis, part)
-        names = [n for n in _members(mine) if not np.array_equal(getattr(mine, n), getattr(plain, n))]
+        visual, default = getattr(model.vis, part), getattr(bare().vis, part)
+        names = [n for n in _members(visual) if not np.array_equal(getattr(visual, n), getattr(default, n))]
         if names:
             yield Omission(f"visual {part.removesuffix('_')}", False, tuple(names))
 
 
 _SIZES = ("memory", "nconmax", "njmax", "nkey", "nuser")
-"""Beginnings of the attributes of <size>."""
+"""Prefixes of the attributes of <size>."""
 
 
 def of_the_file(spec: Any) -> Iterator[Omission]:
-    """What <size> and <statistic> set; the compiled model does not separate these from derived values."""
-    fresh = mujoco.MjSpec()
-    for name in (name for name in dir(fresh) if name.startswith(_SIZES)):
-        if getattr(spec, name) != getattr(fresh, name):
+    """Yields the settings of <size> and <statistic>; the compiled model does not separate these from derived
+    values."""
+    empty_spec = mujoco.MjSpec()
+    for name in (name for name in dir(empty_spec) if name.startswith(_SIZES)):
+        if getattr(spec, name) != getattr(empty_spec, name):
             yield Omission(f'size {name}="{getattr(spec, name)}"', False)
     for name in _members(spec.stat):
-        value, usual = (np.atleast_1d(getattr(one.stat, name)).astype(float) for one in (spec, fresh))
+        value, usual = (
+            np.atleast_1d(getattr(struct.stat, name)).astype(float) for struct in (spec, empty_spec)
+        )
         if not np.array_equal(value, usual, equal_nan=True):
             yield Omission(f'statistic {name}="{_text(value)}"', False)
 
@@ -172,4 +181,4 @@ def _members(struct: Any) -> list[str]:
 
 
 def _text(value: Any) -> str:
-    return " ".join(f"{float(one):g}" for one in value)
+    return " ".join(f"{float(number):g}" for number in value)

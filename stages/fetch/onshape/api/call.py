@@ -1,4 +1,4 @@
-"""One API call: method, request, body and headers."""
+"""Defines an API call: method, request, body and headers."""
 
 from dataclasses import dataclass
 
@@ -9,20 +9,21 @@ from linkwright.stages.fetch.onshape.requests import describe
 
 @dataclass(frozen=True, slots=True)
 class ApiCall:
-    """`restoring`: the call undoes a change, so it is made even after all other calls were stopped."""
+    """An API call."""
 
     method: str
     request: str
     accept: str
     content: bytes | None = None
     restoring: bool = False
+    """Whether it undoes a change, so that it is made even after all other calls were stopped."""
 
     @property
-    def what(self) -> str:
-        """The request in words, for messages."""
+    def subject(self) -> str:
+        """Describes the request in words, for messages."""
         return describe(self.request)
 
     def headers(self, credentials: Credentials, target: str) -> dict[str, str]:
-        """The headers, signed for the address `target`."""
+        """Returns the headers, signed for the address `target`."""
         content = {} if self.content is None else {"Content-Type": signing.CONTENT_TYPE}
         return {"Accept": self.accept, **content, **signing.headers(credentials, self.method, target)}

@@ -1,4 +1,4 @@
-"""The HTTP client of the Onshape API: authenticates, counts and retries calls, a few at a time.
+"""Calls the Onshape API over HTTP: authenticates, counts and retries calls, a few at a time.
 
 It decides how to treat each failure. A temporary failure (5xx, a reply cut short or late) is
 retried; a rate limit (429) is waited for; a used-up quota (402) stops all calls at once;
@@ -52,11 +52,10 @@ _PATIENCE = Patience()
 
 
 class Client:
-    """Makes the calls to one host. Safe to call from several threads; a context manager.
+    """The caller of a host's API: a context manager, safe to use from several threads.
 
-    `ledger` records billed calls; `progress` gets a line wherever the user has to wait, and `transient`
-    a line about the bytes received so far; `max_calls` limits the billed calls, retries
-    included.
+    `ledger` records billed calls; `progress` gets a line whenever the user has to wait, and `transient` a
+    line about the bytes received so far; `budget` limits the billed calls, retries included.
     """
 
     def __init__(
@@ -67,12 +66,12 @@ class Client:
         patience: Patience = _PATIENCE,
         ledger: Ledger | None = None,
         progress: Callable[[str], None] = lambda _: None,
-        max_calls: int | None = None,
+        budget: Budget | None = None,
         transient: Callable[[str], None] = lambda _: None,
     ) -> None:
         self.host = urlsplit(url.origin).netloc
         self.met: dict[str, str] = {}
-        """What the server reports of itself: `api`, the version that it serves, `definition_api`, that of
+        """The server's report about itself: `api`, the version that it serves, `definition_api`, that of
         definitions, and its `release`."""
         self._origin = url.origin
         self._origins: dict[str, str] = {}
@@ -82,7 +81,7 @@ class Client:
         self._uncounted = False
         self._progress = progress
         self._lock = threading.Lock()
-        self._budget = Budget(max_calls)
+        self._budget = budget or Budget(None)
         self._halt = Halt()
         self._windows = Windows(patience.max_wait, self._halt.stopped)
         self._wire = Wire(patience, loopback=url.loopback, arrived=Received(transient).add)
@@ -97,27 +96,27 @@ class Client:
 
     @property
     def calls(self) -> int:
-        """Calls that count against the quota so far: every 2xx and 3xx."""
+        """The calls so far that count against the quota: every 2xx and 3xx."""
         return self._budget.made
 
     @property
     def left(self) -> Mapping[str, int]:
-        """Calls left in the server's windows, by endpoint, where it reports them."""
+        """The calls left in the server's windows, by endpoint, if it reports them."""
         return dict(self._windows.left)
 
     @property
     def waited(self) -> float:
-        """Seconds waited because the server asked for it."""
+        """Seconds waited at the server's request."""
         return self._windows.waited
 
     def get(self, request: str, accept: str = JSON, check: Callable[[bytes], None] | None = None) -> bytes:
-        """The body of the reply to `request`.
+        """Returns the body of the reply to `request`.
 
-        `check` raises ProtocolError for an invalid body; such a reply is billed, so
-        the call is repeated only once.
+        `check` raises ProtocolError for an invalid body; such a reply is billed, so the call is repeated only
+        once.
 
-        AuthError, NotFound, QuotaExhausted, RateLimited, SourceError or ProtocolError where the
-        server refuses or sends an invalid reply; Offline where it cannot be reached.
+        Raises AuthError, NotFound, QuotaExhausted, RateLimited, SourceError or ProtocolError if the server
+        refuses or sends an invalid reply; Offline if it cannot be reached.
         """
 
         def once() -> bytes:
@@ -133,11 +132,11 @@ class Client:
         return self._persist(once)
 
     def post(self, request: str, body: bytes, *, restoring: bool = False) -> bytes:
-        """The body of the reply to a POST of JSON; errors as for `get`.
+        """Returns the body of the reply to a POST of JSON. Raises the errors of `get`.
 
-        Repeated only where the server cannot have made the change: it was not reached, or its rate limit
-        refused the call. `restoring`: the call undoes a change and may be repeated safely, so it is retried
-        as in `get`, and sent even where all other calls were stopped.
+        The call is repeated only if the server cannot have made the change: it was not reached, or its rate
+        limit refused the call. `restoring`: the call undoes a change and may be repeated safely, so it is
+        retried as in `get`, and sent even if all other calls were stopped.
         """
 
         def once() -> bytes:
@@ -154,7 +153,7 @@ class Client:
         self._wire.disconnect()
 
     def _persist(self, once: Callable[[], bytes], *, restoring: bool = False) -> bytes:
-        """The result of `once`, retried after temporary failures unless the calls were stopped."""
+        """Returns the result of `once`, retried after temporary failures unless the calls were stopped."""
 
         def unless_stopped() -> bytes:
             try:
@@ -167,7 +166,7 @@ class Client:
         return retries.persist(unless_stopped, self._patience)
 
     def _answer(self, call: ApiCall) -> HttpReply:
-        """The reply with any status, after waiting for the server's rate limit."""
+        """Returns the reply with any status, after waiting for the server's rate limit."""
         kind, seconds = endpoint(call.request), self._patience.first_wait
         for _ in range(self._patience.refusals):
             self._windows.wait(kind, stoppable=not call.restoring)
@@ -177,17 +176,17 @@ class Client:
             if not call.restoring:
                 self._halt.check()
             # Never less than our own pause: a server that says 0 must not be asked in a rush.
-            asked = retry_after(answer.headers)
-            seconds = max(asked or 0.0, seconds)
+            requested = retry_after(answer.headers)
+            seconds = max(requested or 0.0, seconds)
             if not self._windows.close(kind, seconds):
                 break
-            self._say(f"{self.host} allows no more calls for {call.what}: waiting {seconds:.0f} s")
-            seconds = min(2 * seconds, self._patience.longest_wait) if asked is None else seconds
+            self._say(f"{self.host} allows no more calls for {call.subject}: waiting {seconds:.0f} s")
+            seconds = min(2 * seconds, self._patience.longest_wait) if requested is None else seconds
         error = rate_limited(
-            call.what,
+            call.subject,
             self._reply_text(answer),
             self.host,
-            asked=retry_after(answer.headers),
+            requested=retry_after(answer.headers),
             waited=self._windows.waited,
             max_wait=self._patience.max_wait,
         )
@@ -195,7 +194,7 @@ class Client:
         raise error
 
     def _whole(self, call: ApiCall) -> HttpReply:
-        """A complete reply, or the error for a missing or incomplete one."""
+        """Returns a complete reply, or raises the error for a missing or incomplete reply."""
         try:
             return self._follow(call)
         except Lost as lost:
@@ -203,15 +202,15 @@ class Client:
         except ReplyTooLarge as error:
             raise too_large(call.request, self.host) from error
         except Packed as error:
-            raise wrongly_packed(call.what, self.host, str(error)) from error
+            raise wrongly_packed(call.subject, self.host, str(error)) from error
         except OSError as error:
-            msg = f"the reply with {call.what} cannot be written: {error.strerror or error}"
+            msg = f"the reply with {call.subject} cannot be written: {error.strerror or error}"
             hint = "make room there, or name another folder in the environment variable TMPDIR"
             raise SourceError(msg, tempfile.gettempdir(), hint) from error
 
     def _retried(self, lost: Lost, call: ApiCall) -> Exception:
-        """The error for a missing or incomplete reply; `Passing` where the call may be repeated."""
-        error = no_reply(lost, call.what, self.host)
+        """Returns the error for a missing or incomplete reply: `Passing` if the call may be repeated."""
+        error = no_reply(lost, call.subject, self.host)
         if lost.trouble is not None and lost.trouble.lasting and not lost.late:
             return error
         if call.method != "GET" and lost.begun and not call.restoring:
@@ -220,15 +219,15 @@ class Client:
         return Passing(error, "billed" if billed(lost.status) else "free", self._say)
 
     def _follow(self, call: ApiCall) -> HttpReply:
-        """The reply after all redirects. Each redirect is authenticated, and billed."""
+        """Returns the reply after all redirects. Each redirect is authenticated, and billed."""
         document = call.request.partition("/d/")[2].partition("/")[0]
         with self._lock:
             origin = self._origins.get(document, self._origin)
         first = address = f"{origin}/api/{api(call.request)}{call.request}"
-        for _ in range(1 + redirects.MOST):
+        for _ in range(1 + redirects.MAX_REDIRECTS):
             if not call.restoring:
                 self._halt.check()
-            # What is put back must go out whatever the budget.
+            # Calls that restore values are made whatever the budget.
             with self._budget.slot(needed=call.restoring) as slot:
                 answer = self._wire.send(
                     call.method,
@@ -240,37 +239,37 @@ class Client:
                 )
             if not redirects.followed(call.method, answer.status):
                 return answer
-            address = redirects.target(address, answer.headers.get("Location", ""), call.what)
+            address = redirects.target(address, answer.headers.get("Location", ""), call.subject)
             region = redirects.moved(first, address)
             if region is not None:
                 # The other calls for this document go there directly: each stop costs a call.
                 with self._lock:
                     self._origins[document] = region
-        msg = f"the server redirects the request for {call.what} more than {redirects.MOST} times"
+        msg = f"the server redirects the request for {call.subject} more than {redirects.MAX_REDIRECTS} times"
         raise ProtocolError(msg, self.host, "use the host that the browser shows for this document")
 
     def _check(self, body: bytes, check: Callable[[bytes], None]) -> None:
         try:
             check(body)
         except ProtocolError as error:
-            placed = ProtocolError(error.message, self.host, error.hint)
-            raise Passing(placed, "billed", self._say) from error
+            located = ProtocolError(error.message, self.host, error.hint)
+            raise Passing(located, "billed", self._say) from error
 
     def _refusal(self, answer: HttpReply, request: str, *, final: bool = False) -> Exception:
-        """The error for a refusal; `Passing` for a temporary one, unless it is `final`."""
+        """Returns the error for a refusal: `Passing` for a temporary refusal, unless it is `final`."""
         text = self._reply_text(answer)
         error = refusal(answer.status, answer.headers, text, request, self.host, self._credentials.kind)
         if isinstance(error, QuotaExhausted):
             self._halt.stop(error)
         if final or not (answer.status >= 500 or answer.status == 499):
             return error
-        asked = retry_after(answer.headers)
-        if asked and not self._windows.close(endpoint(request), asked):
+        requested = retry_after(answer.headers)
+        if requested and not self._windows.close(endpoint(request), requested):
             return error
         return Passing(error, "free", self._say)
 
     def _reply_text(self, answer: HttpReply) -> str:
-        """The body without secrets, also without those written with JSON escapes."""
+        """Returns the body without secrets, including those written with JSON escapes."""
         text = answer.body.decode("utf-8", "replace")
         with contextlib.suppress(ValueError, RecursionError):
             text = json.dumps(json.loads(text), ensure_ascii=False)
@@ -279,15 +278,15 @@ class Client:
     def _note(self, request: str, slot: CallSlot, status: int, headers: Mapping[str, str]) -> None:
         slot.charge(billed(status))
         kind = endpoint(request)
-        apart = "definition_" if is_definition(request) else ""
-        rest = left(headers)
-        self._windows.note(kind, rest)
+        prefix = "definition_" if is_definition(request) else ""
+        calls_left = left(headers)
+        self._windows.note(kind, calls_left)
         with self._lock:
             for header, name in _MET.items():
                 if headers.get(header):
-                    name = apart + name if name == "api" else name
+                    name = prefix + name if name == "api" else name
                     self.met[name] = self._credentials.scrub(headers[header])[:40]
-        if self._ledger is not None and (why := self._ledger.note(kind, status, rest)):
+        if self._ledger is not None and (why := self._ledger.note(kind, status, calls_left)):
             if not self._uncounted:
                 self._say(f"API calls are not counted: {why}")
             self._uncounted = True

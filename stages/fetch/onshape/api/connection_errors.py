@@ -1,4 +1,4 @@
-"""Errors of the connection (DNS, TCP, proxy, TLS certificate), each with a hint."""
+"""Explains errors of the connection (DNS, TCP, proxy, TLS certificate), each with a hint."""
 
 import errno
 import os
@@ -22,8 +22,14 @@ _UNREACHABLE = {
     errno.ETIMEDOUT: "it does not answer",
 }
 _SELF_SIGNED, _IN_CHAIN, _NO_ISSUER, _NO_FIRST = 18, 19, 20, 21
+"""OpenSSL's numbers of errors about the issuer of a certificate."""
+
 _EARLY, _EXPIRED = 9, 10
+"""OpenSSL's numbers of errors about the dates of a certificate."""
+
 _OTHER_HOST, _OTHER_ADDRESS = 62, 64
+"""OpenSSL's numbers of errors about the host of a certificate."""
+
 _CERTIFICATES = {
     _SELF_SIGNED: "its certificate is self-signed",
     _IN_CHAIN: "its certificate chain ends in a self-signed certificate",
@@ -38,15 +44,16 @@ _CERTIFICATES = {
 
 @dataclass(frozen=True, slots=True)
 class Trouble:
-    """Why a request did not reach its server. `lasting`: another attempt will fail too."""
+    """The reason why a request did not reach its server."""
 
     message: str
     hint: str
     lasting: bool = False
+    """Whether another attempt will fail too."""
 
 
 def trouble(error: BaseException, host: str, met: tuple[str, int] | None) -> Trouble:
-    """The cause of `error` as a message and a hint about the connection to `host`.
+    """Explains the cause of `error` with a message and a hint about the connection to `host`.
 
     `met`: the host and port of the connection; if the host differs from `host`, it is a proxy.
     """
@@ -67,7 +74,7 @@ def trouble(error: BaseException, host: str, met: tuple[str, int] | None) -> Tro
 
 
 def refused_by_proxy(status_line: str, host: str, met: tuple[str, int] | None) -> Trouble:
-    """The trouble with a proxy that refuses; `status_line`: "407 Proxy Authentication Required"."""
+    """Returns the trouble with a proxy that refuses; `status_line`: "407 Proxy Authentication Required"."""
     variable = proxy_variable(os.environ)
     subject = f"the proxy {met[0]}:{met[1]} ({variable})" if met else f"the proxy ({variable})"
     status = status_line.partition(" ")[0]
@@ -105,10 +112,10 @@ def _why(cause: BaseException) -> str:
 
 
 def _causes(error: BaseException) -> Iterator[BaseException]:
-    """The error and the chain of its causes."""
-    seen: set[int] = set()
+    """Yields the error and the chain of its causes."""
+    earlier_ids: set[int] = set()
     cause: BaseException | None = error
-    while cause is not None and id(cause) not in seen:
-        seen.add(id(cause))
+    while cause is not None and id(cause) not in earlier_ids:
+        earlier_ids.add(id(cause))
         yield cause
         cause = cause.__cause__ or cause.__context__

@@ -1,4 +1,4 @@
-"""The user's Onshape credentials: from the environment, or from `.env` in the working folder."""
+"""Finds the user's Onshape credentials: in the environment, or in `.env` in the working folder."""
 
 import contextlib
 import html
@@ -29,78 +29,81 @@ PRIVATE = (ACCESS, SECRET, TOKEN, OLD_TOKEN)
 """The variables whose values nobody else may see."""
 
 DOTENV = ".env"
-_LARGEST_DOTENV = 1 << 20
+_MAX_DOTENV = 1 << 20
+"""Largest size of a `.env` that is read [bytes]."""
 
 Kind = Literal["basic", "signature", "bearer"]
 
 
 @dataclass(frozen=True, slots=True)
 class Credentials:
-    """An API key, or a bearer `token`. `repr` hides its text, so that no log or traceback contains it.
-    `kind`: how a request is authenticated."""
+    """An API key, or a bearer `token`. `repr` hides its text, so that no log or traceback contains it."""
 
     access: str = field(default="", repr=False)
     secret: str = field(default="", repr=False)
     kind: Kind = "basic"
+    """The way of authenticating a request."""
+
     token: str = field(default="", repr=False)
 
     @property
     def who(self) -> str:
         """A name for the owner of the calls, which does not reveal the key.
 
-        All bearer tokens share one name, since each is valid for only an hour.
+        All bearer tokens share a name, since each is valid for only an hour.
         """
         return "bearer" if self.kind == "bearer" else sha256(self.access.encode()).hexdigest()[:16]
 
     @property
     def private(self) -> tuple[str, ...]:
         """The texts that must never be written anywhere, the longest first."""
-        plain = {text for text in (self.access, self.secret, self.token) if text}
+        secrets = {text for text in (self.access, self.secret, self.token) if text}
         pair = {f"{self.access}:{self.secret}"} if self.access and self.secret else set()
-        found = {form for text in plain | pair for form in forms(text)} - pair
-        return tuple(sorted(found, key=lambda text: (-len(text), text)))
+        spellings = {form for text in secrets | pair for form in forms(text)} - pair
+        return tuple(sorted(spellings, key=lambda text: (-len(text), text)))
 
     def scrub(self, text: str) -> str:
-        """`text` (such as a server's reply) with the key removed."""
+        """Returns `text` (such as a server's reply) with the key removed."""
         for private in self.private:
             text = text.replace(private, "***")
         return text
 
 
 def forms(text: str) -> frozenset[str]:
-    """How a file or a server may write `text`: plain, in base64, and with the escapes of URLs, JSON, XML."""
+    """Returns the forms in which files and servers may write `text`: plain, in base64, with escapes of URLs,
+    JSON, XML."""
     raw = text.encode("utf-8", "replace")
     packed = {b64encode(raw).decode(), urlsafe_b64encode(raw).decode()}
-    bare = {text, *packed, *(one.rstrip("=") for one in packed)}
-    escaped = {quote(one, safe="") for one in bare}
-    escaped |= {re.sub("%..", lambda code: code[0].lower(), one) for one in escaped}
-    for one in bare:
-        inside = json.dumps(one)[1:-1]
-        escaped |= {inside, inside.replace("/", "\\/"), html.escape(one), html.escape(one, quote=False)}
+    bare = {text, *packed, *(encoded.rstrip("=") for encoded in packed)}
+    escaped = {quote(form, safe="") for form in bare}
+    escaped |= {re.sub("%..", lambda code: code[0].lower(), form) for form in escaped}
+    for form in bare:
+        inside = json.dumps(form)[1:-1]
+        escaped |= {inside, inside.replace("/", "\\/"), html.escape(form), html.escape(form, quote=False)}
     return frozenset(bare | escaped)
 
 
-def known(environ: Mapping[str, str], folder: Path | None = None) -> dict[str, str]:
-    """Every form of every key in `environ` and in `.env`, also of those that no build would use: the text,
-    and the variable that it is the value of."""
+def known_secrets(environ: Mapping[str, str], folder: Path | None = None) -> dict[str, str]:
+    """Returns every form of every key in `environ` and in `.env`, used by a build or not: the text → its
+    variable."""
     inside: Mapping[str, str] = {}
     with contextlib.suppress(ConfigError, OSError):
         inside = _dotenv((folder or Path.cwd()) / DOTENV)
     values: dict[str, set[str]] = {}
     for name in PRIVATE:
-        texts = (given.get(name, "").strip() for given in (environ, inside))
+        texts = (variables.get(name, "").strip() for variables in (environ, inside))
         values[name] = {text for text in texts if text}
-    found: dict[str, str] = {}
+    owners: dict[str, str] = {}
     for access, secret in itertools.product(sorted(values[ACCESS]), sorted(values[SECRET])):
-        found |= dict.fromkeys(sorted(forms(f"{access}:{secret}")), f"{ACCESS} and {SECRET}")
+        owners |= dict.fromkeys(sorted(forms(f"{access}:{secret}")), f"{ACCESS} and {SECRET}")
     for name in PRIVATE:
         for text in sorted(values[name]):
-            found |= dict.fromkeys(sorted(forms(text)), name)
-    return found
+            owners |= dict.fromkeys(sorted(forms(text)), name)
+    return owners
 
 
 def remarks(folder: Path | None = None) -> tuple[Diagnostic, ...]:
-    """I-DOTENV where other users can read the key in `.env`."""
+    """Reports I-DOTENV if other users can read the key in `.env`."""
     path = (folder or Path.cwd()) / DOTENV
     if os.name != "posix":
         return ()
@@ -116,9 +119,10 @@ def remarks(folder: Path | None = None) -> tuple[Diagnostic, ...]:
 
 
 def find(environ: Mapping[str, str], folder: Path | None = None) -> Credentials:
-    """The key in `environ`, else in `.env` in `folder` (default: the working folder).
+    """Returns the key in `environ`, or else in `.env` in `folder` (default: the working folder).
 
-    A bearer token where one is set, else an API key. ConfigError names the variable that is missing.
+    It is a bearer token if one is set, or else an API key. Raises ConfigError, which names the variable that
+    is missing.
     """
     names = (ACCESS, SECRET, TOKEN, OLD_TOKEN, AUTH)
     outside = {name: environ[name].strip() for name in names if environ.get(name, "").strip()}
@@ -157,21 +161,21 @@ def _kind(text: str) -> Kind:
 
 
 def _require_plain(text: str, names: str) -> None:
-    """ConfigError for text that cannot be a key; the text itself is not shown."""
+    """Raises ConfigError for text that cannot be a key; the text itself is not shown."""
     if not text.isascii() or not text.isprintable():
         msg = f"{names} contains characters that no Onshape key has"
         raise ConfigError(msg, hint="copy the key again, without quotes or line breaks")
 
 
 def _dotenv(path: Path) -> dict[str, str]:
-    # A pipe or a device of that name is nobody's: it may block, or never end.
+    # A pipe or a device of that name is ignored: it may block, or never end.
     if not regular_files.is_file(path):
         return {}
     # Late: only where there is such a file.
     from dotenv import dotenv_values
 
     try:
-        text = regular_files.content(path, _LARGEST_DOTENV).decode()
+        text = regular_files.content(path, _MAX_DOTENV).decode()
         values = dotenv_values(stream=io.StringIO(text), interpolate=False)
     except (OSError, UnicodeDecodeError, regular_files.FileTooLarge) as error:
         msg = f"the file .env cannot be read: {_reason(error)}"
@@ -181,5 +185,5 @@ def _dotenv(path: Path) -> dict[str, str]:
 
 def _reason(error: Exception) -> str:
     if isinstance(error, regular_files.FileTooLarge):
-        return f"it is larger than {_LARGEST_DOTENV} bytes"
+        return f"it is larger than {_MAX_DOTENV} bytes"
     return "it is not UTF-8 text" if isinstance(error, UnicodeDecodeError) else type(error).__name__

@@ -4,25 +4,27 @@ import zlib
 from collections.abc import Iterable, Iterator
 
 ACCEPTED = "gzip"
-"""The accepted encodings. A reply with another encoding, or with several, is not read."""
+"""The accepted encoding. A reply with another encoding, or with several, is not read."""
 
-_PIECE = 1 << 18
+_MAX_PIECE = 1 << 18
+"""Largest size of a decompressed piece [bytes]."""
+
 _GZIP = 16 + zlib.MAX_WBITS
 
 
 class UnknownEncodingError(Exception):
-    """The reply has an unexpected content encoding; the text names it."""
+    """The error that a reply has an unexpected content encoding; its text names the encoding."""
 
 
 class DamagedError(Exception):
-    """The body is not valid gzip, or is incomplete."""
+    """The error that a body is not valid gzip, or is incomplete."""
 
 
 def unpacked(pieces: Iterable[bytes], encoding: str) -> Iterator[bytes]:
-    """The decompressed body of compressed `pieces`, in pieces of at most 256 kB.
+    """Yields the decompressed body of compressed `pieces`, in pieces of at most 256 kB.
 
-    `encoding`: the header Content-Encoding. UnknownEncodingError at once for an unexpected one;
-    DamagedError where the body is damaged.
+    `encoding`: the header Content-Encoding. Raises UnknownEncodingError at once for an unexpected encoding;
+    DamagedError if the body is damaged.
     """
     name = encoding.strip().lower()
     if name in ("", "identity"):
@@ -33,7 +35,7 @@ def unpacked(pieces: Iterable[bytes], encoding: str) -> Iterator[bytes]:
 
 
 def _inflated(pieces: Iterable[bytes]) -> Iterator[bytes]:
-    """A gzip stream inflated: one member or several, one after the other."""
+    """Inflates a gzip stream: one member or several, one after the other."""
     inflate, begun = zlib.decompressobj(_GZIP), False
     try:
         for piece in pieces:
@@ -42,10 +44,10 @@ def _inflated(pieces: Iterable[bytes]) -> Iterator[bytes]:
                 if inflate.eof:
                     inflate = zlib.decompressobj(_GZIP)
                 begun = True
-                yield inflate.decompress(waiting, _PIECE)
+                yield inflate.decompress(waiting, _MAX_PIECE)
                 waiting = inflate.unused_data if inflate.eof else inflate.unconsumed_tail
     except zlib.error as error:
         raise DamagedError(str(error)) from None
     if begun and not inflate.eof:
-        msg = "the packed body ends before its end"
+        msg = "the compressed body is cut short"
         raise DamagedError(msg)

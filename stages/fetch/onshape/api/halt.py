@@ -1,4 +1,4 @@
-"""Stops all calls of one client: after a stop no call begins."""
+"""Stops all calls of a client: after a stop no call begins."""
 
 import threading
 
@@ -6,7 +6,8 @@ from linkwright.stages.robot.errors import Offline, QuotaExhausted, RateLimited
 
 
 class Halt:
-    """`stopped` is set with the first reason to stop. Safe to use from several threads."""
+    """The stopped or running state of a client's calls; `stopped` is set with the first reason. Safe to use
+    from several threads."""
 
     def __init__(self) -> None:
         self.stopped = threading.Event()
@@ -20,6 +21,6 @@ class Halt:
         self.stopped.set()
 
     def check(self) -> None:
-        """Raises the reason, if all calls were stopped."""
+        """Raises the reason if all calls were stopped."""
         if self._reason is not None:
             raise type(self._reason)(self._reason.message, self._reason.where, self._reason.hint)

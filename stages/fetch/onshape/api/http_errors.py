@@ -1,4 +1,4 @@
-"""Errors for HTTP status codes and unusable replies, each with a hint."""
+"""Makes the errors for HTTP status codes and unusable replies, each with a hint."""
 
 import json
 import time
@@ -32,11 +32,11 @@ AGAIN = "run the same command again; what was fetched is kept and not paid for t
 
 _NOT_ASSEMBLY = "it may not be an assembly (a part studio or a drawing?)"
 _SKEW = 240.0
-"""Onshape accepts signatures of 5 minutes before and after its own time [s]; a little less here."""
+"""Largest clock error [s]: Onshape accepts signatures within 5 minutes of its time; this is a little less."""
 
 
 class Declined(ProtocolError):
-    """The server refuses this particular request permanently; another request may succeed.
+    """The error that the server refuses this particular request permanently; another request may succeed.
 
     The connection, the key and the quota are fine, and nothing was billed.
     """
@@ -45,93 +45,95 @@ class Declined(ProtocolError):
 def refusal(
     status: int, headers: Mapping[str, str], text: str, request: str, host: str, kind: str = "basic"
 ) -> SourceError:
-    """The error for a reply whose status is not 200.
+    """Returns the error for a reply whose status is not 200.
 
-    `text` is the body, free of secrets; `headers` looks names up without regard to case; `kind`:
-    how the request was authenticated (basic, signature, bearer).
+    `text` is the body, free of secrets; `headers` looks names up without regard to case; `kind`: the way of
+    authentication (basic, signature, bearer).
     """
-    what = describe(request)
+    subject = describe(request)
     words = server_words(text)
     quoted = f' ("{words}")' if words else ""
     if status in (401, 403):
-        return _denied(status, what, quoted, host, kind, _skew(headers))
+        return _denied(status, subject, quoted, host, kind, _skew(headers))
     if status == 402:
-        msg = f"the yearly quota of API calls is used up (402), so {what} was not sent{quoted}"
+        msg = f"the yearly quota of API calls is used up (402), so {subject} was not sent{quoted}"
         hint = (
             "no further call was made, and what was fetched is kept; see My account > Developer in "
             "Onshape, or build from the cache (source.offline=true) or a bundle (source=bundle)"
         )
         return QuotaExhausted(msg, host, hint)
     if status == 404:
-        return _absent(what, quoted, host, request, page=_is_page(text))
+        return _absent(subject, quoted, host, request, page=_is_page(text))
     if status == 400 and is_definition(request) and configuration_asked(request):
         return _not_so_configured(configuration_asked(request), quoted, host)
     if status == 400 and is_definition(request):
-        msg = f"the server refuses to give {what} (400){quoted}: {_NOT_ASSEMBLY}"
+        msg = f"the server refuses to give {subject} (400){quoted}: {_NOT_ASSEMBLY}"
         return SourceError(msg, host, _open_the_tab())
     if status in (405, 406, 415):
-        msg = f"the server refuses the form of the request for {what} ({status}){quoted}"
+        msg = f"the server refuses the form of the request for {subject} ({status}){quoted}"
         return Declined(msg, host, "this is a bug in linkwright, or the API has changed: report it")
     if status == 204:
-        return ProtocolError(f"the server sent an empty reply instead of {what} (204)", host, AGAIN)
+        return ProtocolError(f"the server sent an empty reply instead of {subject} (204)", host, AGAIN)
     if 300 <= status < 400:
-        msg = f"the server redirects the request for {what} ({status}); this redirect is not followed"
+        msg = f"the server redirects the request for {subject} ({status}); this redirect is not followed"
         return ProtocolError(msg, host, "use the host that the browser shows for this document")
     if status >= 500 or status == 499:
-        msg = f"the server failed to give {what} ({status}){quoted}"
+        msg = f"the server failed to give {subject} ({status}){quoted}"
         hint = f"{AGAIN} in a while; if it fails each time, try a smaller assembly"
         return ProtocolError(msg, host, hint)
-    msg = f"the server refuses to give {what} ({status}){quoted}"
+    msg = f"the server refuses to give {subject} ({status}){quoted}"
     return Declined(msg, host, "check that the document opens in the browser with the same account")
 
 
 def rate_limited(
-    what: str, text: str, host: str, *, asked: float | None, waited: float, max_wait: float
+    subject: str, text: str, host: str, *, requested: float | None, waited: float, max_wait: float
 ) -> RateLimited:
-    """The error for a rate limit (429) once the allowed waiting time is used up. Times in seconds."""
+    """Returns the error for a rate limit (429) once the allowed waiting time is used up. Times in seconds."""
     words = server_words(text)
     quoted = f' ("{words}")' if words else ""
     bound = f"source.max_wait allows {max_wait:g} s"
     spent = f" and {waited:.0f}s were already spent waiting" if waited else ""
-    after = f"; it asks to wait {asked:.0f} s" if asked is not None else ""
-    msg = f"the server allows no more calls for {what} for now (429){after}, while {bound}{spent}{quoted}"
-    when = f"in {_minutes(asked)}" if asked is not None else "later"
+    request = f"; it asks to wait {requested:.0f} s" if requested is not None else ""
+    msg = (
+        f"the server allows no more calls for {subject} for now (429){request}, while {bound}{spent}{quoted}"
+    )
+    when = f"in {_minutes(requested)}" if requested is not None else "later"
     hint = f"run the same command again {when}: what was fetched is kept and not paid for twice"
-    if asked is not None:
-        hint += f"; or allow a longer wait: source.max_wait={int(asked) + 10}"
+    if requested is not None:
+        hint += f"; or allow a longer wait: source.max_wait={int(requested) + 10}"
     return RateLimited(msg, host, hint)
 
 
-def cut_short(what: str, host: str) -> ProtocolError:
-    """The error for an incomplete reply."""
-    return ProtocolError(f"the reply with {what} was cut short", host, AGAIN)
+def cut_short(subject: str, host: str) -> ProtocolError:
+    """Returns the error for an incomplete reply."""
+    return ProtocolError(f"the reply with {subject} was cut short", host, AGAIN)
 
 
-def offline(what: str, host: str, why: str, *, late: bool) -> Offline:
-    """The error for a server that does not answer, or not in time."""
+def offline(subject: str, host: str, why: str, *, late: bool) -> Offline:
+    """Returns the error for a server that does not answer, or not in time."""
     if late:
-        return Offline(f"{host} did not answer in time for {what}", host, AGAIN)
+        return Offline(f"{host} did not answer in time for {subject}", host, AGAIN)
     msg = f"{host} cannot be reached: {why}"
     hint = "check the network and the host in source.url, or build offline: source=sample, source=bundle"
     return Offline(msg, host, hint)
 
 
 def unreached(trouble: Trouble, host: str) -> Offline:
-    """The error for a request that did not reach its server."""
+    """Returns the error for a request that did not reach its server."""
     return Offline(trouble.message, host, trouble.hint)
 
 
-def no_reply(lost: "Lost", what: str, host: str) -> SourceError:
-    """The error for a missing or incomplete reply."""
+def no_reply(lost: "Lost", subject: str, host: str) -> SourceError:
+    """Returns the error for a missing or incomplete reply."""
     if lost.trouble is not None and not lost.late:
         return unreached(lost.trouble, host)
     if lost.late or not lost.status:
-        return offline(what, host, str(lost), late=lost.late)
-    return cut_short(what, host)
+        return offline(subject, host, str(lost), late=lost.late)
+    return cut_short(subject, host)
 
 
 def too_large(request: str, host: str) -> ProtocolError:
-    """The error for a reply that is larger than the limit of its kind."""
+    """Returns the error for a reply that is larger than the limit of its kind."""
     bound = reply_sizes.in_words(reply_sizes.largest(request))
     msg = f"the reply with {describe(request)} is larger than the limit ({bound})"
     if is_triangles(request) or is_gltf(request):
@@ -139,20 +141,20 @@ def too_large(request: str, host: str) -> ProtocolError:
     return ProtocolError(msg, host, "check that source.url names the right assembly; if it does, report this")
 
 
-def wrongly_packed(what: str, host: str, how: str) -> ProtocolError:
-    """The error for a reply with an unexpected content encoding."""
-    msg = f"the reply with {what} has an unexpected encoding ({how})"
+def wrongly_packed(subject: str, host: str, how: str) -> ProtocolError:
+    """Returns the error for a reply with an unexpected content encoding."""
+    msg = f"the reply with {subject} has an unexpected encoding ({how})"
     return ProtocolError(msg, host, "check the host in source.url, and whether a proxy changes replies")
 
 
-def web_page(what: str, host: str) -> ProtocolError:
-    """The error for a web page in place of the reply."""
-    msg = f"the server sent a web page instead of {what}"
+def web_page(subject: str, host: str) -> ProtocolError:
+    """Returns the error for a web page in place of the reply."""
+    msg = f"the server sent a web page instead of {subject}"
     return ProtocolError(msg, host, "check the host in source.url, and whether a proxy requires a login")
 
 
 def server_words(text: str) -> str:
-    """The server's error message, short and on one line; "" for web pages and other noise."""
+    """Returns the server's error message, short and on one line; "" for web pages and other noise."""
     try:
         data = json.loads(text)
     except (ValueError, RecursionError):
@@ -164,7 +166,7 @@ def server_words(text: str) -> str:
     return line if len(line) <= 200 else line[:199] + "…"
 
 
-def _denied(status: int, what: str, quoted: str, host: str, kind: str, skew: float) -> AuthError:
+def _denied(status: int, subject: str, quoted: str, host: str, kind: str, skew: float) -> AuthError:
     if skew:
         ahead = "ahead of" if skew > 0 else "behind"
         clock = f"this computer's clock is {_minutes(abs(skew))} {ahead} the server's"
@@ -184,9 +186,9 @@ def _denied(status: int, what: str, quoted: str, host: str, kind: str, skew: flo
             f"made (here {host})"
         )
         return AuthError(msg, host, hint)
-    mine = "bearer token" if kind == "bearer" else "API key"
-    msg = f"the {mine} may not read {what} (403){quoted}"
-    hint = f"give the {mine} read permission and share the document with its owner" + (
+    credential = "bearer token" if kind == "bearer" else "API key"
+    msg = f"the {credential} may not read {subject} (403){quoted}"
+    hint = f"give the {credential} read permission and share the document with its owner" + (
         f"; {clock}" if clock else ", and check this computer's clock"
     )
     return AuthError(msg, host, hint)
@@ -202,9 +204,9 @@ def _not_so_configured(configuration: str, quoted: str, host: str) -> SourceErro
     return SourceError(msg, host, hint)
 
 
-def _absent(what: str, quoted: str, host: str, request: str, *, page: bool) -> NotFound:
+def _absent(subject: str, quoted: str, host: str, request: str, *, page: bool) -> NotFound:
     maybe = f", or {_NOT_ASSEMBLY}" if is_definition(request) else ""
-    msg = f"the server does not find {what} (404){quoted}: deleted, not shared with you{maybe}"
+    msg = f"the server does not find {subject} (404){quoted}: deleted, not shared with you{maybe}"
     hint = _open_the_tab() if maybe else "share the linked document with the owner of the API key"
     if page:
         hint += f"; {host} answered with a web page: check that it is the host that the browser shows"
@@ -216,9 +218,10 @@ def _is_page(text: str) -> bool:
 
 
 def _skew(headers: Mapping[str, str]) -> float:
-    """How far this computer's clock is ahead [s]; 0 where it is near enough or the server sends no date."""
-    there = date(headers.get("Date", ""))
-    skew = 0.0 if there is None else time.time() - there
+    """Returns the advance of this computer's clock [s]; 0 if it is near enough or the server sends no
+    date."""
+    server_time = date(headers.get("Date", ""))
+    skew = 0.0 if server_time is None else time.time() - server_time
     return skew if abs(skew) > _SKEW else 0.0
 
 

@@ -1,4 +1,4 @@
-"""Calls made and billed, by key and calendar year: a count that Onshape itself does not give.
+"""Counts the calls made and billed, by key and calendar year: a count that Onshape itself does not give.
 
     ledger/<who>-<year>.json     one line of JSON a call: {"at", "endpoint", "status", "left"}
 
@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 FOLDER = "ledger"
-"""Its place in the cache folder."""
+"""The ledger's folder in the cache folder."""
 
 _FILE = re.compile(r"([0-9a-z]{1,16})-(\d{4})\.json")
 _PLACES = re.compile(r"/(?:d|[wvm]|e|partid)/[^/]+")
@@ -28,37 +28,45 @@ _NAMES = {"assemblies": "assembly definition", "assemblies/massproperties": "ass
 
 
 def endpoint(request: str) -> str:
-    """The endpoint of a request, as the server's rate limits count it: "massproperties" (of part studios).
+    """Returns the endpoint of a request, as the server's rate limits count it: "massproperties" (of part
+    studios).
 
-    Only the path is looked at; ids are no part of the name.
+    The name comes from the path only, without its ids.
     """
     path = _PLACES.sub("", request.partition("?")[0]).strip("/")
     return _NAMES.get(path) or path.rpartition("/")[2]
 
 
 def billed(status: int) -> bool:
-    """Whether a reply with this status counts against the yearly quota."""
+    """Tells whether a reply with this status counts against the yearly quota."""
     return 200 <= status < 400
 
 
 @dataclass(frozen=True, slots=True)
 class Year:
-    """One key's calendar year (UTC): billed calls by endpoint, and whether the quota ended (402)."""
+    """The calls of a key in a calendar year (UTC)."""
 
     who: str
+    """A name that does not reveal the key."""
+
     year: int
     calls: Mapping[str, int]
+    """The billed calls by endpoint."""
+
     exhausted: bool
+    """Whether the quota ended (402)."""
 
     @property
     def counted(self) -> int:
+        """The number of billed calls."""
         return sum(self.calls.values())
 
 
 class Ledger:
-    """The calls of one key. `who`: a name that does not reveal the key, `Credentials.who`.
+    """The record of the calls of a key, safe between threads and processes. `who`: a name that does not
+    reveal the key, `Credentials.who`.
 
-    `year` is that of each call where it is not given. Safe between threads and processes.
+    `year`: the year to count; by default the year of each call.
     """
 
     def __init__(self, folder: Path, who: str, year: int | None = None) -> None:
@@ -69,9 +77,9 @@ class Ledger:
     def note(self, kind: str, status: int, left: int | None = None) -> str:
         """Records a billed reply, or the reply that reports a used-up quota (402).
 
-        `left`: calls left in the window of this endpoint. A ledger that cannot be written is no
-        reason to lose a billed reply: the call is then not counted. Returns the reason for that in
-        words, "" where the call was counted.
+        `left`: calls left in the window of this endpoint. A ledger that cannot be written is no reason to
+        lose a billed reply: the call is then not counted. Returns the reason for that in words, "" if the
+        call was counted.
         """
         if not billed(status) and status != 402:
             return ""
@@ -86,11 +94,11 @@ class Ledger:
         return ""
 
     def counted(self) -> int:
-        """Billed calls of the year so far."""
+        """Returns the number of billed calls of the year so far."""
         return self.read().counted
 
     def read(self) -> Year:
-        """The year so far."""
+        """Returns the year so far."""
         return _read(self._path(), self._who, self._this_year())
 
     def _this_year(self) -> int:
@@ -101,11 +109,11 @@ class Ledger:
 
 
 def years(folder: Path) -> list[Year]:
-    """The counts of all ledgers in `folder`, by key and year."""
+    """Returns the counts of all ledgers in `folder`, by key and year."""
     if not folder.is_dir():
         return []
-    found = ((path, _FILE.fullmatch(path.name)) for path in sorted(folder.iterdir()))
-    return [_read(path, match[1], int(match[2])) for path, match in found if match]
+    files = ((path, _FILE.fullmatch(path.name)) for path in sorted(folder.iterdir()))
+    return [_read(path, match[1], int(match[2])) for path, match in files if match]
 
 
 def _read(path: Path, who: str, year: int) -> Year:
@@ -135,10 +143,10 @@ def _entries(path: Path) -> Iterator[dict[str, Any]]:
 
 
 def _append(path: Path, line: bytes) -> None:
-    """Adds a line in one write at the file's end, under its lock where the system has locks.
+    """Adds a line in one write at the file's end, under its lock if the system has locks.
 
-    The kernel moves to the end and writes as one step on a local disk; over a network it needs the
-    lock, which ends with the process however that ends.
+    The kernel moves to the end and writes as one step on a local disk; over a network it needs the lock,
+    which ends with the process however that ends.
     """
     handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o600)
     try:
@@ -160,7 +168,7 @@ def _append(path: Path, line: bytes) -> None:
 
 
 def _close_to_others(handle: int, cache: Path) -> None:
-    """Lets only the user read the ledger, and the group where it shares the cache folder."""
+    """Lets only the user read the ledger, and the group if the cache folder is shared with it."""
     mode = 0o660 if cache.stat().st_mode & stat.S_IWGRP else 0o600
     if stat.S_IMODE(os.fstat(handle).st_mode) != mode:
         os.fchmod(handle, mode)

@@ -1,10 +1,11 @@
-"""The environment variables of the network: proxies and trusted certificates.
+"""Checks the environment variables of the network: proxies and trusted certificates.
 
 The HTTP library does not check these variables, and reports an invalid one unclearly, or
 only when it connects. So they are checked first. Their values are not shown: a proxy's may contain a
 password.
 """
 
+import functools
 import importlib.util
 from collections.abc import Mapping
 from pathlib import Path
@@ -21,7 +22,7 @@ _SOCKS = ("socks5", "socks5h")
 
 
 def require(environ: Mapping[str, str], *, proxies: bool = True) -> None:
-    """ConfigError for an invalid variable. `proxies`: whether proxies are used."""
+    """Raises ConfigError for an invalid variable. `proxies`: whether proxies are used."""
     if proxies and "*" not in _either(environ, "no_proxy")[1]:
         for variable in _PROXIES:
             name, value = _either(environ, variable)
@@ -31,18 +32,18 @@ def require(environ: Mapping[str, str], *, proxies: bool = True) -> None:
 
 
 def proxy_variable(environ: Mapping[str, str]) -> str:
-    """The variable that names the proxy for https, for messages."""
-    found = (_either(environ, variable) for variable in _PROXIES[:2])
-    return next((name for name, value in found if value), "the system's settings")
+    """Returns the name of the variable that sets the proxy for https, for messages."""
+    variables = (_either(environ, variable) for variable in _PROXIES[:2])
+    return next((name for name, value in variables if value), "the system's settings")
 
 
 def _either(environ: Mapping[str, str], name: str) -> tuple[str, str]:
-    """A variable in lower or upper case, and its value; lower case has precedence."""
+    """Returns a variable in lower or upper case, and its value; lower case has precedence."""
     return (name, environ[name]) if name in environ else (name.upper(), environ.get(name.upper(), ""))
 
 
 def _require_proxy(name: str, value: str) -> None:
-    """ConfigError where `value` is not the address of a proxy; without a scheme, http is meant."""
+    """Raises ConfigError if `value` is not the address of a proxy; without a scheme, http is meant."""
     try:
         parts = urlsplit(value if "://" in value else f"http://{value}")
         fits = bool(parts.hostname) and parts.port != 0 and value.isprintable() and " " not in value
@@ -60,19 +61,30 @@ def _require_certificates(environ: Mapping[str, str]) -> None:
     file, folder = environ.get(CERTIFICATES, ""), environ.get(FOLDER, "")
     hint = "name a file of PEM certificates, or unset it: those that come with Python packages count then"
     if file:
-        # Late: an unchanged source is not read again.
-        import ssl
-
-        why = "" if Path(file).is_file() else f"{file} is not a file"
-        try:
-            if not why:
-                ssl.create_default_context(cafile=file)
-        except ssl.SSLError:
-            why = f"{file} contains no certificate"
-        except OSError as error:
-            why = f"{file} cannot be read: {error.strerror or type(error).__name__}"
+        why = f"{file} is not a file"
+        if Path(file).is_file():
+            why = _unreadable(file, Path(file).stat().st_mtime_ns)
         if why:
             raise ConfigError(why, CERTIFICATES, hint)
     elif folder and not Path(folder).is_dir():
         hint = "name a folder of certificates (made by openssl rehash), or unset it"
         raise ConfigError(f"{folder} is not a folder", FOLDER, hint)
+
+
+@functools.lru_cache(maxsize=8)
+def _unreadable(file: str, changed: int) -> str:
+    """Returns the reason why a file of certificates cannot be read; "" if it can.
+
+    `changed`: the time of its last change, for the cache: reading takes 0.05 s, which each job of a sweep
+    would spend.
+    """
+    # Late: an unchanged source is not read again.
+    import ssl
+
+    try:
+        ssl.create_default_context(cafile=file)
+    except ssl.SSLError:
+        return f"{file} contains no certificate"
+    except OSError as error:
+        return f"{file} cannot be read: {error.strerror or type(error).__name__}"
+    return ""

@@ -1,4 +1,4 @@
-"""The server's rate limits: how many calls of each kind are left, and waiting where none is left.
+"""Tracks the server's rate limits: the calls left of each kind, and the wait if none is left.
 
 The limits are per endpoint. A wait delays all calls of its kind in all threads, and
 the total wait stays within `source.max_wait`.
@@ -12,7 +12,7 @@ from threading import Event, Lock
 
 
 class Windows:
-    """The rate limits of one server, as its replies report them. `max_wait` [s] limits the total wait."""
+    """The rate limits of a server, as its replies report them. `max_wait` [s] limits the total wait."""
 
     def __init__(self, max_wait: float, stopped: Event) -> None:
         self._max_wait = max_wait
@@ -32,39 +32,40 @@ class Windows:
                 self.left[endpoint] = left
 
     def close(self, endpoint: str, seconds: float) -> bool:
-        """Delays calls of this kind by `seconds`; False where that exceeds the allowed wait."""
+        """Delays calls of this kind by `seconds`; returns False if that exceeds the allowed wait."""
         now = time.monotonic()
         with self._lock:
             until = max(self._until, now + seconds)
-            more = until - max(self._until, now)
-            if self.waited + more > self._max_wait:
+            extra_wait = until - max(self._until, now)
+            if self.waited + extra_wait > self._max_wait:
                 return False
-            self.waited += more
+            self.waited += extra_wait
             self._until = until
             self._closed[endpoint] = max(self._closed.get(endpoint, 0.0), now + seconds)
             return True
 
     def wait(self, endpoint: str, *, stoppable: bool = True) -> None:
-        """Returns when a call of this kind may be made, or if `stoppable` when all were stopped."""
+        """Waits until a call of this kind may be made; if `stoppable`, also ends when all calls were
+        stopped."""
         stopped = self._stopped if stoppable else Event()
         while not stopped.is_set():
             with self._lock:
-                rest = self._closed.get(endpoint, 0.0) - time.monotonic()
-            if rest <= 0:
+                seconds = self._closed.get(endpoint, 0.0) - time.monotonic()
+            if seconds <= 0:
                 return
-            stopped.wait(rest)
+            stopped.wait(seconds)
 
 
 def left(headers: Mapping[str, str]) -> int | None:
-    """Calls left for the endpoint that replied, where the server reports them."""
+    """Returns the calls left for the endpoint that replied, if the server reports them."""
     text = headers.get("X-Rate-Limit-Remaining", "").strip()
     return int(text) if text.isascii() and text.isdigit() and len(text) < 10 else None
 
 
 def retry_after(headers: Mapping[str, str], now: Callable[[], float] = time.time) -> float | None:
-    """How long to wait [s], from seconds or an HTTP date; None without such a header.
+    """Returns the time to wait [s], from seconds or an HTTP date; None without such a header.
 
-    A date is compared with the server's own clock where it gives that (`Date`).
+    A date is compared with the server's own clock if the server sends it (`Date`).
     """
     text = headers.get("Retry-After", "").strip()
     if text.isascii() and text.isdigit() and len(text) < 10:
@@ -72,15 +73,15 @@ def retry_after(headers: Mapping[str, str], now: Callable[[], float] = time.time
     then = date(text)
     if then is None:
         return None
-    here = date(headers.get("Date", ""))
-    return max(0.0, then - (now() if here is None else here))
+    server_time = date(headers.get("Date", ""))
+    return max(0.0, then - (now() if server_time is None else server_time))
 
 
 def date(text: str) -> float | None:
-    """An HTTP date as seconds since 1970; None where it is not a date."""
+    """Returns an HTTP date as seconds since 1970; None if it is not a date."""
     try:
-        found = parsedate_to_datetime(text)
+        moment = parsedate_to_datetime(text)
     except (ValueError, TypeError, IndexError, OverflowError):
         return None
-    aware: datetime = found if found.tzinfo else found.replace(tzinfo=UTC)
+    aware: datetime = moment if moment.tzinfo else moment.replace(tzinfo=UTC)
     return aware.timestamp()

@@ -4,15 +4,15 @@ import time
 from collections.abc import Callable
 from threading import Lock
 
-_LONG = 1_000_000
-"""Smaller downloads are not shown [bytes]."""
+_MIN_SHOWN = 1_000_000
+"""Size below which a download is not shown [bytes]."""
 
-_INTERVAL = 0.2
-"""The least time between two lines [s]."""
+_MIN_INTERVAL = 0.2
+"""Shortest time between two lines [s]."""
 
 
 class Received:
-    """Counts received bytes, in any thread, and passes a line about them to `transient`."""
+    """A counter of received bytes, in any thread, which passes a line about them to `transient`."""
 
     def __init__(self, transient: Callable[[str], None]) -> None:
         self._transient = transient
@@ -24,7 +24,7 @@ class Received:
         with self._lock:
             self._size += size
             now = time.monotonic()
-            if self._size < _LONG or now - self._shown < _INTERVAL:
+            if self._size < _MIN_SHOWN or now - self._shown < _MIN_INTERVAL:
                 return
             self._shown = now
             self._transient(f"{self._size / 1e6:.1f} MB received")

@@ -1,4 +1,4 @@
-"""Retries: which failures are temporary, how often to try, and how long to wait in between."""
+"""Defines retries: the temporary failures, the numbers of attempts, and the waits between them."""
 
 import functools
 from collections import Counter
@@ -12,15 +12,15 @@ from stamina.instrumentation import RetryDetails, set_on_retry_hooks
 from linkwright.stages.robot.errors import SourceError
 
 Kind = Literal["free", "billed"]
-"""Whether a failed attempt cost a call: a reply that begins with 200 is billed however it ends."""
+"""The kind of a failed attempt, by its cost: a reply that begins with 200 is billed however it ends."""
 
 
 @dataclass(frozen=True, slots=True)
 class Patience:
-    """How often and how long failed calls are retried. Times in seconds."""
+    """The numbers and times of retries of failed calls. Times in seconds."""
 
     max_wait: float = 120.0
-    """Longest wait in all that the server may ask for (`Retry-After`)."""
+    """Longest total wait that the server may ask for (`Retry-After`)."""
 
     attempts: int = 3
     """Attempts of a call that fails without being billed (5xx, no connection, no answer)."""
@@ -35,7 +35,7 @@ class Patience:
     """Wait before the second attempt; doubled each time."""
 
     longest_wait: float = 30.0
-    """Bound of the doubling."""
+    """Largest wait that the doubling reaches."""
 
     jitter: float = 1.0
     """Up to this much is added at random, so that several callers do not come back at once."""
@@ -51,7 +51,7 @@ class Patience:
 
 
 class Passing(Exception):
-    """A failure that may be temporary. `error`: the error to raise if it persists."""
+    """The error for a failure that may be temporary. `error`: the error to raise if it persists."""
 
     def __init__(self, error: SourceError, kind: Kind, progress: Callable[[str], None]) -> None:
         super().__init__(error.message)
@@ -61,7 +61,7 @@ class Passing(Exception):
 
 
 def persist(once: Callable[[], bytes], patience: Patience) -> bytes:
-    """The result of `once`, retried while it raises `Passing` and `patience` allows.
+    """Returns the result of `once`, retried while it raises `Passing` and `patience` allows.
 
     Raises the last failure's own error, with the number of attempts; any other error at once.
     """

@@ -1,4 +1,4 @@
-"""Authentication of a request: Basic, signed with the secret key, or by a bearer token.
+"""Authenticates a request: Basic, signed with the secret key, or by a bearer token.
 
 A signed request never carries the secret: method, nonce, date, content type, path and query, each
 with a line feed, in lower case, go through HMAC-SHA256 with the secret key. The path and the query
@@ -14,13 +14,13 @@ from email.utils import formatdate
 from linkwright.stages.fetch.onshape.api.credentials import Credentials
 
 CONTENT_TYPE = "application/json"
-"""Part of the signature, so it is sent with a GET too."""
+"""The content type: part of the signature, so it is sent with a GET too."""
 
-_NONCE = 25
+_NONCE_LENGTH = 25
 
 
 def headers(credentials: Credentials, method: str, target: str) -> dict[str, str]:
-    """The headers that authenticate one request; made for each one, a followed redirect too.
+    """Returns the headers that authenticate a request; new for each request and for each followed redirect.
 
     `target`: path and query exactly as they are sent.
     """
@@ -29,7 +29,7 @@ def headers(credentials: Credentials, method: str, target: str) -> dict[str, str
     if credentials.kind == "basic":
         pair = f"{credentials.access}:{credentials.secret}".encode()
         return {"Authorization": f"Basic {b64encode(pair).decode()}"}
-    nonce = secrets.token_hex(_NONCE)[:_NONCE]
+    nonce = secrets.token_hex(_NONCE_LENGTH)[:_NONCE_LENGTH]
     date = formatdate(time.time(), usegmt=True)
     signed = signature(credentials.secret, method, nonce, date, target)
     return {
@@ -41,7 +41,7 @@ def headers(credentials: Credentials, method: str, target: str) -> dict[str, str
 
 
 def signature(secret: str, method: str, nonce: str, date: str, target: str) -> str:
-    """The signature of a request, in base64."""
+    """Returns the signature of a request, in base64."""
     path, _, query = target.partition("?")
     fields = (method, nonce, date, CONTENT_TYPE, path, query)
     text = "".join(f"{field}\n" for field in fields).lower()

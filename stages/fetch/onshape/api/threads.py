@@ -1,4 +1,4 @@
-"""A few calls at a time, in threads that never keep the process alive."""
+"""Makes a few calls at a time, in threads that never keep the process alive."""
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
@@ -9,10 +9,10 @@ T = TypeVar("T")
 
 
 def run_all(work: Sequence[Callable[[], T]], at_once: int) -> list[Future[T]]:
-    """Runs all of `work`, `at_once` at a time; the futures are done or, after a failure, cancelled.
+    """Runs all of `work`, `at_once` at a time; returns futures that are done or, after a failure, cancelled.
 
-    After a failure nothing more begins, but what is on its way is finished. An interrupt is raised at
-    once: a library's pool would wait at the process's end for a server that may take minutes.
+    After a failure nothing more begins, but running calls are finished. An interrupt is raised at once: a
+    library's pool would wait at the process's end for a server that may take minutes.
     """
     futures: list[Future[T]] = [Future() for _ in work]
     waiting = iter(zip(work, futures, strict=True))

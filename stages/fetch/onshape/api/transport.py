@@ -1,4 +1,4 @@
-"""Sends one HTTP request and returns its complete reply. The only module that imports httpx."""
+"""Sends an HTTP request and returns its complete reply, and is the only module that imports httpx."""
 
 import contextlib
 import os
@@ -23,9 +23,11 @@ from linkwright.stages.fetch.onshape.api.retries import Patience
 from linkwright.stages.robot.errors import ConfigError
 
 AT_ONCE = 4
-"""Connections at most: the server's limits are per window, and it answers no faster to more."""
+"""Largest number of connections: the server's limits are per window, and more are no faster."""
 
-_IN_MEMORY = 1 << 20
+_MAX_IN_MEMORY = 1 << 20
+"""Size up to which a body is collected in memory instead of a file [bytes]."""
+
 _UNMET = (httpx.ConnectError, httpx.ConnectTimeout, httpx.ProxyError, httpx.UnsupportedProtocol)
 _BROKEN: Mapping[type[httpx.HTTPError], str] = {
     httpx.RemoteProtocolError: "it closed the connection, or does not speak HTTP",
@@ -36,19 +38,21 @@ _BROKEN: Mapping[type[httpx.HTTPError], str] = {
 
 @dataclass(frozen=True, slots=True)
 class HttpReply:
-    """A reply. `headers` looks names up without regard to case; `body` is unpacked."""
+    """A complete reply."""
 
     status: int
     headers: Mapping[str, str]
+    """Looks names up without regard to case."""
+
     body: bytes
+    """The unpacked body."""
 
 
 class Lost(Exception):
-    """The reply is missing or incomplete. The text gives the reason and contains no secret.
+    """The error that a reply is missing or incomplete. Its text gives the reason and contains no secret.
 
-    `begun`: the request may have reached the server; `status`: the status that arrived before the rest
-    was lost, 0 for none; `late`: the reply took too long; `trouble`: the error of the connection,
-    where it is known.
+    `begun`: the request may have reached the server; `status`: the status that arrived before the rest was
+    lost, or 0; `late`: the reply took too long; `trouble`: the error of the connection, if it is known.
     """
 
     def __init__(
@@ -62,15 +66,15 @@ class Lost(Exception):
 
 
 class ReplyTooLarge(Exception):
-    """A reply that is larger than the limit of its kind."""
+    """The error that a reply is larger than the limit of its kind."""
 
 
 class Packed(Exception):
-    """A reply with an unexpected content encoding; the text names it."""
+    """The error that a reply has an unexpected content encoding; its text names the encoding."""
 
 
 class _Way:
-    """The connection of one request: `met`, the host and port that were tried."""
+    """The connection of a request: `met`, the host and port that were tried."""
 
     def __init__(self, wire: "Wire") -> None:
         self._wire = wire
@@ -79,18 +83,18 @@ class _Way:
     def trace(self, event: str, info: Mapping[str, Any]) -> None:
         if event.endswith("connect_tcp.started"):
             self.met = (str(info["host"]), int(info["port"]))
-        # TLS puts another socket in the place of the plain one.
+        # TLS replaces the plain socket.
         if event.endswith(("connect_tcp.complete", "start_tls.complete")):
             self._wire.connected(info["return_value"].get_extra_info("socket"))
 
 
 class Wire:
-    """Connections that are kept alive. Safe to use from several threads."""
+    """The connections to a host, which are kept alive. Safe to use from several threads."""
 
     def __init__(
         self, patience: Patience, *, loopback: bool, arrived: Callable[[int], None] = lambda _: None
     ) -> None:
-        """`arrived` is called with the size [bytes] of each piece of a reply."""
+        """Prepares the connections. `arrived` is called with the size [bytes] of each piece of a reply."""
         self._arrived = arrived
         self._whole = patience.whole
         self._sockets: WeakSet[socket.socket] = WeakSet()
@@ -98,12 +102,13 @@ class Wire:
         self._http = _client(patience, loopback=loopback)
 
     def close(self) -> None:
+        """Closes the library's client."""
         self._http.close()
 
     def disconnect(self) -> None:
         """Closes all connections: every waiting caller gets Lost at once. New requests may be sent.
 
-        To close a socket does not wake a thread that waits for it; to shut it down does.
+        Closing a socket does not wake a thread that waits for it; shutting it down does.
         """
         with self._lock:
             sockets = list(self._sockets)
@@ -112,10 +117,10 @@ class Wire:
                 # Not the method of a TLS socket, which first takes the encryption off.
                 socket.socket.shutdown(connected, socket.SHUT_RDWR)
 
-    def connected(self, made: socket.socket) -> None:
+    def connected(self, opened: socket.socket) -> None:
         """Records a new socket."""
         with self._lock:
-            self._sockets.add(made)
+            self._sockets.add(opened)
 
     def send(
         self,
@@ -126,21 +131,21 @@ class Wire:
         met: Callable[[int, Mapping[str, str]], None],
         most: int,
     ) -> HttpReply:
-        """The reply to one request; Lost, ReplyTooLarge or Packed where it is unusable.
+        """Returns the reply to a request. Raises Lost, ReplyTooLarge or Packed if it is unusable.
 
-        `headers` gets path and query as they are sent; `met` gets status and headers as soon as
-        they are there, since that is when a call is billed; `most`: bytes that a reply may unpack to.
+        `headers` gets path and query as they are sent; `met` gets status and headers as soon as they arrive,
+        since that is when a call is billed; `most`: bytes that a reply may unpack to.
         """
         # The address goes out as it is, never encoded a second time.
         url = httpx.URL(address)
-        status, until, way = 0, time.monotonic() + self._whole, _Way(self)
+        status, until, connection = 0, time.monotonic() + self._whole, _Way(self)
         try:
             request = self._http.build_request(
                 method,
                 url,
                 headers=dict(headers(url.raw_path.decode("ascii"))),
                 content=content,
-                extensions={"trace": way.trace},
+                extensions={"trace": connection.trace},
             )
             response = self._http.send(request, stream=True)
             try:
@@ -152,11 +157,11 @@ class Wire:
         except _UNMET as error:
             late = isinstance(error, httpx.TimeoutException)
             if isinstance(error, httpx.ProxyError):
-                known = connection_errors.refused_by_proxy(str(error), url.host, way.met)
+                problem = connection_errors.refused_by_proxy(str(error), url.host, connection.met)
             else:
-                known = connection_errors.trouble(error, url.host, way.met)
+                problem = connection_errors.trouble(error, url.host, connection.met)
             why = type(error).__name__
-            raise Lost(why, begun=False, status=0, late=late, trouble=known) from error
+            raise Lost(why, begun=False, status=0, late=late, trouble=problem) from error
         except httpx.HTTPError as error:
             late = isinstance(error, httpx.TimeoutException)
             why = _BROKEN.get(type(error)) or type(error).__name__
@@ -164,7 +169,8 @@ class Wire:
 
 
 def _client(patience: Patience, *, loopback: bool) -> httpx.Client:
-    """ConfigError where the library rejects the proxy settings of the environment."""
+    """Returns a client of the library. Raises ConfigError if the library rejects the proxy settings of the
+    environment."""
     try:
         return httpx.Client(
             headers={"User-Agent": "linkwright", "Accept-Encoding": decompression.ACCEPTED},
@@ -177,7 +183,7 @@ def _client(patience: Patience, *, loopback: bool) -> httpx.Client:
             trust_env=not loopback,
         )
     except (ValueError, ImportError, httpx.InvalidURL):
-        # Its words may show a proxy's password. What is known to be wrong was reported before.
+        # Its words may show a proxy's password. Known errors were reported before.
         msg = "the proxy settings cannot be read"
         hint = "set HTTPS_PROXY and NO_PROXY to what your network needs, or unset them"
         raise ConfigError(msg, "NO_PROXY", hint) from None
@@ -185,34 +191,36 @@ def _client(patience: Patience, *, loopback: bool) -> httpx.Client:
 
 @lru_cache(maxsize=4)
 def _trusted(file: str | None, folder: str | None) -> ssl.SSLContext:
-    """The authorities that the environment names, else those that the library brings. To read them takes
-    longer than a request."""
+    """Returns the certificate authorities that the environment names, or else those of the library.
+
+    The function is cached: reading them takes longer than a request.
+    """
     return httpx.create_ssl_context()
 
 
 def _pieces(response: httpx.Response, arrived: Callable[[int], None]) -> Iterator[bytes]:
-    """The compressed body in pieces; `arrived` is called with the size of each."""
+    """Yields the compressed body in pieces; `arrived` is called with the size of each."""
     for piece in response.iter_raw():
         arrived(len(piece))
         yield piece
 
 
-def _body(response: httpx.Response, until: float, most: int, arrived: Callable[[int], None]) -> bytes:
-    """The body, collected in an unnamed file, which does not outlive the process."""
+def _body(response: httpx.Response, until: float, limit: int, arrived: Callable[[int], None]) -> bytes:
+    """Returns the body, collected in an unnamed file, which does not outlive the process."""
     status = response.status_code
     good = status < 300
     announced = response.headers.get("Content-Length", "")
     promised = int(announced) if re.fullmatch("[0-9]{1,20}", announced) else None
     encoding = response.headers.get("Content-Encoding", "")
-    if good and promised is not None and promised > most:
+    if good and promised is not None and promised > limit:
         raise ReplyTooLarge
-    with tempfile.SpooledTemporaryFile(_IN_MEMORY) as file:
+    with tempfile.SpooledTemporaryFile(_MAX_IN_MEMORY) as file:
         try:
             for piece in decompression.unpacked(_pieces(response, arrived), encoding):
                 file.write(piece)
                 if time.monotonic() > until:
                     raise Lost("too slow", begun=True, status=status, late=True)
-                if good and max(file.tell(), response.num_bytes_downloaded) > most:
+                if good and max(file.tell(), response.num_bytes_downloaded) > limit:
                     raise ReplyTooLarge
                 if not good and file.tell() > reply_sizes.REFUSAL:
                     break
@@ -227,7 +235,7 @@ def _body(response: httpx.Response, until: float, most: int, arrived: Callable[[
 
 
 def _lost(error: Exception, status: int) -> Exception:
-    """The error for an incomplete body."""
+    """Returns the error for an incomplete body."""
     if isinstance(error, decompression.UnknownEncodingError):
         return Packed(str(error))
     if isinstance(error, decompression.DamagedError):

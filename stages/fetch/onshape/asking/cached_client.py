@@ -1,4 +1,5 @@
-"""Cached replies first, then the server: each reply is billed once, also among several processes."""
+"""Answers requests from cached replies first, then from the server: each reply is billed once, also among
+several processes."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
@@ -12,49 +13,57 @@ from linkwright.stages.fetch.onshape.asking.session import Promise, Session
 from linkwright.stages.fetch.onshape.call_budget import allow
 from linkwright.stages.fetch.onshape.replies.store import ReplyStore
 from linkwright.stages.fetch.onshape.requests import API, api, describe, is_definition
+from linkwright.stages.fetch.source import SweepState
 from linkwright.stages.robot.errors import NotFound, Offline, ProtocolError
 from linkwright.stages.robot.text.plural import count
 
 Refused = dict[str, NotFound | Declined]
+"""Request → the error that refused it."""
 
-_MOST_NAMED = 3
+_MAX_NAMED = 3
+"""Largest number of missing requests that an error names."""
 
 
 class CachedClient:
-    """Gives replies to requests, the cached ones first.
+    """A client that answers requests, from cached replies first.
 
-    `offline`: no call is made; `refresh`: replies that earlier builds cached are fetched again;
-    `max_calls`: the largest number of calls of one build.
+    `offline`: no call is made; `refresh`: replies that earlier builds cached are fetched again; `max_calls`:
+    the largest number of calls of a build; `sweep`: the state that the fetches of a sweep share.
     """
 
     def __init__(
-        self, session: Session, replies: ReplyStore, *, offline: bool, refresh: bool, max_calls: int
+        self,
+        session: Session,
+        replies: ReplyStore,
+        *,
+        offline: bool,
+        refresh: bool,
+        max_calls: int,
+        sweep: SweepState | None = None,
     ) -> None:
         self._session = session
         self._replies = replies
         self._refresh = refresh
         self._max_calls = max_calls
         self._lock = Lock()
-        self._asked: set[str] = set()
+        self._sweep_requests = sweep.asked if sweep else set()
         self._doubted: set[str] = set()
         self._promises: dict[str, Promise] = {}
         self._checked: set[str] = set()
         self.offline = offline
         self.saved = 0
         """Calls that cached replies saved."""
-        self.began: float | None = None
-        """The start of a sweep: the state of a workspace that one job found since then is valid for all its
-        jobs."""
+        self.sweep = sweep
         self.undisturbed: Callable[[], AbstractContextManager[None]] = nullcontext
         """A context in which the workspace has its users' values: no build has changed its variables."""
         self.while_waiting: Callable[[], None] = lambda: None
         """Called, perhaps several times, before replies are requested for the first time."""
 
     def kept(self, request: str) -> bytes | None:
-        """The cached reply to a pinned request, or None; a reply without its required content counts as
-        None."""
+        """Returns the cached reply to a pinned request, or None; a reply without its required content counts
+        as None."""
         with self._lock:
-            if (self._refresh or request in self._doubted) and request not in self._asked:
+            if (self._refresh or request in self._doubted) and request not in self._sweep_requests:
                 return None
             body = self._replies.get(request)
         promise = None if request in self._checked else self._promises.get(request)
@@ -74,17 +83,17 @@ class CachedClient:
     def keep(self, request: str, body: bytes) -> None:
         """Caches the reply to a pinned request; for a definition also the API version."""
         with self._lock:
-            self._asked.add(request)
+            self._sweep_requests.add(request)
             if is_definition(request):
                 self._replies.remember(f"{request}#api", {"api": api(request)})
             self._replies.put(request, body)
 
     def api(self, request: str) -> str:
-        """The API version of the cached reply to a request for a definition."""
+        """Returns the API version of the cached reply to a request for a definition."""
         return str(self.recall(f"{request}#api").get("api", API))
 
     def doubt(self, requests: Iterable[str]) -> None:
-        """Makes this build fetch these again, although replies are cached."""
+        """Makes this build fetch these requests again, although replies are cached."""
         with self._lock:
             self._doubted.update(requests)
 
@@ -95,12 +104,12 @@ class CachedClient:
 
     @property
     def made(self) -> int:
-        """Calls made so far that count against the quota."""
+        """The calls made so far that count against the quota."""
         return self._session.calls
 
     def allow(self, more: int) -> None:
-        """SourceError where `more` further calls exceed the budget of the build."""
-        allow(more, self._session.calls, self._max_calls)
+        """Raises SourceError if `more` further calls exceed the budget of the build."""
+        allow(more, self._session.calls, self._max_calls, self.sweep.made if self.sweep else None)
 
     @property
     def may_call(self) -> bool:
@@ -108,30 +117,31 @@ class CachedClient:
         return not self.offline and self._session.has_key()
 
     def affords(self, more: int) -> bool:
-        """Whether `more` further calls are within the budget of the build."""
-        return self._session.calls + more <= self._max_calls
+        """Tells whether `more` further calls are within the budget of the build."""
+        earlier_calls = self.sweep.made if self.sweep else 0
+        return earlier_calls + self._session.calls + more <= self._max_calls
 
     def now(self, request: str) -> bytes:
-        """The reply to a request whose reply changes with time: fetched, not cached."""
+        """Fetches, and does not cache, the reply to a request whose reply changes with time."""
         self._reachable([request])
         self.allow(1)
         return self._session.ask(request)
 
-    def one(self, request: str) -> bytes:
-        """The reply to a pinned request: cached, else fetched and cached."""
+    def reply(self, request: str) -> bytes:
+        """Returns the reply to a pinned request: cached, or else fetched and cached."""
         return self.all([request])[request]
 
-    def all(self, wanted: Sequence[str], refused: Refused | None = None) -> dict[str, bytes]:
-        """The replies to pinned requests, a few calls at a time.
+    def all(self, needed: Sequence[str], refused: Refused | None = None) -> dict[str, bytes]:
+        """Returns the replies to pinned requests, made a few at a time.
 
-        After a failure no further call begins, but running calls are finished and cached, since
-        they are billed. Of several failures the first in order is raised. Where `refused` is given,
-        failures of a single request are stored there, and the replies that arrived are returned.
+        After a failure no further call begins, but running calls are finished and cached, since they are
+        billed. Of several failures the first in order is raised. With `refused`, failures of a single request
+        are stored there, and the replies that arrived are returned.
         """
-        found = {request: self.kept(request) for request in wanted}
-        bodies = {request: body for request, body in found.items() if body is not None}
-        missing = [request for request in wanted if request not in bodies]
-        self.spare(sum(request not in self._asked for request in bodies))
+        kept = {request: self.kept(request) for request in needed}
+        bodies = {request: body for request, body in kept.items() if body is not None}
+        missing = [request for request in needed if request not in bodies]
+        self.spare(sum(request not in self._sweep_requests for request in bodies))
         if not missing:
             return bodies
         self._reachable(missing)
@@ -141,7 +151,7 @@ class CachedClient:
         try:
             futures = run_all([partial(self._once, request) for request in missing], self._session.at_once)
         except BaseException:
-            # Interrupted: nothing is asked again, and nothing waits for its turn.
+            # Interrupted: no call is repeated, and no call waits for its turn.
             self._session.stop()
             raise
         for request, future in zip(missing, futures, strict=True):
@@ -157,21 +167,22 @@ class CachedClient:
         return bodies
 
     def recall(self, subject: str) -> Mapping[str, Any]:
-        """The record stored for a subject; empty for none."""
+        """Returns the record stored for a subject; empty if there is none."""
         with self._lock:
             return self._replies.recall(subject) or {}
 
     def remember(self, subject: str, fact: Mapping[str, Any]) -> None:
+        """Stores a record for a subject."""
         with self._lock:
             self._replies.remember(subject, fact)
 
-    def alone(self, subject: str) -> AbstractContextManager[None]:
-        """A lock for each subject: one build at a time."""
-        return self._replies.alone(subject)
+    def lock(self, subject: str) -> AbstractContextManager[None]:
+        """Returns a lock for each subject: one build at a time."""
+        return self._replies.lock(subject)
 
     def _once(self, request: str) -> bytes:
-        """The reply to a request, which another build may be fetching at the same time."""
-        with self.alone(request):
+        """Returns the reply to a request that another build may be fetching at the same time."""
+        with self.lock(request):
             body = self.kept(request)
             if body is not None:
                 self.spare(1)
@@ -183,9 +194,9 @@ class CachedClient:
     def _reachable(self, missing: Sequence[str]) -> None:
         if not self.offline:
             return
-        names = [describe(request) for request in missing[:_MOST_NAMED]]
-        if len(missing) > _MOST_NAMED:
-            names[-1] += f" and {len(missing) - _MOST_NAMED} more"
+        names = [describe(request) for request in missing[:_MAX_NAMED]]
+        if len(missing) > _MAX_NAMED:
+            names[-1] += f" and {len(missing) - _MAX_NAMED} more"
         replies = "reply is" if len(missing) == 1 else "replies are"
         msg = f"{len(missing)} {replies} not in the cache: {', '.join(names)}"
         hint = f"build once with source.offline=false ({count(len(missing), 'call')}), or from a bundle"

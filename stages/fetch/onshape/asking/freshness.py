@@ -1,4 +1,4 @@
-"""Finds whether a workspace changed since its last build, and which of its tabs did.
+"""Finds whether a workspace changed since its last build, and the tabs that changed.
 
 A workspace is asked only for its microversion; everything else is fetched, and cached, at that
 microversion. An edit anywhere gives the whole document a new one, but each tab has a microversion of
@@ -26,7 +26,8 @@ class Workspace:
         self._definition = requests.definition(url.document, url.pin, url.element, url.configuration)
 
     def last(self) -> str | None:
-        """The microversion of the last complete build, else the first that was seen; None without either."""
+        """Returns the microversion of the last complete build, or else the first recorded; None without
+        either."""
         return self._recalled(f"{self._definition}#complete") or self._recalled(f"{self._definition}#first")
 
     def completed(self, microversion: str) -> None:
@@ -35,33 +36,37 @@ class Workspace:
             self._client.remember(f"{self._definition}#complete", {"microversion": microversion})
 
     def current(self, *, force: bool = False, began: float | None = None) -> str:
-        """The current microversion of the workspace (one call); the last known one when offline.
+        """Returns the current microversion of the workspace (one call); the last known microversion if
+        offline.
 
         The first time, and with `force`, the definition itself is fetched: it names the microversion. Of
         several builds that ask at the same time only the first calls the server; the others use its answer if
-        it is newer than `began` (default: now). All jobs of a sweep use the answer that the first of them
-        got.
+        it is newer than `began` (default: now). All fetches of a sweep use the answer of the first.
         """
         client = self._client
-        began = client.began or began or time.time()
+        began = began or time.time()
         if client.offline:
             return self._without_network()
+        pins = client.sweep.pins if client.sweep else {}
+        if self._place in pins:
+            client.spare(1)
+            return self._seen(pins[self._place])
         # Not while another build has the variables changed: that state is not the user's.
-        with client.undisturbed(), client.alone(self._place):
-            known = client.recall(self._place)
+        with client.undisturbed(), client.lock(self._place):
+            recalled = client.recall(self._place)
             # A time in the future comes from a clock that was set back since.
-            if not force and began <= _number(known.get("at")) <= time.time():
+            if not force and began <= _number(recalled.get("at")) <= time.time():
                 client.spare(1)
-                microversion = str(known["microversion"])
+                microversion = str(recalled["microversion"])
             else:
-                microversion = self._asked(force)
+                microversion = self._ask(force)
                 client.remember(self._place, {"microversion": microversion, "at": time.time()})
-        if self.last() is None:
-            client.remember(f"{self._definition}#first", {"microversion": microversion})
-        return microversion
+        pins[self._place] = microversion
+        return self._seen(microversion)
 
     def discrepancy(self) -> Mapping[str, Any]:
-        """The recorded difference of masses that remained after fetching everything again; empty for none."""
+        """Returns the recorded difference of masses that remained after fetching everything again; empty if
+        there is none."""
         return self._client.recall(f"{self._definition}#discrepancy")
 
     def differs(self, fact: Mapping[str, Any]) -> None:
@@ -70,11 +75,13 @@ class Workspace:
             self._client.remember(f"{self._definition}#discrepancy", fact)
 
     def definition(self, microversion: str) -> str:
-        """The request for the assembly definition at a microversion."""
+        """Returns the request for the assembly definition at a microversion."""
         url = self._url
         return requests.definition(url.document, f"m/{microversion}", url.element, url.configuration)
 
-    def _asked(self, force: bool) -> str:
+    def _ask(self, force: bool) -> str:
+        """Asks the server for the current microversion; the first time, and with `force`, by the
+        definition."""
         if self.last() is None or force:
             self._client.while_waiting()
             body = self._client.now(self._definition)
@@ -83,6 +90,12 @@ class Workspace:
             return microversion
         body = self._client.now(requests.current_microversion(self._url.document, self._url.pin[2:]))
         return documents.microversion(body)
+
+    def _seen(self, microversion: str) -> str:
+        """Returns the microversion; records it if it is the first."""
+        if self.last() is None:
+            self._client.remember(f"{self._definition}#first", {"microversion": microversion})
+        return microversion
 
     def _without_network(self) -> str:
         last = self.last()
@@ -93,23 +106,24 @@ class Workspace:
         return last
 
     def _recalled(self, subject: str) -> str | None:
-        found = self._client.recall(subject).get("microversion")
-        return found if isinstance(found, str) else None
+        """Returns the recorded microversion of a subject, or None."""
+        microversion = self._client.recall(subject).get("microversion")
+        return microversion if isinstance(microversion, str) else None
 
 
 def tabs_to_ask(url: AssemblyUrl, then: str, now: str, client: CachedClient) -> tuple[str, str]:
-    """The requests that show which tabs changed between two microversions, both of the assembly."""
-    asked = requests.elements(url.document, then), requests.elements(url.document, now)
-    for request in asked:
+    """Returns the requests that show the tabs that changed between two microversions of the assembly."""
+    pair = requests.elements(url.document, then), requests.elements(url.document, now)
+    for request in pair:
         client.require(request, lambda body: documents.require_tab(body, url.element))
-    return asked
+    return pair
 
 
-def unchanged(asked: Sequence[str], client: CachedClient) -> frozenset[str]:
-    """The ids of the elements that are the same in the replies to both of `tabs_to_ask`."""
-    bodies = client.all(asked)
-    before, after = (documents.tabs(bodies[request]) for request in asked)
-    return frozenset(element for element, version in after.items() if before.get(element) == version)
+def unchanged(pair: Sequence[str], client: CachedClient) -> frozenset[str]:
+    """Returns the ids of the elements that are the same in the replies to the `pair` of `tabs_to_ask`."""
+    bodies = client.all(pair)
+    old_tabs, new_tabs = (documents.tabs(bodies[request]) for request in pair)
+    return frozenset(element for element, version in new_tabs.items() if old_tabs.get(element) == version)
 
 
 def _number(value: Any) -> float:

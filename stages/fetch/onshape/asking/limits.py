@@ -1,6 +1,6 @@
 """Fetches limits that the definition lacks from an Onshape server.
 
-One call for each assembly that owns a mate that moves, and one for the variables of each whose
+A call is made for each assembly that owns a movable mate, and a call for the variables of each assembly whose
 limits are expressions with variables. The server gives variables only of a workspace or a version; at a
 microversion such limits stay unknown.
 """
@@ -19,7 +19,8 @@ from linkwright.stages.fetch.onshape.url import AssemblyUrl
 def limits_of(
     owners: Sequence[Owner], root: str, url: AssemblyUrl, client: CachedClient
 ) -> list[LimitReplies]:
-    """The limits of each owner; `root` is the id of the root assembly's document, `url` its address."""
+    """Returns the limits of each owner; `root` is the id of the root assembly's document, `url` its
+    address."""
     lists = [requests.features(owner.key, root) for owner in owners]
     bodies = client.all(lists)
     needy = [
@@ -37,28 +38,30 @@ def limits_of(
 def _variables(
     owners: Sequence[Owner], root: str, url: AssemblyUrl, client: CachedClient
 ) -> dict[Owner, Reply]:
-    """The variables of the owners for which the server gives them."""
-    found: dict[Owner, Reply] = {}
-    fresh: dict[Owner, Reply] = {}
+    """Returns the variables of the owners for which the server gives them."""
+    variables: dict[Owner, Reply] = {}
+    replies: dict[Owner, Reply] = {}
     for owner in owners:
-        # Kept, and written in bundles, under the owner's own pin, whatever was asked.
+        # The reply is cached, and written in bundles, under the owner's own pin, whatever the request.
         name = requests.variables(owner.key, root)
         body = client.kept(name)
         if body is not None:
             client.spare(1)
-            found[owner] = Reply(name, body)
+            variables[owner] = Reply(name, body)
         elif owner.key.pin.startswith("v/"):
-            found[owner] = Reply(name, client.one(name))
+            variables[owner] = Reply(name, client.reply(name))
         elif owner.key.document == url.document and url.pin.startswith("v/"):
-            found[owner] = Reply(name, client.one(requests.variables(replace(owner.key, pin=url.pin), root)))
+            variables[owner] = Reply(
+                name, client.reply(requests.variables(replace(owner.key, pin=url.pin), root))
+            )
         elif owner.key.document == url.document and not url.pinned and not client.offline:
-            there = requests.variables(replace(owner.key, pin=url.pin), root)
-            fresh[owner] = Reply(name, client.now(there))
-    if not fresh:
-        return found
-    # A workspace may have moved on since: then these are not the variables of what is built.
+            request_now = requests.variables(replace(owner.key, pin=url.pin), root)
+            replies[owner] = Reply(name, client.now(request_now))
+    if not replies:
+        return variables
+    # The workspace may have changed since: then these are not the variables of the build.
     now = documents.microversion(client.now(requests.current_microversion(url.document, url.pin[2:])))
-    fresh = {owner: reply for owner, reply in fresh.items() if owner.key.pin == f"m/{now}"}
-    for reply in fresh.values():
+    replies = {owner: reply for owner, reply in replies.items() if owner.key.pin == f"m/{now}"}
+    for reply in replies.values():
         client.keep(reply.request, reply.body)
-    return {**found, **fresh}
+    return {**variables, **replies}

@@ -1,4 +1,4 @@
-"""Replies from an Onshape server, in as few calls as the changes to the assembly allow."""
+"""Gets replies from an Onshape server, in as few calls as the changes to the assembly allow."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -24,11 +24,11 @@ _Bodies = dict[str, bytes]
 
 
 class LiveAnswers:
-    """Replies about the assembly at `url`; `keys`: the configuration of the source.
+    """The replies of a server about the assembly at `url`; `keys`: the configuration of the source.
 
-    Pinned replies are cached for ever. After a change of the workspace, replies about part studios that
-    did not change are taken from the microversion of the last build, and stored under the new one once
-    the mass of the assembly confirms them.
+    Pinned replies are cached for ever. After a change of the workspace, replies about part studios that did
+    not change are taken from the microversion of the last build, and stored under the new one once the mass
+    of the assembly confirms them.
     """
 
     def __init__(
@@ -70,11 +70,11 @@ class LiveAnswers:
         request = requests.definition(url.document, self._pin, url.element, url.configuration)
         if self._client.kept(request) is None:
             self._ask(_ASKING)
-        self._definition = Reply(request, self._client.one(request))
+        self._definition = Reply(request, self._client.reply(request))
         return self._definition
 
     def _configure(self) -> None:
-        """Sets the address to the wanted configuration, and its microversion."""
+        """Sets the address to the user's configuration, and its microversion."""
         configured = Configured(self._url, self._keys.configuration, self._client)
         if self._workspace is None:
             self._url = configured.at(self._pin)
@@ -84,21 +84,33 @@ class LiveAnswers:
         self._pin = f"m/{microversion}"
         self._workspace = Workspace(self._url, self._client)
 
-    def _ask(self, what: str) -> None:
-        """Tells what the server is asked, where it is."""
+    def _ask(self, line: str) -> None:
+        """Reports a question to the server, unless offline."""
         if not self._client.offline:
-            self._progress(what)
+            self._progress(line)
 
     def title(self) -> str:
-        """The name of the assembly's tab from any cached reply, else ""; makes no call."""
+        """Returns the name of the assembly's tab from any cached reply, or else ""; makes no call."""
         url, client = self._url, self._client
         subject = f"/documents/d/{url.document}/e/{url.element}#name"
-        known = str(client.recall(subject).get("name", ""))
+        remembered = str(client.recall(subject).get("name", ""))
         kept = client.kept(requests.elements(url.document, self._pin[2:]))
-        name = documents.tab_name(kept, url.element) if kept is not None else known
-        if name != known:
+        name = documents.tab_name(kept, url.element) if kept is not None else remembered
+        if name != remembered:
             client.remember(subject, {"name": name})
         return name
+
+    def ahead(self, needs: Sequence[Needs]) -> tuple[str, dict[str, tuple[str, ...]], bool]:
+        """Returns the pin, the requests of `studios`, and whether it makes no other requests."""
+        pairs = [(request, need) for need in needs for request in self._requests(need)]
+        kept = {request: body for request, _ in pairs if (body := self._client.kept(request)) is not None}
+        tabs = self._reusable(needs, kept)
+        reused = {request: body for _, bodies in tabs for request, body in bodies.items()}
+        pending = {request: need.parts for request, need in pairs if request not in kept | reused}
+        suspects = {*reused, *self._unchecked(request for request, _ in pairs)}
+        check_requests = [*(self._tabs_to_ask() if tabs else ()), *[self._total()] * self._to_weigh(suspects)]
+        exact = not tabs and not self._shapes.doubtful(needs, {**kept, **reused})
+        return self._pin, pending | dict.fromkeys(check_requests, ()), exact
 
     def features(self, owners: Sequence[Owner], root: str) -> Sequence[LimitReplies]:
         if owners:
@@ -108,42 +120,42 @@ class LiveAnswers:
 
     def studios(self, needs: Sequence[Needs]) -> Sequence[StudioReplies]:
         client = self._client
-        known = [request for need in needs for request in self._requests(need)]
-        kept = {request: body for request in known if (body := client.kept(request)) is not None}
+        all_requests = [request for need in needs for request in self._requests(need)]
+        kept = {request: body for request in all_requests if (body := client.kept(request)) is not None}
         reused = self._reused(needs, kept)
-        wanted = [request for need in needs for request in self._requests(need, {**kept, **reused})]
-        missing = [request for request in wanted if request not in kept and request not in reused]
-        suspects = {*reused, *self._unchecked(wanted)}
+        studio_requests = [request for need in needs for request in self._requests(need, {**kept, **reused})]
+        missing = [request for request in studio_requests if request not in kept and request not in reused]
+        suspects = {*reused, *self._unchecked(studio_requests)}
         calls = len(missing) + self._to_weigh(suspects)
-        again = self._shapes.doubtful(needs, {**kept, **reused})
-        again = again if client.affords(calls + len(again)) else []
-        calls += len(again)
+        doubtful = self._shapes.doubtful(needs, {**kept, **reused})
+        doubtful = doubtful if client.affords(calls + len(doubtful)) else []
+        calls += len(doubtful)
         cached = len(kept) + len(reused)
         self._progress(f"{count(len(needs), 'part studio')}: {count(calls, 'call')}, {cached} kept")
         client.spare(cached)
         if missing and not client.offline:
             client.allow(calls)
-        weights = set(wanted[::2])
+        weights = set(studio_requests[::2])
         bodies = {**kept, **reused, **client.all([request for request in missing if request in weights])}
         # After the masses, which show how much of a part studio the assembly uses.
         bodies |= self._shapes.gathered(needs, bodies)
-        fresh, checked = self._verified(needs, bodies, suspects)
-        # Before they are stored: a kill between the two must not make them look checked.
+        refetched, checked = self._verified(needs, bodies, suspects)
+        # This is recorded before they are stored: a kill in between must not make them look checked.
         self._check_later(() if checked else suspects)
-        for request in reused.keys() - fresh.keys():
+        for request in reused.keys() - refetched.keys():
             client.keep(request, reused[request])
-        self._shapes.refusals.keep(reused, fresh)
+        self._shapes.refusals.keep(reused, refetched)
         if self._workspace is not None and not client.offline:
             self._workspace.completed(self._pin[2:])
-        bodies |= fresh
-        bodies |= self._shapes.asked_again(again, bodies)
+        bodies |= refetched
+        bodies |= self._shapes.asked_again(doubtful, bodies)
         self.lasts = self._shapes.lasts(needs, bodies)
         self.diagnostics += self._shapes.diagnostics(needs, bodies)
         return [self._shapes.answer(need, bodies) for need in needs]
 
     def _lists(self, owners: Sequence[Owner]) -> dict[str, tuple[str, bytes]]:
-        """Feature lists that are not cached, from the microversion `then`: request → element and body."""
-        found = {}
+        """Returns uncached feature lists, from the microversion `then`: request → element and body."""
+        lists = {}
         for owner in owners:
             if (owner.key.document, owner.key.pin) != (self._url.document, self._pin):
                 continue
@@ -153,62 +165,69 @@ class LiveAnswers:
             )
             body = self._client.kept(old) if self._client.kept(new) is None else None
             if body is not None:
-                found[new] = owner.key.element, body
-        return found
+                lists[new] = owner.key.element, body
+        return lists
 
     def _keep_lists(self, owners: Sequence[Owner]) -> None:
-        """Keeps the feature lists of assemblies that did not change since `then`, where that saves calls."""
+        """Caches the feature lists of assemblies unchanged since `then`, if that saves calls."""
         if self._then is None or self._then == self._pin[2:]:
             return
-        found = self._lists(owners)
-        if len(found) <= len(self._tabs_to_ask()):
+        lists = self._lists(owners)
+        if len(lists) <= len(self._tabs_to_ask()):
             return
-        same = unchanged(tabs_to_ask(self._url, self._then, self._pin[2:], self._client), self._client)
-        for request, (element, body) in found.items():
-            if element in same:
+        same_tabs = unchanged(tabs_to_ask(self._url, self._then, self._pin[2:], self._client), self._client)
+        for request, (element, body) in lists.items():
+            if element in same_tabs:
                 self._client.keep(request, body)
                 self._client.spare(1)
 
     def _tabs_to_ask(self) -> list[str]:
-        """The requests that show which tabs changed since `then`, without those that are cached."""
+        """Returns the uncached requests that show the tabs that changed since `then`."""
         assert self._then is not None
-        asked = tabs_to_ask(self._url, self._then, self._pin[2:], self._client)
-        return [request for request in asked if self._client.kept(request) is None]
+        pair = tabs_to_ask(self._url, self._then, self._pin[2:], self._client)
+        return [request for request in pair if self._client.kept(request) is None]
 
-    def _requests(self, need: Needs, known: Mapping[str, bytes] = NOTHING) -> tuple[str, str]:
-        """The requests for the mass properties and for the triangles of a part studio.
+    def _requests(self, need: Needs, bodies: Mapping[str, bytes] = NOTHING) -> tuple[str, str]:
+        """Returns the requests for the masses and the triangles of a part studio.
 
-        `known`: bodies besides the cached ones; they decide which triangles are requested.
+        `bodies`: bodies besides the cached ones; they decide which triangles are requested.
         """
-        return self._shapes.mass(need), self._shapes.request(need, known)
+        return self._shapes.mass(need), self._shapes.request(need, bodies)
 
     def _reused(self, needs: Sequence[Needs], kept: Mapping[str, bytes]) -> _Bodies:
-        """Replies that are not cached, taken from the microversion `then` where their tab did not change.
+        """Returns uncached replies, taken from the microversion `then` if their tab did not change.
 
-        Empty where finding the unchanged tabs would cost as many calls as fetching everything again.
+        Empty if finding the unchanged tabs would cost as many calls as fetching everything again.
         """
-        then, now = self._then, self._pin[2:]
-        if then is None or then == now:
+        tabs = self._reusable(needs, kept)
+        if not tabs:
             return {}
-        found = [(need.studio.element, self._earlier(need, kept, then)) for need in needs]
-        spared = sum(len(bodies) for _, bodies in found)
-        assert self._definition is not None
-        # The requests that show which tabs changed serve the feature lists too.
-        lists = len(self._lists(features.owners(self._definition.body))) if spared else 0
-        if spared + lists <= len(self._tabs_to_ask()) + self._to_weigh(["any"]):
-            return {}
-        same = unchanged(tabs_to_ask(self._url, then, now, self._client), self._client)
+        pair = tabs_to_ask(self._url, str(self._then), self._pin[2:], self._client)
+        same = unchanged(pair, self._client)
         return {
-            request: body for element, bodies in found if element in same for request, body in bodies.items()
+            request: body for element, bodies in tabs if element in same for request, body in bodies.items()
         }
 
+    def _reusable(self, needs: Sequence[Needs], kept: Mapping[str, bytes]) -> list[tuple[str, _Bodies]]:
+        """Returns the replies that `_reused` takes if nothing changed, with the tab of each."""
+        then = self._then
+        if then is None or then == self._pin[2:]:
+            return []
+        earlier = [(need.studio.element, self._earlier(need, kept, then)) for need in needs]
+        spared = sum(len(bodies) for _, bodies in earlier)
+        assert self._definition is not None
+        # The requests that show the changed tabs serve the feature lists too.
+        lists = len(self._lists(features.owners(self._definition.body))) if spared else 0
+        dear = spared + lists <= len(self._tabs_to_ask()) + self._to_weigh(["any"])
+        return [] if dear else earlier
+
     def _earlier(self, need: Needs, kept: Mapping[str, bytes], then: str) -> _Bodies:
-        """Replies that a part studio of this document lacks, from the microversion `then`."""
+        """Returns replies that a part studio of this document lacks, from the microversion `then`."""
         studio = need.studio
         if (studio.document, studio.pin) != (self._url.document, self._pin):
             return {}
-        before = replace(need, studio=replace(studio, pin=f"m/{then}"))
-        pairs = [(self._shapes.mass(need), self._shapes.mass(before)), self._shapes.same(need, before)]
+        old_need = replace(need, studio=replace(studio, pin=f"m/{then}"))
+        pairs = [(self._shapes.mass(need), self._shapes.mass(old_need)), self._shapes.same(need, old_need)]
         bodies = {new: body for new, old in pairs if (body := self._client.kept(old)) is not None}
         mass = pairs[0][0]
         # Where the masses differ, the studio changed: its old triangles are wrong too.
@@ -217,9 +236,9 @@ class LiveAnswers:
         return {request: body for request, body in bodies.items() if request not in kept}
 
     def _verified(self, needs: Sequence[Needs], bodies: _Bodies, suspects: set[str]) -> tuple[_Bodies, bool]:
-        """The replies of `suspects`, fetched again, where the assembly's mass shows that one is stale.
+        """Returns the replies of `suspects`, fetched again if the assembly's mass shows a stale reply.
 
-        Also whether `suspects` need no further check; they do where that mass is not available.
+        The second value: whether `suspects` need no further check. They do if that mass is not available.
         """
         client = self._client
         total = client.kept(self._total())
@@ -228,34 +247,33 @@ class LiveAnswers:
         if total is None:
             self._progress("comparing the mass of the assembly with the sum of its parts")
             try:
-                total = client.one(self._total())
+                total = client.reply(self._total())
             except (NotFound, ProtocolError) as error:
                 self.diagnostics += (mass_check.unchecked(self._url.element, error),)
                 return {}, False
-        fresh: _Bodies = {}
+        refetched: _Bodies = {}
         masses = self._masses(needs, bodies, total)
         lasting = not masses.agree and self._differed(needs, masses)
         if not masses.agree and not lasting and suspects and not client.offline:
-            again = sorted(suspects)
-            self._progress(
-                f"a part studio changed through one that it depends on:  {count(len(again), 'call')}"
-            )
-            client.doubt(again)
-            fresh = client.all(again)
-            masses = self._masses(needs, {**bodies, **fresh}, total)
+            suspect_requests = sorted(suspects)
+            calls = count(len(suspect_requests), "call")
+            self._progress(f"a part studio changed through one that it depends on:  {calls}")
+            client.doubt(suspect_requests)
+            refetched = client.all(suspect_requests)
+            masses = self._masses(needs, {**bodies, **refetched}, total)
             if self._workspace is not None:
                 excess = {"excess": list(masses.excess), "studios": _tabs(needs)}
                 self._workspace.differs({} if masses.agree else excess)
         if not masses.agree:
             self.diagnostics += (masses.diagnostic(self._url.element, lasting=lasting),)
-        return fresh, self._keys.verify
+        return refetched, self._keys.verify
 
     def _differed(self, needs: Sequence[Needs], masses: mass_check.Masses) -> bool:
-        """Whether the masses differed by the same amount after all these part studios were fetched again."""
-        known = self._workspace.discrepancy() if self._workspace is not None else {}
-        if not known or not set(_tabs(needs)) <= set(known["studios"]):
+        """Tells whether the masses differed equally after all these part studios were fetched again."""
+        recorded = self._workspace.discrepancy() if self._workspace is not None else {}
+        if not recorded or not set(_tabs(needs)) <= set(recorded["studios"]):
             return False
-        return masses.as_before(known["excess"])
+        return masses.as_before(recorded["excess"])
 
     def _masses(self, needs: Sequence[Needs], bodies: Mapping[str, bytes], total: bytes) -> mass_check.Masses:
         weights = {need.studio: mass_check.read_weights(bodies[self._requests(need)[0]]) for need in needs}
@@ -263,31 +281,31 @@ class LiveAnswers:
         return mass_check.compare(self._definition.body, weights, total)
 
     def _to_weigh(self, suspects: Iterable[str]) -> int:
-        """Calls for the assembly's mass: one where replies are in doubt and it is not kept."""
-        wanted = self._keys.verify and not self._client.offline
-        return int(wanted and any(suspects) and self._client.kept(self._total()) is None)
+        """Returns the number of calls for the assembly's mass: 1 if it is needed and not cached."""
+        checks = self._keys.verify and not self._client.offline
+        return int(checks and any(suspects) and self._client.kept(self._total()) is None)
 
     def _total(self) -> str:
         url = self._url
         return requests.assembly_mass_properties(url.document, self._pin, url.element, url.configuration)
 
-    def _unchecked(self, wanted: Iterable[str]) -> set[str]:
-        """Kept replies that were taken from an earlier microversion without a check."""
+    def _unchecked(self, needed: Iterable[str]) -> set[str]:
+        """Returns cached replies taken from an earlier microversion without a check."""
         if self._workspace is None or self._client.offline:
             return set()
-        found = self._client.recall(self._total()).get("unchecked", ())
-        return set(wanted).intersection(found)
+        unchecked = self._client.recall(self._total()).get("unchecked", ())
+        return set(needed).intersection(unchecked)
 
     def _check_later(self, unchecked: Iterable[str]) -> None:
         if self._workspace is None or self._client.offline:
             return
-        listed = sorted(unchecked)
-        if listed != self._client.recall(self._total()).get("unchecked", []):
-            self._client.remember(self._total(), {"unchecked": listed})
+        request_list = sorted(unchecked)
+        if request_list != self._client.recall(self._total()).get("unchecked", []):
+            self._client.remember(self._total(), {"unchecked": request_list})
 
 
 def _tabs(needs: Sequence[Needs]) -> list[str]:
-    """The part studios, without the microversions of their documents."""
+    """Returns the part studios, without the microversions of their documents."""
     return sorted({f"{n.studio.document}/{n.studio.element}/{n.studio.configuration}" for n in needs})
 
 

@@ -1,5 +1,7 @@
-"""Fetches from the server: sets variables first; uses the last complete fetch where the quota is used up."""
+"""Fetches from the server: sets variables first; uses the last complete fetch if the quota is used up."""
 
+from linkwright.stages.fetch.onshape import definition
+from linkwright.stages.fetch.onshape.asking.ahead import calls_ahead
 from linkwright.stages.fetch.onshape.asking.cached_client import CachedClient
 from linkwright.stages.fetch.onshape.asking.live import LiveAnswers
 from linkwright.stages.fetch.onshape.asking.session import Session
@@ -7,21 +9,17 @@ from linkwright.stages.fetch.onshape.asking.variables import Variables
 from linkwright.stages.fetch.onshape.gather import gather
 from linkwright.stages.fetch.onshape.section import OnshapeSourceSection
 from linkwright.stages.fetch.onshape.url import AssemblyUrl
-from linkwright.stages.fetch.source import FetchContext, Fetched
+from linkwright.stages.fetch.source import CallsAhead, FetchContext, Fetched
 from linkwright.stages.robot.bundle import OnshapeBundle
 from linkwright.stages.robot.errors import Diagnostic, QuotaExhausted, SourceError
 
 
 def fetch(keys: OnshapeSourceSection, context: FetchContext) -> Fetched:
-    """The bundle of the assembly at `keys.url`; errors as `stages.fetch.fetch`."""
+    """Fetches the bundle of the assembly at `keys.url`. Raises the errors of `stages.fetch.fetch`."""
     url, calls = keys.url, context.calls
     with Session(keys, context) as session:
-        client = CachedClient(
-            session, context.replies, offline=keys.offline, refresh=keys.refresh, max_calls=keys.max_calls
-        )
-        client.began, client.while_waiting = context.began, context.while_waiting
-        used = client
-        found: tuple[Diagnostic, ...] = ()
+        client = used = _client(keys, session, context)
+        remarks: tuple[Diagnostic, ...] = ()
         try:
             url = _with_variables(url, keys, client, session, context)
             answers = LiveAnswers(url, keys, client, context.progress)
@@ -35,14 +33,42 @@ def fetch(keys: OnshapeSourceSection, context: FetchContext) -> Fetched:
                 )
                 answers = LiveAnswers(url, keys, used, context.progress)
                 bundle = _fetched_last(answers, exhausted)
-                found = (_quota(exhausted, accepted=keys.stale),)
+                remarks = (_quota(exhausted, accepted=keys.stale),)
         finally:
             session.account(calls)
             calls.saved = used.saved
-    stale = bool(found) and not keys.stale
-    diagnostics = (*answers.diagnostics, *found)
+    stale = bool(remarks) and not keys.stale
+    diagnostics = (*answers.diagnostics, *remarks)
     title = answers.title()
     return Fetched(bundle, calls.made, calls.saved, diagnostics, title, stale, answers.lasts)
+
+
+def ahead(keys: OnshapeSourceSection, context: FetchContext) -> CallsAhead:
+    """Returns the calls that `fetch` will make, once the definition of the assembly is known. Raises the
+    errors of `fetch`."""
+    with Session(keys, context) as session:
+        client = _client(keys, session, context)
+        try:
+            url = _with_variables(keys.url, keys, client, session, context)
+            answers = LiveAnswers(url, keys, client, context.progress)
+            body = answers.definition().body
+            return calls_ahead(answers, body, definition.read(body), client)
+        finally:
+            session.account(context.calls)
+            context.calls.saved = client.saved
+
+
+def _client(keys: OnshapeSourceSection, session: Session, context: FetchContext) -> CachedClient:
+    client = CachedClient(
+        session,
+        context.replies,
+        offline=keys.offline,
+        refresh=keys.refresh,
+        max_calls=keys.max_calls,
+        sweep=context.sweep,
+    )
+    client.while_waiting = context.while_waiting
+    return client
 
 
 def _with_variables(
@@ -52,7 +78,8 @@ def _with_variables(
     session: Session,
     context: FetchContext,
 ) -> AssemblyUrl:
-    """The address of the assembly with its variables set; restores changes that an earlier build left."""
+    """Returns the address of the assembly with its variables set; restores changes that an earlier build
+    left."""
     variables = Variables(url, client, session, context.progress)
     client.undisturbed = variables.undisturbed
     variables.restore_left()
@@ -60,7 +87,7 @@ def _with_variables(
 
 
 def _fetched_last(answers: LiveAnswers, exhausted: QuotaExhausted) -> OnshapeBundle:
-    """The bundle from cached replies only; raises `exhausted` where they are incomplete."""
+    """Returns the bundle from cached replies only; raises `exhausted` if they are incomplete."""
     try:
         return gather(answers)
     except SourceError:

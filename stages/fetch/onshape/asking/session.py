@@ -1,4 +1,4 @@
-"""Connection to the server of one assembly: opened for the first call; checks the replies."""
+"""Connects to the server of an assembly for the first call, and checks the replies."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -10,17 +10,18 @@ from linkwright.stages.fetch.onshape.api.credentials import find
 from linkwright.stages.fetch.onshape.api.http_errors import Declined
 from linkwright.stages.fetch.onshape.api.ledger import Ledger
 from linkwright.stages.fetch.onshape.api.retries import Patience
+from linkwright.stages.fetch.onshape.call_budget import Budget
 from linkwright.stages.fetch.onshape.replies.checks import accepted
 from linkwright.stages.fetch.onshape.section import OnshapeSourceSection
 from linkwright.stages.fetch.source import Calls, FetchContext
 from linkwright.stages.robot.errors import ConfigError, ProtocolError
 
 Promise = Callable[[bytes], None]
-"""Raises ProtocolError for an accepted reply without its required content."""
+"""A function that raises ProtocolError for an accepted reply without its required content."""
 
 
 class Session:
-    """A context manager: the connections live as long as it.
+    """The connection to a server, a context manager: the connections live as long as it.
 
     `keys`: the configuration of the source; `max_wait` and `max_calls` limit the calls.
     """
@@ -44,7 +45,7 @@ class Session:
 
     @property
     def calls(self) -> int:
-        """Calls made that count against the quota."""
+        """The calls made that count against the quota."""
         return self._client.calls if self._client else 0
 
     def account(self, calls: Calls) -> None:
@@ -57,14 +58,14 @@ class Session:
             calls.waited = self._client.waited
 
     def has_key(self) -> bool:
-        """Whether there is a key: a build from cached replies needs none."""
+        """Tells whether there is a key, which a build from cached replies does not need."""
         try:
             return self._client is not None or bool(find(self._context.environ))
         except ConfigError:
             return False
 
     def ready(self) -> Client:
-        """The client, made for the first call: a build from cached replies needs no key."""
+        """Returns the client, made for the first call: a build from cached replies needs no key."""
         if self._client is None:
             context = self._context
             credentials = find(context.environ)
@@ -76,7 +77,7 @@ class Session:
                 patience=self._patience,
                 ledger=self._ledger,
                 progress=context.progress,
-                max_calls=self._max_calls,
+                budget=Budget(self._max_calls, context.sweep.made if context.sweep else None),
                 transient=context.transient,
             )
         return self._client
@@ -87,10 +88,11 @@ class Session:
             self._client.stop()
 
     def ask(self, request: str, promise: Promise | None = None) -> bytes:
-        """The reply to `request` in the form that is cached. Safe to call from several threads once `ready`.
+        """Returns the reply to `request` in the form that is cached. Safe to call from several threads once
+        `ready`.
 
-        An invalid reply, or one that does not fulfil `promise`, is fetched once more.
-        Exceptions: a promise that raises Declined, and the mass of an assembly, which only checks others.
+        An invalid reply, or a reply that does not fulfil `promise`, is fetched once more. Exceptions: a
+        promise that raises Declined, and the mass of an assembly, which only checks other replies.
         """
         kept = b""
         final: ProtocolError | None = None
@@ -114,7 +116,7 @@ class Session:
         return kept
 
     def _same_assembly(self, body: bytes) -> None:
-        found = definition.read(body)
-        if (found.document, found.element) != (self._url.document, self._url.element):
-            msg = f"the server gave assembly {found.element} where {self._url.element} was asked for"
+        answered = definition.read(body)
+        if (answered.document, answered.element) != (self._url.document, self._url.element):
+            msg = f"the server gave assembly {answered.element} where {self._url.element} was asked for"
             raise ProtocolError(msg, hint="run the same command again")

@@ -1,7 +1,7 @@
-"""How often tessellated faces were refused whose glTF is kept: once may be a fault that passes, twice lasts.
+"""Counts the refusals of tessellated faces whose glTF is cached.
 
-After the first refusal the next build that may call asks for the faces once more. The second one settles it:
-then the glTF is used until `source.refresh`. All jobs of a sweep count as one build.
+The first refusal may be a temporary fault, so the next build that may call asks for the faces once more.
+After the second the glTF is used until `source.refresh`. All fetches of a sweep count as one build.
 """
 
 import time
@@ -12,7 +12,7 @@ from linkwright.stages.fetch.onshape.requests import is_gltf
 
 
 class Refusals:
-    """The refusals of the faces that a glTF, named by its request, stands in for."""
+    """The count of refusals of the faces that a glTF, named by its request, replaces."""
 
     def __init__(self, client: CachedClient) -> None:
         self._client = client
@@ -27,22 +27,23 @@ class Refusals:
         self._client.remember(_subject(gltf), {"refusals": 2, "at": time.time()})
 
     def settled(self, gltf: str) -> bool:
-        """Whether the faces were refused twice. A glTF of an earlier version of the program has no record."""
+        """Tells whether the faces were refused twice. A glTF of an earlier version of the program has no
+        record."""
         return gltf in self._carried or self._client.recall(_subject(gltf)).get("refusals", 1) > 1
 
     def due(self, gltf: str) -> bool:
-        """Whether this build must ask for the faces again, if it may call."""
+        """Tells whether this build must ask for the faces again, if it may call."""
         at = self._client.recall(_subject(gltf)).get("at", 0.0)
-        before = self._client.began is None or at < self._client.began
-        return before and not self.settled(gltf)
+        is_earlier = self._client.sweep is None or at < self._client.sweep.began
+        return is_earlier and not self.settled(gltf)
 
     def carry(self, old: str, new: str) -> None:
-        """Makes the count of `old` that of `new`, the same reply at a later microversion, from `keep` on."""
+        """Copies the count of `old` to `new`, the same reply at a later microversion; `keep` stores it."""
         if is_gltf(new) and self.settled(old):
             self._carried.add(new)
 
     def keep(self, reused: Iterable[str], fresh: Iterable[str]) -> None:
-        """Stores what was carried for replies that are `reused`; for `fresh` replies the count begins."""
+        """Stores the carried counts for replies that are `reused`; for `fresh` replies the count begins."""
         for gltf in self._carried.intersection(reused).difference(fresh):
             self.second(gltf)
         for gltf in filter(is_gltf, fresh):

@@ -1,9 +1,9 @@
-"""Requests the triangles of a part studio: tessellated faces, or glTF where the server refuses them.
+"""Requests the triangles of a part studio: tessellated faces, or glTF if the server refuses them.
 
-Tessellated faces are asked for: of all parts, or only of those used where the studio holds many
-others. Where they are refused, glTF is, and the next build asks for them once more. As files it is half
+Tessellated faces are requested: of all parts, or only of those used where the studio holds many others. Where
+they are refused, glTF is requested, and the next build asks for the faces once more. As a file glTF is half
 as large as faces with a table of points, but compressed, as both are sent, a third larger; it has single
-precision, and does not show which body is which part (`python -m tests.benchmarks.tessellation` measures
+precision, and does not identify the parts of its bodies (`python -m tests.benchmarks.tessellation` measures
 both).
 """
 
@@ -22,9 +22,10 @@ from linkwright.stages.formats import triangles
 from linkwright.stages.robot.errors import ConfigError, Diagnostic, NotFound, ProtocolError, SourceError
 
 NOTHING: Mapping[str, bytes] = MappingProxyType({})
+"""The bodies when none are known besides the cached ones."""
 
-_FEW = 8
-"""With no more unused parts than this, all parts are requested: another robot may use them."""
+_MAX_UNUSED_PARTS = 8
+"""Number of unused parts up to which all parts are requested: another robot may use them."""
 
 _NO_MASS = b'{"bodies":{}}'
 
@@ -32,13 +33,14 @@ _NOT_KEPT = (
     "run the same command again (source.refresh=true is not needed: nothing of that reply was kept); "
     "if it fails each time, open the part studio in the browser and check that it regenerates without errors"
 )
+"""The hint for a reply that was not cached, since it lacks content."""
 
-_MOST_NAMED = 200
-"""Part ids in one request at most: servers take lines of about 8 kB."""
+_MAX_NAMED = 200
+"""Largest number of part ids in a request: servers take lines of about 8 kB."""
 
 
 class Shapes:
-    """Requests triangles of this `quality`. `known`: bodies by request, besides the cached ones."""
+    """The requests for triangles of this `quality`. `bodies`: bodies by request, besides the cached ones."""
 
     def __init__(self, client: CachedClient, quality: requests.Tessellation) -> None:
         self._client = client
@@ -47,83 +49,99 @@ class Shapes:
         self.refusals = Refusals(client)
 
     def mass(self, need: Needs) -> str:
-        """The request for the mass properties of a part studio, which must cover all solids."""
+        """Returns the request for the mass properties of a part studio, which must cover all solids."""
         request = requests.mass_properties(need.studio, need.root)
         self._client.require(request, lambda body: _require_masses(need, body))
         return request
 
-    def request(self, need: Needs, known: Mapping[str, bytes]) -> str:
-        """The request for its triangles: one with a known reply, else the one to make.
+    def request(self, need: Needs, bodies: Mapping[str, bytes]) -> str:
+        """Returns the request for its triangles: a request with a known reply, or else the request to make.
 
         A reply for all parts has precedence: a reply for some parts may lack a requested part.
         """
-        some, whole, gltf = self._ways(need, self._body(self.mass(need), known))
-        there = (way for way in (whole, some, gltf) if self._body(way, known) is not None)
-        return next(there, some)
+        some_parts, all_parts, gltf = self._candidate_requests(need, self._body(self.mass(need), bodies))
+        known_requests = (
+            candidate
+            for candidate in (all_parts, some_parts, gltf)
+            if self._body(candidate, bodies) is not None
+        )
+        return next(known_requests, some_parts)
 
     def same(self, need: Needs, before: Needs) -> tuple[str, str]:
-        """The request for `need`, and the request with a known reply for `before`."""
+        """Returns the request for `need`, and the request with a known reply for `before`."""
         mass = self._body(self.mass(before), NOTHING)
         old = self.request(before, NOTHING)
-        new = dict(zip(self._ways(before, mass), self._ways(need, mass), strict=True))[old]
+        new = dict(
+            zip(self._candidate_requests(before, mass), self._candidate_requests(need, mass), strict=True)
+        )[old]
         self.refusals.carry(old, new)
         return new, old
 
-    def gathered(self, needs: Sequence[Needs], known: Mapping[str, bytes]) -> dict[str, bytes]:
-        """Fetches the replies about triangles that are not `known`; the masses must be known."""
-        wanted = {request: need for need in needs if (request := self.request(need, known)) not in known}
+    def gathered(self, needs: Sequence[Needs], bodies: Mapping[str, bytes]) -> dict[str, bytes]:
+        """Fetches the replies about triangles that are not in `bodies`, which must have the masses."""
+        pending = {request: need for need in needs if (request := self.request(need, bodies)) not in bodies}
         refused: Refused = {}
-        # After a refusal no further call begins: what lacks then is asked for one by one.
-        found = self._client.all(list(wanted), refused)
-        for need in wanted.values():
-            request, body = self._one(need, {**known, **found}, refused)
-            found[request] = body
-        return found
+        # After a refusal no further call begins: the missing replies are then requested individually.
+        fetched = self._client.all(list(pending), refused)
+        for need in pending.values():
+            request, body = self._fetch_single(need, {**bodies, **fetched}, refused)
+            fetched[request] = body
+        return fetched
 
-    def doubtful(self, needs: Sequence[Needs], known: Mapping[str, bytes]) -> list[Needs]:
-        """The part studios whose faces a build that may call asks for again, since they were refused once."""
-        ways = [(need, self.request(need, known)) for need in needs]
-        found = [need for need, way in ways if requests.is_gltf(way) and self.refusals.due(way)]
-        return found if found and self._client.may_call else []
+    def doubtful(self, needs: Sequence[Needs], bodies: Mapping[str, bytes]) -> list[Needs]:
+        """Returns the part studios whose faces a build that may call asks for again, since they were refused
+        once."""
+        requests_by_need = [(need, self.request(need, bodies)) for need in needs]
+        once_refused = [
+            need
+            for need, request in requests_by_need
+            if requests.is_gltf(request) and self.refusals.due(request)
+        ]
+        return once_refused if once_refused and self._client.may_call else []
 
-    def asked_again(self, needs: Sequence[Needs], known: Mapping[str, bytes]) -> dict[str, bytes]:
-        """The faces of `doubtful` part studios that are not refused again.
+    def asked_again(self, needs: Sequence[Needs], bodies: Mapping[str, bytes]) -> dict[str, bytes]:
+        """Returns the faces of `doubtful` part studios that are not refused again.
 
-        No failure ends the build, since it has their glTF. One that is no refusal leaves the count as it is.
+        No failure ends the build, since it has their glTF. Failures other than refusals do not change the
+        count.
         """
-        ways = {need.studio: self._ways(need, known[self.mass(need)]) for need in needs}
+        requests_by_studio = {
+            need.studio: self._candidate_requests(need, bodies[self.mass(need)]) for need in needs
+        }
         refused: Refused = {}
-        found: dict[str, bytes] = {}
+        fetched: dict[str, bytes] = {}
         try:
-            found |= self._client.all([some for some, _, _ in ways.values()], refused)
-            for studio, (some, whole, gltf) in ways.items():
+            fetched |= self._client.all(
+                [some_parts for some_parts, _, _ in requests_by_studio.values()], refused
+            )
+            for studio, (some_parts, all_parts, gltf) in requests_by_studio.items():
                 try:
-                    request, body = self._first((some, whole), found, refused, studio.element)
-                    found[request] = body
+                    request, body = self._first((some_parts, all_parts), fetched, refused, studio.element)
+                    fetched[request] = body
                 except (NotFound, Declined):
                     self.refusals.second(gltf)
         except (SourceError, ConfigError) as error:
-            for studio, (_, _, gltf) in ways.items():
+            for studio, (_, _, gltf) in requests_by_studio.items():
                 if not self.refusals.settled(gltf):
                     self._reasons[studio.element] = f"earlier, and asking again failed: {error.message}"
-        return found
+        return fetched
 
-    def lasts(self, needs: Sequence[Needs], known: Mapping[str, bytes]) -> bool:
-        """Whether a later build asks for no faces again."""
-        ways = (self.request(need, known) for need in needs)
-        return all(self.refusals.settled(way) for way in ways if requests.is_gltf(way))
+    def lasts(self, needs: Sequence[Needs], bodies: Mapping[str, bytes]) -> bool:
+        """Tells whether a later build asks for no faces again."""
+        studio_requests = (self.request(need, bodies) for need in needs)
+        return all(self.refusals.settled(request) for request in studio_requests if requests.is_gltf(request))
 
-    def answer(self, need: Needs, known: Mapping[str, bytes]) -> StudioReplies:
-        """The replies about a part studio, once they are known."""
-        mass, request = self.mass(need), self.request(need, known)
-        body = self._body(request, known)
+    def answer(self, need: Needs, bodies: Mapping[str, bytes]) -> StudioReplies:
+        """Returns the replies about a part studio, once they are known."""
+        mass, request = self.mass(need), self.request(need, bodies)
+        body = self._body(request, bodies)
         assert body is not None
-        body = compacted(request, body, known[mass])
-        return StudioReplies((Reply(mass, known[mass]),), Reply(request, body))
+        body = compacted(request, body, bodies[mass])
+        return StudioReplies((Reply(mass, bodies[mass]),), Reply(request, body))
 
-    def diagnostics(self, needs: Sequence[Needs], known: Mapping[str, bytes]) -> tuple[Diagnostic, ...]:
-        """I-TESSELLATION for each part studio whose triangles are from its glTF."""
-        found = [(need.studio.element, self.request(need, known)) for need in needs]
+    def diagnostics(self, needs: Sequence[Needs], bodies: Mapping[str, bytes]) -> tuple[Diagnostic, ...]:
+        """Reports I-TESSELLATION for each part studio whose triangles are from its glTF."""
+        requests_by_element = [(need.studio.element, self.request(need, bodies)) for need in needs]
         return tuple(
             Diagnostic(
                 "I-TESSELLATION",
@@ -131,73 +149,75 @@ class Shapes:
                 f"tessellated faces were refused: {self._reasons.get(element, 'earlier')}",
                 f"part studio {element}",
                 "to ask for tessellated faces again, build with source.refresh=true"
-                if self.refusals.settled(way)
+                if self.refusals.settled(request)
                 else "the next build asks for tessellated faces once more",
             )
-            for element, way in found
-            if requests.is_gltf(way)
+            for element, request in requests_by_element
+            if requests.is_gltf(request)
         )
 
-    def _one(self, need: Needs, known: Mapping[str, bytes], refused: Refused) -> tuple[str, bytes]:
-        """The first request for triangles that is not refused, and its reply."""
-        some, whole, gltf = self._ways(need, known[self.mass(need)])
-        ways = (self.request(need, known), some, whole, gltf)
-        request, body = self._first(ways, known, refused, need.studio.element)
+    def _fetch_single(self, need: Needs, bodies: Mapping[str, bytes], refused: Refused) -> tuple[str, bytes]:
+        """Returns the first request for triangles that is not refused, and its reply."""
+        some_parts, all_parts, gltf = self._candidate_requests(need, bodies[self.mass(need)])
+        candidates = (self.request(need, bodies), some_parts, all_parts, gltf)
+        request, body = self._first(candidates, bodies, refused, need.studio.element)
         if request == gltf:
             self.refusals.first(gltf)
         return request, body
 
     def _first(
-        self, ways: Iterable[str], known: Mapping[str, bytes], refused: Refused, element: str
+        self, candidates: Iterable[str], bodies: Mapping[str, bytes], refused: Refused, element: str
     ) -> tuple[str, bytes]:
-        """The first request that is not refused, and its reply; raises the first refusal if all are."""
+        """Returns the first request that is not refused, and its reply; raises the first refusal if all
+        are."""
         first: NotFound | Declined | None = None
-        for request in dict.fromkeys(ways):
+        for request in dict.fromkeys(candidates):
             try:
                 if request in refused:
                     raise refused[request]
-                body = self._body(request, known)
-                return request, self._client.one(request) if body is None else body
+                body = self._body(request, bodies)
+                return request, self._client.reply(request) if body is None else body
             except (NotFound, Declined) as error:
                 first = first or error
                 self._reasons.setdefault(element, error.message)
         assert first is not None
         raise first
 
-    def _ways(self, need: Needs, mass: bytes | None) -> tuple[str, str, str]:
-        """The requests for triangles: of what is needed, of all parts, as glTF.
+    def _candidate_requests(self, need: Needs, mass: bytes | None) -> tuple[str, str, str]:
+        """Returns the requests for triangles: of the needed parts, of all parts, as glTF.
 
-        Each must contain all needed parts. Where the faces of all parts lack some, no other request is tried.
+        Each must contain all needed parts. If the faces of all parts lack some, no other request is tried.
         """
         studio, root, only = need.studio, need.root, selected(need.parts, mass)
         some = requests.tessellated_faces(studio, root, self._quality, only)
-        whole = requests.tessellated_faces(studio, root, self._quality)
+        all_parts = requests.tessellated_faces(studio, root, self._quality)
         gltf = requests.gltf(studio, root, self._quality, only)
-        known = mass or _NO_MASS
-        self._client.require(some, lambda body: _require_complete(need, some, body, known))
-        self._client.require(gltf, lambda body: _require_complete(need, gltf, body, known))
-        self._client.require(whole, lambda body: _require_solids(need, whole, body, known))
-        return some, whole, gltf
+        weights = mass or _NO_MASS
+        self._client.require(some, lambda body: _require_complete(need, some, body, weights))
+        self._client.require(gltf, lambda body: _require_complete(need, gltf, body, weights))
+        self._client.require(all_parts, lambda body: _require_solids(need, all_parts, body, weights))
+        return some, all_parts, gltf
 
-    def _body(self, request: str, known: Mapping[str, bytes]) -> bytes | None:
-        return known[request] if request in known else self._client.kept(request)
+    def _body(self, request: str, bodies: Mapping[str, bytes]) -> bytes | None:
+        return bodies[request] if request in bodies else self._client.kept(request)
 
 
 def selected(parts: Sequence[str], mass: bytes | None) -> tuple[str, ...]:
-    """The parts to ask for where a studio holds many others; none where all are asked for.
+    """Returns the parts to request if a studio holds many others; empty to request all.
 
-    `mass`: the reply with the mass properties of the studio, if it is known. Parts that it does not
-    list as solids are not asked for by id: whether a server then gives them is not known.
+    `mass`: the reply with the mass properties of the studio, if it is known. Parts that it does not list as
+    solids are not requested by id: whether a server then gives them is not known.
     """
-    if mass is None or len(parts) > _MOST_NAMED:
+    if mass is None or len(parts) > _MAX_NAMED:
         return ()
     solids = {name for name, volume in _volumes(mass).items() if volume > 0}
-    others = len(solids) - len(parts)
-    return tuple(parts) if others > max(len(parts), _FEW) and solids.issuperset(parts) else ()
+    unneeded = len(solids) - len(parts)
+    return tuple(parts) if unneeded > max(len(parts), _MAX_UNUSED_PARTS) and solids.issuperset(parts) else ()
 
 
 def _require_complete(need: Needs, request: str, body: bytes, mass: bytes) -> None:
-    """Declined where triangles that were asked for by part, or identified by shape, lack one of the parts."""
+    """Raises Declined if triangles that were requested by part, or identified by shape, lack one of the
+    parts."""
     try:
         lacking = sorted(set(need.parts) - triangles.names(compacted(request, body, mass)))
     except ProtocolError as error:
@@ -208,7 +228,7 @@ def _require_complete(need: Needs, request: str, body: bytes, mass: bytes) -> No
 
 
 def _require_masses(need: Needs, body: bytes) -> None:
-    """ProtocolError where a reply with mass properties lacks those of a needed solid."""
+    """Raises ProtocolError if a reply with mass properties lacks those of a needed solid."""
     bodies = orjson.loads(body)["bodies"]
     lacking = [part for part in need.solids if not bodies.get(part)]
     if lacking:
@@ -217,19 +237,21 @@ def _require_masses(need: Needs, body: bytes) -> None:
 
 
 def _require_solids(need: Needs, request: str, body: bytes, mass: bytes) -> None:
-    """ProtocolError where the triangles of all parts lack a needed solid that has a volume.
+    """Raises ProtocolError if the triangles of all parts lack a needed solid that has a volume.
 
-    A solid whose volume is not known, since `mass` lacks it, counts as having one.
+    A solid whose volume is not known, since `mass` lacks it, counts as having a volume.
     """
-    volumes, there = _volumes(mass), triangles.names(compacted(request, body, mass))
-    lacking = [part for part in need.solids if volumes.get(part, 1.0) > 0 and part not in there]
+    volumes, bodies_with_triangles = _volumes(mass), triangles.names(compacted(request, body, mass))
+    lacking = [
+        part for part in need.solids if volumes.get(part, 1.0) > 0 and part not in bodies_with_triangles
+    ]
     if lacking:
         msg = f"the triangles of part studio {need.studio.element} lack the parts {', '.join(lacking)}"
         raise ProtocolError(msg, hint=_NOT_KEPT)
 
 
 def _volumes(mass: bytes) -> dict[str, float]:
-    """The volume [m³] of each body in a reply with mass properties; nothing where it has none."""
+    """Returns the volume [m³] of each body in a reply with mass properties; empty for any other reply."""
     try:
         bodies = orjson.loads(mass)["bodies"]
         return {name: float(record["volume"][0]) for name, record in bodies.items()}

@@ -1,9 +1,9 @@
-"""Sets variables of a document for one build. This writes to the user's CAD and is undone at once.
+"""Sets variables of a document for a build, which writes to the user's CAD and is undone at once.
 
-The variables are changed in their variable studios, the microversion of that state is noted, and the
-previous values are restored; the build then reads that microversion, which never changes. A studio's
-table is written whole, with only the wanted values changed: whether the server would replace or
-merge a partial one is not documented.
+The variables are changed in their variable studios, the microversion of that state is noted, and the previous
+values are restored; the build then reads that microversion, which never changes. A studio's table is written
+whole, with only the set values changed: whether the server would replace or merge a partial table is not
+documented.
 
 The previous values are stored before anything is written: if the process is killed in between, the
 next build restores them.
@@ -39,12 +39,12 @@ _KEY = "source.variables"
 _SENT = ("name", "type", "expression", "description")
 
 Table = list[dict[str, Any]]
-"""The variables of one studio, in the format of the API."""
+"""The variables of a studio, in the format of the API."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Change:
-    """One variable studio's variables, before and after."""
+    """The variables of a variable studio, before and after."""
 
     studio: str
     before: Table
@@ -52,7 +52,7 @@ class _Change:
 
 
 class Variables:
-    """Reads and writes the variables of the workspace at `url`."""
+    """A reader and writer of the variables of the workspace at `url`."""
 
     def __init__(
         self, url: AssemblyUrl, client: CachedClient, session: Session, progress: Callable[[str], None]
@@ -71,59 +71,62 @@ class Variables:
 
     @contextmanager
     def undisturbed(self) -> Iterator[None]:
-        """Within this context the variables have their users' values, and no other build changes them.
+        """Keeps the users' values in place within this context: no other build changes the variables.
 
-        Waits until another build has restored them; variables that a killed build had changed are
-        restored first.
+        Waits until another build has restored them; variables that a killed build had changed are restored
+        first.
         """
-        with self._client.alone(self._subject):
+        with self._client.lock(self._subject):
             left = self._left()
             if left:
                 self._progress("restoring the variables that a killed build had changed")
                 self._put_back([_Change(**change) for change in left], look=True)
             yield
 
-    def applied(self, wanted: Mapping[str, Any]) -> AssemblyUrl:
-        """The address, pinned to the microversion at which the variables have the values wanted.
+    def applied(self, settings: Mapping[str, Any]) -> AssemblyUrl:
+        """Returns the address, pinned to the microversion at which the variables have the values of
+        `settings`.
 
-        SourceError lists the variables that the document lacks; in that case no value is changed.
+        Raises SourceError with the variables that the document lacks; in that case no value is changed.
         """
         with self.undisturbed():
             now = self._microversion()
-            known = self._client.recall(self._state(now, wanted)).get("microversion")
-            if known:
-                return self._pinned(str(known))
-            changes = self._changes(wanted)
+            microversion = self._client.recall(self._state(now, settings)).get("microversion")
+            if microversion:
+                return self._pinned(str(microversion))
+            changes = self._changes(settings)
             if not changes:
                 return self._pinned(now)
-            self._plan(len(wanted), 2 * len(changes) + 2)
+            self._plan(len(settings), 2 * len(changes) + 2)
             self._client.remember(self._subject, {"changes": [_plain(change) for change in changes]})
             written: list[_Change] = []
             try:
                 for change in changes:
                     self._set(change, written)
-                made = self._microversion()
+                microversion_set = self._microversion()
             except BaseException as first:
                 self._put_back(written, look=False, first=first)
                 raise
             self._put_back(written, look=False)
             # The same values in the same state of the document need no second write.
-            self._client.remember(self._state(self._microversion(), wanted), {"microversion": made})
-            return self._pinned(made)
+            self._client.remember(
+                self._state(self._microversion(), settings), {"microversion": microversion_set}
+            )
+            return self._pinned(microversion_set)
 
     def _plan(self, variables: int, writing: int) -> None:
-        """Reports the calls to come; SourceError before the first write where they are too many.
+        """Reports the calls to come; raises SourceError before the first write if they are too many.
 
         `writing`: calls to write, to restore and to ask for the microversion. The calls of the build itself
-        are known from the last complete build: the definition, and two for each part studio of
-        this document, whose replies are not yet cached for the new state.
+        are known from the last complete build: the definition, and two for each part studio of this document,
+        whose replies are not yet cached for the new state.
         """
         workspace = Workspace(self._url, self._client)
         last = workspace.last()
         body = self._client.kept(workspace.definition(last)) if last else None
         studios = definition.read(body).parts if body else ()
-        mine = [key for key in studios if (key.document, key.pin) == (self._url.document, f"m/{last}")]
-        building = 1 + 2 * len(mine)
+        own_studios = [key for key in studios if (key.document, key.pin) == (self._url.document, f"m/{last}")]
+        building = 1 + 2 * len(own_studios)
         self._client.allow(writing + building)
         least = self._client.made + writing + building
         self._progress(
@@ -132,7 +135,7 @@ class Variables:
         )
 
     def _set(self, change: _Change, written: list[_Change]) -> None:
-        """Writes the wanted values of one studio; `written` gets the change unless it certainly failed."""
+        """Writes the new values of a studio; adds the change to `written` unless it certainly failed."""
         written.append(change)
         try:
             self._write(change.studio, change.after)
@@ -148,10 +151,10 @@ class Variables:
     def _put_back(
         self, changes: Sequence[_Change], *, look: bool, first: BaseException | None = None
     ) -> None:
-        """Restores the previous values; with `look` only where the values are still those that we wrote.
+        """Restores the previous values; with `look`, only if the values are still those that we wrote.
 
-        Tries every studio, even after a failure. SourceError where one fails; it names
-        the error that ended the build (`first`) as well, and what is left to restore stays stored.
+        Tries every studio, even after a failure. Raises SourceError if a studio fails; the error names the
+        error that ended the build (`first`) as well, and the values left to restore stay stored.
         """
         failed = [(change, error) for change in changes if (error := self._restored(change, look=look))]
         self._client.remember(self._subject, {"changes": [_plain(change) for change, _ in failed]})
@@ -161,73 +164,74 @@ class Variables:
         if isinstance(first, SourceError):
             errors.insert(0, first)
         names = [name for change, _ in failed for name in _by_hand(change)]
-        # A dict keeps the order and reports what several studios have in common once.
+        # A dict keeps the order and reports equal errors of several studios once.
         why = "; ".join(dict.fromkeys(error.message for error in errors))
         hints = dict.fromkeys(error.hint for error in errors if error.hint)
         msg = f"variables of the document could not be restored to {', '.join(names)}: {why}"
-        own = "run the same command again, which restores them first, or set them in Onshape"
-        raise SourceError(msg, _KEY, "; ".join([own, *hints])) from (first or errors[0])
+        hint = "run the same command again, which restores them first, or set them in Onshape"
+        raise SourceError(msg, _KEY, "; ".join([hint, *hints])) from (first or errors[0])
 
     def _restored(self, change: _Change, *, look: bool) -> SourceError | None:
-        """Restores one studio's variables; returns the error where that fails."""
+        """Restores the variables of a studio; returns the error if that fails."""
         sent = False
         try:
-            there = _values(self._table(change.studio)) if look else _values(change.after)
-            if there == _values(change.after):
+            present = _values(self._table(change.studio)) if look else _values(change.after)
+            if present == _values(change.after):
                 sent = True
                 self._write(change.studio, change.before, restoring=True)
-            elif there != _values(change.before):
+            elif present != _values(change.before):
                 self._progress(
                     f"variable studio {change.studio} was edited in the meantime and is left as it is"
                 )
         except SourceError as error:
-            what = "was not restored" if sent else "could not be read, so it was not changed"
-            msg = f"variable studio {change.studio} {what}: {error.message}"
+            outcome = "was not restored" if sent else "could not be read, so it was not changed"
+            msg = f"variable studio {change.studio} {outcome}: {error.message}"
             return SourceError(msg, error.where, error.hint)
         return None
 
-    def _changes(self, wanted: Mapping[str, Any]) -> list[_Change]:
+    def _changes(self, settings: Mapping[str, Any]) -> list[_Change]:
         tables = {studio: self._table(studio) for studio in self._studios()}
-        known = {row["name"]: studio for studio, table in tables.items() for row in table}
+        studio_of = {row["name"]: studio for studio, table in tables.items() for row in table}
         problems = [
             Diagnostic(
                 "E-VARIABLE",
                 "no variable studio of the document has this variable",
                 f"{_KEY}.{name}",
-                f"it has: {', '.join(sorted(known)) or 'none'}",
+                f"it has: {', '.join(sorted(studio_of)) or 'none'}",
             )
-            for name in wanted
-            if name not in known
+            for name in settings
+            if name not in studio_of
         ]
         changes = []
-        for studio in sorted({known[name] for name in wanted if name in known}):
-            before = tables[studio]
-            after = [
-                {**row, "expression": expression(wanted[row["name"]], str(row.get("type")))}
-                if known[row["name"]] == studio and row["name"] in wanted
+        for studio in sorted({studio_of[name] for name in settings if name in studio_of}):
+            old_table = tables[studio]
+            new_table = [
+                {**row, "expression": expression(settings[row["name"]], str(row.get("type")))}
+                if studio_of[row["name"]] == studio and row["name"] in settings
                 else row
-                for row in before
+                for row in old_table
             ]
-            blank = [str(row["name"]) for row in before if not row.get("expression")]
-            if after != before and blank:
-                what = f"its variable studio has variables without a known value, such as #{blank[0]}"
+            blank = [str(row["name"]) for row in old_table if not row.get("expression")]
+            if new_table != old_table and blank:
+                text = f"its variable studio has variables without a known value, such as #{blank[0]}"
                 hint = "a configured variable cannot be written back: use source.configuration"
-                problems.append(Diagnostic("E-VARIABLE", what, f"{_KEY} ({studio})", hint))
-            elif after != before:
-                changes.append(_Change(studio, before, after))
+                problems.append(Diagnostic("E-VARIABLE", text, f"{_KEY} ({studio})", hint))
+            elif new_table != old_table:
+                changes.append(_Change(studio, old_table, new_table))
         if problems:
             msg = f"the variables cannot be set: {count(len(problems), 'problem')}"
             raise SourceError(msg, _KEY, problems=problems)
         return changes
 
     def _studios(self) -> list[str]:
-        """The ids of the document's variable studios."""
+        """Returns the ids of the document's variable studios."""
         body = self._client.now(requests.tabs(self._url.document, self._url.pin[2:]))
         tabs = orjson.loads(body)
         return sorted(str(tab["id"]) for tab in tabs if tab.get("elementType") == "VARIABLESTUDIO")
 
     def _table(self, studio: str) -> Table:
-        """The present variables of a studio; those of a studio that it refers to are not written."""
+        """Returns the present variables of a studio; the variables of a studio that it refers to are not
+        written."""
         request = requests.variable_studio(self._url.document, self._url.pin[2:], studio)
         rows = [
             row
@@ -251,9 +255,9 @@ class Variables:
     def _pinned(self, microversion: str) -> AssemblyUrl:
         return replace(self._url, pin=f"m/{microversion}")
 
-    def _state(self, microversion: str, wanted: Mapping[str, Any]) -> str:
-        """The key under which these values at one state of the document are stored."""
-        values = orjson.dumps(dict(wanted), option=orjson.OPT_SORT_KEYS)
+    def _state(self, microversion: str, settings: Mapping[str, Any]) -> str:
+        """Returns the key under which these values at a state of the document are stored."""
+        values = orjson.dumps(dict(settings), option=orjson.OPT_SORT_KEYS)
         return f"/documents/d/{self._url.document}/m/{microversion}#variables={sha256(values).hexdigest()}"
 
     def _left(self) -> list[dict[str, Any]]:
@@ -262,7 +266,7 @@ class Variables:
 
 
 def expression(value: Any, kind: str) -> str:
-    """A value as the expression of a variable of the type `kind`; bare numbers are SI."""
+    """Returns a value as the expression of a variable of the type `kind`; bare numbers are SI."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):
@@ -277,7 +281,7 @@ def _plain(change: _Change) -> dict[str, Any]:
 
 
 def _by_hand(change: _Change) -> list[str]:
-    """The assignments that a user has to make to restore a studio by hand."""
+    """Returns the assignments that a user has to make to restore a studio by hand."""
     rows = zip(change.before, change.after, strict=True)
     return [f"{old['name']} = {old.get('expression')}" for old, new in rows if old != new]
 

@@ -1,1 +1,1 @@
-"""What the replies of a server hold, and where they are kept."""
+"""Replies of a server: reads, checks and stores them."""

@@ -14,19 +14,20 @@ from linkwright.stages.fetch.onshape.requests import (
     is_gltf,
     is_triangles,
 )
-from linkwright.stages.formats import triangles as compact
+from linkwright.stages.formats import triangles
 from linkwright.stages.robot.errors import ProtocolError
 
 NOT_JSON, NO_BODIES = "not JSON", "no bodies"
-_ALONE = Lock()
-"""Replies arrive in several threads; one at a time is in memory as Python objects."""
+_PARSE_LOCK = Lock()
+"""Lock for parsing: replies arrive in several threads, and only one at a time is in memory as Python
+objects."""
 
 
 def accepted(request: str, body: bytes) -> bytes:
-    """The form in which a reply is cached: unchanged, but tessellated faces in compact form. Errors as
-    `check`."""
-    if compact.is_compact(body):
-        compact.check(body)
+    """Returns the form in which a reply is cached: unchanged, except tessellated faces, which are in compact
+    form. Raises the errors of `check`."""
+    if triangles.is_compact(body):
+        triangles.check(body)
         return body
     if is_triangles(request):
         # Late: an unchanged source is not read again.
@@ -44,11 +45,12 @@ def accepted(request: str, body: bytes) -> bytes:
 
 
 def compacted(request: str, body: bytes, mass: bytes) -> bytes:
-    """The compact form of an accepted reply with triangles; ProtocolError where its bodies are unclear.
+    """Returns the compact form of an accepted reply with triangles. Raises ProtocolError if its bodies are
+    unclear.
 
     `mass`: the reply with the mass properties of the part studio, which identifies the bodies of a glTF.
     """
-    if is_gltf(request) and not compact.is_compact(body):
+    if is_gltf(request) and not triangles.is_compact(body):
         # Late: an unchanged source is not read again.
         from linkwright.stages.fetch.onshape.triangles import gltf_parts
 
@@ -57,7 +59,7 @@ def compacted(request: str, body: bytes, mass: bytes) -> bytes:
 
 
 def check(request: str, body: bytes) -> None:
-    """ProtocolError where `body` does not parse or lacks the keys that every such reply has."""
+    """Raises ProtocolError if `body` does not parse or lacks the keys that every such reply has."""
     if is_definition(request):
         definition.read(body)
         return
@@ -78,12 +80,12 @@ def check(request: str, body: bytes) -> None:
     if is_features(request) or path.startswith("/variables/"):
         features.check(body, describe(request), tables=not is_features(request))
         return
-    with _ALONE:
-        wrong = _not_of_bodies(body)
-    if wrong == NOT_JSON:
+    with _PARSE_LOCK:
+        fault = _not_of_bodies(body)
+    if fault == NOT_JSON:
         msg = f"the reply with {describe(request)} is not JSON, or was cut short"
         raise ProtocolError(msg, hint="run the same command again; what was fetched is kept")
-    if wrong:
+    if fault:
         msg = f"the reply with {describe(request)} has no bodies"
         raise ProtocolError(
             msg, hint="run the same command again; if it fails each time, the API has changed"
@@ -91,7 +93,7 @@ def check(request: str, body: bytes) -> None:
 
 
 def _not_of_bodies(body: bytes) -> str:
-    """What is wrong with a reply that should have bodies, or "".
+    """Returns the error of a reply that should have bodies, or "".
 
     The parsed reply, many times as large as `body`, ends here: an error raised from here would keep it.
     """

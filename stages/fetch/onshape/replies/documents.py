@@ -10,48 +10,49 @@ _HINT = "run the same command again; if it fails each time, the API has changed"
 
 
 def microversion(body: bytes) -> str:
-    """The microversion that a `currentmicroversion` reply names; ProtocolError where it names none."""
+    """Returns the microversion in a `currentmicroversion` reply. Raises ProtocolError if it is missing."""
     data = _json(body, "the current microversion")
-    found = data.get("microversion") if isinstance(data, dict) else None
-    if not isinstance(found, str) or not found:
+    name = data.get("microversion") if isinstance(data, dict) else None
+    if not isinstance(name, str) or not name:
         msg = "the reply with the current microversion does not name one"
         raise ProtocolError(msg, hint=_HINT)
-    return found
+    return name
 
 
 def tabs(body: bytes) -> Mapping[str, str]:
-    """Element id → the microversion of that element alone, of an `elements` reply.
+    """Returns element id → the microversion of that element alone, from an `elements` reply.
 
-    Tabs without a microversion are left out: they count as changed. ProtocolError for an invalid reply.
+    Tabs without a microversion are left out: they count as changed. Raises ProtocolError for an invalid
+    reply.
     """
     data = _json(body, "the tabs of a document")
     if not isinstance(data, list) or not all(isinstance(tab, dict) for tab in data):
         msg = "the reply with the tabs of a document is not a list of tabs"
         raise ProtocolError(msg, hint=_HINT)
-    found = ((tab.get("id"), tab.get("microversionId")) for tab in data)
-    return {str(element): str(version) for element, version in found if element and version}
+    versions = ((tab.get("id"), tab.get("microversionId")) for tab in data)
+    return {str(element): str(version) for element, version in versions if element and version}
 
 
 def tab_name(body: bytes, element: str) -> str:
-    """The name of a tab in an `elements` reply; "" for none."""
-    found = _json(body, "the tabs of a document")
-    listed = found if isinstance(found, list) else []
-    names = (tab.get("name") for tab in listed if isinstance(tab, dict) and tab.get("id") == element)
+    """Returns the name of a tab in an `elements` reply, or ""."""
+    reply = _json(body, "the tabs of a document")
+    tab_records = reply if isinstance(reply, list) else []
+    names = (tab.get("name") for tab in tab_records if isinstance(tab, dict) and tab.get("id") == element)
     return next((name for name in names if isinstance(name, str)), "")
 
 
 def require_tab(body: bytes, element: str) -> None:
-    """ProtocolError where an `elements` reply lacks a tab that must exist."""
+    """Raises ProtocolError if an `elements` reply lacks a tab that must exist."""
     tabs(body)
     if not any(tab.get("id") == element for tab in orjson.loads(body)):
         msg = f"the reply with the tabs of a document lacks {element}, the tab of the assembly"
         raise ProtocolError(msg, hint="run the same command again; nothing of that reply was kept")
 
 
-def _json(body: bytes, what: str) -> object:
+def _json(body: bytes, subject: str) -> object:
     try:
         data: object = orjson.loads(body)
     except orjson.JSONDecodeError:
-        msg = f"the reply with {what} is not JSON, or was cut short"
+        msg = f"the reply with {subject} is not JSON, or was cut short"
         raise ProtocolError(msg, hint=_HINT) from None
     return data

@@ -1,7 +1,7 @@
-"""Finds the feature lists and variables to fetch where a definition has no limits.
+"""Finds the feature lists and variables to fetch if a definition has no limits.
 
-Before v17 of the API recorded mates have no `mateLimits`. The graph stage reads the replies; this module
-only finds which assemblies to ask for, and whether their limits refer to a variable.
+Before v17 of the API recorded mates have no `mateLimits`. The graph stage reads the replies; this module only
+finds the assemblies to ask for, and whether their limits refer to a variable.
 """
 
 import re
@@ -22,38 +22,42 @@ _VARIABLE = re.compile(r"#([A-Za-z_]\w*)")
 
 @dataclass(frozen=True, slots=True)
 class Owner:
-    """An assembly that owns a mate of unknown limits; `settings`: all values of its configuration."""
+    """An assembly that owns a mate of unknown limits."""
 
     key: StudioKey
     settings: str
+    """All values of the assembly's configuration."""
 
 
 def owners(body: bytes) -> tuple[Owner, ...]:
-    """The assemblies of a definition with a movable mate whose limits are not given, by their keys."""
+    """Returns the assemblies of a definition with a movable mate whose limits are not given, by their
+    keys."""
     data = orjson.loads(body)
-    used = definition.assemblies(data["rootAssembly"], data.get("subAssemblies") or ())
-    found = {StudioKey.of(record): record for record in used if any(map(_silent, _mates(record)))}
-    return tuple(Owner(key, _settings(found[key], key)) for key in sorted(found))
+    used_assemblies = definition.assemblies(data["rootAssembly"], data.get("subAssemblies") or ())
+    silent_owners = {
+        StudioKey.of(record): record for record in used_assemblies if any(map(_silent, _mates(record)))
+    }
+    return tuple(Owner(key, _settings(silent_owners[key], key)) for key in sorted(silent_owners))
 
 
 def name_variables(body: bytes, owner: Owner) -> bool:
-    """Whether limits in an assembly's list of features name variables that its configuration lacks."""
-    known = split(owner.settings)
-    return any(name not in known for name in _names(orjson.loads(body)["features"]))
+    """Tells whether limits in an assembly's list of features name variables that its configuration lacks."""
+    settings = split(owner.settings)
+    return any(name not in settings for name in _names(orjson.loads(body)["features"]))
 
 
-def check(body: bytes, what: str, *, tables: bool) -> None:
-    """ProtocolError where `body` is not a feature list, or (`tables`) not a list of variable tables."""
+def check(body: bytes, subject: str, *, tables: bool) -> None:
+    """Raises ProtocolError if `body` is not a feature list, or (`tables`) not a list of variable tables."""
     hint = "run the same command again; if it fails each time, the API has changed"
     try:
         data = orjson.loads(body)
     except orjson.JSONDecodeError:
-        msg = f"the reply with {what} is not JSON, or was cut short"
+        msg = f"the reply with {subject} is not JSON, or was cut short"
         raise ProtocolError(msg, hint=hint) from None
     if not tables:
         data = data.get("features") if isinstance(data, dict) else None
     if not isinstance(data, list) or not all(isinstance(item, dict) for item in data):
-        msg = f"the reply with {what} contains no list of features"
+        msg = f"the reply with {subject} contains no list of features"
         raise ProtocolError(msg, hint=hint)
 
 
@@ -68,30 +72,30 @@ def _mates(record: _Record) -> Iterator[_Record]:
 
 
 def _silent(mate: _Record) -> bool:
-    """Whether a movable mate with both its sides lacks limits."""
-    whole = len(mate.get("matedEntities") or ()) == 2
-    return whole and mate.get("mateType") != "FASTENED" and mate.get("mateLimits") is None
+    """Tells whether a movable mate with both its sides lacks limits."""
+    has_both_sides = len(mate.get("matedEntities") or ()) == 2
+    return has_both_sides and mate.get("mateType") != "FASTENED" and mate.get("mateLimits") is None
 
 
 def _names(features: Any) -> Iterator[str]:
-    """The variables in the limits of all mates with enabled limits."""
+    """Yields the variables in the limits of all mates with enabled limits."""
     for feature in features:
         parameters = list(map(_open, _open(feature).get("parameters") or ()))
-        switches = [one for one in parameters if one.get("parameterId") == "limitsEnabled"]
+        switches = [parameter for parameter in parameters if parameter.get("parameterId") == "limitsEnabled"]
         # A switch that the configuration sets may be on.
-        if not any(one.get("value") or "values" in one for one in switches):
+        if not any(switch.get("value") or "values" in switch for switch in switches):
             continue
         for parameter in parameters:
             if str(parameter.get("parameterId")).startswith("limit"):
-                for one in (
+                for setting in (
                     parameter,
                     *(_open(_open(v).get("value")) for v in parameter.get("values") or ()),
                 ):
-                    if not one.get("isNull"):
-                        yield from _VARIABLE.findall(str(one.get("expression") or ""))
+                    if not setting.get("isNull"):
+                        yield from _VARIABLE.findall(str(setting.get("expression") or ""))
 
 
 def _open(record: Any) -> _Record:
-    """A feature or parameter out of its envelope, if it has one."""
+    """Returns a feature or parameter without its envelope, if any."""
     inside = record.get("message") if isinstance(record, dict) else {}
     return inside if isinstance(inside, dict) else record

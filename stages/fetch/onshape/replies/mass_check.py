@@ -1,8 +1,7 @@
 """Compares our sum of masses with Onshape's, to check that reused replies still describe the assembly.
 
-A part studio that derives from another one can change while its own microversion stays. Its mass
-then differs from the cached reply, and so does the mass of the assembly, which the
-server gives in one call.
+A part studio that derives from another can change while its own microversion stays. Its mass then differs
+from the cached reply, and so does the mass of the assembly, which the server gives in a single call.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,41 +13,46 @@ import orjson
 from linkwright.stages.robot.bundle import StudioKey
 from linkwright.stages.robot.errors import Diagnostic, ProtocolError, SourceError
 
-_RELATIVE = 1e-6
-"""Sums of the same parts agree to rounding; a part that changed shows as more."""
+_RELATIVE_TOLERANCE = 1e-6
+"""Largest relative difference of sums of the same parts, by rounding; a changed part differs more."""
 
 _HINT = "run the same command again; if it fails each time, set source.verify: false"
 
 
 @dataclass(frozen=True, slots=True)
 class Masses:
-    """Masses [kg]: `theirs`, the server's for the assembly; `ours`, the sum over all occurrences.
+    """Masses of an assembly [kg].
 
-    `shown`: our sum without hidden ones. Whether hidden instances are in the server's is not
-    documented, so either may agree.
+    Whether the server's mass includes hidden instances is not documented, so either of our sums may agree.
     """
 
     theirs: float
+    """The server's mass of the assembly."""
+
     ours: float
+    """Our sum over all occurrences."""
+
     shown: float
+    """Our sum without hidden occurrences."""
 
     @property
     def agree(self) -> bool:
-        within = _RELATIVE * max(abs(self.theirs), abs(self.ours))
-        return min(abs(self.theirs - self.ours), abs(self.theirs - self.shown)) <= within
+        """Whether the server's mass is one of our sums, up to rounding."""
+        tolerance = _RELATIVE_TOLERANCE * max(abs(self.theirs), abs(self.ours))
+        return min(abs(self.theirs - self.ours), abs(self.theirs - self.shown)) <= tolerance
 
     @property
     def excess(self) -> tuple[float, float]:
-        """Theirs less ours [kg]: with hidden occurrences, and without."""
+        """Returns theirs less ours [kg]: with hidden occurrences, and without."""
         return self.theirs - self.ours, self.theirs - self.shown
 
     def as_before(self, excess: Sequence[float]) -> bool:
-        """Whether they differ by the same amount as when all replies were known to be current."""
-        within = _RELATIVE * max(abs(self.theirs), abs(self.ours))
-        return any(abs(now - then) <= within for now, then in zip(self.excess, excess, strict=True))
+        """Tells whether they differ by the same amount as when all replies were known to be current."""
+        tolerance = _RELATIVE_TOLERANCE * max(abs(self.theirs), abs(self.ours))
+        return any(abs(now - then) <= tolerance for now, then in zip(self.excess, excess, strict=True))
 
     def diagnostic(self, element: str, *, lasting: bool = False) -> Diagnostic:
-        """The diagnostic for a difference that remains after fetching everything again.
+        """Returns the diagnostic for a difference that remains after fetching everything again.
 
         `lasting`: the same difference was found at an earlier state of the document.
         """
@@ -68,7 +72,7 @@ class Masses:
 
 
 def unchecked(element: str, error: SourceError) -> Diagnostic:
-    """The diagnostic where the mass of the assembly cannot be fetched."""
+    """Returns the diagnostic for an assembly whose mass cannot be fetched."""
     return Diagnostic(
         "W-VERIFY",
         f"the masses could not be compared, so a cached part studio may be outdated: {error.message}",
@@ -79,20 +83,20 @@ def unchecked(element: str, error: SourceError) -> Diagnostic:
 
 
 def compare(definition: bytes, weights: Mapping[StudioKey, Mapping[str, float]], total: bytes) -> Masses:
-    """The masses of an assembly: `definition` and `total` are replies, `weights` [kg] by part id.
+    """Compares the masses of an assembly: `definition` and `total` are replies, `weights` [kg] by part id.
 
     A part without mass is not counted, as in the server's total.
     """
-    ours = shown = 0.0
+    total_mass = shown_mass = 0.0
     for studio, part, hidden in _occurrences(orjson.loads(definition)):
         weight = weights.get(studio, {}).get(part, 0.0)
-        ours += weight
-        shown += 0.0 if hidden else weight
-    return Masses(read_total(total), ours, shown)
+        total_mass += weight
+        shown_mass += 0.0 if hidden else weight
+    return Masses(read_total(total), total_mass, shown_mass)
 
 
 def read_total(body: bytes) -> float:
-    """The mass [kg] in an assembly's mass properties; ProtocolError where there is none."""
+    """Returns the mass [kg] in an assembly's mass properties. Raises ProtocolError if it is missing."""
     try:
         return _mass(orjson.loads(body))
     except (orjson.JSONDecodeError, AttributeError, KeyError, IndexError, TypeError, ValueError):
@@ -101,21 +105,22 @@ def read_total(body: bytes) -> float:
 
 
 def read_weights(body: bytes) -> Mapping[str, float]:
-    """Part id → mass [kg], of a part studio's mass properties; ProtocolError where one is unreadable."""
+    """Returns part id → mass [kg], from a part studio's mass properties. Raises ProtocolError if a mass is
+    unreadable."""
     try:
-        return {part: _mass(found) for part, found in orjson.loads(body)["bodies"].items()}
+        return {part: _mass(record) for part, record in orjson.loads(body)["bodies"].items()}
     except (orjson.JSONDecodeError, AttributeError, KeyError, IndexError, TypeError, ValueError):
         msg = "the reply with the mass properties of a part studio has a part without mass properties"
         raise ProtocolError(msg, hint=_HINT) from None
 
 
-def _mass(found: Mapping[str, Any]) -> float:
-    """The nominal mass; none where nothing has a material."""
-    return float(found["mass"][0]) if found.get("hasMass", True) else 0.0
+def _mass(record: Mapping[str, Any]) -> float:
+    """Returns the nominal mass; 0 if nothing has a material."""
+    return float(record["mass"][0]) if record.get("hasMass", True) else 0.0
 
 
 def _occurrences(data: Mapping[str, Any]) -> Iterator[tuple[StudioKey, str, bool]]:
-    """(part studio, part id, hidden) of every part in the assembly, at any depth."""
+    """Yields (part studio, part id, hidden) of every part in the assembly, at any depth."""
     root = data["rootAssembly"]
     subs = {StudioKey.of(sub): sub for sub in data.get("subAssemblies") or ()}
     by_id = {id(each): {i["id"]: i for i in each["instances"]} for each in (root, *subs.values())}

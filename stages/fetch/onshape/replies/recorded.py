@@ -1,4 +1,4 @@
-"""Replies from a recording: a bundle or the sample."""
+"""Gets replies from a recording: a bundle or the sample."""
 
 from collections.abc import Sequence
 
@@ -11,7 +11,7 @@ from linkwright.stages.robot.errors import ProtocolError, SourceError
 
 
 class Recorded:
-    """Gives the replies of a recording. `where` names it in messages."""
+    """The replies of a recording. `where` names it in messages."""
 
     def __init__(self, recording: Recording, where: str) -> None:
         self._recording = recording
@@ -30,11 +30,11 @@ class Recorded:
         recording, root = self._recording, self._recording.root
         body = recording.blobs[recording.definition]
         try:
-            found = definition.read(body)
+            recorded = definition.read(body)
         except ProtocolError as error:
             raise ProtocolError(error.message, self._where, "make the bundle again") from error
         named = (root["document"], root["microversion"], root["element"])
-        if (found.document, found.microversion, found.element) != named:
+        if (recorded.document, recorded.microversion, recorded.element) != named:
             msg = f"the manifest names assembly {root['element']}, but the definition is of another assembly"
             raise SourceError(msg, self._where, "make the bundle again")
         pinned = requests.definition(
@@ -50,14 +50,15 @@ class Recorded:
         ]
 
     def features(self, owners: Sequence[Owner], root: str) -> Sequence[LimitReplies]:
-        asked = [(requests.features(o.key, root), requests.variables(o.key, root)) for o in owners]
-        return [LimitReplies(self._find(features), self._find(variables)) for features, variables in asked]
+        pairs = [(requests.features(o.key, root), requests.variables(o.key, root)) for o in owners]
+        return [LimitReplies(self._find(features), self._find(variables)) for features, variables in pairs]
 
     def _mass(self, need: Needs) -> tuple[Reply, ...]:
-        """One reply for the whole studio, else one for each part used; SourceError where one lacks."""
-        whole = self._find(requests.mass_properties(need.studio, need.root))
-        if whole is not None:
-            return (whole,)
+        """Returns a reply for the whole studio, or else a reply for each part used. Raises SourceError if any
+        is missing."""
+        studio_reply = self._find(requests.mass_properties(need.studio, need.root))
+        if studio_reply is not None:
+            return (studio_reply,)
         each = {part: self._find(requests.part_mass_properties(need.studio, part)) for part in need.parts}
         lacking = [part for part, reply in each.items() if reply is None]
         if lacking:
@@ -67,13 +68,14 @@ class Recorded:
         return tuple(reply for reply in each.values() if reply is not None)
 
     def _triangles(self, need: Needs, mass: tuple[Reply, ...]) -> Reply | None:
-        """The tessellated faces, else the glTF, in the compact form; None where neither is there."""
-        found = self._find(requests.recorded_faces(need.studio))
-        found = found or self._find(requests.recorded_gltf(need.studio))
-        if found is None:
+        """Returns the tessellated faces, or else the glTF, in the compact form; None if neither is
+        recorded."""
+        reply = self._find(requests.recorded_faces(need.studio))
+        reply = reply or self._find(requests.recorded_gltf(need.studio))
+        if reply is None:
             return None
         try:
-            return Reply(found.request, compacted(found.request, found.body, mass[0].body))
+            return Reply(reply.request, compacted(reply.request, reply.body, mass[0].body))
         except ProtocolError as error:
             raise ProtocolError(error.message, self._where, "make the bundle again") from error
 

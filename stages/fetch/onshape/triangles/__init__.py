@@ -1,1 +1,1 @@
-"""The triangles of part studios: how they are requested and read."""
+"""Reads the triangles of part studios, and assigns them to parts."""

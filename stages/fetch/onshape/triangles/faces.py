@@ -1,4 +1,4 @@
-"""Onshape's tessellated faces out of their JSON, which takes about 300 bytes a triangle.
+"""Reads Onshape's tessellated faces from their JSON, which takes about 300 bytes a triangle.
 
 Reads both envelopes (an object with `bodies`, a bare list) and both forms of facets (`indices` into
 the body's `facetPoints`, `vertices` of their own), piece by piece into arrays.
@@ -18,7 +18,8 @@ from linkwright.stages.fetch.onshape.triangles import json_stream
 from linkwright.stages.fetch.onshape.triangles.json_stream import Document, MalformedError
 from linkwright.stages.formats import triangles
 from linkwright.stages.formats.colours import colour_of
-from linkwright.stages.formats.triangles import Body
+from linkwright.stages.formats.meshes import body_arrays
+from linkwright.stages.formats.meshes.body_arrays import Body
 from linkwright.stages.robot.errors import ProtocolError
 from linkwright.stages.robot.model.geometry import Colour
 
@@ -27,50 +28,54 @@ _Points = npt.NDArray[np.float64]
 _Indices = npt.NDArray[np.int64]
 _XYZ = itemgetter("x", "y", "z")
 _BATCH = 4096
-_CORNERS = 16  # facets with more than this wait in smaller batches
+"""Number of facets that are converted to arrays together."""
+
+_CORNERS = 16
+"""Mean number of corners of a facet above which a batch has fewer facets."""
+
 _HINT = "run the same command again; if it fails each time, the API has changed"
 
-MOST_TRIANGLES = 1 << 24
-"""In one reply: five times what a reply of the largest size has where CAD wrote it."""
+MAX_TRIANGLES = 1 << 24
+"""Largest number of triangles in a reply: five times that of the largest reply that CAD writes."""
 
-MOST_BODIES = 1 << 16
-"""In one reply."""
+MAX_BODIES = 1 << 16
+"""Largest number of bodies in a reply."""
 
 
 @dataclass(slots=True)
 class Room:
     """The memory left for a reply: a few bytes of text can describe many triangles."""
 
-    triangles: int = MOST_TRIANGLES
-    points: int = 3 * MOST_TRIANGLES
-    bodies: int = MOST_BODIES
+    triangles: int = MAX_TRIANGLES
+    points: int = 3 * MAX_TRIANGLES
+    bodies: int = MAX_BODIES
 
     def take(self, *, triangles: int = 0, points: int = 0, bodies: int = 0) -> None:
-        """Reserves memory before it is allocated; Declined where too little is left."""
+        """Reserves memory before it is allocated. Raises Declined if too little is left."""
         self.triangles -= triangles
         self.points -= points
         self.bodies -= bodies
         if min(self.triangles, self.points, self.bodies) < 0:
-            msg = f"the reply with triangles has more than {MOST_TRIANGLES} triangles or {MOST_BODIES} bodies"
+            msg = f"the reply with triangles has more than {MAX_TRIANGLES} triangles or {MAX_BODIES} bodies"
             raise Declined(msg, hint="use a coarser source.tessellation")
 
 
 def compact(reply: bytes) -> bytes:
-    """The compact form of a reply with tessellated faces; a reply in that form is returned as it is.
+    """Returns the compact form of a reply with tessellated faces; a reply in that form is returned unchanged.
 
-    ProtocolError where the reply is not JSON, has no bodies, or has a body in no known shape.
+    Raises ProtocolError if the reply is not JSON, has no bodies, or has a body in no known shape.
     """
     if triangles.is_compact(reply):
         triangles.check(reply)
         return reply
     try:
-        return triangles.encode(read(reply))
+        return body_arrays.encode(read(reply))
     except ValueError as error:  # too many colours
         raise ProtocolError(str(error), hint=_HINT) from None
 
 
 def read(reply: bytes) -> list[Body]:
-    """The bodies of a reply in its order; one without triangles has none. Errors as `compact`.
+    """Returns the bodies of a reply in order; a body may have no triangles. Raises the errors of `compact`.
 
     A composite part is its own triangles, or else those of its constituents.
     """
@@ -78,19 +83,19 @@ def read(reply: bytes) -> list[Body]:
     try:
         root = Document(reply).root()
         record = root if isinstance(root, dict) else {}
-        listed = record.get("bodies") if record else root
-        if not isinstance(listed, list | json_stream.Pieces):
+        records = record.get("bodies") if record else root
+        if not isinstance(records, list | json_stream.Pieces):
             msg = "the reply with triangles has no bodies"
             raise ProtocolError(msg, hint=_HINT)
         shared = _points(record.get("facetPoints"), room)
         bodies, composites = [], dict[str, frozenset[str]]()
-        for body in json_stream.elements(listed):
+        for body in json_stream.elements(records):
             name = body.get("id") if isinstance(body, dict) else None
             if isinstance(name, str):
                 room.take(bodies=1)
                 bodies.append(_named(name, body, shared, room))
                 listing = json_stream.elements(body.get("constituents"))
-                composites[name] = frozenset(one for one in listing if isinstance(one, str))
+                composites[name] = frozenset(ident for ident in listing if isinstance(ident, str))
     except MalformedError as error:
         msg = f"the reply with triangles is not JSON, or was cut short: {error}"
         raise ProtocolError(msg, hint=_HINT) from None
@@ -99,17 +104,18 @@ def read(reply: bytes) -> list[Body]:
 
 
 def _whole(body: Body, constituents: frozenset[str], solid: Sequence[Body], room: Room) -> Body:
-    """A composite without triangles of its own with those of its constituents; else the body itself."""
+    """Returns a composite without triangles of its own with those of its constituents, and any other body
+    unchanged."""
     if not constituents or len(body.triangles):
         return body
-    parts = [one for one in solid if one.id in constituents]
+    parts = [part for part in solid if part.id in constituents]
     if not parts:
         return body
-    for one in parts:
-        room.take(triangles=len(one.triangles), points=len(one.points))
+    for part in parts:
+        room.take(triangles=len(part.triangles), points=len(part.points))
     first = np.cumsum([0, *(len(part.points) for part in parts)])
     shade = np.cumsum([0, *(len(part.palette) for part in parts)])
-    return triangles.merged(
+    return body_arrays.merged(
         body.id,
         np.concatenate([part.points for part in parts]),
         np.concatenate([part.triangles + at for part, at in zip(parts, first, strict=False)]),
@@ -129,28 +135,28 @@ def _named(name: str, record: _Record, shared: _Points, room: Room) -> Body:
 
 
 def _body(name: str, record: _Record, shared: _Points, room: Room) -> Body:
-    own = _points(record.get("facetPoints"), room)
-    if not len(own):
+    own_points = _points(record.get("facetPoints"), room)
+    if not len(own_points):
         room.take(points=len(shared))
-    soup = _Soup(own if len(own) else shared, room)
+    soup = _Soup(own_points if len(own_points) else shared, room)
     colours: list[Colour] = []
     for face in json_stream.elements(record.get("faces")):
         for facets in json_stream.runs(face.get("facets")):
             soup.add(facets, len(colours))
         colours.append(colour_of(face.get("appearance"), record.get("appearance")))
-    return triangles.merged(name, *soup.joined(), colours, soup.faces())
+    return body_arrays.merged(name, *soup.joined(), colours, soup.faces())
 
 
 class _Soup:
     """A body's facets as they are read, in batches: faces have few facets, arrays like many.
 
-    `table` (n, 3): the points that indices name.
+    `table` (n, 3): the points that indices refer to.
     """
 
     def __init__(self, table: _Points, room: Room) -> None:
         self._room = room
         self._table = len(table)
-        self._points, self._known = [table], len(table)
+        self._points, self._point_count = [table], len(table)
         self._corners = [np.empty((0, 3), dtype=np.int64)]
         self._faces = [np.empty(0, dtype=np.int64)]
         self._facets: list[_Record] = []
@@ -158,7 +164,7 @@ class _Soup:
         self._waiting = 0
 
     def add(self, facets: Sequence[_Record], face: int) -> None:
-        """Facets of the face with this number."""
+        """Adds facets of the face with this number."""
         self._facets += facets
         self._face += [face] * len(facets)
         self._waiting += sum(len(facet.get("indices") or facet.get("vertices") or ()) for facet in facets)
@@ -166,14 +172,14 @@ class _Soup:
             self._flush()
 
     def joined(self) -> tuple[_Points, _Indices]:
-        """All points (n, 3), and the corners (m, 3) of all triangles among them."""
+        """Returns all points (n, 3), and the corners (m, 3) of all triangles among them."""
         self._flush()
         points, corners = np.concatenate(self._points), np.concatenate(self._corners)
         self._points, self._corners = [points], [corners]
         return points, corners
 
     def faces(self) -> _Indices:
-        """(m,): the number of each triangle's face."""
+        """Returns the number of each triangle's face (m,)."""
         self._flush()
         return np.concatenate(self._faces)
 
@@ -192,27 +198,30 @@ class _Soup:
         self._keep(corners, lengths, face)
         if not lengths.all():  # facets without indices bring points of their own
             pairs = zip(facets, rows, strict=True)
-            own = [() if row else facet.get("vertices") or () for facet, row in pairs]
-            own_lengths = np.fromiter(map(len, own), dtype=np.int64, count=len(own))
+            corners_of_facets = [() if row else facet.get("vertices") or () for facet, row in pairs]
+            own_lengths = np.fromiter(
+                map(len, corners_of_facets), dtype=np.int64, count=len(corners_of_facets)
+            )
             self._room.take(triangles=_triangles(own_lengths), points=int(own_lengths.sum()))
-            loose = _array(list(chain.from_iterable(own)))
-            self._keep(np.arange(self._known, self._known + len(loose)), own_lengths, face)
+            loose = _array(list(chain.from_iterable(corners_of_facets)))
+            self._keep(np.arange(self._point_count, self._point_count + len(loose)), own_lengths, face)
             self._points.append(loose)
-            self._known += len(loose)
+            self._point_count += len(loose)
 
     def _keep(self, corners: _Indices, lengths: _Indices, face: _Indices) -> None:
-        found, owner = _fan(corners, lengths)
-        self._corners.append(found)
+        fan, owner = _fan(corners, lengths)
+        self._corners.append(fan)
         self._faces.append(face[owner])
 
 
 def _triangles(lengths: _Indices) -> int:
-    """How many triangles polygons with so many corners are."""
+    """Returns the number of triangles of polygons with these numbers of corners."""
     return int(np.maximum(lengths - 2, 0).sum())
 
 
 def _fan(corners: _Indices, lengths: _Indices) -> tuple[_Indices, _Indices]:
-    """Polygons, their corners end to end, as triangles (m, 3), and the polygon of each (m,).
+    """Splits polygons, their corners end to end, into triangles (m, 3); returns also the polygon of each
+    (m,).
 
     A polygon with more than three corners becomes a fan.
     """
@@ -224,24 +233,24 @@ def _fan(corners: _Indices, lengths: _Indices) -> tuple[_Indices, _Indices]:
     return corners[picks].reshape(-1, 3), owner
 
 
-def _points(listed: Any, room: Room) -> _Points:
-    """(n, 3) from an array of points, large or small."""
+def _points(records: Any, room: Room) -> _Points:
+    """Returns the points (n, 3) in an array of points, large or small."""
     pieces = [np.empty((0, 3))]
-    for run in json_stream.runs(listed):
+    for run in json_stream.runs(records):
         room.take(points=len(run))
         pieces.append(_array(run))
     return np.concatenate(pieces)
 
 
 def _array(records: Sequence[Any]) -> _Points:
-    """(n, 3) from {x, y, z} mappings or from lists of three."""
+    """Returns the points (n, 3) in {x, y, z} mappings or in lists of three."""
     if not records:
         return np.empty((0, 3))
     rows = list(map(_XYZ, records)) if isinstance(records[0], dict) else records
     if set(map(len, rows)) != {3}:
         msg = "a point does not have three coordinates"
         raise ValueError(msg)
-    # Flat, since a list of numbers becomes an array several times faster than one of lists.
+    # Flat, since a list of numbers becomes an array several times faster than a list of lists.
     points = np.array(list(chain.from_iterable(rows)), dtype=np.float64).reshape(-1, 3)
     if not np.isfinite(points).all():
         msg = "a coordinate is not a finite number"

@@ -1,8 +1,8 @@
-"""A part studio's triangles out of its glTF: the alternative to tessellated faces.
+"""Reads a part studio's triangles from its glTF: the alternative to tessellated faces.
 
-Its coordinates are single precision, its nodes are not known to be named by part id, and where its up
-axis points is not known either. So its bodies are identified, and turned, by volume, area, centroid
-and inertia, compared with the mass properties of the studio.
+Its coordinates are single precision, and neither the naming of its nodes by part id nor the direction of its
+up axis is documented. So its bodies are identified, and turned, by volume, area, centroid and inertia,
+compared with the mass properties of the studio.
 """
 
 from collections.abc import Mapping
@@ -13,75 +13,80 @@ import numpy.typing as npt
 import orjson
 
 from linkwright.stages.fetch.onshape.triangles.matching import BodyFigures, assigned
-from linkwright.stages.formats import triangles
-from linkwright.stages.formats.meshes import gltf
+from linkwright.stages.formats.meshes import body_arrays, gltf
 from linkwright.stages.formats.meshes.gltf import Node
 from linkwright.stages.robot.errors import ProtocolError
 
-_SPECK = 1e-9
+_MIN_VOLUME_SHARE = 1e-9
+"""Share of the cube of its size up to which a mesh encloses next to nothing."""
+
 _HINT = "run the same command again; if it fails each time, the API has changed"
 
 
 def compact(reply: bytes, mass: bytes) -> bytes:
-    """The compact form of a glTF reply; `mass` is the reply with the mass properties of the parts.
+    """Returns the compact form of a glTF reply; `mass` is the reply with the mass properties of the parts.
 
-    Parts that no body fits, or that several fit equally well, are left out. ProtocolError where the
-    reply is no such file, where no body fits, or where the parts do not show which way is up.
+    Parts that no body fits, or that several fit equally well, are left out. Raises ProtocolError if the reply
+    is no such file, if no body fits, or if the parts do not determine the up axis.
     """
     nodes = [node for node in gltf.read(reply) if len(node.corners)]
     parts = _parts(mass)
     if not nodes or not parts:
-        return triangles.encode([])
+        return body_arrays.encode([])
     try:
-        found = assigned([_shape(node) for node in nodes], parts)
+        assignment = assigned([_shape(node) for node in nodes], parts)
     except ValueError as error:
         raise ProtocolError(str(error), hint=_HINT) from None
-    if not found.meshes:
+    if not assignment.meshes:
         msg = f"none of the {len(nodes)} bodies of the glTF fits one of the {len(parts)} parts"
         raise ProtocolError(msg, hint=_HINT)
-    if not found.certain:
+    if not assignment.certain:
         msg = "the bodies of the glTF fit the parts with either axis up"
         raise ProtocolError(
             msg, hint="give the parts materials in Onshape, so that Onshape reports their centres of mass"
         )
     bodies = []
-    for name in sorted(found.meshes):
-        node = nodes[found.meshes[name]]
-        points = _turned(node.points, found.rotation)
-        bodies.append(triangles.merged(name, points, node.corners, node.colours, node.which))
-    return triangles.encode(bodies)
+    for name in sorted(assignment.meshes):
+        node = nodes[assignment.meshes[name]]
+        points = _turned(node.points, assignment.rotation)
+        bodies.append(body_arrays.merged(name, points, node.corners, node.colours, node.which))
+    return body_arrays.encode(bodies)
 
 
 def _turned(points: npt.NDArray[np.float64], rotation: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """The points (n, 3) under a rotation by right angles, exactly."""
+    """Returns the points (n, 3) under a rotation by right angles, exactly."""
     x, y, z = points.T
     return np.stack([row[0] * x + row[1] * y + row[2] * z for row in rotation], axis=1)
 
 
 def _shape(node: Node) -> BodyFigures:
-    """The figures of a node's mesh; those by volume are None where it encloses next to none."""
+    """Returns the figures of a node's mesh; figures that need a volume are None if it encloses next to
+    nothing."""
     middle = (node.points.min(axis=0) + node.points.max(axis=0)) / 2
     corners = (node.points - middle)[node.corners]
     a, b, c = np.moveaxis(corners, 1, 0)
     area = float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
     size = float(np.linalg.norm(np.ptp(node.points, axis=0)))
+    # Signed volumes of the tetrahedra between the middle and the triangles.
     signed = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
     volume = float(signed.sum())
-    if abs(volume) <= _SPECK * size**3:
+    if abs(volume) <= _MIN_VOLUME_SHARE * size**3:
         return BodyFigures(node.name, abs(volume), area, size, None, None)
     total = a + b + c
+    # The centroid of a tetrahedron is the mean of its four corners, of which the middle is 0.
     centre = signed @ total / (4 * volume)
-    # Second moments of tetrahedra with one corner at the middle.
+    # Second moments of tetrahedra with a corner at 0: V / 20 (Σ v vᵀ + s sᵀ), s the sum of the corners v.
     second = np.einsum("k,kia,kib->ab", signed, corners, corners) + np.einsum(
         "k,ka,kb->ab", signed, total, total
     )
     second = second / (20 * volume) - np.outer(centre, centre)
+    # From second moments about the centroid to the inertia tensor.
     gyration = np.trace(second) * np.eye(3) - second
     return BodyFigures(node.name, abs(volume), area, size, middle + centre, gyration)
 
 
 def _parts(mass: bytes) -> dict[str, BodyFigures]:
-    """The figures that CAD gives, by part id; without a mass it gives no centroid and no inertia."""
+    """Returns the figures that CAD gives, by part id; without a mass it gives no centroid and no inertia."""
     try:
         bodies: Mapping[str, Mapping[str, Any]] = orjson.loads(mass)["bodies"]
         return {name: _expected(name, record) for name, record in bodies.items()}

@@ -1,10 +1,9 @@
-"""JSON replies read piece by piece: never more than a small part of one as Python objects.
+"""Reads JSON replies piece by piece: never more than a small part is in memory as Python objects.
 
-A list of Python objects takes ten to twenty times the bytes of its JSON. So the text is first
-indexed (where its outer objects and arrays begin and end: a few vectorised passes over blocks),
-and then parsed in runs of whole elements. What is small is parsed at once. A text that would take
-many times its own size in memory (almost only brackets, or a huge value that
-must be read at once) is refused.
+A list of Python objects takes ten to twenty times the bytes of its JSON. So the text is first indexed (the
+beginnings and ends of its outer objects and arrays, in a few vectorised passes over blocks), and then parsed
+in runs of whole elements. Small values are parsed at once. A text that would take many times its own size in
+memory (almost only brackets, or a huge value that must be read at once) is refused.
 """
 
 import re
@@ -16,26 +15,35 @@ import numpy.typing as npt
 import orjson
 
 _BLOCK = 1 << 19
+"""Size of the blocks that are indexed one after the other [bytes]."""
+
 _RUN = 1 << 17
+"""Size of the text whose elements are parsed together [bytes]."""
+
 _AT_ONCE = 1 << 23
-"""Longer values are parsed in pieces; facets, and bodies without their lists, are shorter."""
+"""Length up to which a value is parsed at once [bytes]; facets, and bodies without their lists, are
+shorter."""
 
-_DEEPEST = 7
+_MAX_DEPTH = 7
+"""Depth of the innermost containers that are indexed."""
+
 _BYTES_EACH = 6
-"""Text that an array or object takes at least, on the average of a large text."""
+"""Smallest text of an array or object [bytes], on average over a large text."""
 
-_FEW = 1 << 16
+_FREE_CONTAINERS = 1 << 16
+"""Number of containers that any text may have, however short."""
+
 _ESCAPE = re.compile(rb"\\.", re.DOTALL)
 _CUT = "\0cut"  # no key of a reply: it marks where a large array was cut out
 _SPACE = b" \t\r\n"
 _QUOTE, _OPEN, _CLOSE = 0x22, 0x7B, 0x7D
-_CASE = 0x20  # turns [ and ] into { and }
+_FOLD = 0x20  # turns [ and ] into { and }
 
 _Index = npt.NDArray[np.uint32]
 
 
 class MalformedError(ValueError):
-    """The text is not JSON, was cut short, or cannot be read in pieces."""
+    """The error that a text is not JSON, was cut short, or cannot be read in pieces."""
 
 
 class Pieces:
@@ -45,17 +53,17 @@ class Pieces:
         self._document, self._depth, self._begin, self._end = document, depth, begin, end
 
     def __iter__(self) -> Iterator[Any]:
-        """The elements one by one; large objects among them as `Document.value` gives them."""
+        """Yields the elements one by one; large objects among them as `Document.value` returns them."""
         for run in self.runs():
             yield from run
 
     def runs(self) -> Iterator[list[Any]]:
-        """The elements in lists, each out of at most about 128 kB of text."""
+        """Yields the elements in lists, each from at most about 128 kB of text."""
         return self._document.runs(self._depth, self._begin, self._end)
 
 
 class Document:
-    """A JSON text. MalformedError, at once or while it is read, where it is not JSON."""
+    """A JSON text. It raises MalformedError, at once or while it is read, if it is not JSON."""
 
     def __init__(self, text: bytes) -> None:
         if len(text) >= 1 << 32:
@@ -65,17 +73,17 @@ class Document:
         self._begins, self._ends = _containers(text)
 
     def root(self) -> Any:
-        """The value of the whole text, see `value`."""
+        """Returns the value of the whole text, see `value`."""
         begin = len(self._text) - len(self._text.lstrip(_SPACE))
         return self.value(1, begin, len(self._text.rstrip(_SPACE)))
 
     def value(self, depth: int, begin: int, end: int) -> Any:
-        """The value of text[begin:end], which lies `depth` containers deep.
+        """Returns the value of text[begin:end], which is `depth` containers deep.
 
-        Small ones are plain data; a large array is `Pieces`, and so are those in a large object.
+        Small values are plain data; a large array is `Pieces`, and so are the large arrays in a large object.
         """
         text = self._text
-        if end - begin <= _RUN or depth >= _DEEPEST:
+        if end - begin <= _RUN or depth >= _MAX_DEPTH:
             return _parsed(text[begin:end])
         if text[begin : begin + 1] == b"[":
             return Pieces(self, depth, begin, end)
@@ -97,9 +105,10 @@ class Document:
         return record
 
     def runs(self, depth: int, begin: int, end: int) -> Iterator[list[Any]]:
-        """The elements of the array text[begin:end] in lists of some.
+        """Yields the elements of the array text[begin:end] in lists.
 
-        Only runs of objects and arrays are distinguished: MalformedError where others are among them.
+        Only runs of objects and arrays are distinguished: MalformedError is raised if other values are among
+        them.
         """
         if next(self._within(depth + 1, begin, end), None) is None:
             yield _parsed(self._text[begin:end])
@@ -132,7 +141,7 @@ class Document:
         return run
 
     def _within(self, depth: int, begin: int, end: int) -> Iterator[tuple[int, int]]:
-        """Begin and end of the containers at `depth` inside of text[begin:end], a few at a time."""
+        """Yields begin and end of the containers at `depth` inside of text[begin:end], a few at a time."""
         begins, ends = self._begins[depth], self._ends[depth]
         first, last = np.searchsorted(begins, np.array((begin, end), dtype=np.uint32))
         for start in range(int(first), int(last), 4096):
@@ -141,12 +150,12 @@ class Document:
 
 
 def elements(value: Any) -> Iterable[Any]:
-    """The elements of an array, large or small; none of anything else."""
+    """Returns the elements of an array, large or small; empty for anything else."""
     return value if isinstance(value, list | Pieces) else ()
 
 
 def runs(value: Any) -> Iterable[list[Any]]:
-    """The elements of an array in lists; none of anything else."""
+    """Returns the elements of an array in lists; empty for anything else."""
     if isinstance(value, Pieces):
         return value.runs()
     return [value] if isinstance(value, list) and value else []
@@ -163,9 +172,10 @@ def _parsed(text: bytes) -> Any:
 
 
 def _containers(text: bytes) -> tuple[list[_Index], list[_Index]]:
-    """By depth: where the outer containers begin, and one past where they end, both ascending."""
-    begins: list[list[_Index]] = [[] for _ in range(_DEEPEST + 1)]
-    ends: list[list[_Index]] = [[] for _ in range(_DEEPEST + 1)]
+    """Returns the begins of the outer containers by depth, and the positions after their ends, both
+    ascending."""
+    begins: list[list[_Index]] = [[] for _ in range(_MAX_DEPTH + 1)]
+    ends: list[list[_Index]] = [[] for _ in range(_MAX_DEPTH + 1)]
     depth, quoted = 0, False
     at = counted = 0
     while at < len(text):
@@ -177,14 +187,14 @@ def _containers(text: bytes) -> tuple[list[_Index], list[_Index]]:
             block = _ESCAPE.sub(b"__", block)
         depth, quoted = _scan(block, at, depth, quoted, begins, ends)
         at += len(block)
-        counted += sum(len(found[-1]) for found in begins[1:])
-        if counted > max(_FEW, len(text) // _BYTES_EACH):
+        counted += sum(len(pieces[-1]) for pieces in begins[1:])
+        if counted > max(_FREE_CONTAINERS, len(text) // _BYTES_EACH):
             msg = "it is made of brackets, with next to nothing in them"
             raise MalformedError(msg)
     if depth or quoted:
         msg = "the text ends in the midst of a value"
         raise MalformedError(msg)
-    return [_joined(found) for found in begins], [_joined(found) for found in ends]
+    return [_joined(pieces) for pieces in begins], [_joined(pieces) for pieces in ends]
 
 
 def _scan(
@@ -195,26 +205,28 @@ def _scan(
     begins: list[list[_Index]],
     ends: list[list[_Index]],
 ) -> tuple[int, bool]:
-    """Adds what one block of the text holds; depth and whether inside of a text, after it."""
+    """Adds the containers of a block of the text; returns the depth after it, and whether it ends inside a
+    text."""
     codes = np.frombuffer(block, dtype=np.uint8)
-    folded = codes | _CASE
+    folded = codes | _FOLD
     opens = folded == _OPEN
     marks = np.flatnonzero(opens | (folded == _CLOSE))
+    # A mark after an odd number of quotes is inside a text.
     quotes = np.flatnonzero(codes == _QUOTE)
     inside = (np.searchsorted(quotes, marks) + int(quoted)) & 1
     marks = marks[inside == 0]
     opening = opens[marks]
-    after = depth + np.cumsum(np.where(opening, 1, -1))
-    if len(after):
-        if after.min() < 0:
+    depth_after = depth + np.cumsum(np.where(opening, 1, -1))
+    if len(depth_after):
+        if depth_after.min() < 0:
             msg = "more brackets are closed than were opened"
             raise MalformedError(msg)
-        depth = int(after[-1])
-    for level in range(1, _DEEPEST + 1):
-        begins[level].append((at + marks[opening & (after == level)]).astype(np.uint32))
-        ends[level].append((at + 1 + marks[~opening & (after == level - 1)]).astype(np.uint32))
+        depth = int(depth_after[-1])
+    for level in range(1, _MAX_DEPTH + 1):
+        begins[level].append((at + marks[opening & (depth_after == level)]).astype(np.uint32))
+        ends[level].append((at + 1 + marks[~opening & (depth_after == level - 1)]).astype(np.uint32))
     return depth, bool((len(quotes) + int(quoted)) & 1)
 
 
-def _joined(found: list[_Index]) -> _Index:
-    return np.concatenate(found) if found else np.empty(0, dtype=np.uint32)
+def _joined(pieces: list[_Index]) -> _Index:
+    return np.concatenate(pieces) if pieces else np.empty(0, dtype=np.uint32)

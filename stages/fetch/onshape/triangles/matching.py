@@ -1,121 +1,133 @@
-"""Matches meshes to parts by volume, area and centroid, where names do not identify them."""
+"""Matches meshes to parts by volume, area and centroid, if names do not identify them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+import scipy
 
 _Array = npt.NDArray[np.float64]
 
-_FITS = 0.3
-"""Largest sum of relative differences: chords cut a few hundredths off volume and area."""
+_MAX_COST = 0.3
+"""Largest sum of relative differences of a match: chords cut a few hundredths off volume and area."""
 
-_CLEAR = 0.02
-"""The cost margin by which every other assignment of a mesh must be worse."""
+_MIN_MARGIN = 0.02
+"""Cost margin by which every other assignment of a mesh must be worse."""
 
-_MOST_PAIRS = 1 << 25
+_MAX_PAIRS = 1 << 25
+"""Largest number of pairs of meshes and parts that are tried."""
 
-_PLACE = 10.0
-"""The cost of a centroid error of the mesh's own size."""
+_CENTROID_WEIGHT = 10.0
+"""Cost of a centroid error of the mesh's own size."""
 
 _AXES = (
     np.eye(3),
-    # glTF says that y points up, CAD that z does; which of both a server follows shows in the fit.
+    # In glTF y points up, in CAD z does; the fit shows which of both a server follows.
     np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
 )
+"""The rotations from the meshes' to the parts' frame that are tried."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BodyFigures:
-    """Figures of a body, of uniform density: `volume` [m³], `area` [m²], `size` across [m].
-
-    `centroid` (3,) [m] and `gyration`, its inertia about that by mass (3, 3) [m²], or None where
-    they are not known. `name` is that of a mesh, which may be a part's id.
-    """
+    """Figures of a body of uniform density."""
 
     name: str
+    """The name of the mesh, which may be a part's id."""
+
     volume: float
+    """[m³]."""
+
     area: float
+    """[m²]."""
+
     size: float
+    """Size across [m]."""
+
     centroid: _Array | None
+    """(3,) [m]; None if it is not known."""
+
     gyration: _Array | None
+    """Inertia about the centroid by mass (3, 3) [m²]; None if it is not known."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Assignment:
-    """For each part that was found its mesh's index, and the rotation (3, 3) to the parts' frame.
-
-    `certain`: whether that rotation fits clearly better than the others.
-    """
+    """The meshes of parts, and the frame of the meshes."""
 
     meshes: Mapping[str, int]
+    """Part → the index of its mesh."""
+
     rotation: _Array
+    """(3, 3), from the meshes' to the parts' frame."""
+
     certain: bool
+    """Whether that rotation fits clearly better than the others."""
 
 
 def assigned(meshes: Sequence[BodyFigures], parts: Mapping[str, BodyFigures]) -> Assignment:
-    """The meshes of parts. A part has none where none fits, or where another would fit as well.
+    """Assigns meshes to parts. A part has no mesh if none fits, or if several fit equally well.
 
-    ValueError where there are too many of both to try each with each.
+    Raises ValueError if there are too many pairs of meshes and parts to try.
     """
-    if len(meshes) * len(parts) > _MOST_PAIRS:
+    if len(meshes) * len(parts) > _MAX_PAIRS:
         msg = f"{len(meshes)} bodies and {len(parts)} parts are too many to match"
         raise ValueError(msg)
     names = sorted(parts)
-    found = []
+    fits = []
     for rotation in _AXES:
         costs = _costs(meshes, [parts[name] for name in names], rotation)
         for row, mesh in enumerate(meshes):
-            if mesh.name in parts:  # what is named by a part's id is that part
-                costs[row, names.index(mesh.name)] -= _FITS
+            if mesh.name in parts:  # a mesh that is named by a part's id is that part
+                costs[row, names.index(mesh.name)] -= _MAX_COST
         pairs, total = _pairs(costs)
-        found.append((total, {names[part]: mesh for mesh, part in pairs}, rotation))
-    (total, pairing, rotation), *others = sorted(found, key=lambda one: one[0])
-    return Assignment(pairing, rotation, all(other[0] - total > _CLEAR for other in others))
+        fits.append((total, {names[part]: mesh for mesh, part in pairs}, rotation))
+    (total, pairing, rotation), *worse = sorted(fits, key=lambda fit: fit[0])
+    return Assignment(pairing, rotation, all(other[0] - total > _MIN_MARGIN for other in worse))
 
 
 def _costs(meshes: Sequence[BodyFigures], parts: Sequence[BodyFigures], rotation: _Array) -> _Array:
-    """(meshes, parts): the cost of each pair, a sum of relative differences."""
-    costs = _apart([mesh.volume for mesh in meshes], [part.volume for part in parts])
-    costs += _apart([mesh.area for mesh in meshes], [part.area for part in parts])
+    """Returns the cost (meshes, parts) of each pair, a sum of relative differences."""
+    costs = _relative_differences([mesh.volume for mesh in meshes], [part.volume for part in parts])
+    costs += _relative_differences([mesh.area for mesh in meshes], [part.area for part in parts])
     for row, mesh in enumerate(meshes):
         for column, part in enumerate(parts):
-            if costs[row, column] < _FITS and mesh.centroid is not None and part.centroid is not None:
-                off = rotation @ mesh.centroid - part.centroid
-                costs[row, column] += _PLACE * float(np.linalg.norm(off)) / max(mesh.size, 1e-9)
-            if costs[row, column] < _FITS and mesh.gyration is not None and part.gyration is not None:
-                off = rotation @ mesh.gyration @ rotation.T - part.gyration
+            if costs[row, column] < _MAX_COST and mesh.centroid is not None and part.centroid is not None:
+                difference = rotation @ mesh.centroid - part.centroid
+                costs[row, column] += (
+                    _CENTROID_WEIGHT * float(np.linalg.norm(difference)) / max(mesh.size, 1e-9)
+                )
+            if costs[row, column] < _MAX_COST and mesh.gyration is not None and part.gyration is not None:
+                difference = rotation @ mesh.gyration @ rotation.T - part.gyration
                 least = max(float(np.linalg.norm(part.gyration)), 1e-18)
-                costs[row, column] += float(np.linalg.norm(off)) / least
+                costs[row, column] += float(np.linalg.norm(difference)) / least
     return costs
 
 
-def _apart(ones: Sequence[float], others: Sequence[float]) -> _Array:
-    """(ones, others): relative differences."""
-    a, b = np.array(ones, dtype=np.float64)[:, None], np.array(others, dtype=np.float64)[None, :]
+def _relative_differences(first: Sequence[float], second: Sequence[float]) -> _Array:
+    """Returns the relative differences (n, m) of each pair of numbers."""
+    a, b = np.array(first, dtype=np.float64)[:, None], np.array(second, dtype=np.float64)[None, :]
     return np.abs(a - b) / np.maximum(np.maximum(np.abs(a), np.abs(b)), 1e-300)
 
 
 def _pairs(costs: _Array) -> tuple[list[tuple[int, int]], float]:
-    """The unambiguous pairs (mesh, part) of the best assignment, and its total cost."""
-    # Late: an unchanged source is not read again.
-    from scipy.optimize import linear_sum_assignment
+    """Returns the unambiguous pairs (mesh, part) of the best assignment, and its total cost."""
 
     if not costs.size:
         return [], 0.0
     bounded = np.minimum(costs, 1.0)
-    rows, columns = linear_sum_assignment(bounded)
-    own = bounded[rows, columns]
-    # By how much the sum grows when two pairs change partners, and when a pair takes a free mesh.
+    rows, columns = scipy.optimize.linear_sum_assignment(bounded)
+    chosen = bounded[rows, columns]
+    # The growth of the sum when two pairs exchange partners, and when a pair takes a free mesh.
     swapped = bounded[np.ix_(rows, columns)]
-    grows = swapped + swapped.T - own[:, None] - own[None, :]
+    grows = swapped + swapped.T - chosen[:, None] - chosen[None, :]
     np.fill_diagonal(grows, np.inf)
-    clear = (grows > _CLEAR).all(axis=1)
+    clear = (grows > _MIN_MARGIN).all(axis=1)
     free = np.setdiff1d(np.arange(len(costs)), rows)
-    clear &= (bounded[np.ix_(free, columns)] - own > _CLEAR).all(axis=0)
+    clear &= (bounded[np.ix_(free, columns)] - chosen > _MIN_MARGIN).all(axis=0)
     other = np.setdiff1d(np.arange(costs.shape[1]), columns)
-    clear &= (bounded[np.ix_(rows, other)] - own[:, None] > _CLEAR).all(axis=1)
-    kept = clear & (own < _FITS)
+    clear &= (bounded[np.ix_(rows, other)] - chosen[:, None] > _MIN_MARGIN).all(axis=1)
+    kept = clear & (chosen < _MAX_COST)
     pairs = zip(rows[kept].tolist(), columns[kept].tolist(), strict=True)
-    return [(int(row), int(column)) for row, column in pairs], float(own.sum())
+    return [(int(row), int(column)) for row, column in pairs], float(chosen.sum())

@@ -12,7 +12,7 @@ _WHITE = "1 1 1 1"
 
 
 def cleaned(data: bytes) -> bytes:
-    """The document with its geometry and plain colours; xml.Malformed where it is not XML."""
+    """Returns the document with its geometry and plain colours. Raises xml.Malformed if it is not XML."""
     root = xml.parse(data, large=True)
     for name in ("images", "cameras", "lights", "animations"):
         _remove(root.findall(f"{{*}}library_{name}"))
@@ -25,7 +25,7 @@ def cleaned(data: bytes) -> bytes:
 
 
 def _without_image(texture: Element) -> None:
-    """A colour that an image gives is white; other uses of images are left out."""
+    """Replaces an image that gives a colour with white; removes other uses of images."""
     channel = texture.getparent()
     namespace, _, name = str(channel.tag).rpartition("}")
     if name == "diffuse":

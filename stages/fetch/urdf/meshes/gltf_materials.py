@@ -1,4 +1,4 @@
-"""The images of a glTF's materials. Needs no array library."""
+"""Reads the images of a glTF's materials, without an array library."""
 
 from __future__ import annotations
 
@@ -9,43 +9,44 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from linkwright.stages.formats.damaged import Damaged
+from linkwright.stages.formats.meshes.gltf_conventions import is_own, shown
 
 MALFORMED = (AttributeError, IndexError, KeyError, TypeError, ValueError)
-"""The errors for an unknown structure, and for base64 that is none."""
+"""The errors that an unknown structure or invalid base64 causes."""
 
 _MAGIC = b"glTF"
 _FLOAT = 5126
 _FIRST = "TEXCOORD_0"
 _EMBEDDED = "data:"
 _WHITE = [1.0, 1.0, 1.0, 1.0]
-_MOST_VALUES = 1 << 23
-"""Values in the JSON, by its brackets and commas."""
+_MAX_VALUES = 1 << 23
+"""Largest number of values in the JSON, counted by its brackets and commas."""
 
 Content = bytes | str
-"""What an image is, or the reason why it cannot be used."""
+"""The content of an image, or the reason why it cannot be used."""
 
 _Record = Mapping[str, Any]
 
 
 def buffers(data: bytes) -> list[str]:
-    """The names of the files that are a glTF's buffers."""
+    """Returns the names of the files that are a glTF's buffers."""
     tree = _root(data)
     return _files(lambda: [record.get("uri") for record in tree.get("buffers") or ()])
 
 
 def images(data: bytes) -> list[str]:
-    """The names of the files that give a glTF's materials their colours."""
+    """Returns the names of the files that give a glTF's materials their colours."""
     tree = _root(data)
     return _files(lambda: [tree["images"][index].get("uri") for _, index, _ in _uses(tree)])
 
 
-def others(data: bytes) -> tuple[str, ...]:
-    """The names of the images that give no material its colour, sorted."""
+def unused_images(data: bytes) -> tuple[str, ...]:
+    """Returns the names of the images that give no material its colour, sorted."""
     tree = _root(data)
     try:
-        used = {index for _, index, _ in _uses(tree)}
-        every = enumerate(tree.get("images") or ())
-        return tuple(sorted({_name(record) for index, record in every if index not in used}))
+        used_indices = {index for _, index, _ in _uses(tree)}
+        numbered = enumerate(tree.get("images") or ())
+        return tuple(sorted({_name(record) for index, record in numbered if index not in used_indices}))
     except MALFORMED:
         return ()
 
@@ -53,53 +54,60 @@ def others(data: bytes) -> tuple[str, ...]:
 def prepared(
     data: bytes, files: Mapping[str, bytes], images: Mapping[str, Content]
 ) -> tuple[bytes, dict[str, tuple[str, Content]]]:
-    """A glTF whose materials are named by their numbers, without images and with the coordinates of its
-    materials' colours first; and of each material with an image for its colour, by that name, the image's
-    name in messages and its content, or the reason why that cannot be used.
+    """Returns a glTF that is ready for the mesh library, and the images of its materials.
 
-    `files`, `images`: those that it names. As it is where it has no images. One of `MALFORMED`, or
-    struct.error, where it cannot be read.
+    In the glTF, materials are named by their numbers and have their colours as screens show them; images are
+    removed, and the texture coordinates of each material's colour come first. The second value maps the name
+    of each material with a colour image to the image's name in messages, and its content or the reason why it
+    cannot be used. A file of ours is in the frame of its link, whichever axis is up in it.
+
+    `files`, `images`: the buffers and images that the glTF names. Raises one of `MALFORMED`, or struct.error,
+    if it cannot be read.
     """
     text, rest = _split(data)
     tree = json.loads(text)
-    if not tree.get("images"):
-        return data, {}
+    for node in tree["nodes"] if is_own(tree) else ():
+        node.pop("rotation", None)
     contents: dict[int, Content] = {}
-    found = {}
+    image_of_material = {}
     for material, index, why in _uses(tree):
         record = tree["images"][index]
         if index not in contents:
             contents[index] = _image(tree, record, rest, files, images)
-        found[material] = (_name(record), why or contents[index])
+        image_of_material[material] = (_name(record), why or contents[index])
     for index, record in enumerate(tree.get("materials") or ()):
         record["name"] = str(index)
-        if index in found:
-            record["pbrMetallicRoughness"].setdefault("baseColorFactor", _WHITE)
+        look = record.get("pbrMetallicRoughness") or {}
+        if index in image_of_material:
+            look.setdefault("baseColorFactor", _WHITE)
+        if "baseColorFactor" in look:
+            *rgb, alpha = look["baseColorFactor"]
+            look["baseColorFactor"] = [*map(shown, rgb), alpha]
     for mesh in tree.get("meshes") or ():
         for primitive in mesh.get("primitives") or ():
-            if primitive.get("material") in found:
+            if primitive.get("material") in image_of_material:
                 _choose_coordinates(primitive["attributes"], tree, primitive["material"])
-    del tree["images"]
-    whole = json.dumps(tree).encode()
-    whole = _packed(whole, rest) if data.startswith(_MAGIC) else whole
-    return whole, {str(material): image for material, image in found.items()}
+    tree.pop("images", None)
+    content = json.dumps(tree).encode()
+    content = _packed(content, rest) if data.startswith(_MAGIC) else content
+    return content, {str(material): image for material, image in image_of_material.items()}
 
 
 def _uses(tree: _Record) -> Iterator[tuple[int, int, str]]:
-    """Each material with an image for its colour, the number of the image, and why it cannot be used."""
+    """Yields each material with a colour image, the number of the image, and why it cannot be used."""
     count = len(tree.get("images") or ())
     for material, record in enumerate(tree.get("materials") or ()):
         try:
             use = record["pbrMetallicRoughness"]["baseColorTexture"]
             index = tree["textures"][use["index"]]["source"]
-            moved = "KHR_texture_transform" in use.get("extensions", ())
+            has_transform = "KHR_texture_transform" in use.get("extensions", ())
         except MALFORMED:
-            continue  # it has none, or one in a form that is not known
+            continue  # it has no image, or the image has an unknown form
         if index in range(count):
             yield (
                 material,
                 index,
-                "it is moved by KHR_texture_transform, which is not supported" if moved else "",
+                "it is moved by KHR_texture_transform, which is not supported" if has_transform else "",
             )
 
 
@@ -127,7 +135,7 @@ def _image(
 
 
 def _files(uris: Callable[[], list[Any]]) -> list[str]:
-    """The names of files among URIs; none where the structure is unknown."""
+    """Returns the names of files among URIs; none if the structure is unknown."""
     try:
         return [uri for uri in uris() if isinstance(uri, str) and not uri.startswith(_EMBEDDED)]
     except MALFORMED:
@@ -150,7 +158,8 @@ def _name(record: _Record) -> str:
 
 
 def _choose_coordinates(attributes: dict[str, Any], tree: _Record, material: int) -> None:
-    """Makes the coordinates that a material's colour uses the first ones; none where they are not floats."""
+    """Moves the coordinates that a material's colour uses to the front; removes them if they are not
+    floats."""
     use = tree["materials"][material]["pbrMetallicRoughness"]["baseColorTexture"]
     accessor = attributes.get(f"TEXCOORD_{use.get('texCoord', 0)}")
     if accessor is not None and tree["accessors"][accessor]["componentType"] == _FLOAT:
@@ -160,19 +169,19 @@ def _choose_coordinates(attributes: dict[str, Any], tree: _Record, material: int
 
 
 def _root(data: bytes) -> dict[str, Any]:
-    """The JSON of a glTF or GLB; {} where it has none, or more than is read."""
+    """Returns the JSON of a glTF or GLB; {} if it is missing or too large."""
     try:
         text, _ = _split(data)
-        if sum(map(text.count, (b",", b"[", b"{"))) > _MOST_VALUES:
+        if sum(map(text.count, (b",", b"[", b"{"))) > _MAX_VALUES:
             return {}
-        found = json.loads(text)
+        tree = json.loads(text)
     except (struct.error, ValueError, RecursionError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return tree if isinstance(tree, dict) else {}
 
 
 def _split(data: bytes) -> tuple[bytes, bytes]:
-    """The JSON of a file, and what comes after it in a GLB."""
+    """Returns the JSON of a file, and the bytes after it in a GLB."""
     if not data.startswith(_MAGIC):
         return data, b""
     (length,) = struct.unpack_from("<I", data, 12)
@@ -180,12 +189,12 @@ def _split(data: bytes) -> tuple[bytes, bytes]:
 
 
 def _chunk(rest: bytes) -> bytes:
-    """The content of the chunk that `rest` begins with; empty where there is none."""
+    """Returns the content of the chunk at the beginning of `rest`; empty if it is missing."""
     return rest[8 : 8 + int.from_bytes(rest[:4], "little")]
 
 
 def _packed(text: bytes, rest: bytes) -> bytes:
-    """A GLB of JSON and what comes after it."""
+    """Returns a GLB of JSON and the bytes after it."""
     text += b" " * (-len(text) % 4)
     head = struct.pack("<4sII", _MAGIC, 2, 20 + len(text) + len(rest))
     return head + struct.pack("<I4s", len(text), b"JSON") + text + rest

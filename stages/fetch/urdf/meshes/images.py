@@ -1,5 +1,6 @@
-"""The images that a mesh file names for other things than colours (reliefs, shine), and all of a DAE. They
-are not read, and their loss is reported.
+"""Lists the images that a mesh file names for other purposes than colours, and all images of a DAE.
+
+These images are not read, and their loss is reported.
 """
 
 from __future__ import annotations
@@ -14,19 +15,23 @@ _OF_COLLADA = re.compile(rb"<init_from>\s*(?:<ref>)?\s*([^<]+\.\w+)\s*<")
 
 
 def images(data: bytes, kind: str, companions: Mapping[str, bytes]) -> tuple[str, ...]:
-    """The names of these images of a readable mesh file, sorted; `kind`: the ending of its name,
-    `companions`: the files that it names. An image inside of a glTF has its own name, or is "an image in it".
+    """Returns the names of these images of a readable mesh file, sorted.
+
+    `kind`: the ending of the file's name; `companions`: the files that it names. An image inside of a glTF
+    has its own name, or is "an image in it".
     """
     if kind == "obj":
         libraries = [obj_materials.materials(text).values() for text in companions.values()]
-        return _sorted(name for library in libraries for one in library for name in one.others)
+        return _sorted(
+            name for library in libraries for material in library for name in material.other_images
+        )
     if kind == "dae":
         return _sorted(name.decode("utf-8", "replace").strip() for name in _OF_COLLADA.findall(data))
     if kind in ("gltf", "glb"):
-        return gltf_materials.others(data)
+        return gltf_materials.unused_images(data)
     return ()
 
 
 def _sorted(names: Iterable[str]) -> tuple[str, ...]:
-    """The last part of each path, once."""
+    """Returns the last part of each path, once, sorted."""
     return tuple(sorted({PurePosixPath(name.replace("\\", "/")).name for name in names}))

@@ -27,29 +27,30 @@ from linkwright.stages.fetch.urdf.meshes.loose_mesh import WHITE, LooseMesh, Tex
 from linkwright.stages.fetch.urdf.meshes.textures import NO_COORDINATES, Texture, of_gltf, of_obj
 from linkwright.stages.formats.damaged import Damaged
 from linkwright.stages.formats.meshes import gltf_claims
+from linkwright.stages.formats.meshes.body_arrays import distinct
 from linkwright.stages.formats.meshes.points import is_binary_stl, mesh_points
-from linkwright.stages.formats.triangles import distinct
 from linkwright.stages.formats.xml import Malformed
 from linkwright.stages.robot.model.geometry import NEUTRAL, Colour
 from linkwright.stages.robot.system.install import install
 
 FORMATS = ("stl", "obj", "dae", "gltf", "glb", "ply")
 
-_MOST_COLOURS = 16
-"""Largest number of colours of one mesh: more are shading, and each would become a file."""
+_MAX_COLOURS = 16
+"""Largest number of colours of a mesh: more are shading, and each would become a file."""
 
 _EMPTY = "it has no triangles"
 _LFS = b"version https://git-lfs"
 _STL_HEAD, _STL_FACE = 84, 50
+"""Sizes of a binary STL's header with the number of its triangles, and of a triangle [bytes]."""
 
 
 class Unreadable(Exception):
-    """A mesh file cannot be read; the text gives the reason."""
+    """The error that a mesh file cannot be read; its text gives the reason."""
 
 
-def read(data: bytes, name: str, beside: Companions) -> LooseMesh:
-    """The triangles in a mesh file. `name` ends as its format does; `beside`: the files that it names.
-    Unreadable where there are none."""
+def read(data: bytes, name: str, companions: Companions) -> LooseMesh:
+    """Reads the triangles in a mesh file. `name` ends with the format; `companions`: the files that the mesh
+    file names. Raises Unreadable if there are no triangles."""
     kind = name.rpartition(".")[2].lower()
     if kind not in FORMATS:
         msg = f"its format is not supported; supported: {', '.join(FORMATS)}"
@@ -58,15 +59,15 @@ def read(data: bytes, name: str, beside: Companions) -> LooseMesh:
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
-            textures = of_obj(beside) if kind == "obj" else {}
-            plain = _PREPARED.get(kind, bytes)(data)
-            if kind == "stl" and is_binary_stl(plain):
-                return _of_binary_stl(plain)
+            textures = of_obj(companions) if kind == "obj" else {}
+            content = _PREPARED.get(kind, bytes)(data)
+            if kind == "stl" and is_binary_stl(content):
+                return _of_binary_stl(content)
             if kind in ("gltf", "glb"):
-                gltf_claims.judge(data, beside.files)
-                plain, found = gltf_materials.prepared(data, beside.files, beside.images)
-                textures = of_gltf(found)
-            scene = _scene(plain, kind, beside.files)
+                gltf_claims.check_claims(data, companions.files)
+                content, gltf_images = gltf_materials.prepared(data, companions.files, companions.images)
+                textures = of_gltf(gltf_images)
+            scene = _scene(content, kind, companions.files)
             pieces = [_placed(scene, node, textures) for node in scene.graph.nodes_geometry]
             scale = _unit(scene, kind)
     except Unreadable:
@@ -75,10 +76,10 @@ def read(data: bytes, name: str, beside: Companions) -> LooseMesh:
         # The words of a library may quote the file, which is any file that a robot names.
         why = str(error) if isinstance(error, Damaged | Malformed) else type(error).__name__
         raise Unreadable(f"it is damaged, or is not a {kind.upper()} file ({why})") from None
-    there = [piece for piece in pieces if piece is not None]
-    if not there:
+    meshes = [piece for piece in pieces if piece is not None]
+    if not meshes:
         raise Unreadable(_EMPTY)
-    return replace(joined(there, scale), images=images(data, kind, beside.files))
+    return replace(joined(meshes, scale), images=images(data, kind, companions.files))
 
 
 def _require_content(data: bytes, kind: str) -> None:
@@ -106,19 +107,19 @@ def _require_content(data: bytes, kind: str) -> None:
 
 
 def _whole(data: bytes) -> bytes:
-    """A binary STL without the extra bytes that some programs append."""
+    """Returns a binary STL without the extra bytes that some programs append."""
     if len(data) >= _STL_HEAD and not (data.lstrip().startswith(b"solid") and b"facet" in data[:2000]):
         size = _STL_HEAD + _STL_FACE * int.from_bytes(data[80:84], "little")
         if size > len(data):
-            there = (len(data) - _STL_HEAD) // _STL_FACE
-            msg = f"it announces {(size - _STL_HEAD) // _STL_FACE} triangles and contains {there}"
+            face_count = (len(data) - _STL_HEAD) // _STL_FACE
+            msg = f"it announces {(size - _STL_HEAD) // _STL_FACE} triangles and contains {face_count}"
             raise Damaged(msg)
         return data[:size]
     return data
 
 
 def _utf8(data: bytes) -> bytes:
-    """Text as UTF-8: old programs write names in any encoding."""
+    """Returns text as UTF-8: old programs write names in any encoding."""
     try:
         data.decode()
     except UnicodeDecodeError:
@@ -127,11 +128,11 @@ def _utf8(data: bytes) -> bytes:
 
 
 _PREPARED = {"stl": _whole, "obj": _utf8, "dae": cleaned}
-"""What is done to a format's bytes before they are read."""
+"""Format → the function that prepares its bytes before they are read."""
 
 
 def _scene(data: bytes, kind: str, files: Mapping[str, bytes]) -> Any:
-    # Late: only formats that are not STL need trimesh, which takes a while to import.
+    # Imported late: only formats other than STL need trimesh, which takes a while to import.
     import trimesh
     from trimesh.resolvers import Resolver
 
@@ -142,8 +143,8 @@ def _scene(data: bytes, kind: str, files: Mapping[str, bytes]) -> Any:
             pass
 
         def get(self, name: str) -> bytes:
-            found = files[name.strip()]
-            return _utf8(found) if kind == "obj" else found
+            content = files[name.strip()]
+            return _utf8(content) if kind == "obj" else content
 
         def keys(self) -> Any:
             return files.keys()
@@ -159,12 +160,13 @@ def _scene(data: bytes, kind: str, files: Mapping[str, bytes]) -> Any:
         from trimesh.exchange import dae
 
         load: Any = dae.load_collada
-        # What it cannot follow is an error: by default it is dropped.
-        found = load(io.BytesIO(data), Beside(), ignore_broken=False)
-        for shape in found["geometry"].values():
+        # Unresolved references are errors: by default they are dropped.
+        loaded = load(io.BytesIO(data), Beside(), ignore_broken=False)
+        for shape in loaded["geometry"].values():
             shape["process"] = False
-        return trimesh.load_scene(found)
-    # trimesh keeps the order of an OBJ's points only by giving each one pair of texture coordinates.
+        return trimesh.load_scene(loaded)
+    # trimesh keeps the order of an OBJ's points only by giving each point a single pair of texture
+    # coordinates.
     ordered = kind != "obj" or not re.search(rb"^vt\s", data, re.MULTILINE)
     return trimesh.load_scene(
         io.BytesIO(data), file_type=kind, resolver=Beside(), process=False, maintain_order=ordered
@@ -172,7 +174,8 @@ def _scene(data: bytes, kind: str, files: Mapping[str, bytes]) -> Any:
 
 
 def _placed(scene: Any, node: str, textures: Mapping[str, Texture]) -> LooseMesh | None:
-    """One node of a scene in the scene's frame; None where it has no triangles. `textures`: by material."""
+    """Returns a node of a scene in the scene's frame; None if it has no triangles. `textures`: by
+    material."""
     transform, name = scene.graph[node]
     shape = scene.geometry[name]
     if not len(getattr(shape, "faces", ())):
@@ -199,14 +202,14 @@ def _placed(scene: Any, node: str, textures: Mapping[str, Texture]) -> LooseMesh
         colours, index = (WHITE,), np.zeros(len(corners), dtype=np.int64)
     else:
         distinct, which = np.unique(shades, axis=0, return_inverse=True)
-        colours = tuple(_colour(one) for one in distinct)
+        colours = tuple(_colour(shade) for shade in distinct)
         index = which.ravel() if len(shades) > 1 else np.zeros(len(corners), dtype=np.int64)
     return LooseMesh(points, corners, colours, index, (texture,) * len(colours), texcoords)
 
 
 def _of_binary_stl(data: bytes) -> LooseMesh:
-    """The triangles of a binary STL, which has nothing else. Equal points are one, so that no use of a large
-    file needs to sort all of its corners again."""
+    """Returns the triangles of a binary STL, which has nothing else. Equal points are merged, so that no use
+    of a large file needs to sort all of its corners again."""
     corners = mesh_points(".stl", data)
     if not len(corners):
         raise Unreadable(_EMPTY)
@@ -223,24 +226,30 @@ def _require_finite(points: npt.NDArray[np.float64]) -> None:
 
 
 def _texture(shape: Any, textures: Mapping[str, Texture]) -> Texture | None:
-    """The image that gives a shape its colour."""
+    """Returns the image that gives a shape its colour, or None."""
     if shape.visual.kind != "texture" or shape.visual.material is None:
         return None
     return textures.get(str(shape.visual.material.name))
 
 
 def _texcoords(shape: Any, corners: npt.NDArray[np.int64]) -> Texcoords | None:
-    """The texture coordinates of the corners of a shape's triangles; None where it has none."""
-    given = getattr(shape.visual, "uv", None)
-    if given is None or np.ndim(given) != 2 or np.shape(given)[1] < 2 or len(given) != len(shape.vertices):
+    """Returns the texture coordinates of the corners of a shape's triangles, or None."""
+    pairs_read = getattr(shape.visual, "uv", None)
+    if (
+        pairs_read is None
+        or np.ndim(pairs_read) != 2
+        or np.shape(pairs_read)[1] < 2
+        or len(pairs_read) != len(shape.vertices)
+    ):
         return None
     with np.errstate(over="ignore"):
-        pairs = np.asarray(given)[:, :2].astype(np.float32)
+        pairs = np.asarray(pairs_read)[:, :2].astype(np.float32)
     return pairs[corners] if np.isfinite(pairs).all() else None
 
 
 def _shades(shape: Any) -> npt.NDArray[np.int64] | None:
-    """RGBA in 0..255: (1, 4) where all triangles have one colour, else (m, 4); None where it has none."""
+    """Returns RGBA in 0..255: (1, 4) if all triangles share a colour, otherwise (m, 4); None without
+    colours."""
     kind = shape.visual.kind
     if kind in ("vertex", "face"):
         shades = np.asarray(shape.visual.face_colors, dtype=np.int64).reshape(-1, 4)
@@ -252,10 +261,10 @@ def _shades(shape: Any) -> npt.NDArray[np.int64] | None:
 
 
 def _coarse(shades: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
-    """Colours rounded until they are few."""
+    """Rounds colours until they are few."""
     for levels in (255, 15, 7, 3, 1):
         rounded = np.rint(np.rint(shades * (levels / 255)) * (255 / levels)).astype(np.int64)
-        if len(np.unique(rounded, axis=0)) <= _MOST_COLOURS:
+        if len(np.unique(rounded, axis=0)) <= _MAX_COLOURS:
             break
     return np.asarray(rounded, dtype=np.int64)
 
@@ -267,7 +276,7 @@ def _colour(shade: npt.NDArray[np.int64]) -> Colour:
 
 
 def _unit(scene: Any, kind: str) -> float:
-    """The length of a DAE's unit [m]."""
+    """Returns the length of a DAE's unit [m]."""
     if kind != "dae" or not scene.geometry:
         return 1.0
     units = str(next(iter(scene.geometry.values())).metadata.get("units", "meters"))

@@ -1,4 +1,4 @@
-"""The materials of an OBJ: the libraries (MTL) that it names, and the images that these name."""
+"""Reads the materials of an OBJ: the MTL files that it names, and the images that these name."""
 
 from __future__ import annotations
 
@@ -6,53 +6,59 @@ import re
 from dataclasses import dataclass
 
 _LIBRARY = re.compile(rb"^mtllib[ \t]+([^\r\n]+)", re.MULTILINE)
-_OTHER_IMAGE = re.compile(r"(?:map_\w+|bump|disp|decal|norm|refl)", re.IGNORECASE)
+_OTHER_TEXTURE = re.compile(r"(?:map_\w+|bump|disp|decal|norm|refl)", re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True)
 class ObjMaterial:
-    """A material: `image`: the name of the image that gives its colour, "" for none; `options`: those of the
-    image; `has_colour`: whether it has a colour of its own; `others`: the names of its other images."""
+    """A material of an MTL file."""
 
     image: str = ""
+    """The file name of the colour texture (map_Kd), or ""."""
+
     options: str = ""
+    """The options of the colour texture."""
+
     has_colour: bool = False
-    others: tuple[str, ...] = ()
+    """Whether the material sets a diffuse colour (Kd)."""
+
+    other_images: tuple[str, ...] = ()
+    """The file names of the other textures, such as bump maps."""
 
 
 def libraries(data: bytes) -> list[str]:
-    """The names of the libraries of an OBJ, in their order."""
-    found = (name.decode("utf-8", "replace").strip() for name in _LIBRARY.findall(data))
-    return list(dict.fromkeys(found))
+    """Returns the names of the MTL files that an OBJ refers to, each once, in order."""
+    names = (name.decode("utf-8", "replace").strip() for name in _LIBRARY.findall(data))
+    return list(dict.fromkeys(names))
 
 
 def materials(library: bytes) -> dict[str, ObjMaterial]:
-    """The materials of a library by name."""
-    found: dict[str, list[list[str]]] = {}
+    """Parses an MTL file; returns its materials by name."""
+    lines_by_name: dict[str, list[list[str]]] = {}
     lines: list[list[str]] = []
     for line in _text(library).splitlines():
-        words = line.split(maxsplit=1)
-        if len(words) < 2:
+        fields = line.split(maxsplit=1)
+        if len(fields) < 2:
             continue
-        if words[0].lower() == "newmtl":
-            lines = found[" ".join(words[1].split())] = []
+        if fields[0].lower() == "newmtl":
+            lines = lines_by_name[" ".join(fields[1].split())] = []
         else:
-            lines.append(words)
-    return {name: _material(own) for name, own in found.items()}
+            lines.append(fields)
+    return {name: _material(material_lines) for name, material_lines in lines_by_name.items()}
 
 
 def _material(lines: list[list[str]]) -> ObjMaterial:
     image = options = ""
-    others = []
+    other_images = []
     has_colour = False
-    for word, rest in lines:
-        if word.lower() == "map_kd":
-            # Options come before the name, which is the last word; without them it may have spaces.
-            options, _, image = rest.rpartition(" ") if rest.startswith("-") else ("", "", rest.strip())
-        elif _OTHER_IMAGE.fullmatch(word):
-            others.append(rest.split()[-1])
-        has_colour |= word.lower() == "kd"
-    return ObjMaterial(image, options, has_colour, tuple(others))
+    for keyword, value in lines:
+        if keyword.lower() == "map_kd":
+            # With options the file name is the last word; without options it may contain spaces.
+            options, _, image = value.rpartition(" ") if value.startswith("-") else ("", "", value.strip())
+        elif _OTHER_TEXTURE.fullmatch(keyword):
+            other_images.append(value.split()[-1])
+        has_colour |= keyword.lower() == "kd"
+    return ObjMaterial(image, options, has_colour, tuple(other_images))
 
 
 def _text(data: bytes) -> str:

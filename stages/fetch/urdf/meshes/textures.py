@@ -1,4 +1,4 @@
-"""The images that give a mesh file its colours."""
+"""Reads the images that give a mesh file its colours."""
 
 from __future__ import annotations
 
@@ -17,24 +17,31 @@ _JPEG = b"\xff\xd8\xff"
 
 @dataclass(frozen=True, slots=True)
 class Texture:
-    """An image of a material. `name` as messages have it; `image`: a PNG, and `digest` its SHA-256; `why`:
-    the reason why there is none, "" where there is one. `white`: whether the image gives the whole colour, as
-    the material has none.
-    """
+    """The colour image of a material."""
 
     name: str
+    """The name of the image in messages."""
+
     image: bytes = b""
+    """The image as a PNG; b"" if it is missing."""
+
     digest: str = ""
+    """The SHA-256 of the PNG."""
+
     why: str = ""
+    """The reason why the image is missing, or ""."""
+
     white: bool = False
+    """Whether the image gives the whole colour, as the material has no colour."""
 
     def without(self, why: str) -> Texture:
-        """The texture without its image, for this reason."""
+        """Returns the texture without its image, for this reason."""
         return replace(self, image=b"", digest="", why=why)
 
 
 def texture(name: str, content: bytes | str, *, white: bool = False) -> Texture:
-    """The texture of an image file with this content, or with the reason why there is none."""
+    """Returns the texture of an image file with this content, or with the reason why the content is
+    missing."""
     name = name.replace("\\", "/").rpartition("/")[2]
     if isinstance(content, str):
         return Texture(name, why=content)
@@ -46,21 +53,22 @@ def texture(name: str, content: bytes | str, *, white: bool = False) -> Texture:
     return Texture(name, why=why) if why else Texture(name, content, sha256(content).hexdigest(), "", white)
 
 
-def of_obj(beside: Companions) -> dict[str, Texture]:
-    """The textures of an OBJ's materials, by the names of these."""
-    found: dict[str, Texture] = {}
-    for library in beside.files.values():
+def of_obj(companions: Companions) -> dict[str, Texture]:
+    """Returns the textures of an OBJ's materials, by the materials' names."""
+    textures: dict[str, Texture] = {}
+    for library in companions.files.values():
         for name, material in obj_materials.materials(library).items():
             if material.options:
                 why = f"its options ({material.options}) are not supported"
-                found.setdefault(name, texture(material.image, why))
+                textures.setdefault(name, texture(material.image, why))
             elif material.image:
-                content = beside.images.get(material.image, TOO_MANY)
-                found.setdefault(name, texture(material.image, content, white=not material.has_colour))
-    return found
+                content = companions.images.get(material.image, TOO_MANY)
+                textures.setdefault(name, texture(material.image, content, white=not material.has_colour))
+    return textures
 
 
 def of_gltf(images: Mapping[str, tuple[str, bytes | str]]) -> dict[str, Texture]:
-    """The textures of a glTF's materials, by the names of these; `images`: their names and contents."""
-    made = {pair: texture(*pair) for pair in dict.fromkeys(images.values())}
-    return {material: made[pair] for material, pair in images.items()}
+    """Returns the textures of a glTF's materials, by the materials' names; `images`: the names and contents
+    of the images."""
+    texture_of = {pair: texture(*pair) for pair in dict.fromkeys(images.values())}
+    return {material: texture_of[pair] for material, pair in images.items()}

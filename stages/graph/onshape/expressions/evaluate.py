@@ -1,4 +1,4 @@
-"""Expressions as designers type them: numbers with units, variables, functions.
+"""Evaluates expressions as designers type them: numbers with units, variables, functions.
 
 `-#reach / 2 + 15 deg` is evaluated in SI with its dimension, so that a length where an angle is
 expected is found. Angles are a dimension of their own. The language is what Onshape's fields accept
@@ -17,7 +17,7 @@ from linkwright.stages.graph.onshape.expressions.quantity import (
     truth,
     unit,
 )
-from linkwright.stages.graph.onshape.expressions.syntax import DEEPEST, Expression, parse
+from linkwright.stages.graph.onshape.expressions.syntax import MAX_DEPTH, Expression, parse
 from linkwright.stages.robot.text.units import UNITS, Measure
 
 __all__ = ["ExpressionError", "Quantity", "Scope", "UnknownVariable", "Value", "evaluate", "measured"]
@@ -26,10 +26,10 @@ Lookup = Callable[[str], Value]
 
 
 class Scope:
-    """Variables by name, each evaluated when it is first asked for.
+    """Variables by name, each of which is evaluated when it is first needed.
 
-    `expressions`: name → its expression; `values`: name → its value as text ("30 deg"), which
-    is used where the expression cannot be evaluated. `rounded` collects the names of such variables.
+    `expressions`: name → its expression. `values`: name → its value as text ("30 deg"); it is used if the
+    expression cannot be evaluated, and `rounded` collects the names of these variables.
     """
 
     def __init__(self, expressions: Mapping[str, str], values: Mapping[str, str] | None = None) -> None:
@@ -42,18 +42,18 @@ class Scope:
         self.rounded: set[str] = set()
 
     def __call__(self, name: str) -> Value:
-        """The variable's value; ExpressionError where it has none."""
+        """Returns the variable's value; raises ExpressionError where it has none."""
         if name in self._known:
             self._note(name)
             return self._known[name]
         if name not in self._expressions:
             raise UnknownVariable(name)
         if name in self._open:
-            circle = " → ".join(f"#{one}" for one in (*self._open[self._open.index(name) :], name))
-            msg = f"variables refer to each other in a circle: {circle}"
+            circle = " → ".join(f"#{variable}" for variable in (*self._open[self._open.index(name) :], name))
+            msg = f"variables refer to each other in a cycle: {circle}"
             raise ExpressionError(msg)
-        if len(self._open) >= DEEPEST:
-            msg = f"variables are nested more than {DEEPEST} deep"
+        if len(self._open) >= MAX_DEPTH:
+            msg = f"variables are nested more than {MAX_DEPTH} deep"
             raise ExpressionError(msg)
         self._open.append(name)
         uses = self._uses
@@ -91,54 +91,56 @@ class Scope:
 
 
 def evaluate(text: str, lookup: Lookup) -> Value:
-    """The value of an expression; `lookup` gives variables. ExpressionError for an invalid expression."""
+    """Returns the value of an expression; `lookup` gives variables. Raises ExpressionError for an invalid
+    expression."""
     try:
-        return _evaluated(parse(text), lookup)
+        return _value_of(parse(text), lookup)
     except RecursionError:
         msg = "it is nested too deep"
         raise ExpressionError(msg) from None
 
 
 def measured(text: str, measure: Measure, lookup: Lookup) -> float:
-    """An expression that must be a length [m] or an angle [rad]; ExpressionError where it is not.
+    """Returns the value of an expression that must be a length [m] or an angle [rad]; raises
+    ExpressionError if it is not.
 
     A bare 0 is both; any other number needs its unit.
     """
     value = evaluate(text, lookup)
-    wanted = unit(0.0, measure)
+    expected = unit(0.0, measure)
     if isinstance(value, Quantity):
-        if value.dimension == wanted.dimension:
+        if value.dimension == expected.dimension:
             return value.value
         if value.dimension == NONE and value.value == 0.0:
             return 0.0
-        what = value.what
+        actual = value.description
     else:
-        what = "true or false"
-    msg = f"expected {wanted.what}, got {what}"
+        actual = "true or false"
+    msg = f"expected {expected.description}, got {actual}"
     raise ExpressionError(msg)
 
 
-def _evaluated(node: Expression, lookup: Lookup) -> Value:
+def _value_of(node: Expression, lookup: Lookup) -> Value:
     match node.kind:
         case "number":
             return Quantity(float(node.name)).checked()
         case "variable":
             return lookup(node.name)
         case "name":
-            return _named(node.name)
+            return _constant(node.name)
         case "call":
-            return _called(node.name, [_evaluated(one, lookup) for one in node.below])
+            return _call_value(node.name, [_value_of(operand, lookup) for operand in node.below])
         case "unary":
-            return _unary(node.name, _evaluated(node.below[0], lookup))
+            return _unary(node.name, _value_of(node.below[0], lookup))
         case "choice":
             condition, then, other = node.below
-            return _evaluated(then if truth(_evaluated(condition, lookup)) else other, lookup)
+            return _value_of(then if truth(_value_of(condition, lookup)) else other, lookup)
         case "binary":
             first, second = node.below
             return _binary(node.name, first, second, lookup)
 
 
-def _named(name: str) -> Value:
+def _constant(name: str) -> Value:
     if name in UNITS:
         size, measure = UNITS[name]
         return unit(size, measure)
@@ -148,13 +150,13 @@ def _named(name: str) -> Value:
     raise ExpressionError(msg)
 
 
-def _called(name: str, values: Sequence[Value]) -> Value:
+def _call_value(name: str, values: Sequence[Value]) -> Value:
     if name not in FUNCTIONS:
         msg = f"the function {name}() is not known"
         raise ExpressionError(msg)
-    least, most, function = FUNCTIONS[name]
-    if not least <= len(values) <= most:
-        count = str(least) if least == most else f"{least} or more"
+    fewest, largest_count, function = FUNCTIONS[name]
+    if not fewest <= len(values) <= largest_count:
+        count = str(fewest) if fewest == largest_count else f"{fewest} or more"
         msg = f"{name}() takes {count} values and got {len(values)}"
         raise ExpressionError(msg)
     plain = []
@@ -177,9 +179,9 @@ def _unary(sign: str, value: Value) -> Value:
 
 def _binary(sign: str, first: Expression, second: Expression, lookup: Lookup) -> Value:
     if sign in ("&&", "||"):
-        left = truth(_evaluated(first, lookup))
-        return left if left == (sign == "||") else truth(_evaluated(second, lookup))
-    a, b = _evaluated(first, lookup), _evaluated(second, lookup)
+        left_value = truth(_value_of(first, lookup))
+        return left_value if left_value == (sign == "||") else truth(_value_of(second, lookup))
+    a, b = _value_of(first, lookup), _value_of(second, lookup)
     if sign in ("==", "!=") and isinstance(a, bool) and isinstance(b, bool):
         return (a == b) == (sign == "==")
     if not isinstance(a, Quantity) or not isinstance(b, Quantity):

@@ -1,4 +1,4 @@
-"""The functions and constants that expressions may use, as FeatureScript's math library has them.
+"""Defines the functions and constants of expressions, as FeatureScript's math library has them.
 
 Sine and its kin take angles with a unit, and their inverses give angles.
 """
@@ -13,17 +13,17 @@ Function = Callable[[Sequence[Quantity]], Quantity]
 
 CONSTANTS: Mapping[str, Value] = {"PI": Quantity(math.pi), "true": True, "false": False}
 
-_MANY = 64
-_MOST_PLACES = 300
+_MAX_ARGUMENTS = 64
+_MAX_PLACES = 300
 
 
 def _angle(name: str, compute: Callable[[float], float]) -> Function:
-    """A function of an angle."""
+    """Returns a function of an angle."""
 
     def call(values: Sequence[Quantity]) -> Quantity:
         (value,) = values
         if value.dimension != ANGLE:
-            msg = f"{name}() takes an angle, not {value.what}: write its unit, {name}(30 deg)"
+            msg = f"{name}() takes an angle, not {value.description}: write its unit, {name}(30 deg)"
             raise ExpressionError(msg)
         return Quantity(compute(value.value))
 
@@ -31,12 +31,12 @@ def _angle(name: str, compute: Callable[[float], float]) -> Function:
 
 
 def _number(name: str, compute: Callable[[float], float], angle: int = 0) -> Function:
-    """A function of a plain number, which gives one or (`angle` = 1) an angle."""
+    """Returns a function of a plain number, which gives a plain number or (`angle` = 1) an angle."""
 
     def call(values: Sequence[Quantity]) -> Quantity:
         (value,) = values
         if value.dimension != NONE:
-            msg = f"{name}() takes a number, not {value.what}"
+            msg = f"{name}() takes a number, not {value.description}"
             raise ExpressionError(msg)
         try:
             return Quantity(compute(value.value), angle=Fraction(angle))
@@ -48,7 +48,7 @@ def _number(name: str, compute: Callable[[float], float], angle: int = 0) -> Fun
 
 
 def _alike(name: str, compute: Callable[[Sequence[float]], float]) -> Function:
-    """A function of quantities of one kind, which gives one more of it."""
+    """Returns a function of quantities of a kind, which gives a quantity of the same kind."""
 
     def call(values: Sequence[Quantity]) -> Quantity:
         for other in values[1:]:
@@ -59,7 +59,7 @@ def _alike(name: str, compute: Callable[[Sequence[float]], float]) -> Function:
 
 
 def _stepped(name: str, compute: Callable[[float], float]) -> Function:
-    """Rounding of a number, or of any quantity to multiples of the second one."""
+    """Returns a function that rounds a number, or any quantity to multiples of the second quantity."""
 
     def call(values: Sequence[Quantity]) -> Quantity:
         value, step = values[0], values[1] if len(values) == 2 else Quantity(1.0)
@@ -88,13 +88,14 @@ def _root(values: Sequence[Quantity]) -> Quantity:
 
 
 def _to_precision(values: Sequence[Quantity]) -> Quantity:
-    """A number rounded to so many decimal places, before the point where there are fewer than none."""
+    """Returns a number rounded to a number of decimal places, which is negative for places before the
+    point."""
     places = values[1].value
     if any(value.dimension != NONE for value in values) or places != int(places):
         msg = "roundToPrecision() takes a number and a whole number of decimal places"
         raise ExpressionError(msg)
-    if abs(places) > _MOST_PLACES:
-        msg = f"roundToPrecision() to more than {_MOST_PLACES} places"
+    if abs(places) > _MAX_PLACES:
+        msg = f"roundToPrecision() to more than {_MAX_PLACES} places"
         raise ExpressionError(msg)
     scale = 10.0 ** abs(places)
     if places < 0:
@@ -121,8 +122,8 @@ FUNCTIONS: Mapping[str, tuple[int, int, Function]] = {
     "atan2": (2, 2, _atan2),
     "sqrt": (1, 1, _root),
     "abs": (1, 1, _alike("abs", lambda values: abs(values[0]))),
-    "min": (1, _MANY, _alike("min", min)),
-    "max": (1, _MANY, _alike("max", max)),
+    "min": (1, _MAX_ARGUMENTS, _alike("min", min)),
+    "max": (1, _MAX_ARGUMENTS, _alike("max", max)),
     "hypot": (2, 2, _alike("hypot", lambda values: math.hypot(*values))),
     "floor": (1, 2, _stepped("floor", lambda value: float(math.floor(value)))),
     "ceil": (1, 2, _stepped("ceil", lambda value: float(math.ceil(value)))),

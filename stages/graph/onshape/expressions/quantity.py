@@ -1,4 +1,4 @@
-"""A number with its dimension, and its arithmetic."""
+"""Computes with numbers that have a dimension."""
 
 import math
 from dataclasses import dataclass
@@ -14,15 +14,15 @@ LENGTH: Dimension = (Fraction(1), Fraction(0))
 ANGLE: Dimension = (Fraction(0), Fraction(1))
 
 _NAMES = {NONE: "a number", LENGTH: "a length", ANGLE: "an angle", (Fraction(2), Fraction(0)): "an area"}
-_MOST_POWER = 64
+_MAX_POWER = 64
 
 
 class ExpressionError(Exception):
-    """An expression without a value; the text gives the reason, to be appended to "…: "."""
+    """An error of an expression without a value; the text gives the reason, and follows "…: "."""
 
 
 class UnknownVariable(ExpressionError):
-    """An expression refers to an undefined variable."""
+    """An error of an expression that refers to an undefined variable."""
 
     def __init__(self, name: str) -> None:
         super().__init__(f"the variable #{name} is not known")
@@ -31,37 +31,41 @@ class UnknownVariable(ExpressionError):
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """`value` in SI; exponents of metre and radian."""
+    """A number with its dimension."""
 
     value: float
+    """In SI."""
     length: Fraction = Fraction(0)
+    """Exponent of metre."""
     angle: Fraction = Fraction(0)
+    """Exponent of radian."""
 
     @property
     def dimension(self) -> Dimension:
+        """The exponents of metre and radian."""
         return self.length, self.angle
 
     @property
-    def what(self) -> str:
+    def description(self) -> str:
         """The dimension in words."""
         return _NAMES.get(self.dimension, f"a quantity in m^({self.length})·rad^({self.angle})")
 
     def checked(self) -> "Quantity":
-        """Itself; ExpressionError where the value is not finite."""
+        """Returns itself; raises ExpressionError where the value is not finite."""
         if math.isfinite(self.value):
             return self
         msg = "a value is not finite"
         raise ExpressionError(msg)
 
     def like(self, value: float) -> "Quantity":
-        """Another value of the same dimension."""
+        """Returns another value of the same dimension."""
         return Quantity(value, *self.dimension)
 
     def __neg__(self) -> "Quantity":
         return self.like(-self.value)
 
     def combined(self, sign: str, other: "Quantity") -> "Quantity | bool":
-        """`self sign other`; ExpressionError where the dimensions do not allow it."""
+        """Returns `self sign other`; raises ExpressionError where the dimensions do not allow it."""
         if sign == "*":
             product = self.value * other.value
             return Quantity(product, self.length + other.length, self.angle + other.angle).checked()
@@ -85,16 +89,16 @@ class Quantity:
         return {"==": a == b, "!=": a != b, "<": a < b, ">": a > b, "<=": a <= b, ">=": a >= b}[sign]
 
     def modulo(self, other: "Quantity") -> "Quantity":
-        """The remainder of a division by `other`, with the sign of `other`."""
+        """Returns the remainder of a division by `other`, with the sign of `other`."""
         if other.value == 0.0:
             msg = "a division by zero"
             raise ExpressionError(msg)
         return self.like(self.value % other.value).checked()
 
     def power(self, exponent: "Quantity") -> "Quantity":
-        """To the power of a plain number."""
+        """Returns the quantity to the power of a plain number."""
         if exponent.dimension != NONE:
-            msg = f"an exponent must be a number, not {exponent.what}"
+            msg = f"an exponent must be a number, not {exponent.description}"
             raise ExpressionError(msg)
         power = exponent.value
         try:
@@ -107,16 +111,17 @@ class Quantity:
         result = Quantity(float(value)).checked()
         if self.dimension == NONE:
             return result
-        if abs(power) > _MOST_POWER:
-            msg = f"a power above {_MOST_POWER} of a quantity with a unit"
+        if abs(power) > _MAX_POWER:
+            msg = f"a power above {_MAX_POWER} of a quantity with a unit"
             raise ExpressionError(msg)
         share = Fraction(power).limit_denominator(12)
         return Quantity(result.value, self.length * share, self.angle * share)
 
     def same(self, other: "Quantity", where: str) -> None:
-        """ExpressionError unless both have the same dimension."""
+        """Raises ExpressionError unless both have the same dimension."""
         if self.dimension != other.dimension:
-            msg = f"{where} needs two values of the same dimension, not {self.what} and {other.what}"
+            kinds = f"{self.description} and {other.description}"
+            msg = f"{where} needs two values of the same dimension, not {kinds}"
             raise ExpressionError(msg)
 
 
@@ -124,13 +129,13 @@ Value = Quantity | bool
 
 
 def unit(size: float, measure: Measure) -> Quantity:
-    """A length of `size` metres, or an angle of `size` radians."""
+    """Returns a length of `size` metres, or an angle of `size` radians."""
     return Quantity(size, *(LENGTH if measure == "length" else ANGLE))
 
 
 def truth(value: Value) -> bool:
-    """A condition; ExpressionError for a quantity."""
+    """Returns the value of a condition; raises ExpressionError for a quantity."""
     if isinstance(value, bool):
         return value
-    msg = f"a condition must be true or false, not {value.what}"
+    msg = f"a condition must be true or false, not {value.description}"
     raise ExpressionError(msg)

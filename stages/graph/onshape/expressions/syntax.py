@@ -1,4 +1,4 @@
-"""The grammar of expressions: text to a tree, by precedence climbing.
+"""Parses expressions to trees, by precedence climbing.
 
 Precedence from loose to tight: `? :`, `||`, `&&`, equality, order, `+ -`, `* / %`, a unit after a
 value, unary signs, `^` (which groups to the right). So `6 mm / 3 mm` is 2; but numbers and constants
@@ -22,8 +22,8 @@ _TOKEN = re.compile(
     r"|(?P<name>[A-Za-z_]\w*|µm|[°'\"′″])"
     r"|(?P<sign>&&|\|\||==|!=|<=|>=|[-+*/%^()<>?:,!]))"
 )
-_MOST_TOKENS = 400
-DEEPEST = 60
+_MAX_TOKENS = 400
+MAX_DEPTH = 60
 _BINARY = {"||": 2, "&&": 3, "==": 4, "!=": 4, "<": 5, ">": 5, "<=": 5, ">=": 5}
 _BINARY |= {"+": 6, "-": 6, "*": 7, "/": 7, "%": 7, "^": 10}
 _TERNARY, _UNIT, _UNARY = 1, 8, 9
@@ -32,20 +32,22 @@ _CONSTANT = "PI"
 
 @dataclass(frozen=True, slots=True)
 class Expression:
-    """A node of the tree. `kind`: the kind of `name`; `below`: the operands."""
+    """A node of the tree of an expression."""
 
     kind: Literal["number", "variable", "name", "call", "unary", "binary", "choice"]
+    """Kind of `name`."""
     name: str
     below: tuple["Expression", ...] = ()
+    """The operands."""
 
 
 def parse(text: str) -> Expression:
-    """The tree of a whole expression; ExpressionError where the text is not one."""
+    """Parses a whole expression to its tree; raises ExpressionError for any other text."""
     return _Parser(text).whole()
 
 
 class _Parser:
-    """Precedence climbing over the tokens of one expression."""
+    """Precedence climbing over the tokens of an expression."""
 
     def __init__(self, text: str) -> None:
         self._tokens = _tokens(text)
@@ -53,6 +55,7 @@ class _Parser:
         self._depth = 0
 
     def whole(self) -> Expression:
+        """Parses the whole text; raises ExpressionError for an invalid text."""
         node = self._expression(0)
         kind, token = self._peek()
         if kind:
@@ -62,29 +65,29 @@ class _Parser:
 
     def _expression(self, least: int, *, exponent: bool = False) -> Expression:
         self._depth += 1
-        if self._depth > DEEPEST:
-            msg = f"it is nested more than {DEEPEST} deep"
+        if self._depth > MAX_DEPTH:
+            msg = f"it is nested more than {MAX_DEPTH} deep"
             raise ExpressionError(msg)
-        left = self._operand(exponent=exponent)
+        operand = self._operand(exponent=exponent)
         while True:
             kind, token = self._peek()
             if kind == "name" and token in UNITS and least <= _UNIT:
                 # A unit binds its own power first: 5 mm^2 is 5·(mm²).
-                left = Expression("binary", "*", (left, self._expression(_UNIT + 1)))
+                operand = Expression("binary", "*", (operand, self._expression(_UNIT + 1)))
             elif kind == "sign" and token in _BINARY and _BINARY[token] >= least:
                 self._at += 1
                 power = _BINARY[token]
                 # `^` groups to the right and takes a sign: 2^-1, 2^3^2.
                 right = self._expression(_UNARY if token == "^" else power + 1, exponent=token == "^")
-                left = Expression("binary", token, (left, right))
+                operand = Expression("binary", token, (operand, right))
             elif kind == "sign" and token == "?" and least <= _TERNARY:
                 self._at += 1
                 then = self._expression(_TERNARY)
                 self._expect(":")
-                left = Expression("choice", "?", (left, then, self._expression(_TERNARY)))
+                operand = Expression("choice", "?", (operand, then, self._expression(_TERNARY)))
             else:
                 self._depth -= 1
-                return left
+                return operand
 
     def _operand(self, *, exponent: bool) -> Expression:
         kind, token = self._peek()
@@ -110,8 +113,8 @@ class _Parser:
         raise ExpressionError(msg)
 
     def _literal(self, number: str) -> Expression:
-        """A number as on paper: with a fraction, with what it is multiplied or divided by before a unit, or
-        with values in smaller units after its own."""
+        """Reads a number as on paper: with a fraction, with factors or divisors before a unit, or with
+        values in smaller units after its own."""
         value = self._mixed(number)
         if self._peek()[1] not in UNITS or self._peek(1)[0] != "number":
             return self._before_unit(value)
@@ -131,21 +134,24 @@ class _Parser:
                 return total
             self._at += 1
             value = self._mixed(token)
-        msg = "a number without its unit stands after one with a unit"
+        msg = "a number without a unit follows a number with a unit"
         raise ExpressionError(msg)
 
     def _mixed(self, number: str) -> Expression:
-        """A whole number with a fraction after it, `1 1/2`, is their sum; else the number itself."""
-        above, slash, below = (self._peek(ahead) for ahead in range(3))
-        whole = number.isdigit() and above[1].isdigit() and below[1].isdigit()
-        if not (whole and slash[1] == "/"):
+        """Reads a whole number with a fraction after it, `1 1/2`, as their sum; else the number itself."""
+        numerator, slash, denominator = (self._peek(ahead) for ahead in range(3))
+        is_fraction = number.isdigit() and numerator[1].isdigit() and denominator[1].isdigit()
+        if not (is_fraction and slash[1] == "/"):
             return Expression("number", number)
         self._at += 3
-        fraction = Expression("binary", "/", (Expression("number", above[1]), Expression("number", below[1])))
+        fraction = Expression(
+            "binary", "/", (Expression("number", numerator[1]), Expression("number", denominator[1]))
+        )
         return Expression("binary", "+", (Expression("number", number), fraction))
 
     def _before_unit(self, value: Expression) -> Expression:
-        """A number or constant with those that it is multiplied or divided by, where a unit comes next."""
+        """Reads a number or constant with those that it is multiplied or divided by, where a unit comes
+        next."""
         ahead = 0
         while self._peek(ahead)[1] in ("*", "/") and self._is_plain(self._peek(ahead + 1)):
             ahead += 2
@@ -167,37 +173,37 @@ class _Parser:
         if self._peek()[1] == ")":
             self._at += 1
             return ()
-        found = [self._expression(0)]
+        arguments = [self._expression(0)]
         while self._peek()[1] == ",":
             self._at += 1
-            found.append(self._expression(0))
+            arguments.append(self._expression(0))
         self._expect(")")
-        return tuple(found)
+        return tuple(arguments)
 
     def _expect(self, sign: str) -> None:
         kind, token = self._peek()
         if token != sign:
-            msg = f"{sign!r} is expected" + (f" where {token!r} stands" if kind else " at the end")
+            msg = f"{sign!r} is expected" + (f" in place of {token!r}" if kind else " at the end")
             raise ExpressionError(msg)
         self._at += 1
 
     def _peek(self, ahead: int = 0) -> tuple[str, str]:
-        at = self._at + ahead
-        return self._tokens[at] if at < len(self._tokens) else ("", "")
+        position = self._at + ahead
+        return self._tokens[position] if position < len(self._tokens) else ("", "")
 
 
 def _tokens(text: str) -> list[tuple[str, str]]:
-    found = []
-    at, end = 0, len(text.rstrip())
-    while at < end:
-        match = _TOKEN.match(text, at)
+    tokens = []
+    position, end = 0, len(text.rstrip())
+    while position < end:
+        match = _TOKEN.match(text, position)
         if match is None:
-            msg = f"{text[at:].strip()[:1]!r} is not understood"
+            msg = f"{text[position:].strip()[:1]!r} is not understood"
             raise ExpressionError(msg)
         kind = match.lastgroup or ""
-        found.append((kind, match[kind]))
-        if len(found) > _MOST_TOKENS:
-            msg = f"it has more than {_MOST_TOKENS} tokens"
+        tokens.append((kind, match[kind]))
+        if len(tokens) > _MAX_TOKENS:
+            msg = f"it has more than {_MAX_TOKENS} tokens"
             raise ExpressionError(msg)
-        at = match.end()
-    return found
+        position = match.end()
+    return tokens

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from linkwright.stages.formats import triangles
+from linkwright.stages.formats.meshes import body_arrays
 from linkwright.stages.robot.bundle import OnshapeBundle, StudioKey
 from linkwright.stages.robot.dynamics.inertia import solid_inertia
 from linkwright.stages.robot.model.robot import Array, Inertial, frozen
@@ -16,49 +16,48 @@ from linkwright.stages.robot.model.robot import Array, Inertial, frozen
 Key = tuple[StudioKey, str]
 """A part studio and the id of a part in it."""
 
-CLOSED = 1e-6
-"""The largest net area of a closed surface, as a share of its area."""
+NET_AREA_TOLERANCE = 1e-6
+"""Largest net area of a closed surface, as a share of its area."""
 
-SAME_VOLUME = 0.1
-"""How far the volume inside a closed surface may be from CAD's, as a share of that."""
+VOLUME_TOLERANCE = 0.1
+"""Largest difference of the volume inside a closed surface from CAD's, as a share of CAD's."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartShape:
-    """A part's shape with a mass of 1 kg, in the part's frame.
-
-    A solid has closed triangles; a ball has the volume, at the middle of the box around them, where
-    they are open; a shell is as thin as a sheet. `volume` [m³] is CAD's, else the triangles'; 0 for a
-    shell.
-    """
+    """A part's shape with a mass of 1 kg, in the part's frame."""
 
     kind: Literal["solid", "ball", "shell"]
+    """A solid has closed triangles. A ball has the volume, at the middle of the box around triangles that are
+    open. A shell is as thin as a sheet."""
     inertial: Inertial
     volume: float
+    """CAD's [m³], else that of the triangles; 0 for a shell."""
 
 
 def shapes_of(bundle: OnshapeBundle, volumes: Iterable[tuple[Key, float | None]]) -> dict[Key, PartShape]:
-    """The shapes of parts, each with what `shape_of` takes as its volume; no triangles, no shape."""
+    """Returns the shapes of parts, by the volumes that `shape_of` takes; parts without triangles have no
+    shape."""
     replies = {studio.key: studio.tessellation for studio in bundle.studios}
-    wanted: dict[str, dict[Key, float | None]] = {}
+    parts_by_reply: dict[str, dict[Key, float | None]] = {}
     for key, volume in volumes:
         reply = replies.get(key[0])
         if reply is not None:
-            wanted.setdefault(reply, {})[key] = volume
-    found = {}
-    for reply, parts in wanted.items():
-        bodies = triangles.decode(bundle.body(reply), {part for _, part in parts})
+            parts_by_reply.setdefault(reply, {})[key] = volume
+    shapes = {}
+    for reply, parts in parts_by_reply.items():
+        bodies = body_arrays.decode(bundle.body(reply), {part for _, part in parts})
         for key, volume in parts.items():
             shape = shape_of(bodies[key[1]], volume) if key[1] in bodies else None
             if shape is not None:
-                found[key] = shape
-    return found
+                shapes[key] = shape
+    return shapes
 
 
-def shape_of(body: triangles.Body, volume: float | None) -> PartShape | None:
-    """The shape of a body with CAD's `volume` [m³], 0 if that is not known, None if the body is a sheet.
+def shape_of(body: body_arrays.Body, volume: float | None) -> PartShape | None:
+    """Returns the shape of a body; None if it has no triangles.
 
-    None where there are no triangles.
+    `volume` [m³]: CAD's; 0 if it is unknown, None if the body is a sheet.
     """
     corners = body.points[body.triangles]
     areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
@@ -68,7 +67,7 @@ def shape_of(body: triangles.Body, volume: float | None) -> PartShape | None:
     if volume is None:
         return PartShape("shell", _shell(corners, sizes), 0.0)
     # The areas of a closed surface add up to nothing, however its triangles are joined.
-    if np.linalg.norm(areas.sum(axis=0)) <= CLOSED * sizes.sum():
+    if np.linalg.norm(areas.sum(axis=0)) <= NET_AREA_TOLERANCE * sizes.sum():
         solid = _solid(body, volume)
         if solid is not None:
             return solid
@@ -77,28 +76,28 @@ def shape_of(body: triangles.Body, volume: float | None) -> PartShape | None:
     return PartShape("shell", _shell(corners, sizes), 0.0)
 
 
-def _solid(body: triangles.Body, volume: float) -> PartShape | None:
+def _solid(body: body_arrays.Body, volume: float) -> PartShape | None:
     try:
-        whole = solid_inertia(body.points, body.triangles, 1.0)
+        solid = solid_inertia(body.points, body.triangles, 1.0)
     except ValueError:
         return None
-    if volume > 0 and abs(whole.mass - volume) > SAME_VOLUME * volume:
+    if volume > 0 and abs(solid.mass - volume) > VOLUME_TOLERANCE * volume:
         return None
-    unit = Inertial(1.0, whole.com, frozen(whole.inertia / whole.mass))
-    return PartShape("solid", unit, volume or whole.mass)
+    unit = Inertial(1.0, solid.com, frozen(solid.inertia / solid.mass))
+    return PartShape("solid", unit, volume or solid.mass)
 
 
 def _ball(points: Array, volume: float) -> Inertial:
-    """I = 2/5 m r²."""
+    """Returns the inertial of a ball: I = 2/5 m r²."""
     radius = (3 * volume / (4 * math.pi)) ** (1 / 3)
     middle = (points.min(axis=0) + points.max(axis=0)) / 2
     return Inertial(1.0, frozen(middle), frozen(2 / 5 * radius**2 * np.eye(3)))
 
 
 def _shell(corners: npt.NDArray[np.float64], sizes: Array) -> Inertial:
-    """Even matter over triangles (m, 3, 3) of areas `sizes` (m,).
+    """Returns the inertial of even matter over triangles (m, 3, 3) of areas `sizes` (m,).
 
-    One with corners a, b, c has ∫x xᵀ dA = A/12 (a aᵀ + b bᵀ + c cᵀ + s sᵀ), s = a + b + c.
+    A triangle with corners a, b, c has ∫x xᵀ dA = A/12 (a aᵀ + b bᵀ + c cᵀ + s sᵀ), s = a + b + c.
     """
     shares = sizes / sizes.sum()
     com = shares @ corners.mean(axis=1)

@@ -1,9 +1,9 @@
-"""The mass properties of each part: CAD's, overridden by the user's, or estimated from its shape.
+"""Finds the mass properties of each part: CAD's, overridden by the user's, or estimated from its shape.
 
 Onshape gives each value as [nominal, min, max]; `inertia` is 27 numbers of which the first nine are the
 nominal tensor, row by row, about the centroid, in the part studio's axes, with true signs. A composite part
 has its own entry; the entries of its constituents are used only where these are in the assembly themselves. A
-sheet has no mass, unless one is given to it.
+sheet has no mass, unless the user gives it a mass.
 """
 
 import json
@@ -14,13 +14,13 @@ from typing import Any, NamedTuple
 import orjson
 
 from linkwright.stages.graph.globs import entries_of
-from linkwright.stages.graph.mass_section import MassSection, PartMassSection, tensor
+from linkwright.stages.graph.mass_section import MassSection, PartMassSection
 from linkwright.stages.graph.onshape.assembly import Assembly, Occurrence, Path
 from linkwright.stages.graph.onshape.mass.mass_estimate import PartShape, shapes_of
-from linkwright.stages.graph.onshape.reply_fields import number, numbers, shape_of
+from linkwright.stages.graph.onshape.reply_fields import number, numbers, protocol_errors
 from linkwright.stages.robot.bundle import OnshapeBundle, StudioKey
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.dynamics.inertia import ZERO, scaled
+from linkwright.stages.robot.dynamics.inertia import ZERO, scaled, tensor
 from linkwright.stages.robot.model.robot import Inertial, frozen
 from linkwright.stages.robot.text.globs import escaped, listed, unnumbered
 from linkwright.stages.robot.text.plural import count
@@ -39,29 +39,31 @@ class Weight(NamedTuple):
 SHEET = "sheet"
 """The type of a body that is a surface."""
 
-KNOWN = ("solid", "composite", SHEET)
+PART_TYPES = ("solid", "composite", SHEET)
 """Types of bodies that can be part of a robot."""
 
-SMALL, SMALL_TOGETHER = 0.01, 0.1
-"""Shares of the robot's volume: of one part that is small, and of all of those together."""
+MAX_SMALL_SHARE, MAX_SMALL_TOTAL = 0.01, 0.1
+"""Largest shares of the robot's volume: of a small part, and of all small parts together."""
 
-DENSITIES = (5.0, 23000.0)
-"""Foam is no lighter and osmium no heavier [kg/m³]."""
+PLAUSIBLE_DENSITIES = (5.0, 23000.0)
+"""The range of plausible densities [kg/m³]: foam is no lighter and osmium no heavier."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Kind:
-    """Occurrences of one part with the same entries. `weight`: CAD's, None if no reply has it."""
+    """Occurrences of a part with the same overrides."""
 
     key: PartKey
     type: str
-    asked: PartMassSection
+    overrides: PartMassSection
     occurrences: tuple[Occurrence, ...]
     weight: Weight | None
+    """CAD's; None if no reply has it."""
     shape: PartShape | None = None
 
     @property
     def title(self) -> str:
+        """The first of the titles of its occurrences."""
         return min(occurrence.title for occurrence in self.occurrences)
 
     @property
@@ -73,34 +75,34 @@ class Kind:
     @property
     def volume(self) -> float:
         """CAD's, else that of its triangles; 0 if neither is known [m³]."""
-        known = self.weight[1] if self.weight else 0.0
-        return known or (self.shape.volume if self.shape else 0.0)
+        cad_volume = self.weight[1] if self.weight else 0.0
+        return cad_volume or (self.shape.volume if self.shape else 0.0)
 
     @property
     def mass(self) -> float | None:
         """Its known mass [kg]: the user's value, else CAD's."""
-        if self.asked.mass is not None:
-            return self.asked.mass
-        if self.asked.density is not None:
-            return self.asked.density * self.volume or None
+        if self.overrides.mass is not None:
+            return self.overrides.mass
+        if self.overrides.density is not None:
+            return self.overrides.density * self.volume or None
         return (self.weight[0].mass or None) if self.weight else None
 
 
 def weighed(
     assembly: Assembly, bundle: OnshapeBundle, keys: MassSection, log: Diagnostics
 ) -> dict[Path, Weight]:
-    """The mass properties of every part occurrence; problems are reported once for each kind of part.
+    """Returns the mass properties of every part occurrence; problems are reported once for each kind of part.
 
-    E-BODY-TYPE, E-GLOB, E-MASS; W-BODY-TYPE for a sheet that weighs nothing, W-MASS-ESTIMATED,
+    Reports E-BODY-TYPE, E-GLOB and E-MASS; W-BODY-TYPE for a sheet that weighs nothing, W-MASS-ESTIMATED,
     W-MASS-IGNORED, W-DENSITY. A part with a problem has no mass here.
     """
     kinds = _kinds(assembly, read_masses(bundle), keys.parts, log)
-    # Triangles are read only for what CAD knows too little of.
+    # Triangles are read only for parts without a mass in CAD.
     unknown = [kind for kind in kinds if not (kind.weight and kind.weight[0].mass > 0)]
     volumes = {kind.key: None if kind.type == SHEET else kind.volume for kind in unknown}
     shapes = shapes_of(bundle, volumes.items())
     kinds = [replace(kind, shape=shapes.get(kind.key)) for kind in kinds]
-    supposed = _supposed(kinds, keys, log)
+    supposed = _estimated_masses(kinds, keys, log)
     weights: dict[Path, Weight] = {}
     for kind in kinds:
         mass = supposed.get(kind.key, 0.0) if kind.mass is None else kind.mass
@@ -114,47 +116,48 @@ def weighed(
 def _kinds(
     assembly: Assembly,
     masses: Mapping[PartKey, Weight],
-    wanted: Mapping[str, PartMassSection],
+    sections: Mapping[str, PartMassSection],
     log: Diagnostics,
 ) -> list[Kind]:
-    """The kinds of parts, sorted by title; E-BODY-TYPE for those that no robot can have."""
+    """Returns the kinds of parts, sorted by title; reports E-BODY-TYPE for those that no robot can have."""
     parts = assembly.parts
     names = [{part.title, part.names[-1], unnumbered(part.names[-1])} for part in parts]
     groups: dict[tuple[PartKey, tuple[int, ...]], list[Occurrence]] = {}
-    for part, entries in zip(parts, entries_of(names, wanted, "mass.parts", "part", log), strict=True):
+    for part, entries in zip(parts, entries_of(names, sections, "mass.parts", "part", log), strict=True):
         groups.setdefault((part_key(part.record), entries), []).append(part)
-    asked = list(wanted.values())
+    overrides = list(sections.values())
     kinds = [
         Kind(
             key=key,
             type=assembly.body_types.get(key, "solid"),
-            asked=_together([asked[index] for index in entries]),
+            overrides=_merged_overrides([overrides[index] for index in entries]),
             occurrences=tuple(occurrences),
             weight=masses.get(key),
         )
         for (key, entries), occurrences in groups.items()
     ]
     for kind in kinds:
-        if kind.type not in KNOWN:
+        if kind.type not in PART_TYPES:
             log.report("E-BODY-TYPE", f"a {kind.type} body is not supported", kind.title, "suppress it")
     return sorted(kinds, key=lambda kind: kind.title)
 
 
-def _together(entries: Sequence[PartMassSection]) -> PartMassSection:
-    """Entries merged, the later ones value by value; mass and density are one value."""
+def _merged_overrides(entries: Sequence[PartMassSection]) -> PartMassSection:
+    """Returns the entries merged value by value, where the later entry wins; mass and density are one
+    value."""
     values: dict[str, object] = {}
     for entry in entries:
-        given = {name: value for name, value in entry if value is not None}
-        if "mass" in given or "density" in given:
+        set_values = {name: value for name, value in entry if value is not None}
+        if "mass" in set_values or "density" in set_values:
             values = {name: value for name, value in values.items() if name not in ("mass", "density")}
-        values.update(given)
+        values.update(set_values)
     return PartMassSection.model_validate(values)
 
 
-def _supposed(kinds: Sequence[Kind], keys: MassSection, log: Diagnostics) -> dict[PartKey, float]:
-    """Masses [kg] of the kinds that have none, by `mass.missing`; reports the treatment of each."""
-    missing = [kind for kind in kinds if kind.mass is None and kind.type in KNOWN]
-    sheets = [kind for kind in missing if kind.type == SHEET and not kind.asked.density]
+def _estimated_masses(kinds: Sequence[Kind], keys: MassSection, log: Diagnostics) -> dict[PartKey, float]:
+    """Returns masses [kg] of the kinds that have none, by `mass.missing`; reports the treatment of each."""
+    missing = [kind for kind in kinds if kind.mass is None and kind.type in PART_TYPES]
+    sheets = [kind for kind in missing if kind.type == SHEET and not kind.overrides.density]
     missing = [kind for kind in missing if kind not in sheets]
     for kind in sheets:
         text = "a sheet without mass is only visual: it has no mass and no collider"
@@ -163,7 +166,7 @@ def _supposed(kinds: Sequence[Kind], keys: MassSection, log: Diagnostics) -> dic
     if keys.missing == "ignore":
         _report_ignored(missing, log)
         return {}
-    small = _small(kinds, missing) if keys.missing == "auto" else missing
+    small = _negligible_kinds(kinds, missing) if keys.missing == "auto" else missing
     estimated = [kind for kind in small if kind.volume > 0 and keys.missing != "error"]
     _report_missing([kind for kind in missing if kind not in estimated], kinds, keys, log)
     masses = {kind.key: keys.density * kind.volume for kind in estimated}
@@ -177,12 +180,12 @@ def _supposed(kinds: Sequence[Kind], keys: MassSection, log: Diagnostics) -> dic
     return masses
 
 
-def _small(kinds: Sequence[Kind], missing: Sequence[Kind]) -> list[Kind]:
-    """The negligible parts without mass: each is small, and so is their sum."""
+def _negligible_kinds(kinds: Sequence[Kind], missing: Sequence[Kind]) -> list[Kind]:
+    """Returns the negligible parts without mass: each is small, and so is their sum."""
     total = sum(kind.volume * len(kind.occurrences) for kind in kinds)
-    small = [kind for kind in missing if kind.volume < SMALL * total]
+    small = [kind for kind in missing if kind.volume < MAX_SMALL_SHARE * total]
     together = sum(kind.volume * len(kind.occurrences) for kind in small)
-    return small if together < SMALL_TOGETHER * total else []
+    return small if together < MAX_SMALL_TOTAL * total else []
 
 
 def _report_ignored(missing: Sequence[Kind], log: Diagnostics) -> None:
@@ -198,7 +201,7 @@ def _report_ignored(missing: Sequence[Kind], log: Diagnostics) -> None:
 def _report_missing(
     missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassSection, log: Diagnostics
 ) -> None:
-    """E-MASS for each; the last one has the lines of YAML for all of them."""
+    """Reports E-MASS for each kind; the last report has the lines of YAML for all of them."""
     for kind in missing:
         text = "the part has no mass" if kind.weight else "the mass reply does not know this part"
         text += "" if len(kind.occurrences) == 1 else f" ({len(kind.occurrences)} of them)"
@@ -212,7 +215,7 @@ def _report_missing(
 
 
 def _yaml_for(missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassSection) -> str:
-    """The YAML that gives the missing ones a mass: a density for all, or a line for each."""
+    """Returns the YAML that gives parts without mass a mass: a density for all, or a line for each."""
     owners: dict[str, set[int]] = {}
     for kind in kinds:
         for occurrence in kind.occurrences:
@@ -231,7 +234,7 @@ def _yaml_for(missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassSection)
 
 
 def _inertial(kind: Kind, mass: float, log: Diagnostics) -> Inertial:
-    """The kind's inertial with this mass [kg]: the user's values, else CAD's, else its shape's."""
+    """Returns the kind's inertial with this mass [kg]: the user's values, else CAD's, else its shape's."""
     if mass < 0:
         text = f"its mass is {mass:.4g} kg"
         hint = "correct its material or its mass override in Onshape, or give its mass in mass.parts"
@@ -241,7 +244,7 @@ def _inertial(kind: Kind, mass: float, log: Diagnostics) -> Inertial:
     base = kind.weight[0] if kind.weight and kind.weight[0].mass > 0 else None
     if base is None and kind.shape is not None:
         base = kind.shape.inertial
-    com, inertia = kind.asked.com, kind.asked.inertia
+    com, inertia = kind.overrides.com, kind.overrides.inertia
     if base is None and (com is None or inertia is None):
         text = "it has a mass, but no inertia, and no triangles to compute it from"
         log.report("E-MASS", text, kind.title, "give com and inertia too, in mass.parts")
@@ -255,7 +258,7 @@ def _inertial(kind: Kind, mass: float, log: Diagnostics) -> Inertial:
 
 
 def _check_density(kind: Kind, log: Diagnostics) -> None:
-    low, high = DENSITIES
+    low, high = PLAUSIBLE_DENSITIES
     mass, volume = kind.mass, kind.volume
     if not mass or not volume or low <= mass / volume <= high:
         return
@@ -267,28 +270,28 @@ def _check_density(kind: Kind, log: Diagnostics) -> None:
 
 
 def part_key(record: Mapping[str, str]) -> PartKey:
-    """The part of an instance."""
+    """Returns the part of an instance."""
     return StudioKey.of(record), record["partId"]
 
 
 def read_masses(bundle: OnshapeBundle) -> dict[PartKey, Weight]:
-    """The weight of every part in the bundle's replies.
+    """Returns the weight of every part in the bundle's replies.
 
     A part without material has mass 0 there, and its volume all the same.
     """
-    found: dict[PartKey, Weight] = {}
+    weights: dict[PartKey, Weight] = {}
     for studio in bundle.studios:
         for digest in studio.mass:
-            with shape_of("reply with the mass properties", f"part studio {studio.key.element}"):
+            with protocol_errors("reply with the mass properties", f"part studio {studio.key.element}"):
                 bodies = orjson.loads(bundle.body(digest))["bodies"]
                 for part in sorted(set(bodies) - {"-all-"}):
-                    volume = _first(bodies[part].get("volume"))
-                    found[studio.key, part] = Weight(_of_reply(bodies[part]), volume)
-    return found
+                    volume = _nominal(bodies[part].get("volume"))
+                    weights[studio.key, part] = Weight(_reply_inertial(bodies[part]), volume)
+    return weights
 
 
-def _of_reply(body: Mapping[str, Any]) -> Inertial:
-    mass = _first(body.get("mass"))
+def _reply_inertial(body: Mapping[str, Any]) -> Inertial:
+    mass = _nominal(body.get("mass"))
     if mass == 0:
         return ZERO
     centroid = numbers(body["centroid"][:3], 3)
@@ -296,8 +299,8 @@ def _of_reply(body: Mapping[str, Any]) -> Inertial:
     return Inertial(mass, frozen(centroid), frozen((tensor + tensor.T) / 2))
 
 
-def _first(values: object) -> float:
-    """The nominal value of [nominal, min, max]; 0 without one."""
+def _nominal(values: object) -> float:
+    """Returns the nominal value of [nominal, min, max]; 0 if it is missing."""
     if isinstance(values, list):
         values = values[0] if values else 0.0
     return number(values or 0.0)

@@ -1,4 +1,4 @@
-"""How the matter of parts is spread, as far as CAD shows it: tells whether two bodies are mirror images."""
+"""Compares the distribution of mass in parts, and tells whether two bodies are mirror images."""
 
 import math
 from functools import cached_property
@@ -12,11 +12,11 @@ from linkwright.stages.robot.bundle import OnshapeBundle
 from linkwright.stages.robot.dynamics.inertia import merged, moved, scaled
 from linkwright.stages.robot.model.robot import Array, Inertial
 
-SAME_COM = 1e-3
-"""The largest distance of equal centres of mass, in radii of gyration."""
+COM_TOLERANCE = 1e-3
+"""Largest distance of equal centres of mass, in radii of gyration."""
 
-SAME_INERTIA = 1e-2
-"""The largest difference of equal tensors of inertia, as a share of the trace."""
+INERTIA_TOLERANCE = 1e-2
+"""Largest difference of equal tensors of inertia, as a share of the trace."""
 
 
 class PartSolids:
@@ -27,26 +27,26 @@ class PartSolids:
         self._bodies: dict[Path, Inertial | None] = {}
 
     def body(self, path: Path) -> Inertial | None:
-        """All parts at or below an occurrence as one body of 1 kg in the world, each part of the same mass;
-        None where one of them is unknown."""
+        """Returns all parts at or below an occurrence as one body of 1 kg in the world, each part of the same
+        mass; None where any of them is unknown."""
         if path not in self._bodies:
             bodies = [self._part(part) for part in self.parts(path)]
-            known = [body for body in bodies if body is not None]
-            whole = bool(known) and len(known) == len(bodies)
-            self._bodies[path] = scaled(merged(known), 1.0) if whole else None
+            shaped = [body for body in bodies if body is not None]
+            is_complete = bool(shaped) and len(shaped) == len(bodies)
+            self._bodies[path] = scaled(merged(shaped), 1.0) if is_complete else None
         return self._bodies[path]
 
     def parts(self, path: Path) -> list[Path]:
-        """The part occurrences at or below a path, sorted."""
-        return self._below.get(path, [])
+        """Returns the part occurrences at or below a path, sorted."""
+        return self._parts_by_path.get(path, [])
 
     @cached_property
-    def _below(self) -> dict[Path, list[Path]]:
-        below: dict[Path, list[Path]] = {}
+    def _parts_by_path(self) -> dict[Path, list[Path]]:
+        parts_below: dict[Path, list[Path]] = {}
         for part in self.assembly.parts:
             for depth in range(1, len(part.path) + 1):
-                below.setdefault(part.path[:depth], []).append(part.path)
-        return below
+                parts_below.setdefault(part.path[:depth], []).append(part.path)
+        return parts_below
 
     @cached_property
     def _masses(self) -> dict[PartKey, Weight]:
@@ -68,13 +68,14 @@ class PartSolids:
 
 
 def is_image(first: Inertial, second: Inertial, motion: Array) -> bool:
-    """Whether `motion` (4, 4), which may reflect, takes the first of two bodies of 1 kg to the second."""
+    """Returns whether `motion` (4, 4), which may reflect, takes the first of two bodies of 1 kg to the
+    second."""
     image = moved(first, motion)
-    near = np.linalg.norm(image.com - second.com) <= SAME_COM * gyration(first)
+    is_centred = np.linalg.norm(image.com - second.com) <= COM_TOLERANCE * gyration(first)
     difference = np.abs(image.inertia - second.inertia).max()
-    return bool(near and difference <= SAME_INERTIA * np.trace(first.inertia))
+    return bool(is_centred and difference <= INERTIA_TOLERANCE * np.trace(first.inertia))
 
 
 def gyration(body: Inertial) -> float:
-    """The radius of gyration [m] of a body of 1 kg about its centre of mass: r² = ½ tr I."""
+    """Returns the radius of gyration [m] of a body of 1 kg about its centre of mass: r² = ½ tr I."""
     return math.sqrt(np.trace(body.inertia) / 2)

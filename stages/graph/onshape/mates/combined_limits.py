@@ -6,54 +6,65 @@ from dataclasses import replace
 import numpy as np
 
 from linkwright.stages.graph.onshape.assembly import Mate
-from linkwright.stages.graph.onshape.mates.coordinates import Tie, carried, coordinates
+from linkwright.stages.graph.onshape.mates.coordinates import CoordinateCoupling, coordinates, coupled_limits
 from linkwright.stages.graph.onshape.mates.joints import freedoms_of, limit_names
-from linkwright.stages.graph.onshape.mates.twists import View
+from linkwright.stages.graph.onshape.mates.twists import MateView
 from linkwright.stages.robot.model.dofs import LimitOrigin
 from linkwright.stages.robot.model.robot import Dof, Limits
 
-MET = 1e-6
-"""Mates that the saved pose misses by more [m or rad] are not combined: nothing follows from it."""
+POSE_TOLERANCE = 1e-6
+"""Largest error [m or rad] of mates at the saved pose that are combined: nothing follows from a larger
+error."""
 
 
 class LimitLost(Exception):
-    """A limit has no counterpart on the remaining mate; the text gives the reason."""
+    """An error of a limit that has no counterpart on the remaining mate; the text gives the reason."""
 
 
-def narrowed(limits: Sequence[Limits], into: View, tie: Tie | None, dof: Dof, here: float) -> list[Limits]:
-    """The `limits` of a mate's dofs, narrowed by those of a dof that is at `here` and that `tie` leads to one
-    of them; LimitLost where they cannot be."""
+def narrowed(
+    limits: Sequence[Limits], into: MateView, coupling: CoordinateCoupling | None, dof: Dof, value: float
+) -> list[Limits]:
+    """Narrows the limits of a mate by those of a dof of another mate; raises LimitLost if that is not
+    possible.
+
+    `limits`: of the dofs of the mate `into`. `dof`: of the other mate. `value`: its value. `coupling`: leads
+    from it to a dof of `into`.
+    """
     if dof.limits == Limits():
         return list(limits)
-    here = dof.limits.unwrap(here, MET) if dof.kind == "turn" else here
-    if tie is None or (tie.factor < 0 and into.dofs[tie.onto].kind == "ball"):
+    value = dof.limits.unwrap(value, POSE_TOLERANCE) if dof.kind == "turn" else value
+    if coupling is None or (coupling.factor < 0 and into.dofs[coupling.onto].kind == "ball"):
         raise LimitLost("the joint has no matching coordinate")
-    if not tie.factor:
-        if not dof.limits.contains(here, MET):
-            raise LimitLost(f"its value is fixed at {here:.6g}, outside of them")
+    if not coupling.factor:
+        if not dof.limits.contains(value, POSE_TOLERANCE):
+            raise LimitLost(f"its value is fixed at {value:.6g}, outside of them")
         return list(limits)
-    before = limits[tie.onto]
-    there = float(coordinates(into, np.eye(4))[tie.onto])
-    there = before.unwrap(there, MET) if into.dofs[tie.onto].kind == "turn" else there
-    both = _intersection(before, carried(dof.limits, here, tie, there))
-    low, high = both.interval
+    previous = limits[coupling.onto]
+    target_value = float(coordinates(into, np.eye(4))[coupling.onto])
+    target_value = (
+        previous.unwrap(target_value, POSE_TOLERANCE)
+        if into.dofs[coupling.onto].kind == "turn"
+        else target_value
+    )
+    common = _intersection(previous, coupled_limits(dof.limits, value, coupling, target_value))
+    low, high = common.interval
     if low > high:
         raise LimitLost("no value is within all limits")
-    return [both if number == tie.onto else one for number, one in enumerate(limits)]
+    return [common if number == coupling.onto else limit for number, limit in enumerate(limits)]
 
 
-def _intersection(one: Limits, other: Limits) -> Limits:
-    lower = [end for end in (one.lower, other.lower) if end is not None]
-    upper = [end for end in (one.upper, other.upper) if end is not None]
+def _intersection(first: Limits, second: Limits) -> Limits:
+    lower = [end for end in (first.lower, second.lower) if end is not None]
+    upper = [end for end in (first.upper, second.upper) if end is not None]
     return Limits(max(lower, default=None), min(upper, default=None))
 
 
-def limited(into: View, limits: Sequence[Limits], origin: LimitOrigin) -> Mate:
-    """The mate with these limits of its dofs, and where they come from."""
-    drawn = dict(into.mate.limits or {})
-    for freedom, own in zip(freedoms_of(into.mate.ref.type), limits, strict=True):
-        for name, end in zip(limit_names(freedom), (own.lower, own.upper), strict=True):
+def limited(into: MateView, limits: Sequence[Limits], origin: LimitOrigin) -> Mate:
+    """Returns the mate with these limits of its dofs, and where they come from."""
+    limit_values = dict(into.mate.limits or {})
+    for freedom, limit in zip(freedoms_of(into.mate.ref.type), limits, strict=True):
+        for name, end in zip(limit_names(freedom), (limit.lower, limit.upper), strict=True):
             if name and end is not None:
-                drawn[name] = end
-    mate = replace(into.mate, limits=drawn) if drawn else into.mate
+                limit_values[name] = end
+    mate = replace(into.mate, limits=limit_values) if limit_values else into.mate
     return mate if mate.limit_origin == origin else replace(mate, limit_origin=origin)

@@ -6,94 +6,103 @@ from dataclasses import dataclass
 import numpy as np
 
 from linkwright.stages.graph.dofs import value_in
-from linkwright.stages.graph.onshape.mates.twists import ALIKE, View, chain
+from linkwright.stages.graph.onshape.mates.twists import ANGLE_TOLERANCE, MateView, chain
 from linkwright.stages.robot.model.poses import inverse, quat_from_rotation, rotation_from_quat
 from linkwright.stages.robot.model.robot import Array, Limits, Value
 
-NOISE = 1e-10
-"""An offset [rad or m] below this is rounding."""
+OFFSET_TOLERANCE = 1e-10
+"""Largest offset [rad or m] that counts as rounding."""
 
 _SAMPLES = 12
+"""Number of poses to which a coupling is fitted."""
 
 
 @dataclass(frozen=True, slots=True)
-class Tie:
-    """In every motion the coordinate changes by `factor` times the change of the other mate's dof number
-    `onto`; a factor of 0 is a coordinate that stays as it is."""
+class CoordinateCoupling:
+    """A coordinate of a mate that changes in proportion to a dof of another mate."""
 
     onto: int
+    """Number of the dof of the other mate."""
     factor: float
+    """Change of the coordinate over change of the dof; 0 for a coordinate that does not change."""
 
 
-def ties(of: View, onto: View, size: float) -> tuple[Tie | None, ...]:
-    """The tie of each coordinate of a mate to those of one that moves within it.
+def coordinate_couplings(
+    follower: MateView, driver: MateView, size: float
+) -> tuple[CoordinateCoupling | None, ...]:
+    """Returns the coupling of each coordinate of a mate to those of a mate whose motions it allows.
 
-    None is a coordinate that does not follow from a single one, in proportion. Coordinates are turns,
-    slides, and of a ball the angle of its cone. They are fitted at poses around the saved one, less
-    than half a turn away; `size` [m] is the scale of slides.
+    None means a coordinate that does not follow a single other coordinate in proportion. Coordinates are
+    turns, slides, and of a ball the angle of its cone. Couplings are fitted at poses around the saved pose,
+    less than half a turn away; `size` [m] is the scale of slides.
     """
-    poses = _poses_around(onto, size)
-    moves = np.array([changes(onto, pose) for pose in poses])
-    follows = np.array([changes(of, pose if of.bodies == onto.bodies else inverse(pose)) for pose in poses])
-    reach = np.abs(moves).max(axis=0)
-    made: list[Tie | None] = []
-    for dof, column in zip(of.dofs, follows.T, strict=True):
-        least = ALIKE * (size if dof.kind == "slide" else 1.0)
-        factors = np.linalg.lstsq(moves, column, rcond=None)[0]
+    poses = _poses_around(driver, size)
+    driver_changes = np.array([changes(driver, pose) for pose in poses])
+    follower_changes = np.array(
+        [changes(follower, pose if follower.bodies == driver.bodies else inverse(pose)) for pose in poses]
+    )
+    reach = np.abs(driver_changes).max(axis=0)
+    couplings: list[CoordinateCoupling | None] = []
+    for dof, column in zip(follower.dofs, follower_changes.T, strict=True):
+        least = ANGLE_TOLERANCE * (size if dof.kind == "slide" else 1.0)
+        factors = np.linalg.lstsq(driver_changes, column, rcond=None)[0]
         driving = np.flatnonzero(np.abs(factors) * reach > least)
-        if np.abs(moves @ factors - column).max() > least or len(driving) > 1:
-            made.append(None)
+        if np.abs(driver_changes @ factors - column).max() > least or len(driving) > 1:
+            couplings.append(None)
         elif len(driving) == 0:
-            made.append(Tie(0, 0.0))
+            couplings.append(CoordinateCoupling(0, 0.0))
         else:
-            made.append(Tie(int(driving[0]), round(float(factors[driving[0]]), 12)))
-    return tuple(made)
+            couplings.append(CoordinateCoupling(int(driving[0]), round(float(factors[driving[0]]), 12)))
+    return tuple(couplings)
 
 
-def _poses_around(one: View, size: float) -> list[Array]:
-    """Displacements (4, 4, in the world) of the first body against the second, as the mate allows them."""
+def _poses_around(view: MateView, size: float) -> list[Array]:
+    """Returns displacements (4, 4, in the world) of the first body against the second, as the mate allows
+    them."""
     rng = np.random.default_rng(0)
-    made = []
-    back = inverse(chain(one.dofs, one.saved))
+    displacements = []
+    back = inverse(chain(view.dofs, view.saved))
     for _ in range(_SAMPLES):
         values = [
             _near(value, rng.uniform(-1.0, 1.0, 4), size if dof.kind == "slide" else 1.0)
-            for dof, value in zip(one.dofs, one.saved, strict=True)
+            for dof, value in zip(view.dofs, view.saved, strict=True)
         ]
-        moved = chain(one.dofs, values) @ back
-        made.append(one.second @ moved @ inverse(one.second))
-    return made
+        moved = chain(view.dofs, values) @ back
+        displacements.append(view.second @ moved @ inverse(view.second))
+    return displacements
 
 
 def _near(value: Value, step: Array, unit: float) -> Value:
     if not isinstance(value, tuple):
         return value + float(step[0]) * unit
+    # Beside the scalar part 2, a vector part of entries up to 1 gives a turn of less than a right angle.
     turned = rotation_from_quat(np.array(value)) @ rotation_from_quat(np.array([2.0, *step[1:]]))
     return tuple(float(number) for number in quat_from_rotation(turned))
 
 
-def changes(one: View, displacement: Array) -> Array:
-    """The changes (n,) of a mate's coordinates as its first body is displaced relative to its second."""
-    before = coordinates(one, np.eye(4))
-    after = coordinates(one, displacement)
-    turns = np.array([dof.kind == "turn" for dof in one.dofs])
-    change = after - before
+def changes(view: MateView, displacement: Array) -> Array:
+    """Returns the changes (n,) of a mate's coordinates as its first body is displaced relative to its
+    second."""
+    saved = coordinates(view, np.eye(4))
+    after = coordinates(view, displacement)
+    turns = np.array([dof.kind == "turn" for dof in view.dofs])
+    change = after - saved
     return np.where(turns, np.remainder(change + math.pi, math.tau) - math.pi, change)
 
 
-def coordinates(one: View, displacement: Array) -> Array:
-    """Turns [rad], slides [m] and cone angles [rad] (n,) with the first body displaced (4, 4)."""
-    relative = inverse(one.second) @ displacement @ one.first
+def coordinates(view: MateView, displacement: Array) -> Array:
+    """Returns the turns [rad], slides [m] and cone angles [rad] (n,) with the first body displaced (4, 4)."""
+    relative = inverse(view.second) @ displacement @ view.first
     return np.array([
         math.atan2(math.hypot(relative[0, 2], relative[1, 2]), relative[2, 2])
         if dof.kind == "ball" else value_in(relative, dof.kind, dof.axis)
-        for dof in one.dofs
+        for dof in view.dofs
     ])  # fmt: skip
 
 
-def carried(limits: Limits, here: float, tie: Tie, there: float) -> Limits:
-    """Limits of a coordinate with the value `here` as limits of the dof that it is tied to, with the value
-    `there`."""
-    offset = here - tie.factor * there
-    offset = 0.0 if abs(offset) < NOISE else offset
-    return limits.mapped(1 / tie.factor, -offset / tie.factor)
+def coupled_limits(limits: Limits, value: float, coupling: CoordinateCoupling, dof_value: float) -> Limits:
+    """Converts limits of a coordinate, whose value is `value`, to limits of the dof that it is coupled to,
+    whose value is `dof_value`."""
+    offset = value - coupling.factor * dof_value
+    offset = 0.0 if abs(offset) < OFFSET_TOLERANCE else offset
+    return limits.mapped(1 / coupling.factor, -offset / coupling.factor)

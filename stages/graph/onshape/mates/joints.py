@@ -1,4 +1,4 @@
-"""Where mates become joints: the joint of each type of mate, its dofs, and the names of their limits.
+"""Converts mates to joints: the joint of each type of mate, its dofs, and the names of their limits.
 
 With W₀, W₁ the world frames of a mate's first and second entity, M = W₁⁻¹ W₀ is the pose of the first
 relative to the second: slides along the second's axes, then a turn about their common z.
@@ -29,12 +29,12 @@ MIRRORED = np.diag([1.0, 1.0, -1.0, 1.0])
 
 
 def freedoms_of(mate_type: str) -> tuple[Freedom, ...]:
-    """The dofs of a type of mate, from the second entity to the first."""
+    """Returns the dofs of a type of mate, from the second entity to the first."""
     return FREEDOMS[JOINT_TYPES[mate_type]]
 
 
 def limit_names(freedom: Freedom) -> tuple[str, str]:
-    """The names in the API of a dof's lower and upper limit; "" for one that no mate has."""
+    """Returns the names in the API of a dof's lower and upper limit; "" for a limit that no mate has."""
     if freedom.kind == "ball":
         return "", "limitEulerConeAngleMax"
     axis = "XYZ"[freedom.axis.index(1)]
@@ -43,17 +43,17 @@ def limit_names(freedom: Freedom) -> tuple[str, str]:
 
 
 def dof_names(name: str, mate_type: str) -> tuple[str, ...]:
-    """The names of the dofs of a mate called `name`: its own where it has only one."""
+    """Returns the names of the dofs of a mate called `name`; a single dof has the name of the mate."""
     freedoms = freedoms_of(mate_type)
     return (name,) if len(freedoms) == 1 else tuple(name + freedom.suffix for freedom in freedoms)
 
 
 def right_handed(first: Array, second: Array) -> tuple[Array, Array, bool]:
-    """The two frames (4, 4) of a mate as right-handed ones, and whether both were mirrored.
+    """Returns the two frames (4, 4) of a mate, made right-handed, and whether both were mirrored.
 
-    Under a reflection S a slide's axis becomes S·z and a turn's −S·z: with both frames' z turned
-    round the turns keep their axis, and a slide along z has the opposite one. Of a single left-handed
-    frame y is turned round, as x and z are what mates align.
+    Under a reflection S a slide's axis becomes S·z and a turn's −S·z: with both frames' z reversed the turns
+    keep their axis, and the axis of a slide along z is reversed. A single left-handed frame has its y
+    reversed, as mates align x and z.
     """
     hands = [np.linalg.det(frame[:3, :3]) > 0 for frame in (first, second)]
     if not any(hands):
@@ -70,14 +70,15 @@ def dofs_of(
     mirrored: bool = False,
     origin: LimitOrigin = AS_TYPED,
 ) -> tuple[Dof, ...]:
-    """The dofs of a mate whose first entity is at `relative` (4, 4) in its second, both right-handed."""
-    made = []
+    """Returns the dofs of a mate whose first entity is at `relative` (4, 4) in its second, both
+    right-handed."""
+    dofs = []
     for dof_name, freedom in zip(dof_names(name, mate_type), freedoms_of(mate_type), strict=True):
         axis = np.array(freedom.axis, dtype=float)
         if mirrored and freedom.kind == "slide":
             axis = MIRRORED[:3, :3] @ axis
         low, high = limit_names(freedom)
-        made.append(
+        dofs.append(
             Dof(
                 name=dof_name,
                 kind=freedom.kind,
@@ -88,4 +89,4 @@ def dofs_of(
                 saved=value_in(relative, freedom.kind, axis),
             )
         )
-    return tuple(made)
+    return tuple(dofs)

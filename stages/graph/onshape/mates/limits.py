@@ -1,8 +1,8 @@
-"""Limits that the assembly definition does not give: read from the lists of features.
+"""Reads limits that the assembly definition does not give from the lists of features.
 
-Before v17 of the API mates have no `mateLimits`. What the designer typed then stands in each assembly's
-own list of features, as expressions: the `value` beside them is a stale zero. Lists come in two envelopes,
-`{typeName, message: {...}}` and flat with `btType`.
+Before v17 of the API mates have no `mateLimits`. The designer's input is then in each assembly's own list of
+features, as expressions: the `value` beside them is a stale zero. Lists come in two envelopes, `{typeName,
+message: {...}}` and flat with `btType`.
 
 A limit that the designer never typed is no limit. It has `isNull`, or, in all that was ever recorded,
 the words of the empty field as its `nullValue` ("No maximum") beside a zero; one that was typed has "".
@@ -20,26 +20,27 @@ from linkwright.stages.graph.dofs import Freedom
 from linkwright.stages.graph.onshape.assembly import Assembly, Mate, Record
 from linkwright.stages.graph.onshape.expressions.evaluate import ExpressionError, Scope, measured
 from linkwright.stages.graph.onshape.mates.joints import JOINT_TYPES, freedoms_of, limit_names
-from linkwright.stages.graph.onshape.reply_fields import shape_of
+from linkwright.stages.graph.onshape.reply_fields import protocol_errors
 from linkwright.stages.robot.bundle import Features, OnshapeBundle, StudioKey
 from linkwright.stages.robot.model.dofs import AS_TYPED, LimitOrigin
 from linkwright.stages.robot.model.robot import DofKind
 
 _UNTOUCHED = re.compile(r"\s*(0+(\.0*)?\s*\*?\s*([^\W\d_]+|[°'\"])?)?\s*")
-"""The content of a field that was not filled in: nothing, or a zero in some unit ("0 deg", "0.0*mm")."""
+"""The content of an empty field: nothing, or a zero in some unit ("0 deg", "0.0*mm")."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Owner:
-    """One assembly's mates as typed: feature id → parameter id → parameter; and its names."""
+    """The mates of an assembly as typed, and its names."""
 
     mates: Mapping[str, Mapping[str, Record]]
+    """Feature id → parameter id → parameter."""
     configuration: Mapping[str, str]
     scope: Scope
 
 
 def with_limits(assembly: Assembly, bundle: OnshapeBundle) -> Assembly:
-    """The assembly with the limits of every mate that moves, in the shape of `mateLimits`."""
+    """Returns the assembly with the limits of every mate that moves, in the shape of `mateLimits`."""
     replies = {features.key: features for features in bundle.features}
     owners: dict[tuple[StudioKey, str], _Owner] = {}
     mates = []
@@ -54,7 +55,7 @@ def with_limits(assembly: Assembly, bundle: OnshapeBundle) -> Assembly:
             mates[-1] = replace(mate, limit_origin=LimitOrigin(why))
             continue
         settings = record.get("fullConfiguration") or key.configuration
-        with shape_of("list of features or of variables", f"assembly {key.element}"):
+        with protocol_errors("list of features or of variables", f"assembly {key.element}"):
             owner = owners.get((key, settings))
             if owner is None:
                 owner = owners[key, settings] = _read(bundle, replies[key], settings)
@@ -74,7 +75,8 @@ def _read(bundle: OnshapeBundle, features: Features, settings: str) -> _Owner:
 
 
 def _variables(body: bytes) -> Iterator[tuple[str, str, str]]:
-    """(name, expression, value as text) of all tables; the element's own before what it refers to."""
+    """Yields (name, expression, value as text) of all tables; the element's own come before referenced
+    ones."""
     tables = orjson.loads(body)
     for table in sorted(tables, key=lambda table: table.get("variableStudioReference") is not None):
         for variable in table.get("variables") or ():
@@ -84,102 +86,114 @@ def _variables(body: bytes) -> Iterator[tuple[str, str, str]]:
 
 def _mates(body: bytes) -> Iterator[tuple[str, Mapping[str, Record]]]:
     for feature in orjson.loads(body)["features"]:
-        record = _open(feature)
-        parameters = [_open(one) for one in record.get("parameters") or ()]
-        named = {one.get("parameterId", ""): one for one in parameters}
-        if "limitsEnabled" in named:
-            yield record.get("featureId", ""), named
+        record = _unwrap(feature)
+        parameters = [_unwrap(envelope) for envelope in record.get("parameters") or ()]
+        by_id = {parameter.get("parameterId", ""): parameter for parameter in parameters}
+        if "limitsEnabled" in by_id:
+            yield record.get("featureId", ""), by_id
 
 
-def _open(record: Any) -> Record:
-    """A feature or parameter out of its envelope, if it has one."""
+def _unwrap(record: Any) -> Record:
+    """Returns a feature or parameter without its envelope, if any."""
     inside = record.get("message")
     return inside if isinstance(inside, dict) else record
 
 
 def _limits(mate: Mate, owner: _Owner) -> tuple[Record, LimitOrigin]:
-    """The limits of a mate [m and rad, by Onshape's names], and how they were read."""
+    """Returns the limits of a mate [m and rad, by Onshape's names], and how they were read."""
     parameters = owner.mates.get(mate.ref.feature)
     if parameters is None:
         return {}, LimitOrigin("the list of features lacks this mate")
     freedoms = freedoms_of(mate.ref.type) if mate.ref.type in JOINT_TYPES else ()
-    found = _Found({}, {}, [], [], [])
+    typed_limits = _TypedLimits({}, {}, [], [], [])
     try:
-        if not _configured(parameters["limitsEnabled"], owner).get("value"):
+        if not _parameter_value(parameters["limitsEnabled"], owner).get("value"):
             return {}, AS_TYPED
         for freedom in freedoms:
             for name in limit_names(freedom):
                 if name and name in parameters:
-                    _read_limit(name, freedom.kind, _configured(parameters[name], owner), owner.scope, found)
-            _compare(freedom, found)
+                    _read_limit(
+                        name,
+                        freedom.kind,
+                        _parameter_value(parameters[name], owner),
+                        owner.scope,
+                        typed_limits,
+                    )
+            _compare(freedom, typed_limits)
     except ExpressionError as error:
         return {}, LimitOrigin(str(error))
-    return found.limits, LimitOrigin("; ".join(found.reasons), tuple(found.doubts), tuple(found.half))
+    return typed_limits.limits, LimitOrigin(
+        "; ".join(typed_limits.reasons), tuple(typed_limits.doubts), tuple(typed_limits.half)
+    )
 
 
 @dataclass(frozen=True, slots=True)
-class _Found:
-    """The limits of a mate by Onshape's names, why some are `empty`, and remarks on them."""
+class _TypedLimits:
+    """The limits of a mate, by Onshape's names."""
 
     limits: dict[str, float]
     empty: dict[str, str]
+    """Why some are empty."""
     reasons: list[str]
     doubts: list[str]
     half: list[str]
 
 
-def _read_limit(name: str, kind: DofKind, parameter: Record, scope: Scope, found: _Found) -> None:
-    """Records one limit as a number, as open, or as unknown."""
+def _read_limit(
+    name: str, kind: DofKind, parameter: Record, scope: Scope, typed_limits: _TypedLimits
+) -> None:
+    """Records a limit as a number, as open, or as unknown."""
     text, empty = str(parameter.get("expression") or ""), str(parameter.get("nullValue") or "")
     if parameter.get("isNull"):
         return
     if empty and _UNTOUCHED.fullmatch(text):
-        found.empty[name] = f"{text!r} beside {empty!r}"
+        typed_limits.empty[name] = f"{text!r} beside {empty!r}"
         return
     scope.rounded.clear()
     try:
-        found.limits[name] = measured(text, "length" if kind == "slide" else "angle", scope)
+        typed_limits.limits[name] = measured(text, "length" if kind == "slide" else "angle", scope)
     except ExpressionError as error:
-        found.reasons.append(f"{name} is {text!r}, which has no value: {error}")
+        typed_limits.reasons.append(f"{name} is {text!r}, which has no value: {error}")
     else:
         if empty:
             doubt = f"{name} is {text!r} beside {empty!r}, which contradict each other: {text!r} is used"
-            found.doubts.append(doubt)
+            typed_limits.doubts.append(doubt)
     if scope.rounded:
         names = ", ".join(f"#{variable}" for variable in sorted(scope.rounded))
-        found.reasons.append(f"{name} is {text!r}, with {names} as Onshape shows it, rounded")
+        typed_limits.reasons.append(f"{name} is {text!r}, with {names} as Onshape shows it, rounded")
 
 
-def _compare(freedom: Freedom, found: _Found) -> None:
-    """Drops limits that are the wrong way round; notes which side is open where only the other was typed."""
-    low, high = (found.limits.get(name) for name in limit_names(freedom))
+def _compare(freedom: Freedom, typed_limits: _TypedLimits) -> None:
+    """Drops limits whose lower end is above the upper; notes an open side where only the other was typed."""
+    low, high = (typed_limits.limits.get(name) for name in limit_names(freedom))
     if low is not None and high is not None and low > high:
-        found.reasons.append(f"its lower limit {low:.6g} lies above the upper one, {high:.6g}")
+        typed_limits.reasons.append(f"its lower limit {low:.6g} is above its upper limit {high:.6g}")
         for name in limit_names(freedom):
-            del found.limits[name]
+            del typed_limits.limits[name]
     for name, other in (limit_names(freedom), limit_names(freedom)[::-1]):
-        if name in found.empty and other in found.limits:
-            found.half.append(
-                f"{name} is {found.empty[name]}, so it was not typed: the joint is open on that side"
+        if name in typed_limits.empty and other in typed_limits.limits:
+            typed_limits.half.append(
+                f"{name} is {typed_limits.empty[name]}, so it was not typed: the joint is open on that side"
             )
 
 
-def _configured(parameter: Record, owner: _Owner) -> Record:
-    """The parameter that holds in this configuration; ExpressionError where that is not known."""
+def _parameter_value(parameter: Record, owner: _Owner) -> Record:
+    """Returns the parameter that holds in this configuration; raises ExpressionError where that is not
+    known."""
     if "configurationParameterId" not in parameter:
         return parameter
     name = parameter["configurationParameterId"]
     chosen = owner.configuration.get(name)
-    for value in map(_open, parameter.get("values") or ()):
+    for value in map(_unwrap, parameter.get("values") or ()):
         if chosen is not None and chosen in _options(value):
-            return _open(value["value"])
+            return _unwrap(value["value"])
     setting = f"{name} = {chosen!r}" if chosen is not None else f"the unknown value of {name}"
     msg = f"{parameter.get('parameterId')} depends on the configuration, and nothing fits {setting}"
     raise ExpressionError(msg)
 
 
 def _options(value: Record) -> set[str]:
-    """The option of a configuration parameter that a value belongs to, in each form it may have."""
+    """Returns the option of a configuration parameter that a value belongs to, in each form it may have."""
     flag = value.get("booleanValue")
     return {
         str(option)

@@ -1,4 +1,4 @@
-"""The copies of each pattern: which of them get the mates of their seeds, and how those are supported."""
+"""Finds the copies of each pattern that get the mates of their seeds, and what supports them."""
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -11,30 +11,32 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 
 @dataclass(slots=True)
 class Series:
-    """One pattern and the state of its copies.
-
-    `images`: how each copy comes from its seed, where that is known; `free`: copies that no mates or groups
-    of their own support, which get those of their seed; `rebuilt`: sub-assemblies of mirror-image parts
-    without features of their own, which get those inside their seeds. Filled as copies are made: `joints`,
-    `served` (copies that got joints) and `carried` (mates of fastened seeds that are not repeated).
-    """
+    """A pattern and the state of its copies."""
 
     pattern: Pattern
     support: Support
     images: Mapping[Path, Image]
+    """How each copy comes from its seed, if that is known."""
     free: frozenset[Path]
+    """Copies that no mates or groups of their own support: they get those of their seed."""
     rebuilt: frozenset[Path]
+    """Sub-assemblies of mirror-image parts without features of their own: they get those inside their
+    seeds."""
     joints: int = 0
+    """Number of joints that copies got so far."""
     served: set[Path] = field(default_factory=set)
+    """Copies that got joints so far."""
     carried: set[str] = field(default_factory=set)
+    """Mates of fastened seeds that are not repeated, so far."""
 
     def counterpart(self, seed: Path, copy: Path, place: Path) -> Path:
-        """The occurrence in a copy that is the image of `place`, at or below its seed; () if unknown."""
+        """Returns the occurrence in a copy that is the image of `place`, at or below its seed; () if
+        unknown."""
         leaves = self.images[copy].leaves
         return copy + place[len(seed) :] if leaves is None or place == seed else leaves.get(place, ())
 
     def repeats(self, owner: Path) -> bool:
-        """Whether mates and groups of the assembly `owner` are repeated for the copies."""
+        """Returns whether mates and groups of the assembly `owner` are repeated for the copies."""
         return owner in (self.pattern.owner, self.support.level)
 
 
@@ -45,13 +47,13 @@ def series_of(
     planes: MirrorPlanes,
     log: Diagnostics,
 ) -> dict[Path, list[Series]]:
-    """Seed → its patterns; copies that cannot be made are reported in `log`.
+    """Maps each seed to its patterns, and reports copies that cannot be made.
 
-    `rigid`: the sub-assemblies without inner motion; `planes`: finds the images of seeds.
+    `rigid`: the sub-assemblies without inner motion. `planes`: finds the images of seeds.
     """
     busy = {mate.ref.owner for mate in assembly.mates} | {group.owner for group in assembly.groups}
     search = SupportSearch(assembly)
-    found: dict[Path, list[Series]] = {}
+    by_seed: dict[Path, list[Series]] = {}
     for pattern in patterns:
         seeds = _seeds(assembly, pattern, log)
         images = planes.images(pattern)
@@ -61,7 +63,7 @@ def series_of(
         rebuilt = [copy for copy, image in images.items() if image.leaves and copy not in busy]
         series = Series(pattern, support, images, frozenset(free), frozenset(rebuilt))
         for seed in seeds:
-            found.setdefault(seed, []).append(series)
+            by_seed.setdefault(seed, []).append(series)
         if free and support.above:
             message = (
                 f"{support.within} holds the seed inside its sub-assembly and {support.above} from outside: "
@@ -72,11 +74,11 @@ def series_of(
                 "or make the sub-assembly rigid (depth.rigid)"
             )
             log.report("W-PATTERN-LEVEL", message, pattern.title, hint)
-    return found
+    return by_seed
 
 
 def _seeds(assembly: Assembly, pattern: Pattern, log: Diagnostics) -> list[Path]:
-    """The seeds of a pattern that are there; W-PATTERN for copies whose seed is not."""
+    """Returns the seeds of a pattern that are there; reports W-PATTERN for copies whose seed is not."""
     occurrences = assembly.occurrences
     for seed, copies in pattern.copies.items():
         alive = [copy for copy in copies if copy in occurrences]
@@ -90,12 +92,13 @@ def _seeds(assembly: Assembly, pattern: Pattern, log: Diagnostics) -> list[Path]
 def _supported_by_own_mates(
     copies: Collection[Path], seeds: Collection[Path], levels: Iterable[Path], search: SupportSearch
 ) -> set[Path]:
-    """The copies that mates and groups of their own support, rather than only carry something on them."""
+    """Returns the copies that mates and groups of their own support, rather than only connect to something
+    carried."""
     owner, *_ = levels
-    others = {*copies, *seeds}
+    members = {*copies, *seeds}
     return {
         copy
         for level in levels
         for copy in copies
-        if (level, copy) in search.touching and search.holds(copy, owner, level, others)
+        if (level, copy) in search.touching and search.holds(copy, owner, level, members)
     }

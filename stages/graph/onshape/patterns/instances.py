@@ -1,4 +1,4 @@
-"""Patterned and mirrored instances: copies the mates and groups of their seeds to each copy.
+"""Copies the mates and groups of patterned and mirrored instances to each of their copies.
 
 Onshape gives copies no mates of their own. With S the motion or reflection that takes a seed to its
 copy at the saved pose, a mate of the seed becomes a mate of the copy: on the side of the seed it joins
@@ -30,15 +30,18 @@ from linkwright.stages.robot.text.plural import count
 
 @dataclass(frozen=True, slots=True)
 class _Image:
-    """A feature on the `number`-th copies: its places there, and the copy that each is in, or (). `copy`: the
-    first copy that it acts for, `fresh`: all of these."""
+    """A feature on the `number`-th copies of a series."""
 
     series: Series
     number: int
     copy: Path
+    """The first copy that it acts for."""
     places: tuple[Path, ...]
+    """Its places on the copies."""
     copies: tuple[Path, ...]
+    """The copy that each place is in; () for none."""
     fresh: frozenset[Path]
+    """All copies that it acts for."""
 
     @property
     def inside(self) -> bool:
@@ -47,7 +50,7 @@ class _Image:
 
 
 def with_copies(assembly: Assembly, keys: GraphSections, solids: PartSolids, log: Diagnostics) -> Assembly:
-    """The assembly with the mates and groups of all copies; a copied feature has a `ref.copy`.
+    """Returns the assembly with the mates and groups of all copies; a copied feature has a `ref.copy`.
 
     `keys.mirror`: "joints", or "weld" for copies that are fastened where the first of their seeds' mates
     would hold them, and rigid inside. A copy that has mates of its own gets nothing; no relation is copied.
@@ -69,17 +72,19 @@ def _with_copies_of(
     keys: GraphSections,
     log: Diagnostics,
 ) -> Assembly:
-    # What is wrong with the globs of `depth` is reported where the bodies are found.
+    # Errors in the globs of `depth` are reported where the bodies are found.
     rigid = rigid_subassemblies(assembly, keys.depth, Diagnostics())
     mirror = keys.mirror
     copier = _Copier(assembly, series_of(assembly, patterns, rigid, planes, log), log)
-    drawn = [copy for mate in assembly.mates for copy in copier.mates(mate)]
+    copied_mates = [copy for mate in assembly.mates for copy in copier.mates(mate)]
     grouped = [copy for group in assembly.groups for copy in copier.groups(group)]
-    mates, groups = [mate for mate, _ in drawn], [group for group, _ in grouped]
+    mates, groups = [mate for mate, _ in copied_mates], [group for group, _ in grouped]
     stiff = assembly.stiff
     if mirror == "weld":
-        mates = [copier.welded(mate) for mate in _holding(drawn, [image for _, image in grouped])]
-        free = {path for one in copier.series for path in one.free}
+        mates = [
+            copier.welded(mate) for mate in _holding_mates(copied_mates, [image for _, image in grouped])
+        ]
+        free = {path for series in copier.series for path in series.free}
         stiff |= {path for path in free if not assembly.occurrences[path].is_part}
     else:
         copier.report_relations()
@@ -90,44 +95,46 @@ def _with_copies_of(
 class _Copier:
     def __init__(self, assembly: Assembly, by_seed: Mapping[Path, list[Series]], log: Diagnostics) -> None:
         self.assembly, self.log, self.by_seed = assembly, log, by_seed
-        self.series = list({id(one): one for found in by_seed.values() for one in found}.values())
+        self.series = list(
+            {id(series): series for series_list in by_seed.values() for series in series_list}.values()
+        )
         self.repeated: set[tuple[Path, str]] = set()
 
     def mates(self, mate: Mate) -> Iterator[tuple[Mate, _Image]]:
-        """The copies of a mate, those of its copies included; one for each copied instance, however
-        often that is listed."""
+        """Yields the copies of a mate, those of its copies included: a single mate for each copied instance,
+        however often that is listed."""
         waiting: list[tuple[Mate, frozenset[Path] | None]] = [(mate, None)]
-        made: set[Path] = set()
+        copied: set[Path] = set()
         owner, rigid = mate.ref.owner, mate.ref.type == "FASTENED"
-        for drawn, fresh in waiting:
-            feature = Feature(mate.title, tuple(e.path for e in drawn.entities), rigid)
+        for source, fresh in waiting:
+            feature = Feature(mate.title, tuple(e.path for e in source.entities), rigid)
             for image in self._images(owner, feature, fresh):
-                if image.copy in made:
+                if image.copy in copied:
                     continue
-                made.add(image.copy)
+                copied.add(image.copy)
                 if not rigid:
                     image.series.joints += 1
                     image.series.served |= image.fresh
                     self.repeated.add((mate.ref.owner, mate.ref.feature))
-                copy = self._mate(mate.ref.name, drawn, image)
+                copy = self._mate(mate.ref.name, source, image)
                 waiting.append((copy, image.fresh))
                 yield copy, image
 
     def groups(self, group: MateGroup) -> Iterator[tuple[MateGroup, _Image]]:
-        """The copies of a mate group, those of its copies included."""
+        """Yields the copies of a mate group, those of its copies included."""
         waiting: list[tuple[MateGroup, frozenset[Path] | None]] = [(group, None)]
-        made: set[Path] = set()
-        for drawn, fresh in waiting:
-            feature = Feature(group.title, tuple(drawn.members), True)
+        copied: set[Path] = set()
+        for source, fresh in waiting:
+            feature = Feature(group.title, tuple(source.members), True)
             for image in self._images(group.owner, feature, fresh):
-                if image.copy not in made:
-                    made.add(image.copy)
+                if image.copy not in copied:
+                    copied.add(image.copy)
                     copy = MateGroup(group.owner, group.title, image.places)
                     waiting.append((copy, image.fresh))
                     yield copy, image
 
     def _images(self, owner: Path, feature: Feature, fresh: frozenset[Path] | None) -> Iterator[_Image]:
-        """The images of a feature, one for each copy of each pattern whose seeds it touches.
+        """Yields the images of a feature: an image for each copy of each pattern whose seeds it touches.
 
         `fresh`: of a feature that is a copy itself, the instances that it was moved to; only these
         lead on to further copies.
@@ -149,7 +156,7 @@ class _Copier:
             yield from self._inner_images(owner, feature)
 
     def _inner_images(self, owner: Path, feature: Feature) -> Iterator[_Image]:
-        """The images of a feature of a seed in its rebuilt copies."""
+        """Yields the images of a feature of a seed in its rebuilt copies."""
         for seed in (owner[:depth] for depth in range(1, len(owner) + 1)):
             for series in self.by_seed.get(seed, ()):
                 for number, copy in enumerate(series.pattern.copies[seed]):
@@ -163,21 +170,26 @@ class _Copier:
     def _image(
         self, series: Series, number: int, feature: Feature, seeds: Mapping[int, Path]
     ) -> _Image | None:
-        """None where a copy is not there, where all copies have mates of their own, where a place that is
-        no seed's is carried by one, or where a joint leads from a fastened seed to something else."""
+        """Returns the image of a feature on the `number`-th copies, or None: if a copy is missing, if all
+        copies have mates of their own, if a seed carries a place that is not on a seed, or if a joint leads
+        from a fastened seed to something else."""
         support, places = series.support, feature.places
         copies = {
             index: (seed, series.pattern.copies[seed][number])
             for index, seed in seeds.items()
             if number < len(series.pattern.copies[seed])
         }
-        beside = {node_of(place, series.pattern.owner) for at, place in enumerate(places) if at not in seeds}
-        if beside & support.dependents:
+        partners = {
+            node_of(place, series.pattern.owner)
+            for place_index, place in enumerate(places)
+            if place_index not in seeds
+        }
+        if partners & support.dependents:
             return None
         movers = [pair for pair in copies.values() if pair[1] in series.free]
         if not movers or any(copy not in series.images for _, copy in copies.values()):
             return None
-        if beside and not feature.rigid and support.fastened.issuperset(places[index] for index in seeds):
+        if partners and not feature.rigid and support.fastened.issuperset(places[index] for index in seeds):
             series.carried.add(feature.title)
             return None
         moved = self._moved_places(series, feature, copies)
@@ -190,7 +202,8 @@ class _Copier:
     def _moved_places(
         self, series: Series, feature: Feature, copies: Mapping[int, tuple[Path, Path]]
     ) -> tuple[Path, ...] | None:
-        """The places of a feature on copies, by index → (seed, copy); None if one has no counterpart."""
+        """Returns the places of a feature on copies, by index → (seed, copy); None if any has no
+        counterpart."""
         moved = list(feature.places)
         for index, (seed, copy) in copies.items():
             moved[index] = series.counterpart(seed, copy, moved[index])
@@ -202,45 +215,47 @@ class _Copier:
                 return None
         return tuple(moved)
 
-    def _mate(self, name: str, drawn: Mate, image: _Image) -> Mate:
+    def _mate(self, name: str, source: Mate, image: _Image) -> Mate:
         assembly = self.assembly
         entities = tuple(
             self._entity(entity, place, image.series.images[copy or image.copy], bool(copy))
-            for entity, place, copy in zip(drawn.entities, image.places, image.copies, strict=True)
+            for entity, place, copy in zip(source.entities, image.places, image.copies, strict=True)
         )
-        owner, copied = drawn.ref.owner, assembly.occurrences[image.copy]
-        found = re.search(r"<(\d+)>\s*$", copied.names[-1])
-        name = f"{name} <{found[1] if found else image.number + 2}>"
+        owner, copied = source.ref.owner, assembly.occurrences[image.copy]
+        number = re.search(r"<(\d+)>\s*$", copied.names[-1])
+        name = f"{name} <{number[1] if number else image.number + 2}>"
         names = assembly.occurrences[owner].names if owner else ()
         inner = owner[: len(image.series.pattern.owner) + 1] in image.series.pattern.copies
-        ref = replace(drawn.ref, name=name, copy="/".join(image.copy[0 if inner else len(owner) :]))
-        return Mate(ref, "/".join((*names, name)), entities, drawn.limits)
+        ref = replace(source.ref, name=name, copy="/".join(image.copy[0 if inner else len(owner) :]))
+        return Mate(ref, "/".join((*names, name)), entities, source.limits)
 
     def _entity(self, entity: Entity, place: Path, image: Image, copied: bool) -> Entity:
-        """The entity as its image moves it, on the occurrence `place`, which lies in the copy or not."""
+        """Returns the entity as its image moves it, on the occurrence `place`; `copied`: whether that is in
+        the copy."""
         if copied and image.by_transform:
             return replace(entity, path=place)
         place_from_world = inverse(self.assembly.world_from_path(place))
         return Entity(place, frozen(place_from_world @ image.motion @ self.assembly.world_from(entity)))
 
     def welded(self, mate: Mate) -> Mate:
-        """A FASTENED mate in its place, at the saved pose."""
+        """Returns a FASTENED mate in its place, at the saved pose."""
         first, second = mate.entities
         second_from_world = inverse(self.assembly.world_from_path(second.path))
-        placed = Entity(second.path, frozen(second_from_world @ self.assembly.world_from(first)))
-        return replace(mate, ref=replace(mate.ref, type="FASTENED"), entities=(first, placed), limits={})
+        entity = Entity(second.path, frozen(second_from_world @ self.assembly.world_from(first)))
+        return replace(mate, ref=replace(mate.ref, type="FASTENED"), entities=(first, entity), limits={})
 
     def report_relations(self) -> None:
-        """W-PATTERN-RELATION for relations of mates that are copied, or lie in a copied sub-assembly."""
+        """Reports W-PATTERN-RELATION for relations of mates that are copied, or that are in a copied
+        sub-assembly."""
         for relation in self.assembly.relations:
-            below = [
+            copied_below = [
                 path[:depth]
                 for path, _ in relation.mates
                 for depth in range(len(relation.owner) + 1, len(path) + 1)
             ]
             inside = any(
                 series.free and series.pattern.owner == relation.owner
-                for path in below
+                for path in copied_below
                 for series in self.by_seed.get(path, ())
             )
             if inside or any(mate in self.repeated for mate in relation.mates):
@@ -248,7 +263,8 @@ class _Copier:
                 self.log.report("W-PATTERN-RELATION", message, relation.title, "mate and relate the copies")
 
     def report_joints(self, weld: bool) -> None:
-        """I-PATTERN for each pattern with copied joints, I-PATTERN-CARRIED for joints that are not copied."""
+        """Reports I-PATTERN for each pattern with copied joints, I-PATTERN-CARRIED for joints that are not
+        copied."""
         for series in self.series:
             if series.carried:
                 message = (
@@ -269,11 +285,11 @@ class _Copier:
             self.log.report("I-PATTERN", message, series.pattern.title)
 
 
-def _holding(mates: Iterable[tuple[Mate, _Image]], groups: Iterable[_Image]) -> list[Mate]:
-    """The copied mates that are used when copies are welded.
+def _holding_mates(mates: Iterable[tuple[Mate, _Image]], groups: Iterable[_Image]) -> list[Mate]:
+    """Returns the copied mates that are used when copies are welded.
 
-    Connected copies are welded to the rest by only one mate: several would also freeze the joints
-    between these. FASTENED mates stay.
+    Connected copies are welded to the rest by a single mate: several would also freeze the joints between the
+    copies. FASTENED mates stay.
     """
     rest: Path = ()
     fixed = nx.utils.UnionFind([rest])
@@ -284,9 +300,9 @@ def _holding(mates: Iterable[tuple[Mate, _Image]], groups: Iterable[_Image]) -> 
         mate, image = copy
         return mate.ref.type != "FASTENED", not image.inside, mate.title, mate.key
 
-    found = []
+    chosen = []
     for mate, image in sorted(mates, key=late):
         if mate.ref.type == "FASTENED" or image.inside or fixed[image.copy] != fixed[rest]:
             fixed.union(*image.fresh, *(() if image.inside else (rest,)))
-            found.append(mate)
-    return found
+            chosen.append(mate)
+    return chosen

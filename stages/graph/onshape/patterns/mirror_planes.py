@@ -1,4 +1,4 @@
-"""Patterns and mirrors: finds the motion or reflection that takes each seed to its copy.
+"""Finds the motion or reflection that takes the seed of a pattern or mirror to its copy.
 
 Onshape mirrors an instance by a transform, or "using a new instance of an existing or newly created part"
 (its help, "Assembly Mirror"). Such a part is the mirror image of the seed's; a sub-assembly then consists of
@@ -23,15 +23,15 @@ from linkwright.stages.robot.model.poses import from_parts, inverse
 from linkwright.stages.robot.model.robot import Array, frozen
 from linkwright.stages.robot.text.globs import escaped, listed
 
-APART = 0.01
-"""The least distance of the centres of mass of a seed and its copy, in radii of gyration: the line between
-nearer ones has no certain direction."""
+MIN_CENTRE_DISTANCE = 0.01
+"""Smallest distance of the centres of mass of a seed and its copy, in radii of gyration: the line between
+nearer centres has no certain direction."""
 
-WIDEST = 8
-"""The number of pairs, those farthest apart, whose middle planes are tried."""
+MAX_PLANE_PAIRS = 8
+"""Largest number of pairs whose middle planes are tried: those farthest apart."""
 
 SEED_PART = ("type", "documentId", "elementId", "partId")
-"""The fields of an instance that say of which part or sub-assembly it is."""
+"""The fields of an instance that identify its part or sub-assembly."""
 
 Pair = tuple[Path, Path]
 """A seed and its copy."""
@@ -42,65 +42,73 @@ Plane = tuple[Array, Array]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Image:
-    """How a copy comes from its seed: by `motion` (4, 4) of the world at the saved pose, which may reflect.
-
-    `by_transform`: the motion is that of the instance, so frames on the seed are the same frames on the copy;
-    `leaves`: the parts of the seed → those of the copy, where these are other parts; else None.
-    """
+    """A copy's relation to its seed."""
 
     motion: Array
+    """Motion (4, 4) of the world at the saved pose from the seed to the copy; it may reflect."""
     by_transform: bool = False
+    """Whether the motion is that of the instance, so that frames on the seed are the same frames on the
+    copy."""
     leaves: Mapping[Path, Path] | None = None
+    """Parts of the seed → parts of the copy, if these are other parts; else None."""
 
     @property
     def reflects(self) -> bool:
+        """Whether the motion reflects."""
         return bool(np.linalg.det(self.motion[:3, :3]) < 0)
 
 
 class MirrorPlanes:
-    """Finds the images of seeds. `wanted`: the key `mirrors`, the user's planes by globs."""
+    """Finds the images of seeds. `sections`: the key `mirrors`, the user's planes by globs."""
 
     def __init__(
-        self, assembly: Assembly, solids: PartSolids, wanted: Mapping[str, MirrorSection], log: Diagnostics
+        self, assembly: Assembly, solids: PartSolids, sections: Mapping[str, MirrorSection], log: Diagnostics
     ) -> None:
         self.assembly, self.solids, self.log = assembly, solids, log
         titles = sorted({pattern.title for pattern in assembly.patterns if pattern.mirrors})
-        entries = entries_of([{title} for title in titles], wanted, "mirrors", "mirror", log)
-        planes = list(wanted.values())
-        self.typed = {title: planes[at[-1]] for title, at in zip(titles, entries, strict=True) if at}
+        entries = entries_of([{title} for title in titles], sections, "mirrors", "mirror", log)
+        planes = list(sections.values())
+        self.typed = {
+            title: planes[indices[-1]] for title, indices in zip(titles, entries, strict=True) if indices
+        }
 
     def images(self, pattern: Pattern) -> dict[Path, Image]:
-        """Copy → its image. W-PATTERN for the copies whose images are unknown, and which it lacks; I-MIRROR
-        for those that are made of mirror-image parts."""
+        """Returns the known images, by copy. Reports W-PATTERN for the copies whose images are unknown;
+        I-MIRROR for those that are made of mirror-image parts."""
         pairs = [
             (seed, copy)
             for seed, copies in pattern.copies.items()
             for copy in copies
             if {seed, copy} <= self.assembly.occurrences.keys()
         ]
-        found = {copy: self._by_transform(seed, copy) for seed, copy in pairs if self._same(seed, copy)}
-        doubtful = [pair for pair in pairs if pair[1] not in found or not found[pair[1]].reflects]
+        images = {copy: self._by_transform(seed, copy) for seed, copy in pairs if self._same_part(seed, copy)}
+        doubtful = [pair for pair in pairs if pair[1] not in images or not images[pair[1]].reflects]
         if pattern.mirrors and doubtful:
-            found |= self._by_reflection(pattern, pairs, doubtful, found)
+            images |= self._by_reflection(pattern, pairs, doubtful, images)
         for seed, copy in pairs:
-            if copy not in found:
+            if copy not in images:
                 self._report_unknown(pattern, seed, copy)
-        return found
+        return images
 
     def _by_reflection(
-        self, pattern: Pattern, pairs: Sequence[Pair], doubtful: Sequence[Pair], found: Mapping[Path, Image]
+        self,
+        pattern: Pattern,
+        pairs: Sequence[Pair],
+        doubtful: Sequence[Pair],
+        known_images: Mapping[Path, Image],
     ) -> dict[Path, Image]:
-        """The images of `doubtful` copies by the mirror's reflection, where this takes the seeds to them."""
-        reflection = self._reflection(pattern, pairs, found)
+        """Returns the images of `doubtful` copies by the mirror's reflection, where this takes the seeds to
+        them."""
+        reflection = self._reflection(pattern, pairs, known_images)
         if reflection is None:
             return {}
         images: dict[Path, Image] = {}
         for seed, copy in doubtful:
             leaves = self._leaves(seed, copy, reflection)
-            if leaves is None and copy not in found and pattern.title in self.typed:
-                leaves = self._at_the_users_word(pattern, seed, copy, reflection)
+            if leaves is None and copy not in known_images and pattern.title in self.typed:
+                leaves = self._user_image(pattern, seed, copy, reflection)
             if leaves is not None:
-                images[copy] = Image(reflection, leaves=None if self._same(seed, copy) else leaves)
+                images[copy] = Image(reflection, leaves=None if self._same_part(seed, copy) else leaves)
         rebuilt = [copy for copy, image in images.items() if image.leaves]
         if rebuilt:
             titles = listed(self.assembly.occurrences[copy].title for copy in rebuilt)
@@ -114,29 +122,29 @@ class MirrorPlanes:
         world_from_copy, world_from_seed = map(self.assembly.world_from_path, (copy, seed))
         return Image(frozen(world_from_copy @ inverse(world_from_seed)), by_transform=True)
 
-    def _same(self, seed: Path, copy: Path) -> bool:
-        """Whether both are instances of the same part, or of the same sub-assembly."""
+    def _same_part(self, seed: Path, copy: Path) -> bool:
+        """Returns whether both are instances of the same part, or of the same sub-assembly."""
         first, second = (self.assembly.occurrences[path].record for path in (seed, copy))
         return all(first.get(key) == second.get(key) for key in SEED_PART)
 
     def _reflection(
-        self, pattern: Pattern, pairs: Sequence[Pair], found: Mapping[Path, Image]
+        self, pattern: Pattern, pairs: Sequence[Pair], known_images: Mapping[Path, Image]
     ) -> Array | None:
-        """The mirror's reflection (4, 4) of the world: by the user's plane, else by a copy whose transform
-        reflects, else by the plane that explains the most copies."""
+        """Returns the mirror's reflection (4, 4) of the world. Its plane is the user's; else that of a copy
+        whose transform reflects; else the plane that explains the most copies."""
         world_from_owner = self.assembly.world_from_path(pattern.owner)
 
         def in_world(plane: Plane) -> Array:
             return frozen(world_from_owner @ _reflection_at(plane) @ inverse(world_from_owner))
 
         if pattern.title in self.typed:
-            typed = self.typed[pattern.title]
-            return in_world((np.array(typed.normal), np.array(typed.xyz)))
+            user_plane = self.typed[pattern.title]
+            return in_world((np.array(user_plane.normal), np.array(user_plane.xyz)))
         for _, copy in pairs:
-            if copy in found and found[copy].reflects:
-                return found[copy].motion
+            if copy in known_images and known_images[copy].reflects:
+                return known_images[copy].motion
         middles = [(*middle, pair) for pair in pairs if (middle := self._middle(pattern.owner, pair))]
-        middles = sorted(middles, key=lambda middle: -middle[1])[:WIDEST]
+        middles = sorted(middles, key=lambda middle: -middle[1])[:MAX_PLANE_PAIRS]
         # The planes of the assembly's own axes come first, since they are exact.
         planes = [(axis, np.zeros(3)) for axis in np.eye(3)] + [plane for plane, _, _ in middles]
         candidates = [in_world(plane) for plane in planes]
@@ -148,22 +156,23 @@ class MirrorPlanes:
         return candidates[explained.index(best)] if best else None
 
     def _middle(self, owner: Path, pair: Pair) -> tuple[Plane, float] | None:
-        """The plane midway between the centres of mass of a seed and its copy, in the frame of `owner`, and
-        their distance [m]; None where one is unknown, or where they are too near."""
+        """Returns the plane midway between the centres of mass of a seed and its copy, in the frame of
+        `owner`, and the distance [m] of the centres; None if a centre is unknown, or if they are too near."""
         bodies = [self.solids.body(path) for path in pair]
         if bodies[0] is None or bodies[1] is None:
             return None
         owner_from_world = inverse(self.assembly.world_from_path(owner))
         first, second = (moved(body, owner_from_world).com for body in bodies if body)
         distance = float(np.linalg.norm(second - first))
-        if distance <= APART * gyration(bodies[0]):
+        if distance <= MIN_CENTRE_DISTANCE * gyration(bodies[0]):
             return None
         return (second - first, (first + second) / 2), distance
 
     def _leaves(self, seed: Path, copy: Path, reflection: Array) -> dict[Path, Path] | None:
-        """The parts of a seed → those of its copy; None unless `reflection` (4, 4) takes each to another."""
+        """Returns the parts of a seed → those of its copy; None unless `reflection` (4, 4) takes each to
+        another."""
         parts, images = (list(self.solids.parts(path)) for path in (seed, copy))
-        if self._same(seed, copy):
+        if self._same_part(seed, copy):
             pairs = {part: copy + part[len(seed) :] for part in parts}
             return pairs if all(self._is_image(*pair, reflection) for pair in pairs.items()) else None
         leaves: dict[Path, Path] = {}
@@ -179,29 +188,31 @@ class MirrorPlanes:
         first, second = self.solids.body(part), self.solids.body(image)
         return first is not None and second is not None and is_image(first, second, reflection)
 
-    def _at_the_users_word(
+    def _user_image(
         self, pattern: Pattern, seed: Path, copy: Path, reflection: Array
     ) -> dict[Path, Path] | None:
-        """The copy of a part as its seed's image, though it does not look so: W-MIRROR-PLANE. None for a
-        sub-assembly, whose parts would remain unknown."""
+        """Takes the copy of a part for its seed's image because the user says so, and reports that it does
+        not look like it (W-MIRROR-PLANE). Returns None for a sub-assembly, whose parts would remain
+        unknown."""
         occurrences = self.assembly.occurrences
         if not (occurrences[seed].is_part and occurrences[copy].is_part):
             return None
         first, second = self.solids.body(seed), self.solids.body(copy)
         if first is not None and second is not None:
-            off = float(np.linalg.norm(moved(first, reflection).com - second.com))
+            distance = float(np.linalg.norm(moved(first, reflection).com - second.com))
             message = (
                 f"{occurrences[copy].title} is not the mirror image of {occurrences[seed].title} at the "
-                f"plane in `mirrors`: their centres of mass are {1000 * off:.3g} mm apart there"
+                f"plane in `mirrors`: their centres of mass are {1000 * distance:.3g} mm apart there"
             )
             self.log.report("W-MIRROR-PLANE", message, pattern.title, "check the plane, and the part")
         return {seed: copy}
 
     def _report_unknown(self, pattern: Pattern, seed: Path, copy: Path) -> None:
-        """W-PATTERN for a copy that is made of other parts than its seed, with the YAML for the plane."""
+        """Reports W-PATTERN for a copy that is made of other parts than its seed, with the YAML for the
+        plane."""
         occurrence, first = self.assembly.occurrences[copy], self.assembly.occurrences[seed]
-        what = "part" if occurrence.is_part else "sub-assembly"
-        message = f"{occurrence.title} is not an instance of the same {what} as its seed {first.title}"
+        kind = "part" if occurrence.is_part else "sub-assembly"
+        message = f"{occurrence.title} is not an instance of the same {kind} as its seed {first.title}"
         hint = "mate the copy itself"
         if pattern.mirrors:
             message += ", and does not show that it is its mirror image"
@@ -216,14 +227,15 @@ class MirrorPlanes:
 
 
 def _reflection_at(plane: Plane) -> Array:
-    """The reflection (4, 4) at a plane: x − 2 n nᵀ (x − p), with n its unit normal."""
+    """Returns the reflection (4, 4) at a plane: x − 2 n nᵀ (x − p), with n its unit normal."""
     normal, point = plane
     doubled = 2 * np.outer(normal, normal) / (normal @ normal)
     return from_parts(np.eye(3) - doubled, doubled @ point)
 
 
 def _plane_of(reflection: Array) -> str:
-    """The plane of a reflection (4, 4), as YAML: n nᵀ = ½ (1 − R), and its nearest point to the origin."""
+    """Returns the plane of a reflection (4, 4), as YAML: n nᵀ = ½ (1 − R), and its nearest point to the
+    origin."""
     projection = (np.eye(3) - reflection[:3, :3]) / 2
     normal = projection[:, np.abs(projection).max(axis=0).argmax()]
     return _yaml(normal, reflection[:3, 3] / 2)

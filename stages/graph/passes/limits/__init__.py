@@ -1,1 +1,1 @@
-"""Limits of dofs: the user's, checks of them, and numbers that stand in for missing limits."""
+"""Limits of dofs: the user's, checks of them, and placeholders for missing limits."""

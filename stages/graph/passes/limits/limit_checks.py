@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from linkwright.stages.graph.added_section import AddedLinkSection
 from linkwright.stages.graph.mechanism import Mechanism
-from linkwright.stages.graph.passes.limits.joint_limits import BEYOND, with_each_dof
+from linkwright.stages.graph.passes.limits.joint_limits import LIMIT_TOLERANCE, with_each_dof
 from linkwright.stages.graph.section import GraphSections, JointSection
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.dofs import AS_TYPED
@@ -15,13 +15,13 @@ from linkwright.stages.robot.motion.loops import POINTWISE
 from linkwright.stages.robot.text.globs import as_key, fits
 
 LOCKED_PLAY = 1e-6
-"""Half the range [rad or m] of a dof whose limits are equal: MuJoCo takes none for unlimited."""
+"""Half the range [rad or m] of a dof whose limits are equal: to MuJoCo an empty range means no limit."""
 
 UNITS: Mapping[DofKind, str] = {"turn": "rad", "slide": "m", "ball": "rad", "free": ""}
 
 
 def with_checked_limits(robot: Robot, mechanism: Mechanism, keys: GraphSections, log: Diagnostics) -> Robot:
-    """The robot with every limit checked; wrong, missing and doubtful limits are reported."""
+    """Returns the robot with every limit checked; wrong, missing and doubtful limits are reported."""
     _report_doubts(robot, log)
     robot = check_limits(robot, log, keys.joints, keys.links, mechanism.has_saved_pose)
     report_loop_limits(robot, log)
@@ -29,47 +29,46 @@ def with_checked_limits(robot: Robot, mechanism: Mechanism, keys: GraphSections,
 
 
 def _report_doubts(robot: Robot, log: Diagnostics) -> None:
-    """Limits in CAD that may be meant in another way, of mates whose limits are not all in `joints:`."""
-    every: list[Joint | Loop] = [*robot.joints, *robot.loops]
-    for one in every:
-        dof = next((dof for dof in one.dofs if dof.limits.origin != AS_TYPED), None)
+    """Reports limits in CAD that may be meant otherwise, for mates whose limits are not all in `joints:`."""
+    joints: list[Joint | Loop] = [*robot.joints, *robot.loops]
+    for joint in joints:
+        dof = next((dof for dof in joint.dofs if dof.limits.origin != AS_TYPED), None)
         if dof is None:
             continue
         entry = f"joints: {{{as_key(dof.name)}: {{limits: [low, high]}}}}"
         for text in dof.limits.origin.doubts:
-            log.report("W-LIMIT-DOUBT", text, one.name, f"type it again on the mate, or {entry}")
+            log.report("W-LIMIT-DOUBT", text, joint.name, f"type it again on the mate, or {entry}")
         for text in dof.limits.origin.open:
-            log.report("I-LIMIT-OPEN", text, one.name, f"if 0 is meant, type it in Onshape, or {entry}")
+            log.report("I-LIMIT-OPEN", text, joint.name, f"if 0 is meant, type it in Onshape, or {entry}")
 
 
 def check_limits(
     robot: Robot,
     log: Diagnostics,
-    wanted: Mapping[str, JointSection] | None = None,
+    sections: Mapping[str, JointSection] | None = None,
     added: Mapping[str, AddedLinkSection] | None = None,
     has_saved_pose: bool = True,
 ) -> Robot:
-    """Reports missing and contradictory limits; gives locked dofs the small range that engines need.
+    """Reports missing and contradictory limits, and gives locked dofs the small range that engines need.
 
-    `wanted` and `added`: the keys `joints` and
-    `links`; limits that they leave open are open on purpose. `has_saved_pose`: whether the source is an
-    assembly with a saved pose.
+    `sections`, `added`: the keys `joints` and `links`; limits that they leave open are open on purpose.
+    `has_saved_pose`: whether the source is an assembly with a saved pose.
     """
-    decided = [glob for glob, keys in (wanted or {}).items() if keys.limits is not None]
+    decided = [glob for glob, keys in (sections or {}).items() if keys.limits is not None]
     decided += [joint.name for joint in robot.joints if joint.mate is None and _decides(joint, added or {})]
     _report_missing(robot, decided, log, has_saved_pose)
     idle = {dof.name for loop in robot.loops if loop.type in POINTWISE for dof in loop.dofs}
-    return with_each_dof(robot, lambda dof: dof if dof.name in idle else _checked(dof, log, has_saved_pose))
+    return with_each_dof(robot, lambda dof: dof if dof.name in idle else _check_dof(dof, log, has_saved_pose))
 
 
 def _decides(joint: Joint, added: Mapping[str, AddedLinkSection]) -> bool:
-    """Whether an added link's own keys give its joint's limits."""
+    """Returns whether an added link's own keys give its joint's limits."""
     keys = added.get(joint.child)
     return keys is not None and (keys.joint.type == "continuous" or keys.joint.limits is not None)
 
 
 def report_loop_limits(robot: Robot, log: Diagnostics) -> None:
-    """Reports limits of mates that close loops: unknown ones, and those that no engine enforces."""
+    """Reports limits of mates that close loops: unknown limits, and those that no engine enforces."""
     for loop in robot.loops:
         for dof in loop.dofs:
             if dof.limits.origin.unknown:
@@ -82,7 +81,7 @@ def report_loop_limits(robot: Robot, log: Diagnostics) -> None:
 
 
 def _report_missing(robot: Robot, decided: Sequence[str], log: Diagnostics, has_saved_pose: bool) -> None:
-    """W-LIMIT for every dof of the tree without limits; the last has a block of YAML for all of them.
+    """Reports W-LIMIT for every dof of the tree without limits; the last has a block of YAML for all of them.
 
     A follower is bounded by its driver.
     """
@@ -90,7 +89,7 @@ def _report_missing(robot: Robot, decided: Sequence[str], log: Diagnostics, has_
     lacking: list[tuple[Joint, Dof, str]] = []
     for joint in robot.joints:
         for dof in joint.dofs:
-            if dof.kind == "free" or _endless(joint) or any(fits(dof.name, glob) for glob in decided):
+            if dof.kind == "free" or _is_endless(joint) or any(fits(dof.name, glob) for glob in decided):
                 continue
             if dof.limits.origin.unknown:
                 lacking.append((joint, dof, f"its limits in CAD are unknown: {dof.limits.origin.unknown}"))
@@ -105,18 +104,18 @@ def _report_missing(robot: Robot, decided: Sequence[str], log: Diagnostics, has_
         log.report("W-LIMIT", text, dof.name, hint)
 
 
-def _endless(joint: Joint) -> bool:
-    """Whether its source declares that it has no limits, as a URDF's continuous joint does."""
+def _is_endless(joint: Joint) -> bool:
+    """Returns whether its source declares that it has no limits, as a URDF's continuous joint does."""
     return joint.mate is not None and joint.mate.type in ("continuous", "planar")
 
 
 def _limits_entry(dof: Dof, values: str = "low, high") -> str:
-    """The line of YAML that gives a dof its limits."""
+    """Returns the line of YAML that gives a dof its limits."""
     return f"joints: {{{as_key(dof.name)}: {{limits: [{values}]}}}}  # {UNITS[dof.kind]}"
 
 
 def _block(dofs: Sequence[Dof]) -> str:
-    """YAML that keeps the limits of these dofs as they are."""
+    """Returns YAML that keeps the limits of these dofs as they are."""
 
     def text(end: float | None) -> str:
         return "null" if end is None else f"{end:.9g}"
@@ -129,7 +128,7 @@ def _block(dofs: Sequence[Dof]) -> str:
     return "\n".join(["joints:", *lines])
 
 
-def _checked(dof: Dof, log: Diagnostics, has_saved_pose: bool) -> Dof:
+def _check_dof(dof: Dof, log: Diagnostics, has_saved_pose: bool) -> Dof:
     low, high = dof.limits.interval
     if dof.kind == "ball" and dof.limits.upper is not None and not 0 < high <= math.pi:
         text = f"invalid cone {high:.6g} rad: must be in (0, π]"
@@ -140,8 +139,8 @@ def _checked(dof: Dof, log: Diagnostics, has_saved_pose: bool) -> Dof:
         hint = f"correct the {'mate' if has_saved_pose else 'file'}, or {_limits_entry(dof)}"
         log.report("E-LIMIT", text, dof.name, hint)
         return dof
-    value = measured(dof.saved)
-    if has_saved_pose and value is not None and not dof.limits.contains(value, BEYOND):
+    value = limited_quantity(dof.saved)
+    if has_saved_pose and value is not None and not dof.limits.contains(value, LIMIT_TOLERANCE):
         text = f"its value in the saved pose, {value:.6g}, is outside its limits [{low:.6g}, {high:.6g}]"
         log.report(
             "W-SAVED-POSE", text, dof.name, "move the joint into its limits in Onshape, or correct the limits"
@@ -154,9 +153,9 @@ def _checked(dof: Dof, log: Diagnostics, has_saved_pose: bool) -> Dof:
     return dof
 
 
-def measured(value: Value) -> float | None:
-    """The quantity that limits bound: the value itself; of a ball the angle [rad] between the z axes
-    before and after, 2 asin √(x² + y²); None of free motion."""
+def limited_quantity(value: Value) -> float | None:
+    """Returns the quantity that limits bound: for a turn or slide the value itself; for a ball the angle
+    [rad] between the z axes before and after, 2 asin √(x² + y²). Returns None for free motion."""
     if isinstance(value, float):
         return value
     if len(value) != 4:

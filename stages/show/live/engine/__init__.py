@@ -1,1 +1,1 @@
-"""The copy of the model that the page's own MuJoCo reads."""
+"""Makes the copy of the model that the page's own MuJoCo reads."""

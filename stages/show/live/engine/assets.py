@@ -1,4 +1,4 @@
-"""The files of the engine's copy of the model: the colliders' meshes, with names of their own."""
+"""Collects the files of the engine's copy of the model: the colliders' meshes, under new names."""
 
 import struct
 from collections.abc import Iterator
@@ -14,27 +14,29 @@ from linkwright.stages.robot.text.plural import count
 from linkwright.stages.show.live.engine.version import is_newer_shape
 from linkwright.stages.show.live.triangles import hull_of
 
-LARGE = 4_000_000
-"""Meshes of colliders with more bytes in all are replaced by their convex hulls, which is what collides."""
+MAX_MESH_BYTES = 4_000_000
+"""Largest size [bytes] of all meshes of colliders together; larger meshes are replaced by their convex hulls,
+by which MuJoCo collides anyway."""
 
 _PROCESSED = ("scale", "refpos", "refquat", "builtin", "params", "content_type", "inertia", "maxhullvert")
-"""Attributes that made what the compiled mesh already is."""
+"""Attributes that MuJoCo has already applied to the compiled mesh."""
 
 
 def with_assets(root: Element, model: Any, folder: Path) -> tuple[dict[str, bytes], list[dict[str, str]]]:
-    """Removes the assets that nothing uses from a document, in place, and renames the files of the others.
-
-    Returns the content of each file by its new name, and what they lack.
+    """Removes the unused assets from a document, in place, and renames the files of the used assets. Returns
+    the content of each file by its new name, and what the files lack.
     """
-    kept = list(_used(root))
+    used_assets = list(_used(root))
     base = _base(root)
-    given = {asset: (folder / base / asset.get("file")).read_bytes() for asset in kept if asset.get("file")}
-    large = sum(map(len, given.values())) > LARGE
+    contents = {
+        asset: (folder / base / asset.get("file")).read_bytes() for asset in used_assets if asset.get("file")
+    }
+    large = sum(map(len, contents.values())) > MAX_MESH_BYTES
     files: dict[str, bytes] = {}
     hulls = 0
-    for number, asset in enumerate(kept):
+    for number, asset in enumerate(used_assets):
         suffix = PurePosixPath(asset.get("file", "")).suffix.lower()
-        data = given.get(asset)
+        data = contents.get(asset)
         if tag(asset) == "mesh" and (large or is_newer_shape(asset)):
             suffix, data = ".msh", _hull(asset, model)
             hulls += 1
@@ -46,10 +48,10 @@ def with_assets(root: Element, model: Any, folder: Path) -> tuple[dict[str, byte
 
 
 def _used(root: Element) -> Iterator[Element]:
-    """The meshes and height fields that something uses, each with a name; removes the others."""
+    """Yields the used meshes and height fields, each with a name, and removes the unused ones."""
     used = {(kind, node.get(kind)) for node in root.iter() for kind in ("mesh", "hfield") if node.get(kind)}
     for section in root.iterchildren("asset"):
-        for asset in [one for one in section if tag(one) in ("mesh", "hfield")]:
+        for asset in [node for node in section if tag(node) in ("mesh", "hfield")]:
             name = asset.get("name") or PurePosixPath(asset.get("file", "")).stem
             if (tag(asset), name) in used:
                 asset.set("name", name)
@@ -59,7 +61,7 @@ def _used(root: Element) -> Iterator[Element]:
 
 
 def _base(root: Element) -> PurePosixPath:
-    """The folder of the meshes, by the last compiler element that names one."""
+    """Returns the folder of the meshes that the last compiler element with such a folder names."""
     base = ""
     for compiler in root.iterchildren("compiler"):
         base = compiler.get("meshdir") or compiler.get("assetdir") or base
@@ -67,7 +69,7 @@ def _base(root: Element) -> PurePosixPath:
 
 
 def _hull(asset: Element, model: Any) -> bytes:
-    """The points of a mesh's convex hull in the frame of its file, as MuJoCo's own format MSH."""
+    """Returns the points of a mesh's convex hull in the frame of its file, as MuJoCo's own format MSH."""
     index = index_of(model, mujoco.mjtObj.mjOBJ_MESH, asset.get("name"))
     first, number = int(model.mesh_vertadr[index]), int(model.mesh_vertnum[index])
     points = model.mesh_vert[first : first + number].astype(np.float64)

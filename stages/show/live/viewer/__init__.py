@@ -1,7 +1,10 @@
-"""The view in the page: the robot in 3D, simulating, in a file that opens from disk and fetches nothing.
+"""Writes the HTML of the live view: the simulated robot in 3D, in a page that opens from disk, fetching
+nothing.
 
-The script is one module of the files in `script/`, one after the other: each declares what those after it
-use, no name twice. MuJoCo and three.js lie compressed in `engine/`, and get into the page as they are."""
+The script is a single module, made of the files in `script/` in order: each declares names for the files
+after it, and no name is declared twice. MuJoCo and three.js are compressed in `engine/`, and the page
+contains them unchanged.
+"""
 
 import json
 from base64 import b64encode
@@ -17,29 +20,33 @@ ROOM = Path(__file__).parent
 
 SCRIPTS = (
     "libraries", "pack", "algebra", "kinematics", "closing", "triangles", "robot_mesh", "picking", "overlays",
-    "stage", "engine", "values", "elements", "panel", "link_card", "pointer", "view", "page", "start",
+    "stage", "engine", "values", "make", "elements", "panel", "link_card", "pointer", "view", "page", "start",
 )  # fmt: skip
-"""The files of the script, in their order."""
+"""The files of the script in order."""
 
 ENGINE_LICENCES = ("mujoco.LICENSE.gz", "mujoco.LICENSES_THIRD_PARTY.md.gz")
 
 INERT = "application/octet-stream;base64"
-"""The type of a script element that a browser keeps and does not run."""
+"""The type of a script element that a browser does not run."""
 
 
 @dataclass(frozen=True, slots=True)
 class LiveView:
-    """HTML for three places of a page: `style` in its head, `body` where the robot is shown (the comment
-    `<!-- preview -->` in it is the place of a picture), and `scripts` at its end, under the licences."""
+    """The HTML of the live view, for three places of a page."""
 
     style: str
+    """The style sheet, for the head of the page."""
+
     body: str
+    """The robot; a picture may replace the comment `<!-- preview -->` in it."""
+
     scripts: str
+    """The licences and the scripts, for the end of the page."""
 
 
 def view(pack: bytes | None, engine: Literal["whole", "shared", "none"], shared_path: str = "") -> LiveView:
-    """The view of a robot as `live.pack` packed it; nothing without a pack. `engine`: in the page, in a file
-    beside it at `shared_path`, or none, which leaves the sliders."""
+    """Returns the HTML of the view of a robot in a pack; empty without a pack. `engine`: whole in the page,
+    shared in a file at `shared_path`, or none, so that the robot only moves by its sliders."""
     if pack is None:
         return LiveView("", "", "")
     body = Template(_text("view.html")).substitute(
@@ -63,7 +70,8 @@ def view(pack: bytes | None, engine: Literal["whole", "shared", "none"], shared_
 
 
 def engine_script() -> bytes:
-    """`linkwright-engine.js`: the engine for several pages, a script that opens from disk too."""
+    """Returns the content of `linkwright-engine.js`: the engine for several pages, which also opens from
+    disk."""
     content = {
         "wasm": _piece("mujoco.wasm.gz"),
         "glue": _piece("mujoco.js.gz"),
@@ -74,15 +82,15 @@ def engine_script() -> bytes:
 
 @cache
 def script() -> str:
-    """The view's own script."""
+    """Returns the view's own script."""
     return "\n".join(_text(f"script/{name}.js") for name in SCRIPTS)
 
 
 @cache
 def version(file: str) -> str:
-    """Of what a file of the engine is."""
-    found = json.loads(_text("engine/engine.json"))[file]["version"]
-    return str(found)
+    """Returns the version of the library in a file of the engine."""
+    number = json.loads(_text("engine/engine.json"))[file]["version"]
+    return str(number)
 
 
 def _text(path: str) -> str:
@@ -91,7 +99,7 @@ def _text(path: str) -> str:
 
 @cache
 def _piece(name: str) -> str:
-    """A file of the engine in base64."""
+    """Returns a file of the engine in base64."""
     return b64encode((ROOM / "engine" / name).read_bytes()).decode()
 
 
@@ -100,7 +108,7 @@ def _inert(name: str, content: str) -> str:
 
 
 def _licences(files: Sequence[str]) -> str:
-    """What the page is made of and under which licence, folded; the texts are inflated on opening."""
+    """Returns the libraries in the page and their licences, folded; the texts are inflated on opening."""
     words = f"MuJoCo {version('mujoco.wasm.gz')} (Apache-2.0) and three.js {version('three.js.gz')} (MIT)"
     if len(files) == 1:
         words = f"three.js {version('three.js.gz')} (MIT)"

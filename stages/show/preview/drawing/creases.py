@@ -1,4 +1,4 @@
-"""Normals of a surface that is smooth where its faces meet at a small angle, and has an edge elsewhere."""
+"""Computes vertex normals that are smooth across shallow edges, and keep sharp edges (creases) sharp."""
 
 import numpy as np
 
@@ -7,53 +7,73 @@ from linkwright.stages.show.preview.surface import Single
 from linkwright.stages.show.raster import Indices
 
 _CREASE = np.float32(np.cos(np.radians(32.0)))
-_MOST_PAIRS = 12_000_000
-"""With more pairs of faces at a corner each face is flat, which at that density is not seen."""
+"""Cosine of the crease angle: edges between faces at a larger angle stay sharp."""
 
-_TABLE = 1 << 22
+_MAX_PAIRS = 12_000_000
+"""Largest number of pairs of adjacent faces. With more, faces are drawn flat: they are too small to see."""
+
+_TABLE_SIZE = 1 << 22
+"""Slots of the hash table; a power of two."""
+
 _PRIMES = np.array([73856093, 19349663, 83492791], dtype=np.int64)
+"""Factors of the usual spatial hash (Teschner et al., 2003)."""
 
 
-def normals_of(corners: Single, geom: Indices, wanted: Indices) -> Single:
-    """(n, 3, 3): the unit normal at each corner of the `wanted` (n,) of the triangles (m, 3, 3); of a
-    triangle without area zero. Faces of different geoms (m,) do not meet."""
-    near, place = _beside(corners, geom, wanted)
-    faces = corners[near]
+def normals_of(corners: Single, geom: Indices, selected: Indices) -> Single:
+    """Returns the unit normals (n, 3, 3) at the corners of the `selected` triangles (n,) among all triangles
+    `corners` (m, 3, 3): averages, weighted by area, over the adjacent faces at less than the crease angle.
+
+    Triangles of different geoms `geom` (m,) are not adjacent. The normals of a degenerate triangle are zero.
+    """
+    adjacent, vertex = _with_adjacent(corners, geom, selected)
+    faces = corners[adjacent]
     areas = cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
     flat = unit(areas)
-    result = np.repeat(flat[: len(wanted), None], 3, axis=1)
-    order = np.argsort(place.reshape(-1), kind="stable")
-    count = np.bincount(place.reshape(-1))
+    result = np.repeat(flat[: len(selected), None], 3, axis=1)
+    # All corners sorted by their vertex: those of a vertex are a run of `count` from `start`.
+    order = np.argsort(vertex.reshape(-1), kind="stable")
+    count = np.bincount(vertex.reshape(-1))
     start = np.cumsum(count) - count
-    own = place[: len(wanted)].reshape(-1)
-    number = count[own]
-    if int(number.sum()) > _MOST_PAIRS:
+    selected_vertex = vertex[: len(selected)].reshape(-1)
+    face_count = count[selected_vertex]
+    if int(face_count.sum()) > _MAX_PAIRS:
         return result
-    corner = np.repeat(np.arange(len(own)), number)
-    within = np.arange(len(corner)) - np.repeat(np.cumsum(number) - number, number)
-    other = order[start[own[corner]] + within] // 3
-    alike = dot(flat[corner // 3], flat[other]) > _CREASE
-    corner, other = corner[alike], other[alike]
-    total = np.stack(
-        [np.bincount(corner, areas[other, axis], minlength=len(own)) for axis in range(3)], axis=1
+    # A pair for each corner of a selected triangle and each face at its vertex.
+    corner = np.repeat(np.arange(len(selected_vertex)), face_count)
+    rank = np.arange(len(corner)) - np.repeat(np.cumsum(face_count) - face_count, face_count)
+    adjacent_face = order[start[selected_vertex[corner]] + rank] // 3
+    smooth_pairs = dot(flat[corner // 3], flat[adjacent_face]) > _CREASE
+    corner, adjacent_face = corner[smooth_pairs], adjacent_face[smooth_pairs]
+    normal_sums = np.stack(
+        [
+            np.bincount(corner, areas[adjacent_face, axis], minlength=len(selected_vertex))
+            for axis in range(3)
+        ],
+        axis=1,
     )
-    smooth = unit(total.astype(np.float32))
-    found = dot(smooth, smooth) > 0
-    result.reshape(-1, 3)[found] = smooth[found]
+    smooth = unit(normal_sums.astype(np.float32))
+    valid = dot(smooth, smooth) > 0
+    result.reshape(-1, 3)[valid] = smooth[valid]
     return result
 
 
-def _beside(corners: Single, geom: Indices, wanted: Indices) -> tuple[Indices, Indices]:
-    """The wanted triangles, and after them those that have a corner with one of them; and of each corner of
-    these (n, 3) its place, by number."""
+def _with_adjacent(corners: Single, geom: Indices, selected: Indices) -> tuple[Indices, Indices]:
+    """Returns the indices of the `selected` triangles, followed by those that share a corner with them; and
+    for each of their corners (k, 3) the number of its vertex, equal for coincident corners of a geom.
+
+    Corners are matched by a spatial hash of their coordinates' bits: a table of booleans finds the candidates
+    without sorting all triangles of the robot. A collision of two hashes can only smooth a normal wrongly.
+    """
+    # Adding 0.0 turns -0.0 into 0.0, which has other bits.
     bits = np.ascontiguousarray(corners + np.float32(0.0)).view(np.int32).reshape(-1, 3)
     hashed = dot(bits.astype(np.int64), _PRIMES).reshape(-1, 3)
     hashed += (geom * 2654435761)[:, None]
-    slot = (hashed ^ (hashed >> 22)) & (_TABLE - 1)
-    table = np.zeros(_TABLE, dtype=np.bool_)
-    table[slot[wanted]] = True
-    near = table[slot[:, 0]] | table[slot[:, 1]] | table[slot[:, 2]]
-    near[wanted] = False
-    both = np.concatenate([wanted, np.flatnonzero(near)])
-    _, place = np.unique(hashed[both], return_inverse=True)
-    return both, place.reshape(-1, 3)
+    # The upper bits are folded into the slot, which else depends on the lowest bits only.
+    slot = (hashed ^ (hashed >> 22)) & (_TABLE_SIZE - 1)
+    table = np.zeros(_TABLE_SIZE, dtype=np.bool_)
+    table[slot[selected]] = True
+    adjacent = table[slot[:, 0]] | table[slot[:, 1]] | table[slot[:, 2]]
+    adjacent[selected] = False
+    indices = np.concatenate([selected, np.flatnonzero(adjacent)])
+    _, vertex = np.unique(hashed[indices], return_inverse=True)
+    return indices, vertex.reshape(-1, 3)

@@ -1,4 +1,4 @@
-"""Triangles as they are seen: each point in the light that reaches it, as a screen shows it."""
+"""Computes the colours of points on the visible triangles in the light of the lamps."""
 
 import itertools
 from collections.abc import Sequence
@@ -14,22 +14,29 @@ from linkwright.stages.show.preview.surface import Single
 from linkwright.stages.show.raster import Indices, Numbers
 
 _BOUNCE = 0.42
-"""The light that comes back from the ground."""
+"""Strength of the light that the ground reflects."""
 
 _EXPOSURE = 0.94
+"""Factor of all light before it is converted for the screen."""
+
 _GLOSS, _SHINE = 0.055, 48.0
+"""Strength and exponent of the highlights (Blinn and Phong)."""
+
 _RIM = 0.16
+"""Strength of the light on surfaces that are seen edge-on."""
+
 _RAISED, _SLACK = 2.0, 1.5
-"""How far above the surface it is asked which light reaches it, and how far behind what a lamp sees a point
-is still lit, in the lamp's pixels."""
+"""Height above the surface at which light is tested, and the depth behind a lamp's nearest point up to which
+a point is still lit, both in the lamp's pixels. They keep a surface from casting a shadow on itself."""
 
 _SHIFTS = 4
+"""Number of shift patterns that the lamps use in turn."""
 
 
 class Faces:
-    """The triangles that are seen, of which each point is drawn.
+    """The visible triangles, whose colours are computed point by point.
 
-    `geom` (n,); `flat` (n, 3): unit normals.
+    `geom` (n,): the geom of each triangle; `flat` (n, 3): the unit normal of each triangle.
     """
 
     def __init__(self, scene: LitRobot, placed: Single, which: Indices) -> None:
@@ -45,8 +52,8 @@ class Faces:
         self._shares = _shares_of(placed[which])
 
     def colours(self, camera: Camera, face: Indices, right: Numbers, down: Numbers, finer: int) -> Single:
-        """(n, 3): the colours of the faces at places in the camera's picture, which is `finer` than the one
-        that is made, in sRGB."""
+        """Returns the sRGB colours (n, 3) of the faces at places (n,) in the camera's picture, which has
+        `finer` times as many pixels each way as the final picture."""
         scene = self._scene
         x, y = right.astype(np.float32)[:, None], down.astype(np.float32)[:, None]
         first = self._shares[face]
@@ -62,13 +69,14 @@ class Faces:
         gloss = key * np.maximum(dot(half, normals), 0.0) ** np.float32(_SHINE)
         light += np.float32(_BOUNCE) * (np.float32(0.62) - np.float32(0.38) * normals[:, 2])
         rim = (1.0 - np.clip(dot(toward, normals), 0.0, 1.0)) ** 4
-        total = self._given_back(face, shares) * (light * np.float32(1.9 / np.pi))[:, None]
+        total = self._reflected(face, shares) * (light * np.float32(1.9 / np.pi))[:, None]
         total += (np.float32(_GLOSS * 5) * gloss + np.float32(_RIM * 0.35) * rim * light)[:, None]
         return shown(np.float32(_EXPOSURE) * total).astype(np.float32)
 
     def _light(self, points: Single, normals: Single, shifts: Sequence[Single]) -> tuple[Single, Single]:
-        """(n,): all light of lamps that reaches points, and that of the key light. `shifts`: of the lamps in
-        turn, which would show as a pattern if all had one."""
+        """Returns the light (n,) of all lamps that reaches points, and the light (n,) of the key light alone.
+        `shifts`: shifts of the points' places for the lamps in turn; a common shift would show as a pattern.
+        """
         raised = {
             pixel: np.ascontiguousarray((points + np.float32(_RAISED * pixel) * normals).T)
             for pixel in {lamp.pixel for lamp in self._scene.lamps}
@@ -84,44 +92,49 @@ class Faces:
                 key += lit
         return light, key
 
-    def _given_back(self, face: Indices, shares: Single) -> Single:
-        """(n, 3): what share of the light is given back, of each colour."""
-        found = self._albedo[face]
+    def _reflected(self, face: Indices, shares: Single) -> Single:
+        """Returns the share (n, 3) of red, green and blue light that points reflect."""
+        reflected = self._albedo[face]
         surface = self._scene.surface
         if self._places is None:
-            return found
+            return reflected
         which = surface.image[self.geom[face]]
         for number, image in enumerate(surface.images):
-            some = np.flatnonzero(which == number)
-            if len(some):
-                at = mixed(shares[some], self._places[face[some]]) % 1.0
+            with_image = np.flatnonzero(which == number)
+            if len(with_image):
+                place = mixed(shares[with_image], self._places[face[with_image]]) % 1.0
                 height, width = image.shape[:2]
-                column = np.minimum((at[:, 0] * width).astype(np.intp), width - 1)
-                row = np.minimum((at[:, 1] * height).astype(np.intp), height - 1)
-                found[some] *= linear(image[row, column]).astype(np.float32)
-        return found
+                column = np.minimum((place[:, 0] * width).astype(np.intp), width - 1)
+                row = np.minimum((place[:, 1] * height).astype(np.intp), height - 1)
+                reflected[with_image] *= linear(image[row, column]).astype(np.float32)
+        return reflected
 
 
 def _shares_of(placed: Single) -> Single:
-    """(n, 3, 3): of each triangle as it is placed in the picture three numbers for each corner: how the share
-    of the corner in a point changes to the right and downwards, and what it is at the origin. They are the
-    shares in the picture times how near the corner is, and so in space, but for a common factor."""
+    """Returns three numbers for each corner of each triangle (n, 3, 3) placed in the picture: the change of
+    the corner's share to the right and downwards, and its value at the origin.
+
+    They are the shares in the picture times the corner's nearness, and so the shares in space, up to a common
+    factor.
+    """
     a, b, c = np.moveaxis(placed.astype(np.float64), 1, 0)
-    found = []
-    for one, two, near in ((b, c, a), (c, a, b), (a, b, c)):
-        right, down = one[:, 1] - two[:, 1], two[:, 0] - one[:, 0]
-        found.append(np.stack([right, down, -right * one[:, 0] - down * one[:, 1]], axis=1) * near[:, 2:3])
-    both = np.stack(found, axis=2)
+    by_corner = []
+    for second, third, first in ((b, c, a), (c, a, b), (a, b, c)):
+        right, down = second[:, 1] - third[:, 1], third[:, 0] - second[:, 0]
+        at_origin = -right * second[:, 0] - down * second[:, 1]
+        by_corner.append(np.stack([right, down, at_origin], axis=1) * first[:, 2:3])
+    shares = np.stack(by_corner, axis=2)
     turn = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
-    both /= np.where(np.abs(turn) > 1e-12, turn, 1.0)[:, None, None]
-    return both.astype(np.float32)
+    shares /= np.where(np.abs(turn) > 1e-12, turn, 1.0)[:, None, None]
+    return shares.astype(np.float32)
 
 
 def _facing(normals: Single, toward: Single) -> Single:
-    """Unit normals on the viewer's side, whichever way the triangles turn."""
-    found = unit(normals)
-    lost = np.flatnonzero(dot(found, found) < 0.5)
-    found[lost] = toward[lost]
-    away = np.flatnonzero(dot(found, toward) < 0)
-    found[away] *= -1
-    return np.asarray(found)
+    """Turns normals to the viewer's side and normalizes them; a zero normal becomes the direction to the
+    viewer."""
+    facing = unit(normals)
+    missing = np.flatnonzero(dot(facing, facing) < 0.5)
+    facing[missing] = toward[missing]
+    away = np.flatnonzero(dot(facing, toward) < 0)
+    facing[away] *= -1
+    return np.asarray(facing)

@@ -1,8 +1,8 @@
-"""Light from many far lamps: a soft key light and a sky; what lies in whose shadow.
+"""Lights the robot with many far lamps, a soft key light and a sky, and casts its shadows.
 
-Each lamp has a picture of the robot as it sees it, by how near it is; a point that is behind what the lamp
-sees is in its shadow. What throws shadows is a cloud of points on the robot's surface, as dense as the lamps'
-pixels.
+Each lamp has a picture of the robot from its direction, with the nearness of each pixel (a shadow map); a
+point behind the nearness of its pixel is in the shadow. Shadows are cast by a cloud of points on the robot's
+surface, as dense as the lamps' pixels.
 """
 
 from dataclasses import dataclass
@@ -18,87 +18,104 @@ _KEY, _SKY = 2.1, 1.25
 """Power of the key light, and of the sky."""
 
 _KEY_LAMPS, _SKY_LAMPS = 8, 16
-_SPREAD = 0.13  # rad
-_LOWEST = 0.2
+"""Number of lamps of the key light, and of the sky."""
+
+_SPREAD = 0.13
+"""Largest angle [rad] between a key lamp and the direction of the key light."""
+
+_MIN_SKY_HEIGHT = 0.2
 """The sine of the height above the horizon from which the sky gives light."""
 
 _FINE, _COARSE = 0.0065, 0.01
-"""The size of a pixel of what a lamp of the key light sees, and one of the sky; of the unit sphere."""
+"""The size of a pixel of a key lamp's picture, and of a sky lamp's, in radii of the robot."""
 
 _REACH = 1.05
-"""Points lie within this distance from the origin, each way."""
+"""Largest absolute coordinate of a point; the robot is scaled to a radius of 1."""
 
-_MOST = 600_000
-"""Points of the cloud before those in one place become one."""
+_MAX_POINTS = 600_000
+"""Largest number of points of the cloud, before points in the same cell are merged."""
 
-_GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
+_GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))
+"""The golden angle [rad]: points at its multiples are spread evenly, as on a sunflower."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lamp:
-    """`direction` (3,), unit, to the lamp; its `power`; `near` (side, side): how near it is what it sees,
-    -inf where there is nothing and at the edges; `lamp_from_world` (3, 3): pixels to the right and down, and
-    how near; the size of a `pixel`."""
+    """A lamp, infinitely far away, with its shadow map."""
 
     direction: Single
+    """Unit vector (3,) towards the lamp."""
+
     power: float
     is_key: bool
     near: Single
+    """The nearness (side, side) of the robot in each pixel; -inf without the robot and at the edges."""
+
     lamp_from_world: Single
+    """Matrix (3, 3) from world coordinates to pixels to the right, pixels down, and nearness."""
+
     pixel: float
+    """The size of a pixel, in radii of the robot."""
 
     def reaches(self, points: Single, shift: Single, slack: float) -> npt.NDArray[np.bool_]:
-        """(n,): whether its light reaches points (3, n); `shift` (2, n) [pixels] blurs the shadow's edge,
-        `slack` is how many pixels behind what it sees a point is still lit."""
+        """Tells for each of the points (3, n) whether the lamp's light reaches it. `shift` (2, n) [pixels]: a
+        shift that blurs the shadow's edge; `slack`: the depth [pixels] behind the nearest point up to which
+        points are still lit."""
         side = len(self.near)
         seen = self.lamp_from_world @ points
         seen[:2] += shift
         seen[:2] += np.float32(side / 2)
         np.clip(seen[:2], 0, side - 1, out=seen[:2])
-        at = seen[1].astype(np.int32)
-        at *= side
-        at += seen[0].astype(np.int32)
+        index = seen[1].astype(np.int32)
+        index *= side
+        index += seen[0].astype(np.int32)
         seen[2] += np.float32(slack * self.pixel)
-        return np.asarray(seen[2] >= self.near.ravel()[at])
+        return np.asarray(seen[2] >= self.near.ravel()[index])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Throwing:
-    """What throws shadows: points on the robot, dense enough for the pixels of the key light, and of the
-    sky."""
+class ShadowCasters:
+    """Points on the robot that cast shadows."""
 
     fine: Single
+    """Points as dense as the pixels of the key lamps."""
+
     fine_pixel: float
+    """The size of a pixel of the key lamps."""
+
     coarse: Single
+    """Points as dense as the pixels of the sky lamps."""
+
     coarse_pixel: float
+    """The size of a pixel of the sky lamps."""
 
 
-def throwing(corners: Single) -> Throwing:
-    """What throws the shadows of triangles (m, 3, 3) within 1 of the origin."""
+def shadow_casters(corners: Single) -> ShadowCasters:
+    """Returns the points that cast the shadows of triangles (m, 3, 3) within 1 of the origin."""
     cloud, pixel = _cloud(corners, _FINE)
-    fine, larger = _once(cloud, pixel), max(_COARSE, 1.25 * pixel)
-    return Throwing(fine, pixel, _once(fine, larger), larger)
+    fine, coarse_pixel = _cell_centres(cloud, pixel), max(_COARSE, 1.25 * pixel)
+    return ShadowCasters(fine, pixel, _cell_centres(fine, coarse_pixel), coarse_pixel)
 
 
-def key_lamps(towards: Numbers, shadows: Throwing) -> list[Lamp]:
-    """The lamps of the key light in the unit direction `towards` (3,): a disc of lamps, since one would throw
-    hard shadows."""
-    found = []
-    for place in range(_KEY_LAMPS):
-        tilt = _SPREAD * np.sqrt((place + 0.5) / _KEY_LAMPS)
-        direction = _tilted(towards, tilt, place * _GOLDEN)
-        found.append(_lamp(direction, _KEY / _KEY_LAMPS, True, shadows.fine, shadows.fine_pixel))
-    return found
+def key_lamps(towards: Numbers, shadows: ShadowCasters) -> list[Lamp]:
+    """Returns the lamps of the key light in the unit direction `towards` (3,): a disc of lamps, since a
+    single lamp would cast hard shadows."""
+    lamps = []
+    for index in range(_KEY_LAMPS):
+        tilt = _SPREAD * np.sqrt((index + 0.5) / _KEY_LAMPS)
+        direction = _tilted(towards, tilt, index * _GOLDEN_ANGLE)
+        lamps.append(_lamp(direction, _KEY / _KEY_LAMPS, True, shadows.fine, shadows.fine_pixel))
+    return lamps
 
 
-def sky_lamps(shadows: Throwing) -> list[Lamp]:
-    """The lamps of the sky: each stands for an equal part of it, from above the horizon to the zenith."""
-    found = []
-    for place in range(_SKY_LAMPS):
-        height = _LOWEST + (1.0 - _LOWEST) * (place + 0.5) / _SKY_LAMPS
-        direction = _tilted(np.array([0.0, 0.0, 1.0]), float(np.arccos(height)), place * _GOLDEN)
-        found.append(_lamp(direction, _SKY / _SKY_LAMPS, False, shadows.coarse, shadows.coarse_pixel))
-    return found
+def sky_lamps(shadows: ShadowCasters) -> list[Lamp]:
+    """Returns the lamps of the sky: one for each of its parts of equal size, up to the zenith."""
+    lamps = []
+    for index in range(_SKY_LAMPS):
+        height = _MIN_SKY_HEIGHT + (1.0 - _MIN_SKY_HEIGHT) * (index + 0.5) / _SKY_LAMPS
+        direction = _tilted(np.array([0.0, 0.0, 1.0]), float(np.arccos(height)), index * _GOLDEN_ANGLE)
+        lamps.append(_lamp(direction, _SKY / _SKY_LAMPS, False, shadows.coarse, shadows.coarse_pixel))
+    return lamps
 
 
 def _lamp(direction: Numbers, power: float, is_key: bool, points: Single, pixel: float) -> Lamp:
@@ -108,26 +125,26 @@ def _lamp(direction: Numbers, power: float, is_key: bool, points: Single, pixel:
     rows = np.stack([across / pixel, np.cross(direction, across) / pixel, direction])
     lamp_from_world = rows.astype(np.float32)
     right, down, near = points @ lamp_from_world.T[:, 0], points @ lamp_from_world.T[:, 1], points @ rows[2]
-    at = (down + side / 2).astype(np.int32) * side + (right + side / 2).astype(np.int32)
+    index = (down + side / 2).astype(np.int32) * side + (right + side / 2).astype(np.int32)
     image = np.full(side * side, -np.inf, dtype=np.float32)
-    np.maximum.at(image, at, near.astype(np.float32))
+    np.maximum.at(image, index, near.astype(np.float32))
     closed = _closed(image.reshape(side, side))
     return Lamp(direction.astype(np.float32), power, is_key, closed, lamp_from_world, pixel)
 
 
 def _closed(near: Single) -> Single:
-    """The picture without holes of one pixel, which the cloud may leave: between two neighbours it is at
-    least as near as the farther one."""
-    found = near.copy()
-    inner = found[1:-1, 1:-1]
+    """Fills holes of a pixel, which the cloud of points may leave: between two neighbours the picture becomes
+    at least as near as the farther of them."""
+    closed = near.copy()
+    inner = closed[1:-1, 1:-1]
     np.maximum(inner, np.minimum(near[1:-1, :-2], near[1:-1, 2:]), out=inner)
     np.maximum(inner, np.minimum(near[:-2, 1:-1], near[2:, 1:-1]), out=inner)
-    return found
+    return closed
 
 
 def _cloud(corners: Single, cell: float) -> tuple[Single, float]:
-    """Points on triangles (m, 3, 3): of each its middle, and of one that is larger than a cell a grid that is
-    as fine as the cells; and how large these are, which are larger where there would be too many points."""
+    """Returns points on triangles (m, 3, 3), and the size of the cells, which grows if there would be too
+    many points. A triangle smaller than a cell gets a point in its middle, a larger one a grid of points."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     first, second, third = (length(edge) for edge in (b - a, c - b, a - c))
     longest = np.where(first >= second, np.where(first >= third, 0, 2), np.where(second >= third, 1, 2))
@@ -136,18 +153,16 @@ def _cloud(corners: Single, cell: float) -> tuple[Single, float]:
     while True:
         along = np.maximum(np.ceil(size / cell), 1)
         up = np.maximum(np.ceil(height / (2 * cell)), 1)
-        if (along * up).sum() <= _MOST:
+        if (along * up).sum() <= _MAX_POINTS:
             break
         cell *= 1.25
-    small, large = (np.flatnonzero(some) for some in (along * up == 1, along * up > 1))
+    small, large = (np.flatnonzero(indices) for indices in (along * up == 1, along * up > 1))
     middles = (a[small] + b[small] + c[small]) * np.float32(1 / 3)
     along, up = along[large].astype(np.int32), up[large].astype(np.int32)
     number = np.repeat(np.arange(len(large)), along * up)
-    within = np.arange(len(number), dtype=np.int32) - np.repeat(
-        np.cumsum(along * up) - along * up, along * up
-    )
-    row, column = np.divmod(within, along[number])
-    # The lower half of a square of which the triangle is the one side: what is beyond its edge is turned
+    rank = np.arange(len(number), dtype=np.int32) - np.repeat(np.cumsum(along * up) - along * up, along * up)
+    row, column = np.divmod(rank, along[number])
+    # The lower half of a square with the triangle on one side of its diagonal: points beyond it are reflected
     # back.
     u = (column + np.float32(0.5)) / along[number].astype(np.float32)
     v = (row + np.float32(0.5)) / (2 * up[number]).astype(np.float32)
@@ -160,8 +175,8 @@ def _cloud(corners: Single, cell: float) -> tuple[Single, float]:
     return np.concatenate([middles, points]), cell
 
 
-def _once(points: Single, cell: float) -> Single:
-    """The middles of the cells of a grid that have points in them."""
+def _cell_centres(points: Single, cell: float) -> Single:
+    """Returns the centres of the cells of a grid that contain points."""
     side = int(np.ceil(2 * _REACH / cell))
     cells = ((points + np.float32(_REACH)) * np.float32(1 / cell)).astype(np.int32)
     key = (cells[:, 0] * side + cells[:, 1]) * side + cells[:, 2]
@@ -173,9 +188,9 @@ def _once(points: Single, cell: float) -> Single:
 
 
 def _tilted(towards: Numbers, tilt: float, turn: float) -> Numbers:
-    """A direction tilted by an angle, about itself turned by another [rad]."""
+    """Tilts a direction by the angle `tilt` [rad], towards a side that `turn` [rad] chooses."""
     across = np.cross(towards, np.eye(3)[int(np.abs(towards).argmin())])
     across = across / np.linalg.norm(across)
-    other = np.cross(towards, across)
-    aside = np.cos(turn) * across + np.sin(turn) * other
+    third = np.cross(towards, across)
+    aside = np.cos(turn) * across + np.sin(turn) * third
     return np.asarray(np.cos(tilt) * towards + np.sin(tilt) * aside)

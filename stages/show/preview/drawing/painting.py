@@ -1,4 +1,4 @@
-"""The picture of a robot in a studio: a calm ground that fades into the background, a soft shadow."""
+"""Paints the robot in a studio: with a soft shadow on a ground that fades into the background."""
 
 import functools
 
@@ -13,38 +13,40 @@ from linkwright.stages.show.preview.surface import Single
 from linkwright.stages.show.raster import Indices, Numbers, Pixels, seen
 
 FINER = 2
-"""Pixels that are looked at for one of the picture, each way."""
+"""Samples for each pixel of the picture, each way."""
 
 _BACKGROUND = np.array([0.905, 0.916, 0.928], dtype=np.float32)
-"""sRGB."""
+"""Colour of the background in sRGB."""
 
 _SHADOW = 0.62
-"""How dark the ground is where no light reaches it."""
+"""Darkness of the ground where no light reaches it."""
 
-_OPAQUE = 0.99
-_ALIKE = np.float32(0.96)
-"""Faces that are turned less from each other have one colour within a pixel."""
+_MIN_OPAQUE = 0.99
+"""Faces with at least this opacity count as opaque."""
 
-_COARSE = 3
-"""Pixels of the picture for one of the ground's shadow."""
+_SAME_DIRECTION = np.float32(0.96)
+"""Cosine of an angle: faces at a smaller angle to each other share a colour within a pixel."""
 
-_NEAR, _FAR = 1.0, 2.1
-"""Where shadows on the ground begin to fade, and are gone."""
+_SHADOW_STEP = 3
+"""Pixels of the picture for each pixel of the ground's shadow."""
+
+_FADE_START, _FADE_END = 1.0, 2.1
+"""Distances from the origin at which shadows on the ground begin to fade, and are gone."""
 
 
 def picture(scene: LitRobot, width: int, height: int, framed: Numbers | None = None) -> Pixels:
-    """(height, width, 3): the robot, so that it, or the points `framed` (n, 3), fill the picture."""
+    """Returns a picture (height, width, 3) that the robot, or the points `framed` (n, 3), fills."""
     points = scene.corners.reshape(-1, 3) if framed is None else framed
     return rendered(scene, framing(points, scene.backward, FINER * width, FINER * height))
 
 
 def rendered(scene: LitRobot, camera: Camera) -> Pixels:
-    """What a camera sees, whose picture is `FINER` times as fine as the one that is made. Of what can be seen
-    through, one layer is drawn over what is opaque."""
+    """Returns the view of a camera, whose picture is `FINER` times as fine as the result. Only the nearest
+    layer of transparent faces is drawn over the opaque faces."""
     placed = camera.projected(scene.corners)
     image = _ground(scene, camera)
     alpha = scene.surface.colours[scene.surface.geom, 3]
-    opaque = np.flatnonzero(alpha >= _OPAQUE)
+    opaque = np.flatnonzero(alpha >= _MIN_OPAQUE)
     if 0 < len(opaque) < len(placed):
         behind = seen(placed[opaque], camera.width, camera.height)
         _paint(image, scene, camera, placed, np.where(behind < 0, -1, opaque[behind]))
@@ -53,7 +55,8 @@ def rendered(scene: LitRobot, camera: Camera) -> Pixels:
 
 
 def _paint(image: Single, scene: LitRobot, camera: Camera, placed: Single, which: Indices) -> None:
-    """Draws over an image the triangles that are seen in each of its finer pixels, -1 for none."""
+    """Draws over an image the triangles that are visible in each of its finer pixels, -1 without a
+    triangle."""
     width = image.shape[1]
     parts = [which[row::FINER, column::FINER].ravel() for row in range(FINER) for column in range(FINER)]
     pixels = np.flatnonzero(functools.reduce(np.maximum, parts) >= 0)
@@ -71,7 +74,7 @@ def _paint(image: Single, scene: LitRobot, camera: Camera, placed: Single, which
     which_face = face[finer[pixel, sub]]
     colours = faces.colours(camera, which_face, right + 0.5, down + 0.5, FINER)
     opacity = scene.surface.colours[scene.surface.geom[shown_faces], 3][which_face]
-    share = (np.where(opacity >= _OPAQUE, 1.0, opacity) * weight).astype(np.float32)
+    share = (np.where(opacity >= _MIN_OPAQUE, 1.0, opacity) * weight).astype(np.float32)
     flat = image.reshape(-1, 3)
     covered = np.bincount(pixel, share, minlength=len(pixels)).astype(np.float32)
     flat[pixels] *= (1.0 - covered)[:, None]
@@ -80,21 +83,25 @@ def _paint(image: Single, scene: LitRobot, camera: Camera, placed: Single, which
 
 
 def _samples(face: Indices, faces: Faces) -> tuple[Indices, Indices, Single]:
-    """Which of the finer pixels (n, 4) of each pixel are drawn, and the share of the pixel that each stands
-    for: one, where all show one surface, else each."""
+    """Chooses the samples to draw: returns for each its pixel, its finer pixel, and its share of the pixel.
+
+    `face` (n, 4): the face in each finer pixel, or -1. A single sample is enough if all finer pixels with a
+    face show the same surface.
+    """
     count = face.shape[1]
-    there = face >= 0
-    first = there.argmax(axis=1)
-    own = face[np.arange(len(face)), first]
+    covered = face >= 0
+    first = covered.argmax(axis=1)
+    first_face = face[np.arange(len(face)), first]
     several = np.zeros(len(face), dtype=np.bool_)
     for column in range(count):
-        differing = np.flatnonzero(there[:, column] & (face[:, column] != own))
-        one, other = face[differing, column], own[differing]
-        alike = (dot(faces.flat[one], faces.flat[other]) > _ALIKE) & (faces.geom[one] == faces.geom[other])
-        several[differing[~alike]] = True
+        differing = np.flatnonzero(covered[:, column] & (face[:, column] != first_face))
+        column_face, reference_face = face[differing, column], first_face[differing]
+        is_parallel = dot(faces.flat[column_face], faces.flat[reference_face]) > _SAME_DIRECTION
+        is_same = is_parallel & (faces.geom[column_face] == faces.geom[reference_face])
+        several[differing[~is_same]] = True
     plain = np.flatnonzero(~several)
-    pixel, sub = np.nonzero(there & several[:, None])
-    share = np.count_nonzero(there, axis=1)[plain] / count
+    pixel, sub = np.nonzero(covered & several[:, None])
+    share = np.count_nonzero(covered, axis=1)[plain] / count
     return (
         np.concatenate([plain, pixel]),
         np.concatenate([first[plain], sub]),
@@ -103,18 +110,18 @@ def _samples(face: Indices, faces: Faces) -> tuple[Indices, Indices, Single]:
 
 
 def _ground(scene: LitRobot, camera: Camera) -> Single:
-    """(height, width, 3) of the picture: the background, with the shadow on the ground, in sRGB."""
+    """Returns the background (height, width, 3) with the shadow on the ground, in sRGB."""
     wide, high = camera.width // FINER, camera.height // FINER
-    height, width = -(-high // _COARSE), -(-wide // _COARSE)
+    height, width = -(-high // _SHADOW_STEP), -(-wide // _SHADOW_STEP)
     rows, columns = np.divmod(np.arange(height * width), width)
-    step = FINER * _COARSE
+    step = FINER * _SHADOW_STEP
     rays = camera.rays((columns + 0.5) * step, (rows + 0.5) * step)
     depth = np.divide(
         scene.floor - camera.position[2], rays[:, 2], out=np.full(len(rays), -1.0), where=rays[:, 2] < -1e-6
     )
     points = camera.position + depth[:, None] * rays
     away = np.sqrt((points[:, :2] ** 2).sum(axis=1))
-    hit = np.flatnonzero((depth > 0) & (away < _FAR))
+    hit = np.flatnonzero((depth > 0) & (away < _FADE_END))
     single = np.ascontiguousarray(points[hit].astype(np.float32).T)
     shift = scattered(rows[hit], columns[hit])
     full = sum(lamp.power * lamp.direction[2] for lamp in scene.lamps)
@@ -122,8 +129,8 @@ def _ground(scene: LitRobot, camera: Camera) -> Single:
     for lamp in scene.lamps:
         dark = ~lamp.reaches(single, shift, 0.5)
         shades[int(lamp.is_key), hit] += dark * np.float32(lamp.power * lamp.direction[2] / full)
-    # Far shadows fade, so that none ends at the picture's edge.
-    shades[:, hit] *= np.clip((_FAR - away[hit]) / (_FAR - _NEAR), 0.0, 1.0)
+    # Far shadows fade, so that none is cut off at the picture's edge.
+    shades[:, hit] *= np.clip((_FADE_END - away[hit]) / (_FADE_END - _FADE_START), 0.0, 1.0)
     of_sky, of_key = shades.reshape(2, height, width)
-    shade = enlarged(blurred(of_sky, 4) + blurred(of_key, 3), _COARSE)[:high, :wide]
+    shade = enlarged(blurred(of_sky, 4) + blurred(of_key, 3), _SHADOW_STEP)[:high, :wide]
     return np.asarray(_BACKGROUND * (1.0 - np.float32(_SHADOW) * shade[:, :, None]), dtype=np.float32)

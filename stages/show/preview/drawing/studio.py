@@ -1,41 +1,61 @@
-"""A robot in a studio: of one size whatever its own, among lamps."""
+"""Places a robot in a studio: scaled to a standard size, among lamps."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from linkwright.stages.show.preview.camera import turned
-from linkwright.stages.show.preview.drawing.light import Lamp, Throwing, key_lamps, sky_lamps, throwing
+from linkwright.stages.show.preview.drawing.light import (
+    Lamp,
+    ShadowCasters,
+    key_lamps,
+    shadow_casters,
+    sky_lamps,
+)
 from linkwright.stages.show.preview.drawing.pixels import linear
 from linkwright.stages.show.preview.drawing.vectors import length
 from linkwright.stages.show.preview.surface import Single, Triangles
 from linkwright.stages.show.raster import Numbers
 
 _LEVELS = 64
+"""Number of levels at which the space that a turning robot sweeps is measured."""
+
 _KEY_ASIDE = np.radians(-22.0)
 _KEY_ABOVE = 1.6
-"""Where the key light is: to the left of the camera, and above, of 1 towards it."""
+"""Direction of the key light: the angle [rad] to the left of the camera, and the height above the ground for
+a horizontal distance of 1."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LitRobot:
-    """A robot, its `corners` (m, 3, 3) within 1 of the origin, seen from `backward` (3,), with its `lamps`,
-    of which the key light is towards `key` (3,). `sky`: the lamps that stay where they are while the robot
-    turns; `floor`: the height of the ground; `albedo` (n, 3) of each geom."""
+    """A robot among lamps."""
 
     surface: Triangles
     corners: Single
-    shadows: Throwing
+    """The corners (m, 3, 3) of the triangles, within 1 of the origin."""
+
+    shadows: ShadowCasters
     backward: Numbers
+    """The direction (3,) from the robot to the camera."""
+
     sky: list[Lamp]
+    """The lamps that stay with the robot when it turns."""
+
     lamps: list[Lamp]
+    """All lamps."""
+
     key: Numbers
+    """The direction (3,) towards the key light."""
+
     floor: float
+    """The height of the ground."""
+
     albedo: Single
+    """The share (n, 3) of light of each colour that each geom reflects."""
 
 
 def studio(surface: Triangles, backward: Numbers) -> LitRobot:
-    """Sets a robot up, whatever its size, to be seen from a direction."""
+    """Sets up a robot of any size, to be seen from a direction."""
     points = surface.corners.reshape(-1, 3)
     low, high = (np.array([end(points[:, axis]) for axis in range(3)]) for end in (np.min, np.max))
     middle = (low + high) / 2
@@ -44,7 +64,7 @@ def studio(surface: Triangles, backward: Numbers) -> LitRobot:
     away /= radius
     corners = away.astype(np.float32).reshape(-1, 3, 3)
     floor = float(low[2] - middle[2]) / radius
-    shadows = throwing(corners)
+    shadows = shadow_casters(corners)
     albedo = (0.018 + 0.94 * linear(np.clip(surface.colours[:, :3], 0.0, 1.0))).astype(np.float32)
     sky = sky_lamps(shadows)
     unlit = LitRobot(surface, corners, shadows, backward, sky, [], backward, floor, albedo)
@@ -52,28 +72,28 @@ def studio(surface: Triangles, backward: Numbers) -> LitRobot:
 
 
 def turned_by(scene: LitRobot, angle: float) -> LitRobot:
-    """The robot turned by an angle [rad] before a camera and a key light that stay where they are."""
+    """Returns the robot turned by an angle [rad] before a camera and a key light that keep their places."""
     backward = turned(scene.backward, -angle)
     flat = np.array([backward[0], backward[1], 0.0])
     length = float(np.linalg.norm(flat))
     front = flat / length if length > 1e-6 else np.array([1.0, 0.0, 0.0])
-    # From the left of the camera, little enough that the front is lit too, and above.
+    # From above, and from the left of the camera, but not so far that the front is dark.
     key = turned(front, _KEY_ASIDE) + np.array([0.0, 0.0, _KEY_ABOVE])
     key /= np.linalg.norm(key)
     return replace(scene, backward=backward, key=key, lamps=[*key_lamps(key, scene.shadows), *scene.sky])
 
 
 def swept(scene: LitRobot) -> Numbers:
-    """(n, 3): points around all that the robot reaches while it turns."""
+    """Returns points (n, 3) around the space that the robot sweeps while it turns."""
     points = scene.corners.reshape(-1, 3)
     reach = np.sqrt((points[:, :2] ** 2).sum(axis=1))
     low, high = points[:, 2].min(), points[:, 2].max()
     level = np.minimum((points[:, 2] - low) / max(high - low, 1e-12) * _LEVELS, _LEVELS - 1).astype(np.intp)
     rings = []
-    for one in np.unique(level):
-        some = level == one
+    for number in np.unique(level):
+        at_level = level == number
         angles = np.linspace(0.0, 2 * np.pi, 72, endpoint=False)
-        ring = np.stack([np.cos(angles), np.sin(angles)], axis=1) * reach[some].max()
-        for z in (points[some, 2].min(), points[some, 2].max()):
+        ring = np.stack([np.cos(angles), np.sin(angles)], axis=1) * reach[at_level].max()
+        for z in (points[at_level, 2].min(), points[at_level, 2].max()):
             rings.append(np.column_stack([ring, np.full(len(ring), z)]))
     return np.concatenate(rings)

@@ -1,5 +1,4 @@
-"""Vectors (..., 3), many at once, a component at a time: to reduce an axis of three takes several times as
-long."""
+"""Computes with vectors (..., 3) component by component, several times as fast as reducing the axis."""
 
 from typing import Any
 
@@ -9,37 +8,38 @@ import numpy.typing as npt
 Array = npt.NDArray[Any]
 
 
-def dot(one: Array, other: Array) -> Array:
-    """(...): the scalar products."""
-    found: Array = one[..., 0] * other[..., 0]
-    found += one[..., 1] * other[..., 1]
-    found += one[..., 2] * other[..., 2]
-    return found
+def dot(first: Array, second: Array) -> Array:
+    """Returns the scalar products (...)."""
+    products: Array = first[..., 0] * second[..., 0]
+    products += first[..., 1] * second[..., 1]
+    products += first[..., 2] * second[..., 2]
+    return products
 
 
 def length(vectors: Array) -> Array:
-    """(...)."""
+    """Returns the lengths (...)."""
     return np.asarray(np.sqrt(dot(vectors, vectors)))
 
 
 def unit(vectors: Array) -> Array:
-    """The vectors, 1 long; those without length stay."""
+    """Returns the vectors scaled to length 1; zero vectors stay zero."""
     lengths = length(vectors)
     lengths[lengths == 0] = 1
     return np.asarray(vectors / lengths[..., None])
 
 
-def cross(one: Array, other: Array) -> Array:
-    """The vector products."""
-    found = np.empty(np.broadcast_shapes(one.shape, other.shape), dtype=one.dtype)
-    for axis, (first, second) in enumerate(((1, 2), (2, 0), (0, 1))):
-        found[..., axis] = one[..., first] * other[..., second] - one[..., second] * other[..., first]
-    return found
+def cross(first: Array, second: Array) -> Array:
+    """Returns the vector products."""
+    products = np.empty(np.broadcast_shapes(first.shape, second.shape), dtype=first.dtype)
+    for axis, (i, j) in enumerate(((1, 2), (2, 0), (0, 1))):
+        products[..., axis] = first[..., i] * second[..., j] - first[..., j] * second[..., i]
+    return products
 
 
 def mixed(shares: Array, corners: Array) -> Array:
-    """(n, k): of triangles (n, 3, k) the points with these shares (n, 3) of the corners."""
-    found: Array = shares[:, 0, None] * corners[:, 0]
-    found += shares[:, 1, None] * corners[:, 1]
-    found += shares[:, 2, None] * corners[:, 2]
-    return found
+    """Returns the points (n, k) of triangles (n, 3, k) with these shares (n, 3) of the corners (barycentric
+    coordinates)."""
+    points: Array = shares[:, 0, None] * corners[:, 0]
+    points += shares[:, 1, None] * corners[:, 1]
+    points += shares[:, 2, None] * corners[:, 2]
+    return points

@@ -1,17 +1,17 @@
 """Checks of shapes and of their contact.
 
-- bare_links: Each link that is seen collides, unless that was asked for.
-- colliders: The colliders of each link are where its visual shapes are, and of their size.
-- contact_filter: Which pairs of shapes may collide is what the robot says: in MuJoCo's own rules, whatever
-  the pose.
-- contact_properties: Each collider touches as the robot says: by its friction, stiffness, margin and
-  priority, and by all of its hull.
-- false_contact: The robot's colliders touch each other where what is seen of them does, over poses within the
-  limits.
-- reach: Each joint moves over its whole range, alone, without two links running into each other.
-- self_contact: At `home` nothing of the robot touches itself that is excluded from contact, or that was not
-  reported.
-- shapes: Each body has the shapes of its links: as many, where they shall be, and of their size.
-- start: A simulation starts with nothing inside something else: at `home`, and at qpos0, where a reset leads
-  to.
+- bare_links: Checks that each visible link has a collider, unless the user asked for none.
+- colliders: Checks that the colliders of each link are where its visual shapes are, and of their size.
+- contact_filter: Checks that MuJoCo's rules let the same pairs of shapes collide as the robot's, whatever the
+  pose.
+- contact_properties: Checks that each collider has the robot's friction, stiffness, margin and priority, and
+  its whole hull.
+- false_contact: Checks that the robot's colliders touch each other where the visual shapes do, at poses
+  within limits.
+- reach: Checks that each joint moves over its whole range by itself without bringing two links into each
+  other.
+- self_contact: Checks that no excluded links touch at `home`, and no links whose contact was not reported.
+- shapes: Checks that each body has the shapes of its links: their number, places and sizes.
+- start: Checks that nothing is inside something else when a simulation starts: at `home`, or at qpos0 after a
+  reset.
 """

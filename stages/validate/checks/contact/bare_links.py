@@ -1,4 +1,4 @@
-"""Each link that is seen collides, unless that was asked for."""
+"""Checks that each visible link has a collider, unless the user asked for none."""
 
 from collections.abc import Iterator
 
@@ -6,19 +6,21 @@ from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import named
-from linkwright.stages.validate.model.shapes import asked_bare, seen_and_solid
+from linkwright.stages.validate.model.shapes import is_bare_by_choice, seen_and_solid
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """Of a robot of which something collides; an MJCF source says itself what does."""
+    """Checks robots with colliders, except those from an MJCF, since such a source decides what collides."""
     if compiled.robot.mjcf is not None:
         return
-    every = seen_and_solid(compiled.model)
-    if not any(solid for _, solid in every.values()):
+    geoms = seen_and_solid(compiled.model)
+    if not any(solid for _, solid in geoms.values()):
         return
-    bodies = {compiled.model.body(body).name: solid for body, (seen, solid) in every.items() if seen}
-    bare = [name for name, solid in bodies.items() if not solid and not asked_bare(compiled, name)]
-    findings = [Finding(named("body", name), "geom", f"{name} is seen and has no collider") for name in bare]
+    bodies = {compiled.model.body(body).name: solid for body, (seen, solid) in geoms.items() if seen}
+    bare = [name for name, solid in bodies.items() if not solid and not is_bare_by_choice(compiled, name)]
+    findings = [
+        Finding(named("body", name), "geom", f"{name} has a visual shape and no collider") for name in bare
+    ]
     detail = f"{count(len(bodies), 'link')} with a visual shape, each with a collider, or without as asked"
     if bare:
         detail = f"without a collider, so that they pass through everything: {', '.join(bare)}"

@@ -1,8 +1,8 @@
-"""The colliders of each link are where its visual shapes are, and of their size.
+"""Checks that the colliders of each link are where its visual shapes are, and of their size.
 
-What is measured: how far the colliders reach beyond all that is seen, in many directions; and how far points
-of what is seen are outside every collider. A collider that was judged when it was made says how far it may be
-off in either way; of others that is a share of the link's size.
+It measures how far the colliders reach beyond the visual shapes, in many directions, and how far points of
+the visual shapes are outside every collider. Both errors may be as large as was found when the collider was
+made; for colliders that were not judged then, they may be a share of the link's size.
 """
 
 from collections.abc import Iterator, Sequence
@@ -18,79 +18,98 @@ from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.model.shapes import directions, outside, reach, seen_and_solid, surface_points
 
 DIRECTIONS = 48
+"""Number of directions in which the reach is measured, in addition to the axes."""
+
 POINTS = 600
+"""Largest number of points of the visual shapes that are measured."""
 
-AWAY = 1.0
-"""Share of a link's size: a collider that is further off belongs to another place, or has other units."""
+MAX_SHARE = 1.0
+"""Error, as a share of the link's size, above which a collider belongs elsewhere or has other units."""
 
-UNITS = 300.0
-"""Nothing is so many times as large as its collider, or as small, but for millimetres taken for metres."""
+MAX_SIZE_RATIO = 300.0
+"""Ratio of the sizes of visual shape and collider that is exceeded only if millimetres are taken for
+metres."""
 
-OFF = 0.1
-"""The same of a collider of which nothing is known, to be looked at; `MOVED` where it is off in both ways, as
-one is that was moved, turned or mirrored."""
-MOVED = 0.04
+UNJUDGED_SHARE = 0.1
+"""Error, as a share of the link's size, up to which an unjudged collider is accepted."""
+MOVED_SHARE = 0.04
+"""The same for colliders with both errors, as if they were moved, turned or mirrored."""
 
-LEAST = 1e-3
-"""Errors below this [m] are none, of a collider of which nothing is known."""
 
-SPARE = 0.01
-"""Share of a link's size beyond what a collider was judged to be off by: other points are looked at."""
+MIN_ERROR = 1e-3
+"""Error [m] of unjudged colliders below which it counts as zero."""
+
+SPARE_SHARE = 0.01
+"""Share of a link's size that is added to the error found when the collider was made, since this check
+samples other points."""
 
 
 @dataclass(frozen=True, slots=True)
 class Fit:
-    """How the colliders of a body are off from what is seen of it. `size` [m]: the diagonal of what is seen,
-    and `solid` that of the colliders; `beyond`: how far these reach beyond what is seen, `furthest` the
-    collider that does; `bare`: how far a point of what is seen is outside them."""
+    """The errors of the colliders of a body against its visual shapes."""
 
     size: float
+    """The diagonal [m] of the visual shapes."""
+
     solid: float
+    """The diagonal [m] of the colliders."""
+
     beyond: float
+    """The distance [m] by which the colliders reach beyond the visual shapes."""
+
     bare: float
+    """The largest distance [m] of a point of the visual shapes from the colliders."""
+
     furthest: int
+    """The collider that reaches furthest beyond the visual shapes."""
 
 
 def fit(model: Any, seen: Sequence[int], solid: Sequence[int]) -> Fit:
-    """How the colliders `solid` of a body are off from the geoms `seen` of it."""
+    """Measures the errors of the colliders `solid` of a body against its visual geoms `seen`."""
     along = np.concatenate([np.eye(3), -np.eye(3), directions(DIRECTIONS)])
-    own, others = reach(model, seen, along), np.array([reach(model, [one], along) for one in solid])
-    beyond = others - own
+    visual, solids = reach(model, seen, along), np.array([reach(model, [geom], along) for geom in solid])
+    beyond = solids - visual
     furthest = solid[int(np.unravel_index(beyond.argmax(), beyond.shape)[0])]
     bare = outside(model, solid, surface_points(model, seen, POINTS))
-    size, solids = (float(np.linalg.norm(one[:3] + one[3:6])) for one in (own, others.max(axis=0)))
-    return Fit(size, solids, max(0.0, float(beyond.max())), float(bare.max(initial=0.0)), furthest)
+    size, solid_size = (float(np.linalg.norm(ends[:3] + ends[3:6])) for ends in (visual, solids.max(axis=0)))
+    return Fit(size, solid_size, max(0.0, float(beyond.max())), float(bare.max(initial=0.0)), furthest)
 
 
 @dataclass(frozen=True, slots=True)
 class Allowed:
-    """How far [m] a body's colliders may be off; None where any error is meant. `known`: whether they were
-    judged when they were made, `spare` [m] what may be added to that."""
+    """The errors that a body's colliders may have."""
 
     beyond: float | None
+    """The largest `Fit.beyond` [m]; None if any is intended."""
+
     bare: float | None
-    known: bool
+    """The largest `Fit.bare` [m]; None if any is intended."""
+
+    judged: bool
+    """Whether the colliders were judged when they were made."""
+
     spare: float
+    """Length [m] that is added to both."""
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """Two results: what is far off, an error; and what is worth a look."""
+    """Yields two results: an error for colliders that are far off, and a warning for doubtful colliders."""
     wrong, doubtful, worst, bodies = [], [], 0.0, 0
     for body, (seen, solid) in seen_and_solid(compiled.model).items():
         if not seen or not solid:
             continue
-        found, name = fit(compiled.model, seen, solid), compiled.model.body(body).name
+        fit_of_body, name = fit(compiled.model, seen, solid), compiled.model.body(body).name
         bodies += 1
-        limits = allowed(compiled, name, found.size)
-        beyond, bare = _over(found.beyond, limits.beyond), _over(found.bare, limits.bare)
-        off = max(beyond, bare)
-        worst = max(worst, off)
-        # A part that is left undrawn has a collider all the same, which then is beyond what is seen.
-        finding = _finding(compiled.model, name, found, limits)
-        if (limits.known and bare > 2.0 * limits.spare) or _is_elsewhere(found, off):
-            wrong.append((off, finding))
-        elif off > 0.0 or _is_moved(found, limits):
-            doubtful.append((off, finding))
+        limits = allowed(compiled, name, fit_of_body.size)
+        beyond, bare = _over(fit_of_body.beyond, limits.beyond), _over(fit_of_body.bare, limits.bare)
+        error = max(beyond, bare)
+        worst = max(worst, error)
+        # The collider of a part that is not drawn reaches beyond the visual shapes.
+        finding = _finding(compiled.model, name, fit_of_body, limits)
+        if (limits.judged and bare > 2.0 * limits.spare) or _is_elsewhere(fit_of_body, error):
+            wrong.append((error, finding))
+        elif error > 0.0 or _is_moved(fit_of_body, limits):
+            doubtful.append((error, finding))
     if not bodies:
         return
     yield _result(compiled, "colliders", "error", wrong, worst, bodies)
@@ -101,46 +120,46 @@ def _result(
     compiled: CompiledModel,
     name: str,
     level: CheckLevel,
-    found: Sequence[tuple[float, Finding]],
+    off: Sequence[tuple[float, Finding]],
     worst: float,
     bodies: int,
 ) -> Check:
-    findings = [one for _, one in sorted(found, key=lambda one: -one[0])]
+    findings = [finding for _, finding in sorted(off, key=lambda row: -row[0])]
     detail = f"the colliders of {count(bodies, 'link')} are where their visual shapes are"
     if findings:
-        detail = f"{count(len(findings), 'link')} of {bodies} with colliders that are off what is seen"
+        detail = f"{count(len(findings), 'link')} of {bodies} with colliders that are off the visual shapes"
     return compiled.result(name, not findings, detail, worst, None, findings, level)
 
 
-def _over(found: float, limit: float | None) -> float:
-    return 0.0 if limit is None else max(0.0, found - limit)
+def _over(error: float, limit: float | None) -> float:
+    return 0.0 if limit is None else max(0.0, error - limit)
 
 
-def _is_elsewhere(found: Fit, off: float) -> bool:
-    """Whether a collider belongs to another place, or has other units than what is seen."""
-    small, large = sorted((found.size, found.solid))
-    return off > AWAY * found.size or (off > 0.0 and large > UNITS * small)
+def _is_elsewhere(fit: Fit, off: float) -> bool:
+    """Tells whether a collider belongs to another place, or has other units than the visual shapes."""
+    small, large = sorted((fit.size, fit.solid))
+    return off > MAX_SHARE * fit.size or (off > 0.0 and large > MAX_SIZE_RATIO * small)
 
 
-def _is_moved(found: Fit, limits: Allowed) -> bool:
-    """Whether a collider of which nothing is known is off in both ways."""
-    unknown = not limits.known and limits.beyond is not None and limits.bare is not None
-    return unknown and min(found.beyond, found.bare) > max(LEAST, MOVED * found.size)
+def _is_moved(fit: Fit, limits: Allowed) -> bool:
+    """Tells whether an unjudged collider has both errors."""
+    unknown = not limits.judged and limits.beyond is not None and limits.bare is not None
+    return unknown and min(fit.beyond, fit.bare) > max(MIN_ERROR, MOVED_SHARE * fit.size)
 
 
-def _finding(model: Any, body: str, found: Fit, limits: Allowed) -> Finding:
-    """Names the collider that reaches furthest where that is what is wrong, else the body."""
-    known = "judged to be within" if limits.known else "expected within"
-    said = []
+def _finding(model: Any, body: str, fit: Fit, limits: Allowed) -> Finding:
+    """Returns a finding at the collider that reaches furthest if that is the error, else at the body."""
+    bound = "recorded as within" if limits.judged else "expected within"
+    texts = []
     if limits.beyond is not None:
-        said.append(f"reaches {_mm(found.beyond)} beyond what is seen ({known} {_mm(limits.beyond)})")
+        texts.append(f"reaches {_mm(fit.beyond)} beyond the visual shapes ({bound} {_mm(limits.beyond)})")
     if limits.bare is not None:
-        said.append(f"leaves {_mm(found.bare)} of it bare ({known} {_mm(limits.bare)})")
-    message = f"the collider of {body} {' and '.join(said)}"
-    if _is_moved(found, limits):
-        message += ": both, as where it was moved, turned or mirrored"
-    name = model.geom(found.furthest).name
-    reaches = limits.beyond is not None and found.beyond > min(limits.beyond, found.bare)
+        texts.append(f"leaves {_mm(fit.bare)} of them bare ({bound} {_mm(limits.bare)})")
+    message = f"the collider of {body} {' and '.join(texts)}"
+    if _is_moved(fit, limits):
+        message += ": both, as if it had been moved, turned or mirrored"
+    name = model.geom(fit.furthest).name
+    reaches = limits.beyond is not None and fit.beyond > min(limits.beyond, fit.bare)
     if name and reaches:
         return Finding(named("geom", name), "pos", message)
     return Finding(named("body", body), "geom", message)
@@ -151,33 +170,34 @@ def _mm(length: float) -> str:
 
 
 def allowed(compiled: CompiledModel, body: str, size: float) -> Allowed:
-    """How far the colliders of a body may be off, by what is known of the links that it holds."""
+    """Returns the errors that the colliders of a body may have, from the robot's links."""
     names = {name for name, (holder, _) in compiled.held.items() if holder == body} or {body}
     links = [link for link in compiled.robot.links if link.name in names]
     parts = [part for link in links for part in link.parts if part.mesh is not None]
     shapes = [shape for link in links for shape in link.shapes]
     figures = compiled.geometry.colliders if compiled.geometry else ()
-    own = [one for one in figures if one.link in names]
-    made = [one for one in own if one.rung != "none"]
-    # What is seen and does not collide is bare; what collides and is not seen is beyond, and so is a geom
-    # that does both. A file that has what is only seen and what only collides is to have them in one place.
-    seen = any(not one.collides for one in parts) or any(not one.collision for one in shapes)
-    solid = any(not one.seen for one in parts) or any(not one.visual for one in shapes)
-    both = any(one.visual and one.collision for one in shapes)
-    apart = seen and solid and not both
-    covered = sum(len(one.parts) for one in made) >= len(parts)
-    # A collider by contact is measured where it can be reached alone.
-    measures = [one.measures for one in made if one.measures is not None and not one.reason]
-    spare = max([LEAST, SPARE * size, *(one.tolerance for one in made if one.tolerance is not None)])
-    if made and len(measures) == len(made) and not solid and not shapes:
-        beyond = spare + max(one.protrusion_max for one in measures)
-        bare = spare + max(one.bareness_max for one in measures)
+    figures_of_body = [figure for figure in figures if figure.link in names]
+    judged = [figure for figure in figures_of_body if figure.rung != "none"]
+    # A visual shape without contact is bare, and an invisible collider is beyond, as is a geom that is both
+    # seen and solid. In a file with purely visual and purely colliding shapes these must be in one place.
+    seen = any(not part.collides for part in parts) or any(not shape.collision for shape in shapes)
+    solid = any(not part.seen for part in parts) or any(not shape.visual for shape in shapes)
+    has_shared_shape = any(shape.visual and shape.collision for shape in shapes)
+    separate = seen and solid and not has_shared_shape
+    covered = sum(len(figure.parts) for figure in judged) >= len(parts)
+    # A collider that was fitted by contact was measured only where it can be touched.
+    measures = [figure.measures for figure in judged if figure.measures is not None and not figure.reason]
+    tolerances = (figure.tolerance for figure in judged if figure.tolerance is not None)
+    spare = max([MIN_ERROR, SPARE_SHARE * size, *tolerances])
+    if judged and len(measures) == len(judged) and not solid and not shapes:
+        beyond = spare + max(measure.protrusion_max for measure in measures)
+        bare = spare + max(measure.bareness_max for measure in measures)
         return Allowed(beyond, bare if covered and not seen else None, True, spare)
-    off = max(LEAST, OFF * size)
-    uncovered = seen or (bool(own) and not covered)
+    max_error = max(MIN_ERROR, UNJUDGED_SHARE * size)
+    uncovered = seen or (bool(figures_of_body) and not covered)
     return Allowed(
-        None if (solid or both) and not apart else off,
-        None if uncovered and not apart else off,
+        None if (solid or has_shared_shape) and not separate else max_error,
+        None if uncovered and not separate else max_error,
         False,
         spare,
     )

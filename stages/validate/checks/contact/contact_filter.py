@@ -1,4 +1,4 @@
-"""Which pairs of shapes may collide is what the robot says: in MuJoCo's own rules, whatever the pose."""
+"""Checks that MuJoCo's rules let the same pairs of shapes collide as the robot's, whatever the pose."""
 
 import math
 from collections import Counter
@@ -18,11 +18,11 @@ from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.contact_errors import never_collide
 from linkwright.stages.validate.findings import few
-from linkwright.stages.validate.model.coordinates import SAME
+from linkwright.stages.validate.model.coordinates import ENGINE_TOLERANCE
 from linkwright.stages.validate.model.shapes import named_geom
 
 TAGS = frozenset({"contact", "exclude", "pair", "geom", "contype", "conaffinity", "flag"})
-"""Of the user's own XML: what changes which shapes collide."""
+"""Elements and attributes of the user's own XML that change which shapes collide."""
 
 GEOM = mujoco.mjtObj.mjOBJ_GEOM
 
@@ -30,68 +30,75 @@ Grid = npt.NDArray[np.bool_]
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """URDF says nothing of contact; and what the user's own XML says of it is the user's."""
+    """Compares the pairs. It skips a URDF, which says nothing about contact, and files with the user's own
+    XML for contact."""
     geometry = compiled.geometry
     if compiled.urdf or geometry is None or not geometry.shapes:
         return
-    if any(TAGS & {*one.sets, *one.added_tags} for one in compiled.written.amendments.changes):
+    if any(TAGS & {*change.sets, *change.added_tags} for change in compiled.written.amendments.changes):
         return
-    model, found = compiled.model, []
+    model, findings = compiled.model, list[Finding]()
     colliders = _colliders(compiled, geometry)
-    excluded = {(one.link_a, one.link_b): one.geoms for one in geometry.excludes}
-    outside = {int(one) for one in model.exclude_signature}
+    excluded = {(exclude.link_a, exclude.link_b): exclude.geoms for exclude in geometry.excludes}
+    outside = {int(signature) for signature in model.exclude_signature}
     pairs, by_source, meant = _pairs(model), _of_source(compiled), set[frozenset[int]]()
-    for one, other in sorted(_candidates(model, geometry, colliders)):
-        (first, own), (second, others) = colliders[one], colliders[other]
-        if never_collide(model, *(int(model.geom_bodyid[geoms[0]]) for geoms in (own, others))):
+    for first_place, second_place in sorted(_candidates(model, geometry, colliders)):
+        (first, first_geoms), (second, second_geoms) = colliders[first_place], colliders[second_place]
+        if never_collide(model, *(int(model.geom_bodyid[geoms[0]]) for geoms in (first_geoms, second_geoms))):
             continue
-        may = _may_collide(model, own, others, outside) | _among(own, others, by_source & pairs.keys())
-        wanted = np.full(may.shape, geometry.self_contact)
-        apart = excluded.get((first, second))
-        if apart is not None:
-            wanted[tuple(np.array(apart).T) if apart else ...] = False
-        kept = {frozenset((own[a], others[b])) for a, b in np.argwhere(wanted & ~may)}
-        meant |= kept
-        may |= _among(own, others, pairs.keys() & kept)
-        if (may != wanted).any():
-            extra, fewer = int((may & ~wanted).sum()), int((wanted & ~may).sum())
-            words = f"{count(fewer, 'pair')} of their shapes cannot collide, but must"
+        may = _may_collide(model, first_geoms, second_geoms, outside) | _among(
+            first_geoms, second_geoms, by_source & pairs.keys()
+        )
+        expected = np.full(may.shape, geometry.self_contact)
+        excluded_geoms = excluded.get((first, second))
+        if excluded_geoms is not None:
+            expected[tuple(np.array(excluded_geoms).T) if excluded_geoms else ...] = False
+        missing_pairs = {
+            frozenset((first_geoms[a], second_geoms[b])) for a, b in np.argwhere(expected & ~may)
+        }
+        meant |= missing_pairs
+        may |= _among(first_geoms, second_geoms, pairs.keys() & missing_pairs)
+        if (may != expected).any():
+            extra, fewer = int((may & ~expected).sum()), int((expected & ~may).sum())
+            message = f"{count(fewer, 'pair')} of their shapes cannot collide, but must"
             if extra:
-                words = f"{count(extra, 'pair')} of their shapes may collide, but must not"
-            found.append(Finding(f'exclude "{first}" "{second}"', "body1, body2", words))
-    words = "they collide by it whatever else the file says; the robot has no such pair"
+                message = f"{count(extra, 'pair')} of their shapes may collide, but must not"
+            findings.append(Finding(f'exclude "{first}" "{second}"', "body1, body2", message))
+    message = "it lets them collide whatever else the file says; the robot has no such pair"
     idle = sorted(pairs.keys() - meant - by_source, key=sorted)
-    found += [Finding(_title(model, geoms), "geom1, geom2", words) for geoms in idle]
-    found += _changed_pairs(model, {geoms: pairs[geoms] for geoms in pairs if geoms not in by_source})
-    detail = f"what may collide of {count(_judged(model, colliders), 'pair')} of links"
-    yield compiled.within("contact filter", float(len(found)), 0.0, detail, few(found))
+    findings += [Finding(_title(model, geoms), "geom1, geom2", message) for geoms in idle]
+    findings += _changed_pairs(model, {geoms: pairs[geoms] for geoms in pairs if geoms not in by_source})
+    detail = f"which shapes may collide, for {count(_pair_count(model, colliders), 'pair')} of links"
+    yield compiled.within("contact filter", float(len(findings)), 0.0, detail, few(findings))
 
 
 def _candidates(
     model: Any, geometry: Geometry, colliders: list[tuple[str, list[int]]]
 ) -> set[tuple[int, int]]:
-    """The pairs of places in `colliders` that may be other than they must: those that the file or the robot
-    leaves out, and those whose bits alone say so. Of all others the bits say what must be, and links are of
-    few kinds by their bits: a large robot has too many pairs to look at each."""
+    """Returns the pairs of places in `colliders` that need a check, since a large robot has too many pairs.
+
+    These are the pairs that the file or the robot excludes, and the pairs that the bits alone exclude. All
+    other pairs are decided by the bits, of which there are only a few kinds.
+    """
     place = {link: at for at, (link, _) in enumerate(colliders)}
     of_body = {int(model.geom_bodyid[geoms[0]]): at for at, (_, geoms) in enumerate(colliders)}
-    named = [(place.get(one.link_a), place.get(one.link_b)) for one in geometry.excludes]
-    named += [
-        (of_body.get(int(one) >> 16), of_body.get(int(one) & 0xFFFF)) for one in model.exclude_signature
-    ]
-    found = {(min(a, b), max(a, b)) for a, b in named if a is not None and b is not None and a != b}
+    named = [(place.get(exclude.link_a), place.get(exclude.link_b)) for exclude in geometry.excludes]
+    signatures = [int(signature) for signature in model.exclude_signature]
+    named += [(of_body.get(signature >> 16), of_body.get(signature & 0xFFFF)) for signature in signatures]
+    candidates = {(min(a, b), max(a, b)) for a, b in named if a is not None and b is not None and a != b}
     kinds: dict[frozenset[tuple[int, int]], list[int]] = {}
     for at, (_, geoms) in enumerate(colliders):
         bits = frozenset((int(model.geom_contype[geom]), int(model.geom_conaffinity[geom])) for geom in geoms)
         kinds.setdefault(bits, []).append(at)
-    for (one, members), (other, others) in combinations_with_replacement(kinds.items(), 2):
-        if any(bool(a[0] & b[1] or b[0] & a[1]) != geometry.self_contact for a in one for b in other):
-            found |= {(min(a, b), max(a, b)) for a in members for b in others if a != b}
-    return found
+    for (bits, members), (other_bits, other_members) in combinations_with_replacement(kinds.items(), 2):
+        meet = (bool(a[0] & b[1] or b[0] & a[1]) for a in bits for b in other_bits)
+        if any(may != geometry.self_contact for may in meet):
+            candidates |= {(min(a, b), max(a, b)) for a in members for b in other_members if a != b}
+    return candidates
 
 
-def _judged(model: Any, colliders: list[tuple[str, list[int]]]) -> int:
-    """How many pairs of links there are but for those of `never_collide`."""
+def _pair_count(model: Any, colliders: list[tuple[str, list[int]]]) -> int:
+    """Returns the number of pairs of links, without the pairs that never collide."""
     welds = Counter(int(model.body_weldid[model.geom_bodyid[geoms[0]]]) for _, geoms in colliders)
     never = sum(math.comb(number, 2) for number in welds.values())
     if not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_FILTERPARENT:
@@ -102,40 +109,40 @@ def _judged(model: Any, colliders: list[tuple[str, list[int]]]) -> int:
 
 
 def _pairs(model: Any) -> dict[frozenset[int], int]:
-    """The geoms that collide as pairs, whatever their bits and excludes say → the pair."""
+    """Maps the two geoms of each <pair>, which collide whatever their bits and excludes are, to its index."""
     pairs = zip(model.pair_geom1, model.pair_geom2, strict=True)
     return {frozenset(map(int, geoms)): number for number, geoms in enumerate(pairs)}
 
 
 def _of_source(compiled: CompiledModel) -> set[frozenset[int]]:
-    """The geoms that the robot's MJCF source has as pairs."""
+    """Returns the pairs of geoms that the robot's MJCF source lists."""
     sections = () if compiled.robot.mjcf is None else compiled.robot.mjcf.sections
     pairs = (element for element in children_of(sections, "contact") if element.tag == "pair")
     return {frozenset(index_of(compiled.model, GEOM, name) for _, name in pair.named()) for pair in pairs}
 
 
-def _among(own: Sequence[int], others: Sequence[int], pairs: Set[frozenset[int]]) -> Grid:
-    """Which of these geoms are such pairs."""
-    return np.array([[frozenset((geom, other)) in pairs for other in others] for geom in own])
+def _among(first: Sequence[int], second: Sequence[int], pairs: Set[frozenset[int]]) -> Grid:
+    """Returns, for each geom of `first` and of `second`, whether they are among `pairs`."""
+    return np.array([[frozenset((geom, other)) in pairs for other in second] for geom in first])
 
 
 def _changed_pairs(model: Any, pairs: Mapping[frozenset[int], int]) -> Iterator[Finding]:
-    """Pairs with other properties of contact than MuJoCo gives two such geoms without a pair: that of its
-    source, mj_contactParam."""
+    """Yields pairs whose contact properties differ from those that MuJoCo gives the same two geoms without a
+    pair (mj_contactParam)."""
     for geoms, pair in pairs.items():
-        one, other = sorted(geoms)
-        for key, wanted in _mixed(model, one, other).items():
+        first, second = sorted(geoms)
+        for key, expected in _mixed(model, first, second).items():
             value = getattr(model, f"pair_{key}")[pair]
-            if np.abs(value - wanted).max() > SAME:
-                words = f"is {value}, but {wanted} without the pair"
-                yield Finding(_title(model, geoms), key, words)
+            if np.abs(value - expected).max() > ENGINE_TOLERANCE:
+                message = f"is {value}, but {expected} without the pair"
+                yield Finding(_title(model, geoms), key, message)
 
 
-def _mixed(model: Any, one: int, other: int) -> dict[str, npt.NDArray[np.float64]]:
-    """The properties of contact that two geoms (`one` < `other`) have together, by the names of MjModel; the
+def _mixed(model: Any, first: int, second: int) -> dict[str, npt.NDArray[np.float64]]:
+    """Returns the contact properties of two geoms (`first` < `second`) together, by the names of MjModel. The
     margin is the sum, as in MuJoCo since 3.5, whichever version is installed."""
     spread = [0, 0, 1, 2, 2]
-    geoms = [one, other]
+    geoms = [first, second]
     priority = model.geom_priority[geoms]
     if priority[0] != priority[1]:
         geoms = [geoms[int(priority.argmax())]]
@@ -147,7 +154,7 @@ def _mixed(model: Any, one: int, other: int) -> dict[str, npt.NDArray[np.float64
         "friction": model.geom_friction[geoms].max(axis=0)[spread],
         "solref": mean if (solref[:, 0] > 0).all() else solref.min(axis=0),
         "solimp": (share[:, None] * model.geom_solimp[geoms]).sum(axis=0),
-        "margin": model.geom_margin[[one, other]].sum(),
+        "margin": model.geom_margin[[first, second]].sum(),
     }
 
 
@@ -156,25 +163,25 @@ def _title(model: Any, geoms: Iterable[int]) -> str:
 
 
 def _colliders(compiled: CompiledModel, geometry: Geometry) -> list[tuple[str, list[int]]]:
-    """The colliding geoms of each link that has as many as the robot: where it has not, that is found
-    elsewhere."""
-    model, shapes, found = compiled.model, geometry.by_link(), []
+    """Returns the colliding geoms of each link that has at least the robot's colliders; other checks report
+    missing geoms."""
+    model, shapes, colliders = compiled.model, geometry.by_link(), list[tuple[str, list[int]]]()
     for link in compiled.robot.links:
         body = body_index(model, link.name)
         first = int(model.body_geomadr[body])
-        every = range(first, first + int(model.body_geomnum[body]))
-        solid = [geom for geom in every if model.geom_contype[geom] or model.geom_conaffinity[geom]]
+        geoms = range(first, first + int(model.body_geomnum[body]))
+        solid = [geom for geom in geoms if model.geom_contype[geom] or model.geom_conaffinity[geom]]
         number = len(shapes[link.name, "collision"])
         if number and len(solid) >= number:
-            found.append((link.name, solid[:number]))
-    return found
+            colliders.append((link.name, solid[:number]))
+    return colliders
 
 
-def _may_collide(model: Any, own: list[int], others: list[int], excluded: set[int]) -> Grid:
-    """By the rules of MuJoCo's documentation, "Collision detection": the bits of both, and that their bodies
-    are not `excluded`, by their signatures."""
-    bodies = [int(model.geom_bodyid[geoms[0]]) for geoms in (own, others)]
-    bits = [(model.geom_contype[geoms], model.geom_conaffinity[geoms]) for geoms in (own, others)]
+def _may_collide(model: Any, first: list[int], second: list[int], excluded: set[int]) -> Grid:
+    """Applies the rules of MuJoCo's documentation, "Collision detection": the bits of both geoms, and whether
+    the signature of their bodies is among `excluded`."""
+    bodies = [int(model.geom_bodyid[geoms[0]]) for geoms in (first, second)]
+    bits = [(model.geom_contype[geoms], model.geom_conaffinity[geoms]) for geoms in (first, second)]
     meet: Grid = (bits[0][0][:, None] & bits[1][1] | bits[1][0] & bits[0][1][:, None]) != 0
     signature = (min(bodies) << 16) + max(bodies)
     return meet & (signature not in excluded)

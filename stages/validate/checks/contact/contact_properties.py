@@ -1,5 +1,4 @@
-"""Each collider touches as the robot says: by its friction, stiffness, margin and priority, and by all of its
-hull."""
+"""Checks that each collider has the robot's friction, stiffness, margin and priority, and its whole hull."""
 
 from collections.abc import Iterator
 from pathlib import PurePosixPath
@@ -20,40 +19,45 @@ WHOLE_HULL = "-1"
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """Of a robot whose shapes are known."""
+    """Compares the colliders with the robot's; yields nothing if the robot's shapes are unknown."""
     geometry = compiled.geometry
     if geometry is None or not geometry.shapes or sets_defaults(compiled):
         return
-    found = [*_of_geoms(compiled, geometry), *_of_hulls(compiled, geometry)]
+    findings = [*_of_geoms(compiled, geometry), *_of_hulls(compiled, geometry)]
     total = sum(shape.role == "collision" for shape in geometry.shapes)
-    detail = f"{count(total, 'collider')} with the friction, stiffness and margin that the robot says"
-    if found:
-        detail = f"not what the robot says: {listed(f'{one.element} {one.attribute}' for one in found)}"
-    yield compiled.within("contact properties", float(len(found)), 0.0, detail, few(found))
+    detail = f"{count(total, 'collider')} with the robot's friction, stiffness and margin"
+    if findings:
+        attributes = listed(f"{finding.element} {finding.attribute}" for finding in findings)
+        detail = f"not as the robot has them: {attributes}"
+    yield compiled.within("contact properties", float(len(findings)), 0.0, detail, few(findings))
 
 
 def _of_geoms(compiled: CompiledModel, geometry: Geometry) -> Iterator[Finding]:
-    """Of each link that has as many colliders as the robot, before what the user's own XML adds: where it
-    has not, that is found elsewhere."""
+    """Yields differences of links that have as many colliders as in the robot, without those that the user's
+    own XML adds; other checks report missing colliders."""
     model, shapes = compiled.model, geometry.by_link()
-    every = seen_and_solid(model)
-    mine = {attribute for attribute in ATTRIBUTES if compiled.sets(attribute)}
+    geoms_by_body = seen_and_solid(model)
+    set_by_user = {attribute for attribute in ATTRIBUTES if compiled.sets(attribute)}
     changed = bool(compiled.written.amendments.of(compiled.path.name))
     for link in compiled.robot.links:
-        own = shapes[link.name, "collision"]
-        _, geoms = every.get(body_index(model, link.name), ([], []))
-        if len(geoms) == len(own) or (changed and len(geoms) > len(own)):
-            for shape, geom in zip(own, geoms, strict=False):
+        expected = shapes[link.name, "collision"]
+        _, geoms = geoms_by_body.get(body_index(model, link.name), ([], []))
+        if len(geoms) == len(expected) or (changed and len(geoms) > len(expected)):
+            for shape, geom in zip(expected, geoms, strict=False):
                 element = named_geom(model, geom, link.name)
-                yield from contact_differences(model, geom, element, shape.contact, mine)
+                yield from contact_differences(model, geom, element, shape.contact, set_by_user)
 
 
 def _of_hulls(compiled: CompiledModel, geometry: Geometry) -> Iterator[Finding]:
     if compiled.sets("maxhullvert"):
         return
-    solid = {PurePosixPath(one.file).stem for one in geometry.shapes if one.role == "collision" and one.file}
+    solid = {
+        PurePosixPath(shape.file).stem
+        for shape in geometry.shapes
+        if shape.role == "collision" and shape.file
+    }
     for mesh in parse(compiled.path.read_bytes(), large=True).iterfind("asset/mesh"):
         name = mesh.get("name") or PurePosixPath(mesh.get("file", "")).stem
-        most = mesh.get("maxhullvert", WHOLE_HULL)
-        if name in solid and most != WHOLE_HULL:
-            yield differs(named("mesh", name), "maxhullvert", most, None)
+        max_vertices = mesh.get("maxhullvert", WHOLE_HULL)
+        if name in solid and max_vertices != WHOLE_HULL:
+            yield differs(named("mesh", name), "maxhullvert", max_vertices, None)

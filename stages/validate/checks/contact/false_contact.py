@@ -1,4 +1,4 @@
-"""The robot's colliders touch each other where what is seen of them does, over poses within the limits."""
+"""Checks that the robot's colliders touch each other where the visual shapes do, at poses within limits."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -12,26 +12,26 @@ from linkwright.stages.validate.contact_errors import PairErrors, contact_errors
 from linkwright.stages.validate.findings import few, named
 
 POSES = 300
-"""So many poses stand for the robot's range, beside `home`."""
+"""Number of poses sampled in the robot's range, in addition to `home`."""
 
-PLACED, FEWEST = 20_000, 4
-"""The most links times poses: of a larger robot fewer poses stand for the range."""
+MAX_LINK_POSES, MIN_POSES = 20_000, 4
+"""Largest product of links and poses, and smallest number of poses: it bounds the time for large robots."""
 
-SHARE, LEAST = 0.01, 3
-"""A pair is named that is wrong in a larger share of the poses, and in so many at least."""
+MIN_SHARE, MIN_COUNT = 0.01, 3
+"""Smallest share and smallest number of the poses from which a wrong pair is reported."""
 
-PLAIN = 0.2
-"""Where a pair is wrong in a larger share, the colliders are no image of the robot: an error, unless the
-colliders or the exclude are the user's or the source's choice."""
+ERROR_SHARE = 0.2
+"""Share of the poses above which a wrong pair is an error, since the colliders do not represent the robot. It
+stays a warning if the colliders or the exclude are the user's or the source's choice."""
 
-GIVEN = ("Source", "User")
-"""Excludes that are a choice: that such links pass through each other is meant."""
+REASONS_BY_CHOICE = ("Source", "User")
+"""Reasons of excludes that were chosen, so that the links may pass through each other."""
 
 HEADER = (
     "link",
     "other link",
     "false, % of poses",
-    "then apart by at most, mm",
+    "apart in these poses by at most, mm",
     "missed, % of poses",
     "false at home, mm deep",
     "excluded",
@@ -39,32 +39,36 @@ HEADER = (
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """Of a robot whose links collide with each other, as the build wrote it; a table has every pair that is
-    wrong in any pose. What the user's own XML says of contact is the user's."""
+    """Checks robots whose links collide with each other, in files without a user's own XML for contact. The
+    table has every pair that is wrong in any pose."""
     geometry = compiled.geometry
     if geometry is None or not geometry.self_contact:
         return
-    if any(TAGS & {*one.sets, *one.added_tags} for one in compiled.written.amendments.changes):
+    if any(TAGS & {*change.sets, *change.added_tags} for change in compiled.written.amendments.changes):
         return
-    poses = max(FEWEST, min(POSES, PLACED // len(compiled.robot.links)))
-    found = contact_errors(compiled, poses)
-    worst = sorted(found.pairs, key=lambda pair: -max(pair.false, pair.missed))
-    wrong = [pair for pair in worst if _is_wrong(pair, found.poses)]
-    plain = any(_share(pair, found.poses) > PLAIN and not _is_chosen(compiled, pair) for pair in wrong)
-    looked = f"{count(found.bodies, 'link')} in {count(found.poses, 'pose')} and at home"
-    detail = f"{looked}: they touch where what is seen of them does"
+    poses = max(MIN_POSES, min(POSES, MAX_LINK_POSES // len(compiled.robot.links)))
+    errors = contact_errors(compiled, poses)
+    worst = sorted(errors.pairs, key=lambda pair: -max(pair.false, pair.missed))
+    wrong = [pair for pair in worst if _is_wrong(pair, errors.poses)]
+    plain = any(_share(pair, errors.poses) > ERROR_SHARE and not _is_chosen(compiled, pair) for pair in wrong)
+    sample = f"{count(errors.bodies, 'link')} in {count(errors.poses, 'pose')} and at home"
+    detail = f"{sample}: they touch where their visual shapes do"
     if wrong:
-        detail = f"{count(len(wrong), 'pair')} of links, of {looked}: contact is not that of what is seen"
-    findings = few(_finding(compiled.model, pair, found.poses) for pair in wrong)
+        detail = (
+            f"{count(len(wrong), 'pair')} of links, of {sample}: contact is not that of the visual shapes"
+        )
+    findings = few(_finding(compiled.model, pair, errors.poses) for pair in wrong)
     level: CheckLevel = "error" if plain else "warning"
     result = compiled.within("false contacts", float(len(wrong)), 0.0, detail, findings, level)
-    rows = tuple(_row(compiled.model, pair, found.poses) for pair in worst)
+    rows = tuple(_row(compiled.model, pair, errors.poses) for pair in worst)
     yield replace(result, table=Table(HEADER, rows) if rows else None)
 
 
 def _is_wrong(pair: PairErrors, poses: int) -> bool:
-    most = max(pair.false, pair.missed)
-    return pair.reason not in GIVEN and (pair.at_home > 0.0 or (most >= LEAST and most > SHARE * poses))
+    wrong_poses = max(pair.false, pair.missed)
+    return pair.reason not in REASONS_BY_CHOICE and (
+        pair.at_home > 0.0 or (wrong_poses >= MIN_COUNT and wrong_poses > MIN_SHARE * poses)
+    )
 
 
 def _share(pair: PairErrors, poses: int) -> float:
@@ -72,26 +76,26 @@ def _share(pair: PairErrors, poses: int) -> float:
 
 
 def _is_chosen(compiled: CompiledModel, pair: PairErrors) -> bool:
-    """Whether the colliders of one of the two are as the user or the source has them, or the exclude was
+    """Tells whether the colliders of either body are the user's or the source's choice, or the exclude was
     reported when it was made."""
     geometry = compiled.geometry
     assert geometry is not None
     bodies = {compiled.model.body(body).name for body in pair.bodies}
     names = bodies | {link for link, (holder, _) in compiled.held.items() if holder in bodies}
-    makers = {one.maker for one in geometry.colliders if one.link in names}
+    makers = {collider.maker for collider in geometry.colliders if collider.link in names}
     return geometry.by_source or pair.reason is not None or makers != {"ladder"}
 
 
 def _finding(model: Any, pair: PairErrors, poses: int) -> Finding:
-    one, other = (model.body(body).name for body in pair.bodies)
-    said = []
+    first, second = (model.body(body).name for body in pair.bodies)
+    texts = []
     if pair.false:
-        said.append(f"collide in {pair.false} of {poses} poses where they are up to {_mm(pair.apart)} apart")
+        texts.append(f"collide in {pair.false} of {poses} poses where they are up to {_mm(pair.apart)} apart")
     if pair.missed:
-        said.append(f"pass through each other in {pair.missed} of {poses} poses")
+        texts.append(f"pass through each other in {pair.missed} of {poses} poses")
     if pair.at_home:
-        said.append(f"are {_mm(pair.at_home)} in each other at home, where they stand apart")
-    return Finding(named("body", one), "geom", f"{one} and {other} {', and '.join(said)}")
+        texts.append(f"are {_mm(pair.at_home)} in each other at home, where they are apart")
+    return Finding(named("body", first), "geom", f"{first} and {second} {', and '.join(texts)}")
 
 
 def _row(model: Any, pair: PairErrors, poses: int) -> tuple[str | float | None, ...]:

@@ -1,7 +1,7 @@
-"""Each joint moves over its whole range, alone, without two links running into each other.
+"""Checks that each joint moves over its whole range by itself without bringing two links into each other.
 
-The other joints stay at `home`, but for those that follow by a relation or a closed loop. What touches at
-`home` already is no finding here.
+The other joints stay at `home`, except those that follow by a relation or a closed loop. Links that touch at
+`home` already are ignored.
 """
 
 import math
@@ -21,37 +21,42 @@ from linkwright.stages.validate.model.coordinates import HINGE, set_values
 from linkwright.stages.validate.model.following import Follower, swept_joints
 
 STEPS = 24
-"""Values of a joint from one end of its range to the other, besides `home`."""
+"""Number of values of a joint from one end of its range to the other, in addition to `home`."""
 
-PLACED = 4_000_000
-"""The most bodies times poses: of a robot of more than 400 joints each is looked at in fewer steps, and of
-some thousands not every joint."""
+MAX_BODY_POSES = 4_000_000
+"""Largest product of bodies and poses: robots with more than 400 joints are swept in fewer steps, and of
+robots with some thousands only a part of the joints is swept."""
 
-FEWEST = 4
-"""Steps over a joint's range."""
+MIN_STEPS = 4
+"""Smallest number of steps over a joint's range."""
 
-DEEP = 5e-4
-"""Links that are in each other by less [m] touch."""
+MIN_DEPTH = 5e-4
+"""Depth [m] below which links that overlap only touch."""
 
 TURN = 2.0 * np.pi
-OPEN = 1e3
-"""A slide's limit that is further [m] is none."""
+MAX_SLIDE_LIMIT = 1e3
+"""Slide limits beyond this [m] count as unlimited."""
 
 HEADER = ("joint", "link", "other link", "from, rad or m", "deepest at, rad or m", "depth, mm")
 
 
 @dataclass(slots=True)
 class Meeting:
-    """Two links that a joint's motion brings together: at which value [rad, m] first, going out from `home`,
-    and where they are deepest in each other [m]."""
+    """The values of a joint at which its motion brings two links together."""
 
     first: float
+    """The first such value [rad, m], going out from `home`."""
+
     deepest: float
+    """The value [rad, m] of the deepest overlap."""
+
     depth: float
+    """The depth [m] of the deepest overlap."""
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """Of a robot that collides. A free base, a ball and a slide without limits have no range."""
+    """Sweeps the joints of robots with colliders. Free bases, balls and slides without limits have no
+    range."""
     model = compiled.model
     if not np.any(model.geom_contype) and not np.any(model.geom_conaffinity):
         return
@@ -59,84 +64,95 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     set_values(model, data, compiled.robot, home(compiled.robot), urdf=False)
     start = data.qpos.copy()
     mujoco.mj_collision(model, data)
-    meeting = _contacts(model, data)
+    at_home = _contacts(model, data)
     follower = Follower(model, start)
-    rows, findings, poses, every = [], [], 0, swept_joints(model, start)
-    joints, steps = _within_reason(every, model.nbody)
+    rows, findings, poses, swept = [], [], 0, swept_joints(model, start)
+    joints, steps = _within_reason(swept, model.nbody)
     for joint in joints:
-        found, tried = _swept(model, data, follower, joint, set(meeting), steps)
+        meetings, tried = _swept(model, data, follower, joint, set(at_home), steps)
         poses += tried
         name = model.joint(joint).name
-        for (pair, _), one in sorted(found.items()):
+        for (pair, _), meeting in sorted(meetings.items()):
             links = [model.body(body).name for body in pair]
-            rows.append((name, *links, round(one.first, 4), round(one.deepest, 4), round(1e3 * one.depth, 3)))
+            rows.append(
+                (
+                    name,
+                    *links,
+                    round(meeting.first, 4),
+                    round(meeting.deepest, 4),
+                    round(1e3 * meeting.depth, 3),
+                )
+            )
             unit = "rad" if model.jnt_type[joint] == HINGE else "m"
             text = (
-                f"{links[0]} and {links[1]} collide when {name} is at {one.first:.3g} {unit}, by "
-                f"{1e3 * one.depth:.2g} mm at {one.deepest:.3g}"
+                f"{links[0]} and {links[1]} collide when {name} is at {meeting.first:.3g} {unit}, by "
+                f"{1e3 * meeting.depth:.2g} mm at {meeting.deepest:.3g}"
             )
-            findings.append((-one.depth, Finding(named("joint", name), "range", text)))
+            findings.append((-meeting.depth, Finding(named("joint", name), "range", text)))
     if not joints:
         return
-    told = tuple(one for _, one in sorted(findings, key=lambda pair: pair[0]))
-    looked = count(len(joints), "joint") + (f" of {len(every)}" if len(every) > len(joints) else "")
-    detail = f"{looked} over its range, {poses} poses: no links run into each other"
-    if told:
-        detail = f"{count(len(told), 'collision')} of links over the ranges of {looked}"
-    result = compiled.within("reach", float(len(told)), 0.0, detail, told, "warning")
+    collisions = tuple(finding for _, finding in sorted(findings, key=lambda row: row[0]))
+    joints_swept = count(len(joints), "joint") + (f" of {len(swept)}" if len(swept) > len(joints) else "")
+    detail = f"{joints_swept} over its range, {poses} poses: no links run into each other"
+    if collisions:
+        detail = f"{count(len(collisions), 'collision')} of links over the ranges of {joints_swept}"
+    result = compiled.within("reach", float(len(collisions)), 0.0, detail, collisions, "warning")
     yield replace(result, table=Table(HEADER, tuple(rows)) if rows else None)
 
 
 def _within_reason(joints: list[int], bodies: int) -> tuple[list[int], int]:
-    """The joints that are looked at, spread evenly over all, and in how many steps each."""
-    poses = max(FEWEST, PLACED // bodies)
-    steps = max(FEWEST, min(STEPS, poses // max(1, len(joints))))
+    """Returns the joints to sweep, an even sample of all, and the number of steps for each."""
+    poses = max(MIN_STEPS, MAX_BODY_POSES // bodies)
+    steps = max(MIN_STEPS, min(STEPS, poses // max(1, len(joints))))
     return joints[:: math.ceil(len(joints) * steps / poses) or 1], steps
 
 
 def _swept(
     model: Any, data: Any, follower: Follower, joint: int, ignored: set[tuple[int, int]], steps: int
 ) -> tuple[dict[tuple[tuple[int, int], float], Meeting], int]:
-    """The pairs of bodies that meet, each with the end of the range where they do, and how many poses were
-    looked at: from `home` to the one end, and to the other."""
-    found: dict[tuple[tuple[int, int], float], Meeting] = {}
+    """Sweeps a joint from `home` to the low end and to the high end of its range. Returns the pairs of bodies
+    that meet, each with the end towards which they do, and the number of poses tried."""
+    meetings: dict[tuple[tuple[int, int], float], Meeting] = {}
     value = follower.start[model.jnt_qposadr[joint]]
     low, high = _range(model, joint, value)
     step, tried = max(high - low, 1e-12) / steps, 0
     for end in (low, high):
         pose = follower.start
+        # Rounding must not add a step.
         for at in np.linspace(value, end, math.ceil(abs(end - value) / step - 1e-6) + 1)[1:]:
-            moved = follower.at(joint, float(at), pose)
-            if moved is None:
+            next_pose = follower.at(joint, float(at), pose)
+            if next_pose is None:
                 break
-            pose, tried = moved, tried + 1
+            pose, tried = next_pose, tried + 1
             data.qpos[:] = pose
             mujoco.mj_kinematics(model, data)
             mujoco.mj_collision(model, data)
             for pair, depth in _contacts(model, data).items():
                 if pair in ignored:
                     continue
-                known = found.setdefault((pair, float(end)), Meeting(float(at), float(at), depth))
-                if depth > known.depth:
-                    known.depth, known.deepest = depth, float(at)
-    return found, tried
+                meeting = meetings.setdefault((pair, float(end)), Meeting(float(at), float(at), depth))
+                if depth > meeting.depth:
+                    meeting.depth, meeting.deepest = depth, float(at)
+    return meetings, tried
 
 
 def _range(model: Any, joint: int, value: float) -> tuple[float, float]:
-    """The ends between which a joint is swept. A side that has no limit is written as a number that nothing
-    reaches: a hinge turns at most once, and a slide stays where it has none."""
+    """Returns the ends between which a joint is swept. A missing limit is written as a huge number: a hinge
+    is then swept over at most one turn, and a slide not at all."""
     low, high = model.jnt_range[joint] if model.jnt_limited[joint] else (value - np.pi, value + np.pi)
     if model.jnt_type[joint] == HINGE:
         return max(low, value - TURN), min(high, value + TURN)
-    return (low if low > value - OPEN else value), (high if high < value + OPEN else value)
+    return (low if low > value - MAX_SLIDE_LIMIT else value), (
+        high if high < value + MAX_SLIDE_LIMIT else value
+    )
 
 
 def _contacts(model: Any, data: Any) -> dict[tuple[int, int], float]:
-    """The bodies that are in each other, and how deep [m]."""
-    found: dict[tuple[int, int], float] = {}
+    """Maps the pairs of bodies that overlap to their depth [m]."""
+    depths: dict[tuple[int, int], float] = {}
     contacts = data.contact
-    deep = np.flatnonzero(contacts.dist < -DEEP)
-    bodies = np.sort(model.geom_bodyid[contacts.geom[deep]], axis=1)
-    for pair, depth in zip(map(tuple, bodies.tolist()), -contacts.dist[deep], strict=True):
-        found[pair] = max(float(depth), found.get(pair, 0.0))
-    return found
+    overlaps = np.flatnonzero(contacts.dist < -MIN_DEPTH)
+    bodies = np.sort(model.geom_bodyid[contacts.geom[overlaps]], axis=1)
+    for pair, depth in zip(map(tuple, bodies.tolist()), -contacts.dist[overlaps], strict=True):
+        depths[pair] = max(float(depth), depths.get(pair, 0.0))
+    return depths

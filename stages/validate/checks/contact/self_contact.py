@@ -1,4 +1,4 @@
-"""At `home` nothing of the robot touches itself that is excluded from contact, or that was not reported."""
+"""Checks that no excluded links touch at `home`, and no links whose contact was not reported."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -14,43 +14,42 @@ from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import few
 from linkwright.stages.validate.model.coordinates import set_values
 
-DEEP = 1e-5
-"""Contacts are looked at that are deeper [m]: in single precision faces that lie on each other are in contact
-or not."""
+MIN_DEPTH = 1e-5
+"""Smallest depth [m] of contacts that count: in single precision, coincident faces may or may not touch."""
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """URDF says nothing of contact."""
+    """Checks contact at `home`, except in a URDF, which says nothing about contact."""
     geometry, robot = compiled.geometry, compiled.robot
     if compiled.urdf or geometry is None:
         return
     data = mujoco.MjData(compiled.model)
     set_values(compiled.model, data, robot, home(robot), urdf=False)
     mujoco.mj_collision(compiled.model, data)
-    excludes = {(one.link_a, one.link_b): one for one in geometry.excludes}
-    reported = {(one.link_a, one.link_b) for one in geometry.touching}
+    excludes = {(exclude.link_a, exclude.link_b): exclude for exclude in geometry.excludes}
+    reported = {(touch.link_a, touch.link_b) for touch in geometry.touching}
     wrong: dict[str, Finding] = {}
     met = set()
-    for one, first, other, second in _contacts(compiled, geometry, data):
-        pair = one, other
+    for first, first_shape, second, second_shape in _contacts(compiled, geometry, data):
+        pair = first, second
         exclude = excludes.get(pair)
         met.add(pair)
-        if exclude is not None and _meant(exclude, first, second):
-            text = f"{one} and {other}, which are excluded from contact"
-            wrong[text] = _finding(one, other, "touch at home, and must be excluded from contact")
+        if exclude is not None and _is_excluded(exclude, first_shape, second_shape):
+            text = f"{first} and {second}, which are excluded from contact"
+            wrong[text] = _finding(first, second, "touch at home, and must be excluded from contact")
         elif pair not in reported:
-            text = f"{one} and {other}, which was not reported"
-            wrong[text] = _finding(one, other, "touch at home, which they do not with the robot's shapes")
+            text = f"{first} and {second}, which was not reported"
+            wrong[text] = _finding(first, second, "touch at home, which they do not with the robot's shapes")
     detail = f"touching at home: {'; '.join(wrong)}" if wrong else f"{_pairs(len(met))} at home, as reported"
     findings = few(wrong.values())
     yield compiled.within("contact with itself", float(len(wrong)), 0.0, detail, findings)
 
 
-def _finding(one: str, other: str, message: str) -> Finding:
-    return Finding(f'exclude "{one}" "{other}"', "body1, body2", message)
+def _finding(first: str, second: str, message: str) -> Finding:
+    return Finding(f'exclude "{first}" "{second}"', "body1, body2", message)
 
 
-def _meant(exclude: Exclude, first: int, second: int) -> bool:
+def _is_excluded(exclude: Exclude, first: int, second: int) -> bool:
     return not exclude.geoms or (first, second) in exclude.geoms
 
 
@@ -59,20 +58,20 @@ def _pairs(number: int) -> str:
 
 
 def _contacts(compiled: CompiledModel, geometry: Geometry, data: Any) -> Iterator[tuple[str, int, str, int]]:
-    """The colliders of two links that are in contact: of each, in the order of the links, its link and its
-    position among the link's collision shapes."""
+    """Yields the two colliders of each contact between links, in the order of the links: each as its link and
+    its position among the link's collision shapes."""
     model = compiled.model
-    known: dict[int, tuple[int, str, int]] = {}
+    places: dict[int, tuple[int, str, int]] = {}
     colliders = geometry.by_link()
     for place, link in enumerate(compiled.robot.links):
         body = body_index(model, link.name)
-        first = int(model.body_geomadr[body])
-        every = range(first, first + int(model.body_geomnum[body]))
-        solid = [geom for geom in every if model.geom_contype[geom] or model.geom_conaffinity[geom]]
-        # Below a root that is the world there is the ground too.
-        own = len(colliders[link.name, "collision"])
-        known |= {geom: (place, link.name, position) for position, geom in enumerate(solid[:own])}
+        start = int(model.body_geomadr[body])
+        geoms = range(start, start + int(model.body_geomnum[body]))
+        solid = [geom for geom in geoms if model.geom_contype[geom] or model.geom_conaffinity[geom]]
+        # If the root is the world, the ground is one of its geoms.
+        number = len(colliders[link.name, "collision"])
+        places |= {geom: (place, link.name, position) for position, geom in enumerate(solid[:number])}
     for contact in data.contact[: data.ncon]:
-        if contact.dist < -DEEP and all(geom in known for geom in contact.geom):
-            (_, one, at_one), (_, other, at_other) = sorted(known[geom] for geom in contact.geom)
-            yield one, at_one, other, at_other
+        if contact.dist < -MIN_DEPTH and all(geom in places for geom in contact.geom):
+            (_, first, at_first), (_, second, at_second) = sorted(places[geom] for geom in contact.geom)
+            yield first, at_first, second, at_second

@@ -1,4 +1,4 @@
-"""Each body has the shapes of its links: as many, where they shall be, and of their size."""
+"""Checks that each body has the shapes of its links: their number, places and sizes."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -41,28 +41,28 @@ from linkwright.stages.validate.same.shapes import (
     solids_by_link,
 )
 
-WORDS = ShapeWords("type", "mesh", "mesh", ("pos", "quat"), "material")
-"""What an MJCF calls what a geom is."""
+ATTRIBUTE_NAMES = ShapeWords("type", "mesh", "mesh", ("pos", "quat"), "material")
+"""MJCF's names for the properties of a geom."""
 
-SAME = 1e-6
-"""Places [m, rad] and sizes [m] of shapes are to be the same within this."""
+SHAPE_TOLERANCE = 1e-6
+"""Tolerance of the places [m, rad] and sizes [m] of shapes."""
 
-AREA = 1e-3
-"""Areas of meshes, relatively: a file has single precision."""
+AREA_TOLERANCE = 1e-3
+"""Relative tolerance of mesh areas: files have single precision."""
 
 GROUPS: dict[Role, int] = {"visual": 2, "collision": 3}
-"""Viewers show groups 0 to 2."""
+"""Group of geoms by role: viewers show groups 0 to 2."""
 
-UNPAINTED = (0.5, 0.5, 0.5, 1.0)
-"""MuJoCo's colour of a geom without one."""
+DEFAULT_COLOUR = (0.5, 0.5, 0.5, 1.0)
+"""MuJoCo's colour of a geom without a colour."""
 
 KINDS = {BOX: "box", SPHERE: "sphere", CYLINDER: "cylinder", CAPSULE: "capsule", ELLIPSOID: "ellipsoid"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GeomShape:
-    """A geom as a `ReadShape`: MuJoCo does not say the file and the scale of a mesh, but its points: `bounds`
-    and `area`, as in `geometry.Shape`."""
+    """A geom in the form of a shape that was read. MuJoCo keeps the points of a mesh instead of its file and
+    scale, so that a mesh has bounds and an area."""
 
     kind: str
     size: tuple[float, ...]
@@ -76,60 +76,68 @@ class GeomShape:
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """Of a robot whose shapes are known."""
+    """Compares the shapes with the robot's; yields nothing if the robot's are unknown."""
     geometry, model = compiled.written.geometry, compiled.model
     if geometry is None or not geometry.shapes:
         return
-    every, expected = seen_and_solid(model), solids_by_link(geometry, _solids, compiled.held)
+    geoms_by_body, expected = seen_and_solid(model), solids_by_link(geometry, _solids, compiled.held)
     wrong: list[Finding] = []
-    more: list[Finding] = []
+    surplus_findings: list[Finding] = []
     for link in compiled.robot.links:
         body, place = body_index(model, link.name), body_from_link(compiled.robot, link.name)
         place = placed_by_site(model, link.name) @ place if body == 0 else place
-        for role, geoms in zip(ROLES, every.get(body, ((), ())), strict=True):
-            wanted = [
-                replace(one, link_from_shape=place @ one.link_from_shape)
-                for one in expected.get((link.name, role), ())
+        for role, geoms in zip(ROLES, geoms_by_body.get(body, ((), ())), strict=True):
+            expected_shapes = [
+                replace(shape, link_from_shape=place @ shape.link_from_shape)
+                for shape in expected.get((link.name, role), ())
             ]
-            added = _added(compiled, wanted, geoms)
-            more += [_more(model, link.name, role, geom) for geom in added]
-            kept = [geom for geom in geoms if geom not in added]
-            wrong += _differences(compiled, link.name, role, wanted, kept)
+            added = _added_geoms(compiled, expected_shapes, geoms)
+            surplus_findings += [_surplus(model, link.name, role, geom) for geom in added]
+            expected_geoms = [geom for geom in geoms if geom not in added]
+            wrong += _differences(compiled, link.name, role, expected_shapes, expected_geoms)
     total = count(len(geometry.shapes), "shape")
     detail = f"{total} in place, of their size and colour"
-    if wrong or more:
-        says = [f"{len(wrong)} of {total} not as the robot has them"] if wrong else []
-        says += [f"{len(more)} more than the robot has: {more[0].element}"] if more else []
-        detail = "; ".join(says)
-    yield compiled.within("shapes", float(len(wrong) + len(more)), 0.0, detail, (*more, *wrong))
+    if wrong or surplus_findings:
+        texts = [f"{len(wrong)} of {total} not as the robot has them"] if wrong else []
+        texts += (
+            [f"{len(surplus_findings)} more than the robot has: {surplus_findings[0].element}"]
+            if surplus_findings
+            else []
+        )
+        detail = "; ".join(texts)
+    yield compiled.within(
+        "shapes", float(len(wrong) + len(surplus_findings)), 0.0, detail, (*surplus_findings, *wrong)
+    )
 
 
 def _solids(shape: Shape) -> Iterator[WrittenShape]:
-    """An ellipsoid is one in an MJCF."""
-    own = shape if shape.ellipsoid is None else replace(shape, primitive=shape.ellipsoid, file=None)
-    yield solid_of(own)
+    """Yields the expected geom of a shape: MJCF has all primitives, ellipsoids too."""
+    solid = shape if shape.ellipsoid is None else replace(shape, primitive=shape.ellipsoid, file=None)
+    yield solid_of(solid)
 
 
-def _more(model: Any, link: str, role: Role, geom: int) -> Finding:
+def _surplus(model: Any, link: str, role: Role, geom: int) -> Finding:
     text = f"is a {role} shape more than the robot's {named('body', link)} has"
     return Finding(named_geom(model, geom, link), "geom", text)
 
 
-def _added(compiled: CompiledModel, wanted: Sequence[WrittenShape], geoms: Sequence[int]) -> list[int]:
-    """The geoms that a body has more than the robot, wherever in their order they stand: those without which
-    the others fit. None where the user's own XML changes the file: what that adds comes last."""
-    more = len(geoms) - len(wanted)
-    if more <= 0 or compiled.written.amendments.of(compiled.path.name):
+def _added_geoms(
+    compiled: CompiledModel, expected: Sequence[WrittenShape], geoms: Sequence[int]
+) -> list[int]:
+    """Returns the geoms that a body has in addition to the robot's, wherever they are in the order: without
+    them the rest fits. Returns none if the user's own XML changes the file, since its geoms come last."""
+    surplus_count = len(geoms) - len(expected)
+    if surplus_count <= 0 or compiled.written.amendments.of(compiled.path.name):
         return []
     added: list[int] = []
     at = 0
     for geom in geoms:
 
         def fits(other: int, place: int = at) -> bool:
-            return place < len(wanted) and not any(_form(compiled.model, "", wanted[place], other))
+            return place < len(expected) and not any(_form(compiled.model, "", expected[place], other))
 
-        later = at >= len(wanted) or any(fits(other) for other in geoms if other > geom)
-        if fits(geom) or len(added) == more or not later:
+        later = at >= len(expected) or any(fits(other) for other in geoms if other > geom)
+        if fits(geom) or len(added) == surplus_count or not later:
             at += 1
         else:
             added.append(geom)
@@ -137,35 +145,36 @@ def _added(compiled: CompiledModel, wanted: Sequence[WrittenShape], geoms: Seque
 
 
 def _differences(
-    compiled: CompiledModel, link: str, role: Role, wanted: Sequence[WrittenShape], geoms: Sequence[int]
+    compiled: CompiledModel, link: str, role: Role, expected: Sequence[WrittenShape], geoms: Sequence[int]
 ) -> Iterator[Finding]:
-    """What the user's own XML adds to a body comes after what is the robot's own."""
+    """Compares the first geoms of a body. Geoms that the user's own XML adds come after the robot's."""
     model = compiled.model
-    if len(geoms) < len(wanted):
-        text = f"{link} has {count(len(geoms), f'{role} shape')} of {len(wanted)}"
+    if len(geoms) < len(expected):
+        text = f"{link} has {count(len(geoms), f'{role} shape')} of {len(expected)}"
         yield Finding(named("body", link), "geom", text)
         return
-    for one, geom in zip(wanted, geoms, strict=False):
+    for shape, geom in zip(expected, geoms, strict=False):
         element, group = named_geom(model, geom, link), int(model.geom_group[geom])
-        yield from _form(model, element, one, geom)
+        yield from _form(model, element, shape, geom)
         if group != GROUPS[role] and not compiled.sets("group"):
             yield differs(element, "group", group, GROUPS[role])
         if role == "visual" and not compiled.recolours:
-            yield from look_differs(element, WORDS.colour, _read(model, geom), one)
+            yield from look_differs(element, ATTRIBUTE_NAMES.colour, _read(model, geom), shape)
 
 
-def _form(model: Any, element: str, wanted: WrittenShape, geom: int) -> Iterator[Finding]:
+def _form(model: Any, element: str, expected: WrittenShape, geom: int) -> Iterator[Finding]:
     shape = _read(model, geom)
-    found = list(form_differs(element, "", shape, wanted, WORDS, SAME))
-    yield from found
-    if found or wanted.kind != "mesh":
+    findings = list(form_differs(element, "", shape, expected, ATTRIBUTE_NAMES, SHAPE_TOLERANCE))
+    yield from findings
+    if findings or expected.kind != "mesh":
         return
-    if abs(shape.area - wanted.area) > AREA * wanted.area:
-        times = (shape.area / wanted.area) ** 0.5 if wanted.area else float("inf")
-        text = f"has an area of {shape.area:.4g} m², not {wanted.area:.4g}: {times:.4g} times as long"
-        yield Finding(element, WORDS.file, text)
-    elif wanted.bounds:
-        yield from bounds_differ(element, WORDS.file, shape.bounds, wanted)
+    if abs(shape.area - expected.area) > AREA_TOLERANCE * expected.area:
+        times = (shape.area / expected.area) ** 0.5 if expected.area else float("inf")
+        areas = f"has an area of {shape.area:.4g} m², not {expected.area:.4g}"
+        text = f"{areas}: its lengths are {times:.4g} times as long"
+        yield Finding(element, ATTRIBUTE_NAMES.file, text)
+    elif expected.bounds:
+        yield from bounds_differ(element, ATTRIBUTE_NAMES.file, shape.bounds, expected)
 
 
 def _read(model: Any, geom: int) -> GeomShape:
@@ -178,19 +187,19 @@ def _read(model: Any, geom: int) -> GeomShape:
         return GeomShape(KINDS[kind], sizes.get(kind, (half[0], full[1])), place, *look)
     mesh = int(model.geom_dataid[geom])
     # MuJoCo moves each mesh to its own centre and axes, and the geom with it.
-    own = placed(model.mesh_quat[mesh], model.mesh_pos[mesh])
-    corners = vertices(model, geom) @ own[:3, :3].T + own[:3, 3]
+    from_mesh = placed(model.mesh_quat[mesh], model.mesh_pos[mesh])
+    corners = vertices(model, geom) @ from_mesh[:3, :3].T + from_mesh[:3, 3]
     bounds = (*map(float, corners.min(axis=0)), *map(float, corners.max(axis=0)))
-    return GeomShape("mesh", (), place @ inverse(own), *look, bounds, area(model, geom))
+    return GeomShape("mesh", (), place @ inverse(from_mesh), *look, bounds, area(model, geom))
 
 
 def _look(model: Any, geom: int) -> tuple[tuple[float, ...], str]:
-    """The colour of a geom, and the name of its image's file, "" for none: those of its material, but for a
-    colour of its own."""
-    own, material = model.geom_rgba[geom], int(model.geom_matid[geom])
+    """Returns the colour of a geom and the name of its image's file ("" without an image). They are those of
+    the material, unless the geom has its own colour."""
+    rgba, material = model.geom_rgba[geom], int(model.geom_matid[geom])
     if material < 0:
-        return tuple(own), ""
-    colour = tuple(model.mat_rgba[material] if np.allclose(own, UNPAINTED) else own)
+        return tuple(rgba), ""
+    colour = tuple(model.mat_rgba[material] if np.allclose(rgba, DEFAULT_COLOUR) else rgba)
     texture = int(model.mat_texid[material][mujoco.mjtTextureRole.mjTEXROLE_RGB])
     if texture < 0:
         return colour, ""

@@ -1,22 +1,22 @@
-"""Checks of the mechanism: links, joints, masses, motion, relations, loops.
+"""Checks the mechanism: links, joints, masses, motion, relations and loops.
 
-- closed_at_start: A fresh simulation starts with its loops closed: at qpos0 every equality of an MJCF holds.
-- hinge_axes: The axis of each hinge passes near what it joins: one that misses both links by far was drawn,
-  or edited, at another place.
-- inertial: The inertial of each body can be that of its shapes.
-- joints: Type, limits, effort and dynamics of each joint; nothing else acts on it.
-- links_and_joints: Every link and joint is there by name, and no other degree of freedom.
-- loops: An MJCF closes the robot's loops: the right equalities, between the right bodies, at the right
+- closed_at_start: Checks that a simulation starts with its loops closed: every equality of an MJCF holds at
+  qpos0.
+- hinge_axes: Checks that the axis of each hinge passes near the links that it joins.
+- inertial: Checks that the mass, centre of mass and inertia of each body are plausible for its shapes.
+- joints: Checks the type, limits, effort and dynamics of each joint, and that nothing else acts on it.
+- links_and_joints: Checks that every link and joint exists by name, and that there are no further degrees of
+  freedom.
+- loops: Checks that an MJCF closes the robot's loops by the right equalities, between the right bodies and
   frames.
-- mass_ratio: No body is thousands of times heavier than its neighbour, and none weighs next to nothing by
+- mass_ratio: Checks that no body is thousands of times heavier than its neighbour, or nearly massless by
   accident.
-- masses: Mass, centre of mass and inertia of each link are those of its parts in CAD.
-- motion: The model moves as the robot does: links and frames at configurations spread over the dofs' values.
-- parity: Every format is the robot in motion: at seeded random poses within limits each engine finds in a
-  file the poses, the mass matrix and the forces that the robot's own kinematics and dynamics have.
-- placement: The robot stands where the build put it: its root, and the free base in each keyframe.
-- poses: At the saved configuration every part is where CAD's occurrence has it.
-- relations: Each relation of two joints is there, with its numbers, and no other.
-- urdf_shapes: Each link of a URDF has the shapes of the robot: as many, of their files and sizes, where they
-  must be.
+- masses: Checks that the mass, centre of mass and inertia of each link are those of its parts in CAD.
+- motion: Checks that the model moves as the robot does, by its links and frames at spread values of the dofs.
+- parity: Checks that every format moves as the robot does: that engines compute the robot's own kinematics
+  and dynamics from each file.
+- placement: Checks that the robot is where the build put it: its root, and the free base in each keyframe.
+- poses: Checks that every part is where CAD's occurrence has it, at the saved configuration.
+- relations: Checks that the relations of joints are the robot's, with their numbers.
+- urdf_shapes: Checks that each link of a URDF has the robot's shapes: their number, files, sizes and poses.
 """

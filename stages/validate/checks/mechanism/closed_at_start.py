@@ -1,4 +1,4 @@
-"""A fresh simulation starts with its loops closed: at qpos0 every equality of an MJCF holds."""
+"""Checks that a simulation starts with its loops closed: every equality of an MJCF holds at qpos0."""
 
 from collections.abc import Iterator
 
@@ -7,7 +7,7 @@ import mujoco
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.compiled import CompiledModel
-from linkwright.stages.validate.model.equalities import CLOSED, open_equalities, violation
+from linkwright.stages.validate.model.equalities import LOOP_TOLERANCE, open_equalities, violation
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
@@ -18,5 +18,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     robot = compiled.robot
     parts = f"{count(len(robot.loops), 'loop')} and {count(len(robot.relations), 'relation')}"
     detail = f"{parts} at qpos0, distance from closed [m, rad]"
-    found = open_equalities(compiled.model, data)
-    yield compiled.within("closed at qpos0", violation(compiled.model, data), CLOSED, detail, found)
+    equalities = open_equalities(compiled.model, data)
+    yield compiled.within(
+        "closed at qpos0", violation(compiled.model, data), LOOP_TOLERANCE, detail, equalities
+    )

@@ -1,5 +1,5 @@
-"""The axis of each hinge passes near what it joins: one that misses both links by far was drawn, or edited,
-at another place."""
+"""Checks that the axis of each hinge passes near the links that it joins. An axis that misses both by far was
+drawn, or edited, at another place."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -16,19 +16,19 @@ from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.model.coordinates import HINGE
 from linkwright.stages.validate.model.shapes import reach, seen_and_solid
 
-SHARE = 0.5
-"""Of the extent of the smaller link: how far the axis may be outside both."""
+MAX_SHARE = 0.5
+"""Largest distance of the axis from both links, as a share of the extent of the smaller link."""
 
-AROUND = 48
-"""Directions about the axis in which the hulls of the links are measured."""
+DIRECTIONS = 48
+"""Number of directions about the axis in which the hulls of the links are measured."""
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """Of hinges between links that both have shapes."""
+    """Checks the hinges between two links with shapes."""
     model = compiled.model
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-    # A link's colliders have few vertices, and reach as far as what is seen of it.
+    # Colliders reach as far as the visual shapes, but have few vertices, which takes less time.
     geoms = {body: solid or seen for body, (seen, solid) in seen_and_solid(model).items()}
     findings, worst, hinges = [], 0.0, 0
     for joint in range(model.njnt):
@@ -40,40 +40,41 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         away = min(_distance(model, data, joint, body, geoms[body]) for body in (child, parent))
         extent = min(_extent(model, geoms[body]) for body in (child, parent))
         worst = max(worst, away / extent if extent else 0.0)
-        if away > SHARE * extent:
+        if away > MAX_SHARE * extent:
             name, links = model.joint(joint).name, [model.body(body).name for body in (parent, child)]
             text = f"the axis of {name} passes {1e3 * away:.3g} mm outside {links[0]} and {links[1]}"
             findings.append((-away, Finding(named("joint", name), "pos", text)))
     if not hinges:
         return
-    found = [one for _, one in sorted(findings, key=lambda pair: pair[0])]
-    detail = f"the axes of {count(hinges, 'hinge')} pass through what they join, or near it"
-    if found:
-        detail = f"{len(found)} of {count(hinges, 'hinge')} with an axis that misses both links"
-    yield compiled.result("axes of hinges", not found, detail, worst, SHARE, found, "warning")
+    misses = [finding for _, finding in sorted(findings, key=lambda row: row[0])]
+    detail = f"the axes of {count(hinges, 'hinge')} pass through the links that they join, or near them"
+    if misses:
+        detail = f"{len(misses)} of {count(hinges, 'hinge')} with an axis that misses both links"
+    yield compiled.result("axes of hinges", not misses, detail, worst, MAX_SHARE, misses, "warning")
 
 
 def _distance(model: Any, data: Any, joint: int, body: int, geoms: Sequence[int]) -> float:
-    """How far a joint's axis is outside the convex hull of a body's geoms [m], 0 where it passes through."""
+    """Returns the distance [m] of a joint's axis from the convex hull of a body's geoms, 0 if it passes
+    through."""
     world_from_body = data.xmat[body].reshape(3, 3)
     anchor = world_from_body.T @ (data.xanchor[joint] - data.xpos[body])
     across = _around(world_from_body.T @ data.xaxis[joint])
-    # Seen along the axis the hull is where, in each direction, it reaches beyond the point that the axis is.
+    # Seen along the axis, the hull holds the axis' point if it reaches beyond it in each direction.
     return max(0.0, -float((reach(model, geoms, across) - across @ anchor).min()))
 
 
 def _around(axis: Array) -> Array:
-    """Unit vectors (N, 3) across an axis."""
-    some = np.eye(3)[int(np.abs(axis).argmin())]
-    first = np.cross(axis, some)
+    """Returns unit vectors (N, 3) perpendicular to an axis."""
+    across = np.eye(3)[int(np.abs(axis).argmin())]
+    first = np.cross(axis, across)
     first /= np.linalg.norm(first)
     second = np.cross(axis, first)
-    turns = np.arange(AROUND) * (2.0 * math.pi / AROUND)
+    turns = np.arange(DIRECTIONS) * (2.0 * math.pi / DIRECTIONS)
     return np.asarray(np.outer(np.cos(turns), first) + np.outer(np.sin(turns), second))
 
 
 def _extent(model: Any, geoms: Sequence[int]) -> float:
-    """The diagonal of the box around a body's geoms [m]."""
+    """Returns the diagonal of the box around a body's geoms [m]."""
     along = np.concatenate([np.eye(3), -np.eye(3)])
     reaches = reach(model, geoms, along)
     return float(np.linalg.norm(reaches[:3] + reaches[3:]))

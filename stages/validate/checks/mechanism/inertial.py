@@ -1,4 +1,4 @@
-"""The inertial of each body can be that of its shapes."""
+"""Checks that the mass, centre of mass and inertia of each body are plausible for its shapes."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -13,12 +13,14 @@ from linkwright.stages.validate.model.poses import rotation
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """None where no body has both a mass and a shape."""
-    bodies = (_body(compiled.model, body) for body in range(1, compiled.model.nbody))
-    return inertials.checks(compiled.path.name, (body for body in bodies if body is not None))
+    """Checks the bodies that have both a mass and a shape."""
+    # Body 0 is the world.
+    shaped = (_shaped_inertial(compiled.model, body) for body in range(1, compiled.model.nbody))
+    return inertials.checks(compiled.path.name, (inertial for inertial in shaped if inertial is not None))
 
 
-def _body(model: Any, body: int) -> ShapedInertial | None:
+def _shaped_inertial(model: Any, body: int) -> ShapedInertial | None:
+    """Returns the inertial and the shapes of a body; None without a shape."""
     shapes = extents(model, body)
     if shapes is None:
         return None
@@ -29,6 +31,7 @@ def _body(model: Any, body: int) -> ShapedInertial | None:
         moments=model.body_inertia[body],
         axes=rotation(model.body_iquat[body]),
         shapes=shapes,
+        # Bodies that are welded to the world do not move.
         moves=bool(model.body_weldid[body]),
         places={
             "inertia": (element, "inertial diaginertia"),

@@ -1,5 +1,7 @@
-"""An MJCF closes the robot's loops: the right equalities, between the right bodies, at the right frames. A
-URDF, which closes some by its relations alone, has a link for each of the two frames that must meet."""
+"""Checks that an MJCF closes the robot's loops by the right equalities, between the right bodies and frames.
+
+A URDF can close loops only by its relations. It has a link for each of the two frames that must meet.
+"""
 
 import math
 from collections import Counter
@@ -17,17 +19,17 @@ from linkwright.stages.robot.motion.loops import CLOSED, gap
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import few, named, shown
-from linkwright.stages.validate.model.coordinates import every_saved, link_pose, set_values
-from linkwright.stages.validate.model.equalities import bodies, ends, held_differences
+from linkwright.stages.validate.model.coordinates import link_pose, saved_values, set_values
+from linkwright.stages.validate.model.equalities import bodies, ends, solver_differences
 from linkwright.stages.validate.read.compiled import read_compiled
 from linkwright.stages.validate.same.loops import loops
 
 POSES = 9
-"""Poses at which a URDF's loops are looked at."""
+"""Number of poses at which a URDF's loops are checked."""
 
 CONNECT, WELD = int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD)
 POINTS = {"revolute": (CONNECT, 2), "ball": (CONNECT, 1)}
-"""Type of loop → its equalities (kind, number); every other loop has one weld."""
+"""Type of loop → its equalities (kind, number). Loops of other types have a single weld."""
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
@@ -37,7 +39,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         yield from loops(read_compiled(compiled), "frames of loops")
         return
     robot, model = compiled.robot, compiled.model
-    found = Counter(
+    closures = Counter(
         (int(kind), bodies(model, index))
         for index, kind in enumerate(model.eq_type[: model.neq - compiled.surplus.equalities])
         if int(kind) in (CONNECT, WELD)
@@ -46,7 +48,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     for loop in robot.loops:
         kind, number = POINTS.get(loop.type, (WELD, 1))
         expected[kind, frozenset(ends(model, loop))] += number
-    wrong = sum((found - expected).values()) + sum((expected - found).values())
+    wrong = sum((closures - expected).values()) + sum((expected - closures).values())
     detail = f"{count(len(robot.loops), 'loop')}, each closed between its links by the equalities of its type"
     findings = few(_equalities(compiled)) if wrong else ()
     yield compiled.within("loops", float(wrong), 0.0, detail, findings)
@@ -56,23 +58,25 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
 
 
 def _equalities(compiled: CompiledModel) -> Iterator[Finding]:
-    """The loops that too few equalities close, and the equalities that close none."""
-    model, known = compiled.model, []
-    every = range(model.neq - compiled.surplus.equalities)
-    own = [index for index in every if int(model.eq_type[index]) in (CONNECT, WELD)]
+    """Yields the loops with too few equalities, and the equalities that close no loop."""
+    model, matched = compiled.model, []
+    indices = range(model.neq - compiled.surplus.equalities)
+    equalities = [index for index in indices if int(model.eq_type[index]) in (CONNECT, WELD)]
     for loop in compiled.robot.loops:
         kind, number = POINTS.get(loop.type, (WELD, 1))
         between = frozenset(ends(model, loop))
         fit = [
-            index for index in own if int(model.eq_type[index]) == kind and between == bodies(model, index)
+            index
+            for index in equalities
+            if int(model.eq_type[index]) == kind and between == bodies(model, index)
         ]
-        known += fit
+        matched += fit
         if len(fit) != number:
             element = named("weld" if kind == WELD else "connect", loop.name)
             message = f"{len(fit)} of the {number} that close {loop.link_a} and {loop.link_b} are there"
             yield Finding(element, "site1, site2", message)
-    for index in own:
-        if index not in known:
+    for index in equalities:
+        if index not in matched:
             element = named(_kind(model, index), model.equality(index).name)
             names = " and ".join(model.body(body).name for body in sorted(bodies(model, index)))
             message = f"is between {names}, where the robot has no loop that it closes"
@@ -80,24 +84,24 @@ def _equalities(compiled: CompiledModel) -> Iterator[Finding]:
 
 
 def _held_fast(compiled: CompiledModel) -> Check:
-    """What closes the loops is active, and as stiff as the robot has it."""
-    robot, model, found = compiled.robot, compiled.model, []
-    own = (robot.mjcf or NO_EXTRAS).attributes_of("equality")
+    """Checks that the equalities of loops are active, and as stiff as the robot's."""
+    robot, model, findings = compiled.robot, compiled.model, []
+    by_source = (robot.mjcf or NO_EXTRAS).attributes_of("equality")
     for index, loop in _closing(compiled):
         element = named(_kind(model, index), model.equality(index).name)
         if not model.eq_active0[index] and not compiled.sets("active"):
-            found.append(Finding(element, "active", f"is false: the loop {loop.name} is open"))
-        found += held_differences(compiled, index, element, loop.solref, own.get(loop.name))
+            findings.append(Finding(element, "active", f"is false: the loop {loop.name} is open"))
+        findings += solver_differences(compiled, index, element, loop.solref, by_source.get(loop.name))
     detail = (
         f"{count(len(robot.loops), 'loop')}, held by equalities that are active and as stiff as they must be"
     )
-    if found:
-        detail = f"held too loosely: {', '.join(dict.fromkeys(one.element for one in found))}"
-    return compiled.within("loops are held", float(len(found)), 0.0, detail, few(found))
+    if findings:
+        detail = f"held too loosely: {', '.join(dict.fromkeys(finding.element for finding in findings))}"
+    return compiled.within("loops are held", float(len(findings)), 0.0, detail, few(findings))
 
 
 def _closing(compiled: CompiledModel) -> Iterator[tuple[int, Loop]]:
-    """The equalities between the bodies of loops, each with its loop."""
+    """Yields the equalities between the bodies of loops, each with its loop."""
     model = compiled.model
     pairs = {frozenset(ends(model, loop)): loop for loop in compiled.robot.loops}
     for index in range(model.neq - compiled.surplus.equalities):
@@ -110,14 +114,15 @@ def _kind(model: Any, index: int) -> str:
 
 
 def _closed_by_relations(compiled: CompiledModel) -> Check:
-    """How far the loops are open where drivers are within their limits and followers follow."""
+    """Measures how far the loops are open with drivers within their limits and followers at their
+    relations."""
     robot, model = compiled.robot, compiled.model
     data = mujoco.MjData(model)
     limits = ranges(robot)
     closed = [loop for loop in robot.loops if loop.name in compiled.written.urdf_form.closed]
-    worst, where = 0.0, ""
+    worst, worst_loop = 0.0, ""
     for share in np.linspace(0.0, 1.0, POSES):
-        q = every_saved(robot)
+        q = saved_values(robot)
         for relation in robot.relations:
             q[relation.driver] = _between(limits[relation.driver], q[relation.driver], float(share))
         for relation in robot.relations:
@@ -126,18 +131,20 @@ def _closed_by_relations(compiled: CompiledModel) -> Check:
             q[relation.follower] = relation.multiplier * driver + relation.offset
         set_values(model, data, robot, q, urdf=True)
         poses = {link.name: link_pose(model, data, robot, link.name) for link in robot.links}
-        worst, where = max((worst, where), *((gap(loop, poses), loop.name) for loop in closed))
+        worst, worst_loop = max((worst, worst_loop), *((gap(loop, poses), loop.name) for loop in closed))
     allowed = max(CLOSED, *(2 * loop.residual for loop in closed))
-    detail = f"loops that mimic joints close, over the range of their drivers [m, rad]; worst: {where}"
-    found = [
-        Finding(named("joint", one.follower), "mimic", f"{where} is open by {shown(worst)} m or rad")
-        for one in robot.relations
+    detail = f"loops that mimic joints close, over the range of their drivers [m, rad]; worst: {worst_loop}"
+    findings = [
+        Finding(
+            named("joint", relation.follower), "mimic", f"{worst_loop} is open by {shown(worst)} m or rad"
+        )
+        for relation in robot.relations
     ]
-    return compiled.within("loops", worst, allowed, detail, few(found))
+    return compiled.within("loops", worst, allowed, detail, few(findings))
 
 
 def _between(ends: tuple[float, float], near: Value, share: float) -> Value:
-    """A value of a range; without limits within 0.5 rad or m of one."""
+    """Returns the value at a share of a range; without limits, a value within 0.5 rad or m of `near`."""
     assert not isinstance(near, tuple)
     low, high = (
         end if math.isfinite(end) else near + side for end, side in zip(ends, (-0.5, 0.5), strict=True)

@@ -1,4 +1,4 @@
-"""The model moves as the robot does: links and frames at configurations spread over the dofs' values."""
+"""Checks that the model moves as the robot does, by its links and frames at spread values of the dofs."""
 
 from linkwright.stages.validate.read.compiled import compared
 from linkwright.stages.validate.same.motion import motion

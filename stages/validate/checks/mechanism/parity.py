@@ -1,9 +1,10 @@
-"""Every format is the robot in motion: at seeded random poses within limits each engine finds in a file the
-poses, the mass matrix and the forces that the robot's own kinematics and dynamics have.
+"""Checks that every format moves as the robot does: that engines compute the robot's own kinematics and
+dynamics from each file.
 
-So the formats agree with each other too. What is not compared: armature, which is no part of the mechanism;
-the speeds of balls and of free motion, which formats count differently; in an MJCF all but the poses where a
-loop has a carrier, which has a share of a link's mass.
+Compared are poses, mass matrices and forces, at seeded random poses within limits. So the formats agree with
+each other too. Not compared are armature, which is no part of the mechanism, and the speeds of balls and of
+free motion, which formats count differently. In an MJCF with a loop's carrier, which has a share of a link's
+mass, only the poses are compared.
 """
 
 import math
@@ -27,146 +28,167 @@ from linkwright.stages.validate.dynamics.mujoco_abilities import axes_error
 from linkwright.stages.validate.dynamics.random_poses import samples
 from linkwright.stages.validate.dynamics.tree_dynamics import Moving, PosedRobot, scalar_dofs
 from linkwright.stages.validate.findings import link, named, shown, worst_first
-from linkwright.stages.validate.model.coordinates import BY_EQUALITY, KINDS, WIDTH
+from linkwright.stages.validate.model.coordinates import BY_EQUALITY, DOFS_OF_TYPE, KINDS
 
-ALIKE = 1e-9
-"""Poses [m, rad, relative to the robot's size where that is above 1 m], matrices and forces [relative]."""
+TOLERANCE = 1e-9
+"""Tolerance of poses [m, rad; relative to the robot's size if it is above 1 m], and relative tolerance of
+matrices and forces."""
 
-SURELY = 8.0
-"""A sum of terms with signs at random is above so many times the root of their squares in 1 of 10^13."""
+MAX_DEVIATIONS = 8.0
+"""Largest sum of terms with random signs, in roots of the sum of their squares: it is exceeded in 1 of 10^13
+cases."""
 
-WEIGHS = frozenset({"body", "geom", "inertial", "link", "joint"})
-"""Elements of the user's own XML that may weigh something, or have what does."""
+ELEMENTS_WITH_MASS = frozenset({"body", "geom", "inertial", "link", "joint"})
+"""Elements of the user's own XML that may have a mass, or contain elements with mass."""
 
-ABSENT = f"Pinocchio is not installed ({install('pin')}), so that no second engine has read the URDF"
+ABSENT_NOTE = f"Pinocchio is not installed ({install('pin')}), so that no second engine has read the URDF"
 
-MOST_OF_PINOCCHIO = 100
-"""Dofs: Pinocchio's memory grows with their cube, to 32 GB for 1,000."""
+MAX_PINOCCHIO_DOFS = 100
+"""Largest number of dofs for Pinocchio, whose memory grows with their cube, to 32 GB for 1,000."""
 
-TOO_LARGE = f"Pinocchio is not asked of more than {MOST_OF_PINOCCHIO} dofs, whose cube its memory grows with"
+TOO_LARGE_NOTE = (
+    f"Pinocchio is skipped beyond {MAX_PINOCCHIO_DOFS} dofs, since its memory grows with their cube"
+)
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """Of a URDF in Pinocchio too, where that is installed."""
+    """Compares a file in MuJoCo, and a URDF also in Pinocchio if that is installed."""
     robot = compiled.robot
     values, speeds = samples(robot)
     if not values:
         return
     posed = PosedRobot(robot, values)
-    own = posed.diagonal()
-    vectors = probes(own)
-    found, up = in_mujoco(compiled.model, robot, values, speeds, vectors, compiled.urdf)
+    diagonals = posed.diagonal()
+    vectors = probes(diagonals)
+    computed, up = in_mujoco(compiled.model, robot, values, speeds, vectors, compiled.urdf)
     expected = posed.moving(speeds, up, vectors)
     asks = compiled.urdf and installed()
-    large = sum(WIDTH[KINDS[dof.kind]] for dof in robot.dofs) > MOST_OF_PINOCCHIO
-    note = "" if asks or not compiled.urdf else f"; {ABSENT}"
-    note = f"; {TOO_LARGE}" if asks and large else note
-    turned = _turned(robot) if compiled.urdf else 0.0
-    yield _compared(compiled, "MuJoCo", found, expected, Inertias(own, vectors, turned), note)
+    large = sum(DOFS_OF_TYPE[KINDS[dof.kind]] for dof in robot.dofs) > MAX_PINOCCHIO_DOFS
+    note = "" if asks or not compiled.urdf else f"; {ABSENT_NOTE}"
+    note = f"; {TOO_LARGE_NOTE}" if asks and large else note
+    axes_change = _axes_change(robot) if compiled.urdf else 0.0
+    yield _parity_check(
+        compiled, "MuJoCo", computed, expected, Inertias(diagonals, vectors, axes_change), note
+    )
     if asks and not large:
         read = in_pinocchio(compiled.path.read_bytes(), robot, values, speeds)
         upright = np.tile([0.0, 0.0, 9.81], (len(up), 1))
         expected = replace(expected, gravity=posed.gravity(upright))
-        yield _compared(compiled, "Pinocchio", read, expected, Inertias(own, None, 0.0), "")
+        yield _parity_check(compiled, "Pinocchio", read, expected, Inertias(diagonals, None, 0.0), "")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Inertias:
-    """`own`: the diagonals (n, k) of the mass matrices; `vectors`: as `probes` has them; `turned`: what the
-    engine's own axes of inertias may change in an entry of the mass matrix [kg m²]."""
+    """The scale and the tolerance of the comparison of mass matrices."""
 
     own: Array
+    """The diagonals (n, k) of the mass matrices."""
+
     vectors: Array | None
-    turned: float
+    """The vectors that `probes` returns."""
+
+    axes_change: float
+    """The largest change [kg m²] of an entry of the mass matrix by the engine's own axes of inertias."""
 
 
-def _compared(
-    compiled: CompiledModel, engine: str, found: Moving, expected: Moving, inertias: Inertias, note: str
+def _parity_check(
+    compiled: CompiledModel, engine: str, computed: Moving, expected: Moving, inertias: Inertias, note: str
 ) -> Check:
     robot, urdf = compiled.robot, compiled.urdf
-    off = _poses_off(found.poses, expected.poses)
-    most = {"poses": max(off.values())}
+    pose_errors = _pose_errors(computed.poses, expected.poses)
+    largest = {"poses": max(pose_errors.values())}
     findings = [
         (value, Finding(link(name, urdf), "origin" if urdf else "pos", f"its pose is off by {shown(value)}"))
-        for name, value in off.items()
-        if not value <= ALIKE
+        for name, value in pose_errors.items()
+        if not value <= TOLERANCE
     ]
     carried = not urdf and any(loop.type not in BY_EQUALITY for loop in robot.loops)
     changes = compiled.written.amendments.of(compiled.path.name)
-    added = [one.key for one in changes if WEIGHS & {*" ".join(one.adds).split()}]
+    added = [change.key for change in changes if ELEMENTS_WITH_MASS & {*" ".join(change.adds).split()}]
     names = [dof.name for dof in scalar_dofs(robot)]
     weight = 9.81 * math.sqrt(sum(link.inertial.mass for link in robot.links))
-    speck = inertias.turned + (_specks(robot, expected) if urdf else 0.0)
+    speck = inertias.axes_change + (_specks(robot, expected) if urdf else 0.0)
     forces = (
-        _forces_off(found, expected, inertias, weight, speck) if names and not carried and not added else {}
+        _force_errors(computed, expected, inertias, weight, speck)
+        if names and not carried and not added
+        else {}
     )
     for quantity, values in forces.items():
-        most[quantity] = float(values.max())
+        largest[quantity] = float(values.max())
         for name, value in zip(names, values, strict=True):
-            if not value <= ALIKE:
+            if not value <= TOLERANCE:
                 message = f"{quantity} of what it moves is off by {shown(value)}"
                 findings.append((float(value), Finding(named("joint", name), "inertial", message)))
-    figures = ", ".join(f"{quantity} {value:.1g}" for quantity, value in most.items())
-    left = f"{_left_out(robot, carried, added)}{note}"
-    detail = f"against the robot's own at {len(expected.bias)} poses: {figures}{left}"
-    worst = max(most.values())
-    return compiled.within(f"parity in {engine}", worst, ALIKE, detail, worst_first(findings))
+    figures = ", ".join(f"{quantity} {value:.1g}" for quantity, value in largest.items())
+    left_out = f"{_left_out(robot, carried, added)}{note}"
+    detail = f"against the robot's own at {len(expected.bias)} poses: {figures}{left_out}"
+    worst = max(largest.values())
+    return compiled.within(f"parity in {engine}", worst, TOLERANCE, detail, worst_first(findings))
 
 
-def _poses_off(found: Mapping[str, Array], expected: Mapping[str, Array]) -> dict[str, float]:
+def _pose_errors(computed: Mapping[str, Array], expected: Mapping[str, Array]) -> dict[str, float]:
     size = max(1.0, *(float(np.abs(pose[:, :3, 3]).max()) for pose in expected.values()))
-    return {name: float(np.abs(found[name] - pose).max()) / size for name, pose in expected.items()}
+    return {name: float(np.abs(computed[name] - pose).max()) / size for name, pose in expected.items()}
 
 
 def _specks(robot: Robot, expected: Moving) -> float:
-    """What the links that only a URDF has may add to an entry of the mass matrix [kg m²]: those between the
-    dofs of a joint, frames and both sides of loops have `SPECK` each."""
+    """Returns the inertia [kg m²] that the links which only a URDF has may add to an entry of the mass
+    matrix. Links between the dofs of a joint, frames and both sides of loops have `SPECK` each."""
     between = sum(len(names) for names in urdf_names(robot).between.values())
     number = between + len(robot.frames) + 2 * len(robot.loops)
     reach = max(float(np.abs(pose[:, :3, 3]).max()) for pose in expected.poses.values())
     return number * (float(SPECK.inertia.max()) + SPECK.mass * (1.0 + 3.0 * (2.0 * reach) ** 2))
 
 
-def _turned(robot: Robot) -> float:
-    """What the axes that MuJoCo finds of a URDF's tensors may change in an entry of the mass matrix [kg m²]:
-    the error of each tensor, along any two axes."""
+def _axes_change(robot: Robot) -> float:
+    """Returns the largest change [kg m²] of an entry of the mass matrix by the principal axes that MuJoCo
+    finds for a URDF's tensors: the sum of the errors of the tensors, along any two axes."""
     sizes = [float(np.abs(link.inertial.inertia).max()) for link in robot.links]
     return sum(3.0 * size * axes_error(size) for size in sizes if size)
 
 
-def _forces_off(
-    found: Moving, expected: Moving, inertias: Inertias, weight: float, speck: float
+def _force_errors(
+    computed: Moving, expected: Moving, inertias: Inertias, weight: float, speck: float
 ) -> dict[str, Array]:
-    """By quantity: the largest difference of each dof. Of the mass matrix relative to the two dofs' own
-    entries, but at least a millionth of the largest; of forces to the largest of them, but at least to what
-    the mass matrix alone makes: its entry, by a speed of 1, and the root of its entry times `weight`, which
-    is the root of the mass times gravity. Left out are `speck` of the mass matrix, and what
-    it makes of the gravity, at 9.81 m/s², and of the bias, at speeds of 1."""
-    own, vectors = own_sizes(inertias.own), inertias.vectors
-    largest = float(own.max(initial=0.0))
+    """Returns the largest relative difference of each dof, by quantity.
+
+    The mass matrix is compared relative to the two dofs' own entries, but at least to a millionth of the
+    largest. Forces are compared relative to the largest, but at least to those that the mass matrix implies:
+    for the bias its entry, at a speed of 1, and for gravity the root of its entry times `weight`, which is
+    the root of the mass times gravity. Differences of the mass matrix up to `speck` are ignored, and so is
+    their effect on gravity, at 9.81 m/s², and on the bias, at speeds of 1.
+    """
+    sizes, vectors = own_sizes(inertias.own), inertias.vectors
+    largest = float(sizes.max(initial=0.0))
     if vectors is None:
-        scale, least = own[:, :, None] * own[:, None, :], speck
+        scale, least = sizes[:, :, None] * sizes[:, None, :], speck
     else:
-        # The vectors are already divided by the dofs' own entries; what entries are off by adds up in a
-        # product as signs at random do.
-        scale = own[:, :, None] * math.sqrt(own.shape[1])
-        least = SURELY * speck * np.linalg.norm(vectors, axis=0)
-    off = np.maximum(np.abs(found.mass - expected.mass) - least, 0.0)
-    rows = {"mass matrix": (off / scale).max(axis=(0, 2))}
-    for name, one, other, least, left in (
-        ("gravity", found.gravity, expected.gravity, largest * weight, 9.81 * (speck - inertias.turned)),
-        ("bias", found.bias, expected.bias, largest**2, speck * own.shape[1] ** 2),
+        # The vectors are already divided by the dofs' own entries, and have random signs, so that the errors
+        # of entries add up like a random walk.
+        scale = sizes[:, :, None] * math.sqrt(sizes.shape[1])
+        least = MAX_DEVIATIONS * speck * np.linalg.norm(vectors, axis=0)
+    mass_errors = np.maximum(np.abs(computed.mass - expected.mass) - least, 0.0)
+    rows = {"mass matrix": (mass_errors / scale).max(axis=(0, 2))}
+    for name, forces, goals, least, ignored_error in (
+        (
+            "gravity",
+            computed.gravity,
+            expected.gravity,
+            largest * weight,
+            9.81 * (speck - inertias.axes_change),
+        ),
+        ("bias", computed.bias, expected.bias, largest**2, speck * sizes.shape[1] ** 2),
     ):
-        size = max(float(np.abs(other).max(initial=0.0)), least) or 1.0
-        rows[name] = np.maximum(np.abs(one - other) - left, 0.0).max(axis=0) / size
+        size = max(float(np.abs(goals).max(initial=0.0)), least) or 1.0
+        rows[name] = np.maximum(np.abs(forces - goals) - ignored_error, 0.0).max(axis=0) / size
     return rows
 
 
 def _left_out(robot: Robot, carried: bool, added: Sequence[str]) -> str:
     words = []
-    others = len(robot.dofs) - len(scalar_dofs(robot))
-    if others:
-        words.append(f"the speeds of {count(others, 'ball or free joint', 'balls and free joints')}")
+    unscalar = len(robot.dofs) - len(scalar_dofs(robot))
+    if unscalar:
+        words.append(f"the speeds of {count(unscalar, 'ball or free joint', 'balls and free joints')}")
     if not robot.base.fixed:
         words.append("the base, which is held")
     if added:

@@ -1,4 +1,4 @@
-"""The robot stands where the build put it: its root, and the free base in each keyframe."""
+"""Checks that the robot is where the build put it: its root, and the free base in each keyframe."""
 
 from collections.abc import Iterator, Sequence
 
@@ -10,13 +10,13 @@ from linkwright.stages.mujoco.state import keyframe_of
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.model.robot import Array
 from linkwright.stages.validate.compiled import CompiledModel
-from linkwright.stages.validate.findings import apart, few, link, named, place_differs, shown
-from linkwright.stages.validate.model.coordinates import CAD_ERROR, FREE, TURNS, distance, root_pose
+from linkwright.stages.validate.findings import few, link, named, offset_and_angle, pose_findings, shown
+from linkwright.stages.validate.model.coordinates import CAD_ERROR, FREE, ORIENTATIONS, distance, root_pose
 from linkwright.stages.validate.model.poses import placed
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """Of a robot whose scene is known."""
+    """Compares the placement; yields nothing if the robot's scene is unknown."""
     if compiled.written.scene is None:
         return
     expected, root = compiled.written.scene.world_from_root, compiled.robot.root.name
@@ -28,40 +28,42 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
 def _at_start(compiled: CompiledModel, root: str, expected: Array) -> Check:
     model, data = compiled.model, mujoco.MjData(compiled.model)
     mujoco.mj_kinematics(model, data)
-    found = root_pose(model, data, compiled.robot)
+    pose = root_pose(model, data, compiled.robot)
     body = body_index(model, root) > 0
     element = link(root, urdf=False) if body else named("site", root)
-    own = compiled.sets_of(f"{'body' if body else 'site'} {root}")
+    user_sets = compiled.sets_of(f"{'body' if body else 'site'} {root}")
     findings = [
-        one
-        for one in place_differs(element, found, expected, ("pos", "quat"), CAD_ERROR)
-        if not own & (TURNS if one.attribute == "quat" else {one.attribute})
+        finding
+        for finding in pose_findings(element, pose, expected, ("pos", "quat"), CAD_ERROR)
+        if not user_sets & (ORIENTATIONS if finding.attribute == "quat" else {finding.attribute})
     ]
-    value = distance(found, expected) if findings else 0.0
+    value = distance(pose, expected) if findings else 0.0
     detail = "the root against the pose that the build gave it [m, rad]"
     return compiled.within("placement", value, CAD_ERROR, detail, findings)
 
 
-def _in_keyframes(compiled: CompiledModel, root: str, every: Sequence[tuple[str, Array]]) -> Iterator[Check]:
-    """A free base is in every keyframe where the build put it."""
+def _in_keyframes(
+    compiled: CompiledModel, root: str, keyframes: Sequence[tuple[str, Array]]
+) -> Iterator[Check]:
+    """Compares the free base in every keyframe with the build's placement."""
     model, body = compiled.model, body_index(compiled.model, root)
     joint = int(model.body_jntadr[body]) if body > 0 and model.body_jntnum[body] else -1
     if joint < 0 or model.jnt_type[joint] != FREE:
         return
     at, worst, findings = int(model.jnt_qposadr[joint]), 0.0, []
-    for name, expected in every:
+    for name, expected in keyframes:
         key = keyframe_of(model, name)
         if key < 0:
             continue
         numbers = model.key_qpos[key][at : at + 7]
-        found = placed(numbers[3:], numbers[:3])
-        off, turn = apart(found, expected)
-        worst = max(worst, off, turn)
-        if not off <= CAD_ERROR:
-            words = f"puts {root} at {shown(found[:3, 3])}, expected {shown(expected[:3, 3])} [m]"
-            findings.append(Finding(named("key", name), "qpos", words))
-        if not turn <= CAD_ERROR:
-            words = f"turns {root} by {shown(np.degrees(turn))} degrees from the expected"
-            findings.append(Finding(named("key", name), "qpos", words))
+        pose = placed(numbers[3:], numbers[:3])
+        distance, angle = offset_and_angle(pose, expected)
+        worst = max(worst, distance, angle)
+        if not distance <= CAD_ERROR:
+            message = f"puts {root} at {shown(pose[:3, 3])}, expected {shown(expected[:3, 3])} [m]"
+            findings.append(Finding(named("key", name), "qpos", message))
+        if not angle <= CAD_ERROR:
+            message = f"turns {root} by {shown(np.degrees(angle))} degrees from the expected"
+            findings.append(Finding(named("key", name), "qpos", message))
     detail = "the free base in the keyframes against the pose that the build gave it [m, rad]"
     yield compiled.within("placement in keyframes", worst, CAD_ERROR, detail, few(findings))

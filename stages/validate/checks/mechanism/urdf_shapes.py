@@ -1,6 +1,7 @@
-"""Each link of a URDF has the shapes of the robot: as many, of their files and sizes, where they must be.
+"""Checks that each link of a URDF has the robot's shapes: their number, files, sizes and poses.
 
-By the text: to a reader of URDF a capsule is a cylinder and two balls, and a mesh is where its origin says.
+The check reads the file and not the compiled model, in which MuJoCo moves meshes. URDF has no capsule: it is
+written as a cylinder and two spheres.
 """
 
 from collections.abc import Iterator, Sequence
@@ -8,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from linkwright.stages.formats.meshes.gltf_conventions import SUFFIX
 from linkwright.stages.formats.urdf.model import UrdfShape
 from linkwright.stages.formats.urdf.parse import parse
 from linkwright.stages.formats.xml import parse as read_xml
@@ -25,53 +27,66 @@ from linkwright.stages.validate.same.shapes import (
     solids_by_link,
 )
 
-WORDS = ShapeWords("geometry", "mesh filename", "mesh scale", ("origin xyz", "origin rpy"), "material")
-"""What a URDF calls what a shape is."""
+ATTRIBUTE_NAMES = ShapeWords(
+    "geometry", "mesh filename", "mesh scale", ("origin xyz", "origin rpy"), "material"
+)
+"""URDF's names for the properties of a shape."""
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """Of a robot whose shapes are known."""
+    """Compares the shapes of a URDF with the robot's; yields nothing if the robot's are unknown."""
     geometry = compiled.geometry
     if geometry is None or not geometry.shapes:
         return
     try:
-        read = parse(compiled.path.read_bytes(), compiled.path.name)
+        urdf = parse(compiled.path.read_bytes(), compiled.path.name)
     except SourceError:
         return
-    expected = solids_by_link(geometry, _solids, compiled.held)
+    expected = solids_by_link(geometry.with_whole_visuals, _solids, compiled.held)
     if compiled.recolours:
-        expected = {key: [replace(one, colour=None) for one in every] for key, every in expected.items()}
-    found: list[Finding] = []
+        expected = {
+            key: [replace(solid, colour=None) for solid in solids] for key, solids in expected.items()
+        }
+    findings: list[Finding] = []
     total = 0
-    for one in read.links:
-        every: tuple[tuple[Role, Sequence[UrdfShape]], ...]
-        every = (("visual", one.visuals), ("collision", one.collisions))
-        for role, shapes in every:
-            wanted = expected.get((one.name, role), [])
-            total += len(wanted)
-            # What the user's own XML adds to a link comes after what is the robot's.
-            shapes = shapes[: len(wanted)] if compiled.written.amendments.of(compiled.path.name) else shapes
-            found += differences(link(one.name, urdf=True), role, shapes, wanted, WORDS)
-    found += _discarded(compiled)
+    for urdf_link in urdf.links:
+        by_role: tuple[tuple[Role, Sequence[UrdfShape]], ...]
+        by_role = (("visual", urdf_link.visuals), ("collision", urdf_link.collisions))
+        for role, shapes in by_role:
+            expected_shapes = expected.get((urdf_link.name, role), [])
+            total += len(expected_shapes)
+            # The shapes that the user's own XML adds to a link come after the robot's.
+            shapes = (
+                shapes[: len(expected_shapes)]
+                if compiled.written.amendments.of(compiled.path.name)
+                else shapes
+            )
+            findings += differences(
+                link(urdf_link.name, urdf=True), role, shapes, expected_shapes, ATTRIBUTE_NAMES
+            )
+    has_glb = any(solid.file.endswith(SUFFIX) for solids in expected.values() for solid in solids)
+    findings += _discardvisual(compiled, "true" if has_glb else "false")
     detail = f"{count(total, 'shape')} of the robot, with their files, sizes, places and colours"
-    yield compiled.within("shapes", float(len(found)), 0.0, detail, few(found))
+    yield compiled.within("shapes", float(len(findings)), 0.0, detail, few(findings))
 
 
 def _solids(shape: Shape) -> Iterator[WrittenShape]:
-    one, look = shape.primitive, (shape.colour, shape.texture or "")
-    if one is None or one.kind != "capsule":
+    primitive, colour_and_texture = shape.primitive, (shape.colour, shape.texture or "")
+    if primitive is None or primitive.kind != "capsule":
         yield solid_of(shape)
         return
     yield replace(solid_of(shape), kind="cylinder")
-    for end in (-one.size[1] / 2, one.size[1] / 2):
-        moved = np.eye(4)
-        moved[2, 3] = end
-        yield WrittenShape("sphere", one.size[:1], "", one.link_from_shape @ moved, *look)
+    for end in (-primitive.size[1] / 2, primitive.size[1] / 2):
+        cylinder_from_cap = np.eye(4)
+        cylinder_from_cap[2, 3] = end
+        link_from_cap = primitive.link_from_shape @ cylinder_from_cap
+        yield WrittenShape("sphere", primitive.size[:1], "", link_from_cap, *colour_and_texture)
 
 
-def _discarded(compiled: CompiledModel) -> Iterator[Finding]:
-    """MuJoCo drops the visuals of a URDF unless it is told not to."""
+def _discardvisual(compiled: CompiledModel, expected: str) -> Iterator[Finding]:
+    """Yields a finding if the `discardvisual` of the URDF is not `expected`. By default MuJoCo discards the
+    visuals of a URDF; visuals in GLB files must be discarded, since MuJoCo cannot read them."""
     compiler = read_xml(compiled.path.read_bytes()).find("mujoco/compiler")
-    word = "none" if compiler is None else compiler.get("discardvisual", "true")
-    if word != "false" and "discardvisual" not in compiled.sets_of("compiler"):
-        yield differs("compiler", "discardvisual", word, "false")
+    value = "none" if compiler is None else compiler.get("discardvisual", "true")
+    if value != expected and "discardvisual" not in compiled.sets_of("compiler"):
+        yield differs("compiler", "discardvisual", value, expected)

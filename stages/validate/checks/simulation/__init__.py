@@ -1,15 +1,15 @@
-"""Checks of the robot as it is simulated.
+"""Checks the robot in simulations.
 
-- control_noise: The model stays whole under noise over the full range of every control: the search of a
-  learning policy.
-- energy: The robot keeps its energy where nothing takes any: its masses, inertias and joints make one
-  mechanism.
-- gravity_compensation: No weight is taken off the robot but what its actuators carry.
-- rest: With the controls of `home`, the robot stays there: its actuators hold it, and it does not fall over.
-- time_step: The model stays whole from `home` at half its time step, and at double: it does not owe that to
-  its step.
-- torque: Each joint holds the robot's weight over its range, with a payload if one is given, with what drives
-  it.
-- trial: The model stays whole and finite in a trial run from `home`, with the controls there, at its time
-  step.
+- control_noise: Checks that the model stays stable under noise over the full range of every control, as in
+  the exploration of a learning policy.
+- energy: Checks that the robot keeps its energy if nothing dissipates it, as a consistent mechanism does.
+- gravity_compensation: Checks that the robot's weight is compensated only as far as its actuators carry it.
+- rest: Checks that the robot rests with the controls of `home`: its actuators hold it, and it does not fall
+  over.
+- time_step: Checks that the model is stable from `home` at half and at double its time step.
+- torque: Checks that the actuators can hold the robot's weight, and a payload, over the range of the joints.
+- trial: Checks that the model stays finite and stable in a trial run from `home`, with the controls of
+  `home`.
+- variants: Checks that the variants of the MJCF fit the robot and are physically possible, and simulates a
+  sample.
 """

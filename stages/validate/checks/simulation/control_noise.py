@@ -1,6 +1,7 @@
-"""The model stays whole under noise over the full range of every control: the search of a learning policy.
+"""Checks that the model stays stable under noise over the full range of every control, as in the exploration
+of a learning policy.
 
-For 1 s; with `validate=strict` for 10 s.
+It runs for 1 s; with `validate=strict` for 10 s.
 """
 
 from collections.abc import Iterator
@@ -8,23 +9,23 @@ from collections.abc import Iterator
 from linkwright.stages.robot.check import Check
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import unstable
-from linkwright.stages.validate.simulate.noise import shaken
+from linkwright.stages.validate.simulate.noise import run_with_noise
 
 SECONDS, STRICT_SECONDS = 1.0, 10.0
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """None without actuators."""
+    """Runs models with actuators under noise."""
     model = compiled.model
     if not model.nu:
         return
-    shake = shaken(model, STRICT_SECONDS if compiled.asked.strict else SECONDS)
+    shake = run_with_noise(model, STRICT_SECONDS if compiled.asked.strict else SECONDS)
     detail = f"{shake.time:.3g} s of noise over the range of each control without a warning"
     findings = []
     if shake.failed:
         detail = (
             f"after {shake.time:.3g} s of noise {shake.failed}{' at ' + shake.joint if shake.joint else ''}"
         )
-        hint = "less gain or force, more armature or damping, or a shorter step would mend it"
+        hint = "less gain or force, more armature or damping, or a shorter step would help"
         findings = [unstable(shake.joint, f"{shake.failed}: {hint}")]
     yield compiled.result("control noise", not shake.failed, detail, findings=findings)

@@ -1,13 +1,13 @@
-"""The robot keeps its energy where nothing takes any: its masses, inertias and joints make one mechanism.
+"""Checks that the robot keeps its energy if nothing dissipates it, as a consistent mechanism does.
 
-Without contacts, limits, friction, damping, springs, closed loops and actuators, from seeded speeds.
+It moves without contacts, limits, friction, damping, springs, closed loops and actuators, from seeded speeds.
 """
 
 from collections.abc import Iterator
 
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.validate.compiled import CompiledModel
-from linkwright.stages.validate.simulate.energy import DRIFT, drift_of_energy
+from linkwright.stages.validate.simulate.energy import MAX_DRIFT, drift_of_energy
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
@@ -17,9 +17,11 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     drift = drift_of_energy(model)
     step, value = drift.by_step[-1]
     detail = f"drift per second relative to the largest kinetic energy, with steps of {step:g} s"
-    if value >= DRIFT and drift.conserved:
+    if value >= MAX_DRIFT and drift.conserved:
         detail += f"; with twice the step {drift.by_step[-2][1]:.2g}: the integrator's own"
-    words = f"the passive robot gains or loses {value:.2g} of its kinetic energy in a second"
-    findings = [Finding("option", "timestep", f"{words}, with steps of {step:g} s: see the lightest bodies")]
-    limit = None if drift.conserved and value >= DRIFT else DRIFT
+    message = f"the passive robot gains or loses {value:.2g} of its kinetic energy in a second"
+    findings = [
+        Finding("option", "timestep", f"{message}, with steps of {step:g} s: see the lightest bodies")
+    ]
+    limit = None if drift.conserved and value >= MAX_DRIFT else MAX_DRIFT
     yield compiled.result("energy", drift.conserved, detail, value, limit, findings)

@@ -1,11 +1,11 @@
-"""The model stays whole from `home` at half its time step, and at double: it does not owe that to its step.
+"""Checks that the model is stable from `home` at half and at double its time step.
 
-For 0.5 s each; with `validate=strict` for 2 s.
+Each run takes 0.5 s; with `validate=strict` 2 s.
 """
 
 from collections.abc import Iterator
 
-from linkwright.stages.mujoco.trial import OPEN, trial_run
+from linkwright.stages.mujoco.trial import MAX_OPENING, trial_run
 from linkwright.stages.robot.check import Check, CheckLevel
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import unstable
@@ -15,8 +15,8 @@ SECONDS, STRICT_SECONDS = 0.5, 2.0
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """At half the step an error: what only a longer step keeps whole is a mistake of its solution. At double
-    the step a warning: it has little to spare."""
+    """Yields an error if the model is unstable at half the step, since a model that only a longer step keeps
+    stable is wrong. Yields a warning if it is unstable at double the step, since its margin is small."""
     model = compiled.model
     if not model.nv:
         return
@@ -30,9 +30,9 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         if trial.failed:
             where = f" at {', '.join(trial.joints[:3])}" if trial.joints else ""
             detail = f"with steps of {factor * step:g} s, after {trial.time:.3g} s {trial.failed}{where}"
-            words = f"{trial.failed} with {name} the time step, after {trial.time:.3g} s"
-            findings = [unstable(trial.joint, words)]
+            message = f"{trial.failed} with {name} the time step, after {trial.time:.3g} s"
+            findings = [unstable(trial.joint, message)]
         level: CheckLevel = "error" if name == "half" else "warning"
         yield compiled.result(
-            f"{name} the time step", not trial.failed, detail, trial.opening, OPEN, findings, level
+            f"{name} the time step", not trial.failed, detail, trial.opening, MAX_OPENING, findings, level
         )

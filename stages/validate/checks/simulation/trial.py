@@ -1,6 +1,6 @@
-"""The model stays whole and finite in a trial run from `home`, with the controls there, at its time step.
+"""Checks that the model stays finite and stable in a trial run from `home`, with the controls of `home`.
 
-Where it does not, the run is repeated with one thing changed, to say what would mend it.
+If it fails, the run is repeated with a single change, to tell the user a remedy.
 """
 
 from collections.abc import Callable, Iterator
@@ -10,17 +10,17 @@ from typing import Any
 import mujoco
 
 from linkwright.stages.mujoco.state import at_keyframe
-from linkwright.stages.mujoco.trial import OPEN, Trial, trial_run
+from linkwright.stages.mujoco.trial import MAX_OPENING, Trial, trial_run
 from linkwright.stages.robot.check import Check
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.simulate.running import flags, touching, with_options
 
-DAMPING = 0.1
-"""Of a joint, as a share of its inertia in a time step, that is tried."""
+TRIED_DAMPING = 0.1
+"""Damping that is tried, as a share of the joint's inertia per time step."""
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """Of MJCF files: a URDF has neither a time step nor a home."""
+    """Runs MJCF files, since a URDF has neither a time step nor a home."""
     model = compiled.model
     if compiled.urdf or not model.nv:
         return
@@ -29,18 +29,18 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     if trial.failed:
         where = f" at {', '.join(trial.joints[:3])}" if trial.joints else ""
         detail = f"after {trial.time:.3g} s {trial.failed}{where}; {_remedy(model, trial)}"
-    yield compiled.result("trial run", not trial.failed, detail, trial.opening, OPEN)
+    yield compiled.result("trial run", not trial.failed, detail, trial.opening, MAX_OPENING)
 
 
 def _remedy(model: Any, trial: Trial) -> str:
-    """The first change with which the run passes, in the words of the configuration."""
+    """Returns the first change with which the run passes, as a text with keys of the configuration."""
     step = model.opt.timestep
     joint = trial.joint or "*"
     for change, words in (
         (_without_contacts, f"without contacts it does not: {_deepest(model)}"),
-        (_half_step, f"scene.option.timestep={step / 2:g} would mend it"),
-        (_armature(trial), f"armature would mend it: joints: {{{joint}: {{armature: ...}}}}"),
-        (_damping(trial), f"damping would mend it: joints: {{{joint}: {{damping: ...}}}}"),
+        (_half_step, f"scene.option.timestep={step / 2:g} would fix it"),
+        (_armature(trial), f"armature would fix it: joints: {{{joint}: {{armature: ...}}}}"),
+        (_damping(trial), f"damping would fix it: joints: {{{joint}: {{damping: ...}}}}"),
     ):
         with change(model):
             if not trial_run(model).failed:
@@ -57,16 +57,16 @@ def _half_step(model: Any) -> Any:
 
 
 def _armature(trial: Trial) -> Callable[[Any], Any]:
-    return _more("dof_armature", trial, 1.0)
+    return _increase("dof_armature", trial, 1.0)
 
 
 def _damping(trial: Trial) -> Callable[[Any], Any]:
-    return _more("dof_damping", trial, DAMPING)
+    return _increase("dof_damping", trial, TRIED_DAMPING)
 
 
-def _more(field: str, trial: Trial, share: float) -> Callable[[Any], Any]:
-    """More of a property of the joints of the failure, all joints where there are none: as a share of their
-    inertias, of damping per time step."""
+def _increase(field: str, trial: Trial, share: float) -> Callable[[Any], Any]:
+    """Returns a change that increases a property of the failed joints, or of all joints, by a share of their
+    inertias, for damping per time step."""
 
     @contextmanager
     def change(model: Any) -> Iterator[None]:
@@ -79,7 +79,7 @@ def _more(field: str, trial: Trial, share: float) -> Callable[[Any], Any]:
             ):
                 inertia = model.dof_M0[dof]
                 values[dof] += share * inertia / (model.opt.timestep if field == "dof_damping" else 1.0)
-        # What MuJoCo derives from these when it compiles.
+        # MuJoCo derives these values when it compiles.
         mujoco.mj_setConst(model, mujoco.MjData(model))
         try:
             yield
@@ -91,7 +91,7 @@ def _more(field: str, trial: Trial, share: float) -> Callable[[Any], Any]:
 
 
 def _deepest(model: Any) -> str:
-    """The two bodies whose contact at home is the deepest, and what to do about it."""
+    """Returns a text with the two bodies whose contact at `home` is the deepest, and the remedy."""
     data = at_keyframe(model)
     mujoco.mj_forward(model, data)
     if not data.ncon:

@@ -1,4 +1,5 @@
-"""The keyframes: the saved pose as `cad`, where loops and relations hold, `home`, and the user's own."""
+"""Checks the keyframes: the saved pose as `cad`, where loops and relations hold, `home`, and the user's
+own."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -15,12 +16,18 @@ from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.robot.motion.start_pose import HOME, SAVED, keyframes
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import few, named, shown, worst_first
-from linkwright.stages.validate.model.coordinates import SAME, distance, joints_of, link_pose, root_pose
-from linkwright.stages.validate.model.equalities import CLOSED, open_equalities, violation
+from linkwright.stages.validate.model.coordinates import (
+    ENGINE_TOLERANCE,
+    distance,
+    joints_of,
+    link_pose,
+    root_pose,
+)
+from linkwright.stages.validate.model.equalities import LOOP_TOLERANCE, open_equalities, violation
 from linkwright.stages.validate.read.compiled import read_compiled
-from linkwright.stages.validate.same.motion import found_differences
+from linkwright.stages.validate.same.motion import kinematic_differences
 
-OWN = "the pose nearest to `home` with the values that the configuration gives"
+USER_MEANING = "the pose nearest to `home` with the values that the configuration gives"
 MEANINGS = {
     HOME: "the pose nearest to the saved one within the limits, or with the values that are given",
     SAVED: "the saved pose",
@@ -37,21 +44,21 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
 
 
 def _at_rest(compiled: CompiledModel) -> Check:
-    """In each of the robot's keyframes nothing moves."""
-    model, found = compiled.model, []
+    """Checks that nothing moves in the robot's keyframes."""
+    model, findings = compiled.model, list[Finding]()
     for name in keyframes(compiled.robot):
         key = keyframe_of(model, name)
         for at in np.flatnonzero(model.key_qvel[key]) if key >= 0 and not compiled.sets("qvel") else ():
             joint = model.joint(int(model.dof_jntid[at])).name
             message = f"moves {joint} at {shown(model.key_qvel[key][at])}, expected 0"
-            found.append(Finding(named("key", name), "qvel", message))
-    moving = list(dict.fromkeys(one.element for one in found))
+            findings.append(Finding(named("key", name), "qvel", message))
+    moving = list(dict.fromkeys(finding.element for finding in findings))
     detail = f"something moves in {', '.join(moving)}" if moving else "nothing moves in the keyframes"
-    return compiled.within("keyframes at rest", float(len(found)), 0.0, detail, few(found))
+    return compiled.within("keyframes at rest", float(len(findings)), 0.0, detail, few(findings))
 
 
 def _keyframe(compiled: CompiledModel, name: str, pose: Configuration) -> Check:
-    """The values and links of one keyframe against those that the robot says."""
+    """Compares the values and links at a keyframe with the robot's."""
     model = compiled.model
     key = keyframe_of(model, name)
     if key < 0:
@@ -60,24 +67,24 @@ def _keyframe(compiled: CompiledModel, name: str, pose: Configuration) -> Check:
         return compiled.result(f"keyframe {name}", False, detail, findings=(missing,))
     data = at_key(model, key)
     mujoco.mj_kinematics(model, data)
-    off = _difference(model, data, compiled.robot, pose)
-    detail = f"values and links against {MEANINGS.get(name, OWN)}"
-    findings = () if off <= SAME else _findings(compiled, key, name, pose)
-    return compiled.within(f"keyframe {name}", off, SAME, detail, findings)
+    difference = _difference(model, data, compiled.robot, pose)
+    detail = f"values and links against {MEANINGS.get(name, USER_MEANING)}"
+    findings = () if difference <= ENGINE_TOLERANCE else _findings(compiled, key, name, pose)
+    return compiled.within(f"keyframe {name}", difference, ENGINE_TOLERANCE, detail, findings)
 
 
 def _findings(compiled: CompiledModel, key: int, name: str, pose: Configuration) -> tuple[Finding, ...]:
-    """The joints whose values the keyframe has otherwise; without any, what carries the links."""
-    model, off = compiled.model, []
+    """Returns findings on the joints whose values differ in the keyframe; if none does, on the links."""
+    model, differences = compiled.model, []
     for joint, _, dof in joints_of(compiled.robot, urdf=False):
         value = pose[dof.name]
         if isinstance(value, tuple):
             continue
-        found = float(model.key_qpos[key][model.jnt_qposadr[joint_index(model, joint)]])
-        if not abs(found - value) <= SAME:
-            message = f"puts {joint} at {shown(found)}, expected {shown(value)}"
-            off.append((abs(found - value), Finding(named("key", name), "qpos", message)))
-    return worst_first(off) or found_differences(read_compiled(compiled)) or (_turned(name),)
+        position = float(model.key_qpos[key][model.jnt_qposadr[joint_index(model, joint)]])
+        if not abs(position - value) <= ENGINE_TOLERANCE:
+            message = f"puts {joint} at {shown(position)}, expected {shown(value)}"
+            differences.append((abs(position - value), Finding(named("key", name), "qpos", message)))
+    return worst_first(differences) or kinematic_differences(read_compiled(compiled)) or (_turned(name),)
 
 
 def _turned(name: str) -> Finding:
@@ -88,19 +95,21 @@ def _closed(compiled: CompiledModel) -> Check:
     model, data = compiled.model, at_keyframe(compiled.model, SAVED)
     mujoco.mj_forward(model, data)
     detail = "loops and relations in the saved pose, distance from closed [m, rad]"
-    found = open_equalities(model, data)
-    return compiled.within(f"closed in keyframe {SAVED}", violation(model, data), CLOSED, detail, found)
+    equalities = open_equalities(model, data)
+    return compiled.within(
+        f"closed in keyframe {SAVED}", violation(model, data), LOOP_TOLERANCE, detail, equalities
+    )
 
 
 def _difference(model: Any, data: Any, robot: Robot, pose: Configuration) -> float:
-    """The largest difference from the values `pose`: of values [rad, m] and of links [m, rad]."""
+    """Returns the largest difference from the configuration `pose`, of values [rad, m] and links [m, rad]."""
     scalars = [(name, pose[dof.name]) for name, _, dof in joints_of(robot, urdf=False)]
-    off = [
+    differences = [
         abs(float(data.qpos[model.jnt_qposadr[joint_index(model, name)]]) - value)
         for name, value in scalars
         if not isinstance(value, tuple)
     ]
     root_from_world = inverse(root_pose(model, data, robot))
     for name, expected in link_poses(robot, pose).items():
-        off.append(distance(root_from_world @ link_pose(model, data, robot, name), expected))
-    return max(off, default=0.0)
+        differences.append(distance(root_from_world @ link_pose(model, data, robot, name), expected))
+    return max(differences, default=0.0)

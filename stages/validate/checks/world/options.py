@@ -1,6 +1,6 @@
-"""The simulation is of a world with weight, contact and joints that hold, in steps that engines bear.
+"""Checks that the simulated world has weight, contact and joints that hold, and a short enough time step.
 
-Only a warning: a user may want no weight. What a step is too long for shows in the trial run.
+Its findings are warnings: a user may want no weight. The trial run shows which steps are too long.
 """
 
 from collections.abc import Iterator
@@ -12,8 +12,8 @@ from linkwright.stages.robot.model.mjcf_extras import NO_EXTRAS
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import few, shown
 
-LONGEST = 0.01
-"""A time step [s] beyond which contact of small parts is missed: MuJoCo's own default is a fifth of it."""
+MAX_TIMESTEP = 0.01
+"""Time step [s] above which contact of small parts is missed; MuJoCo's default is a fifth of it."""
 
 FLAGS = {
     "constraint": mujoco.mjtDisableBit.mjDSBL_CONSTRAINT,
@@ -26,18 +26,20 @@ FLAGS = {
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """Of the file that is simulated, but for what an MJCF source says."""
+    """Checks the file that is simulated, except for options that an MJCF source sets."""
     options, extras = compiled.model.opt, compiled.robot.mjcf or NO_EXTRAS
     of_source = {*dict(extras.option), *dict(extras.flag)}
-    found = []
+    findings = []
     if not options.gravity[2] < 0:
         message = f"is {shown(options.gravity)} m/s², expected to point downwards, along -z"
-        found.append(Finding("option", "gravity", message))
-    if not 0 < options.timestep <= LONGEST:
-        found.append(Finding("option", "timestep", f"is {shown(options.timestep)} s, at most {LONGEST:g} s"))
+        findings.append(Finding("option", "gravity", message))
+    if not 0 < options.timestep <= MAX_TIMESTEP:
+        findings.append(
+            Finding("option", "timestep", f"is {shown(options.timestep)} s, at most {MAX_TIMESTEP:g} s")
+        )
     for name, bit in FLAGS.items():
         if int(options.disableflags) & int(bit):
-            found.append(Finding("flag", name, "is disabled"))
-    found = [one for one in found if one.attribute not in of_source]
+            findings.append(Finding("flag", name, "is disabled"))
+    findings = [finding for finding in findings if finding.attribute not in of_source]
     detail = f"gravity {shown(options.gravity)} m/s², time step {shown(options.timestep)} s"
-    yield compiled.within("options", float(len(found)), 0.0, detail, few(found), "warning")
+    yield compiled.within("options", float(len(findings)), 0.0, detail, few(findings), "warning")

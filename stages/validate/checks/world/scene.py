@@ -1,4 +1,4 @@
-"""The scene has the robot of the MJCF as that has it: nothing that the scene says changes it."""
+"""Checks that nothing in the scene changes the robot of the MJCF."""
 
 from collections import Counter
 from collections.abc import Iterator
@@ -9,12 +9,12 @@ import mujoco
 import numpy as np
 
 from linkwright.stages.mujoco.compile import NotCompiled, compiled_file
-from linkwright.stages.mujoco.names import index_of, name_of
+from linkwright.stages.mujoco.names import actuator_count, controls_of, count_of, index_of, name_of
 from linkwright.stages.mujoco.warnings import deprecations
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import differs, few, named
-from linkwright.stages.validate.model.coordinates import SAME
+from linkwright.stages.validate.model.coordinates import ENGINE_TOLERANCE
 from linkwright.stages.validate.model.equalities import bodies, sites
 
 OBJ = mujoco.mjtObj
@@ -56,35 +56,25 @@ ARRAYS = {
         ("forcerange", "actuator_forcerange"),
     ),
 }
-"""What has a name in a model, and the numbers that a scene must leave as they are."""
-
-NUMBERS = {
-    OBJ.mjOBJ_BODY: "nbody",
-    OBJ.mjOBJ_JOINT: "njnt",
-    OBJ.mjOBJ_GEOM: "ngeom",
-    OBJ.mjOBJ_EQUALITY: "neq",
-    OBJ.mjOBJ_ACTUATOR: "nu",
-}
-"""How many a model has of each."""
+"""The elements that have a name in a model, and the numbers that a scene must leave unchanged."""
 
 DOFS = (("damping", "dof_damping"), ("frictionloss", "dof_frictionloss"), ("armature", "dof_armature"))
 """The numbers of a joint's degrees of freedom."""
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """Of a scene that has an MJCF of the robot beside it, which compiles."""
-    own = compiled.path.with_name(f"{compiled.robot.name}.xml")
-    if not own.exists() or own == compiled.path or compiled.written.amendments.of(compiled.path.name):
+    """Compares a scene with the MJCF of the robot, if that compiles."""
+    mjcf = compiled.path.with_name(f"{compiled.robot.name}.xml")
+    if not mjcf.exists() or mjcf == compiled.path or compiled.written.amendments.of(compiled.path.name):
         return
-    robot = _compiled(own)
+    robot = _compiled(mjcf)
     if robot is None:
         return
-    findings = few((*_changed(robot, compiled.model), *_added(robot, compiled.model)))
-    detail = f"the robot is that of {own.name}"
+    findings = few((*_changed(robot, compiled.model), *_added_elements(robot, compiled.model)))
+    detail = f"the robot is that of {mjcf.name}"
     if findings:
-        detail = (
-            f"what the scene changes of the robot of {own.name}: {', '.join(one.element for one in findings)}"
-        )
+        elements = ", ".join(finding.element for finding in findings)
+        detail = f"the scene changes the robot of {mjcf.name}: {elements}"
     yield compiled.within("robot in the scene", float(len(findings)), 0.0, detail, findings)
 
 
@@ -100,63 +90,73 @@ def _changed(robot: Any, scene: Any) -> Iterator[Finding]:
     for (tag, kind), rows in ARRAYS.items():
         for name, first, second in _both(robot, scene, int(kind)):
             for attribute, numbers in rows:
-                yield from _differs(
+                yield from _number_difference(
                     named(tag, name),
                     attribute,
-                    getattr(scene, numbers)[second],
-                    getattr(robot, numbers)[first],
+                    _values(scene, numbers, second),
+                    _values(robot, numbers, first),
                 )
             if tag == "joint":
                 for attribute, numbers in DOFS:
-                    at, other = int(robot.jnt_dofadr[first]), int(scene.jnt_dofadr[second])
-                    yield from _differs(
+                    robot_dof, scene_dof = int(robot.jnt_dofadr[first]), int(scene.jnt_dofadr[second])
+                    yield from _number_difference(
                         named(tag, name),
                         attribute,
-                        getattr(scene, numbers)[other],
-                        getattr(robot, numbers)[at],
+                        getattr(scene, numbers)[scene_dof],
+                        getattr(robot, numbers)[robot_dof],
                     )
 
 
-def _differs(element: str, attribute: str, found: Any, wanted: Any) -> Iterator[Finding]:
-    if not np.array_equal(found, wanted) and not np.allclose(found, wanted, rtol=SAME, atol=SAME * SAME):
-        yield differs(element, attribute, found, wanted)
+def _values(model: Any, array: str, index: int) -> Any:
+    """Returns the numbers of an element; in an array of controls those of all controls of the actuator."""
+    values = getattr(model, array)
+    return np.ravel(values[controls_of(model, index)]) if array.startswith("actuator_ctrl") else values[index]
+
+
+def _number_difference(element: str, attribute: str, value: Any, expected: Any) -> Iterator[Finding]:
+    if not np.array_equal(value, expected) and not np.allclose(
+        value, expected, rtol=ENGINE_TOLERANCE, atol=ENGINE_TOLERANCE**2
+    ):
+        yield differs(element, attribute, value, expected)
 
 
 def _both(robot: Any, scene: Any, kind: int) -> Iterator[tuple[str, int, int]]:
-    """(name, in the MJCF, in the scene) of what has a name and is in both."""
-    for index in range(getattr(robot, NUMBERS[mujoco.mjtObj(kind)])):
+    """Yields (name, index in the MJCF, index in the scene) of the named elements that are in both."""
+    for index in range(count_of(robot, kind)):
         name = name_of(robot, kind, index)
-        found = index_of(scene, kind, name) if name else -1
-        if found >= 0 and name != "world":
-            yield name, index, found
+        in_scene = index_of(scene, kind, name) if name else -1
+        if in_scene >= 0 and name != "world":
+            yield name, index, in_scene
 
 
-def _added(robot: Any, scene: Any) -> Iterator[Finding]:
-    """What connects, drives or takes out of contact the robot's own bodies and joints only in the scene."""
-    own = {robot.body(index).name for index in range(1, robot.nbody)}
+def _added_elements(robot: Any, scene: Any) -> Iterator[Finding]:
+    """Yields elements of the scene that connect, drive or exclude the robot's bodies and joints, and that the
+    MJCF does not have."""
+    links = {robot.body(index).name for index in range(1, robot.nbody)}
     before = Counter(_ties(robot))
     for (tag, attribute, names), number in (Counter(_ties(scene)) - before).items():
-        if set(names) <= own:
-            message = f"the scene has {number} of {' and '.join(names)} more than the robot's own file"
+        if set(names) <= links:
+            message = f"for {' and '.join(names)} the scene has {number} more than the robot's own file"
             yield Finding(tag, attribute, message)
 
 
 def _ties(model: Any) -> Iterator[tuple[str, str, tuple[str, ...]]]:
-    """(element, attribute, bodies) of what ties bodies, drives them or says what of them collides."""
+    """Yields (element, attribute, bodies) of elements that tie or drive bodies, or decide whether they
+    collide."""
     for index in range(model.neq):
         kind = mujoco.mjtEq(int(model.eq_type[index]))
         if kind in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD):
             yield "equality", "", _names(model, *bodies(model, index))
         elif kind == mujoco.mjtEq.mjEQ_JOINT:
-            joints = (one for one in sites(model, index) if one >= 0)
-            yield "equality", "", _names(model, *(model.jnt_bodyid[one] for one in joints))
-    for index in range(model.nu):
+            joints = (joint for joint in sites(model, index) if joint >= 0)
+            yield "equality", "", _names(model, *(model.jnt_bodyid[joint] for joint in joints))
+    for index in range(actuator_count(model)):
         if model.actuator_trntype[index] == mujoco.mjtTrn.mjTRN_JOINT:
             yield "actuator", "joint", _names(model, model.jnt_bodyid[model.actuator_trnid[index][0]])
     for signature in model.exclude_signature:
         yield "exclude", "body1, body2", _names(model, int(signature) >> 16, int(signature) & 0xFFFF)
     for pair in zip(model.pair_geom1, model.pair_geom2, strict=True):
-        yield "pair", "geom1, geom2", _names(model, *(model.geom_bodyid[one] for one in pair))
+        yield "pair", "geom1, geom2", _names(model, *(model.geom_bodyid[geom] for geom in pair))
 
 
 def _names(model: Any, *bodies: Any) -> tuple[str, ...]:

@@ -1,6 +1,6 @@
-"""The scene is the one that the robot was judged in: its ground, and what MuJoCo is told of physics.
+"""Checks that the scene has the ground and the physics options with which the robot was judged.
 
-Whatever else is put into it, as objects, lights and cameras, is the user's.
+Other content of a scene, such as objects, lights and cameras, is the user's choice.
 """
 
 from collections.abc import Iterator
@@ -18,7 +18,7 @@ from linkwright.stages.robot.model.scene import FLOOR, Ground, Scene, Setting
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import differs, few, named, shown
 from linkwright.stages.validate.model.contact_attributes import contact_differences, sets_defaults
-from linkwright.stages.validate.model.coordinates import CAD_ERROR, SAME, TURNS
+from linkwright.stages.validate.model.coordinates import CAD_ERROR, ENGINE_TOLERANCE, ORIENTATIONS
 from linkwright.stages.validate.model.poses import placed
 
 PLANE = mujoco.mjtGeom.mjGEOM_PLANE
@@ -27,32 +27,33 @@ OPTIONS = (
     *("timestep", "integrator", "cone", "impratio", "gravity", "wind", "magnetic", "density", "viscosity"),
     *("solver", "iterations", "tolerance", "noslip_iterations"),
 )
-"""Attributes of `<option>` by which a robot moves otherwise."""
+"""Attributes of `<option>` that change how a robot moves."""
 
 ENUMS = {"integrator": mujoco.mjtIntegrator, "cone": mujoco.mjtCone, "solver": mujoco.mjtSolver}
-"""Those that are words in a file."""
+"""Options that are words in a file, with MuJoCo's enumerations."""
 
 PREFIX = "mjDSBL_"
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """Of a robot whose scene is known, but for what the user's own XML sets."""
+    """Compares the scene; yields nothing if the robot's scene is unknown. Settings of the user's own XML are
+    not compared."""
     if compiled.written.scene is None:
         return
     ground = few(_ground(compiled, compiled.written.scene.ground)) if compiled.written.scene.ground else ()
     detail = "the ground is where the build put it, with its friction"
     if compiled.written.scene.ground is None:
         detail = "the build has no ground"
-    yield compiled.within("ground", float(len(ground)), 0.0, _said(detail, ground), ground)
+    yield compiled.within("ground", float(len(ground)), 0.0, _details(detail, ground), ground)
     options = few(_options(compiled, compiled.written.scene))
     detail = "gravity, medium, time step, integrator and solver are those that the robot was judged with"
-    yield compiled.within("physics", float(len(options)), 0.0, _said(detail, options), options)
+    yield compiled.within("physics", float(len(options)), 0.0, _details(detail, options), options)
 
 
-def _said(detail: str, findings: tuple[Finding, ...]) -> str:
+def _details(detail: str, findings: tuple[Finding, ...]) -> str:
     if not findings:
         return detail
-    return "; ".join(f"{one.element} {one.attribute} {one.message}" for one in findings)
+    return "; ".join(f"{finding.element} {finding.attribute} {finding.message}" for finding in findings)
 
 
 def _ground(compiled: CompiledModel, ground: Ground) -> Iterator[Finding]:
@@ -62,72 +63,77 @@ def _ground(compiled: CompiledModel, ground: Ground) -> Iterator[Finding]:
         place = shown(ground.world_from_ground[:3, 3])
         yield Finding(named("geom", FLOOR), "name", f"there is no ground: expected a plane at {place} [m]")
         return
-    called = model.geom(geom).name
-    what, own = named("geom", called), compiled.sets_of(f"geom {called}")
+    name = model.geom(geom).name
+    title, user_sets = named("geom", name), compiled.sets_of(f"geom {name}")
     if model.geom_type[geom] != PLANE:
         kind = mujoco.mjtGeom(int(model.geom_type[geom])).name.removeprefix("mjGEOM_").lower()
-        yield differs(what, "type", kind, "plane")
+        yield differs(title, "type", kind, "plane")
         return
-    height, tilt = _off(model, geom, ground)
-    if not abs(height) <= CAD_ERROR and "pos" not in own:
-        yield differs(what, "pos", model.geom_pos[geom], ground.world_from_ground[:3, 3], "m")
-    if not tilt <= CAD_ERROR and not own & TURNS:
-        yield Finding(what, "quat", f"is tilted by {shown(np.degrees(tilt))} degrees from the expected")
+    height, tilt = _height_and_tilt(model, geom, ground)
+    if not abs(height) <= CAD_ERROR and "pos" not in user_sets:
+        yield differs(title, "pos", model.geom_pos[geom], ground.world_from_ground[:3, 3], "m")
+    if not tilt <= CAD_ERROR and not user_sets & ORIENTATIONS:
+        yield Finding(title, "quat", f"is tilted by {shown(np.degrees(tilt))} degrees from the expected")
     if sets_defaults(compiled):
         return
     for attribute in ("contype", "conaffinity"):
-        found = int(getattr(model, f"geom_{attribute}")[geom])
-        if found != 1 and attribute not in own:
-            yield differs(what, attribute, found, 1)
-    yield from contact_differences(model, geom, what, ContactProperties(ground.friction), own)
+        bits = int(getattr(model, f"geom_{attribute}")[geom])
+        if bits != 1 and attribute not in user_sets:
+            yield differs(title, attribute, bits, 1)
+    yield from contact_differences(model, geom, title, ContactProperties(ground.friction), user_sets)
 
 
 def _floor(model: Any, ground: Ground) -> int | None:
-    """The geom of the world that is the ground: a plane in its place that is touched, else by its name."""
+    """Returns the geom of the world that is the ground: a colliding plane at its place, else the geom with
+    its name."""
     geoms = [geom for geom in range(model.ngeom) if model.geom_bodyid[geom] == 0]
     named_so = [geom for geom in geoms if model.geom(geom).name == FLOOR]
     planes = (geom for geom in geoms if model.geom_type[geom] == PLANE)
-    there = [geom for geom in planes if max(map(abs, _off(model, geom, ground))) <= CAD_ERROR]
-    touched = [geom for geom in there if model.geom_contype[geom] or model.geom_conaffinity[geom]]
-    return next(iter((*touched, *named_so, *there)), None)
+    ground_planes = [
+        geom for geom in planes if max(map(abs, _height_and_tilt(model, geom, ground))) <= CAD_ERROR
+    ]
+    touched = [geom for geom in ground_planes if model.geom_contype[geom] or model.geom_conaffinity[geom]]
+    return next(iter((*touched, *named_so, *ground_planes)), None)
 
 
-def _off(model: Any, geom: int, ground: Ground) -> tuple[float, float]:
-    """How high [m] a plane is above the ground, and its tilt [rad]: a plane has no end, so that where it is
-    along itself, and how it is turned about its normal, means nothing."""
-    found = placed(model.geom_quat[geom], model.geom_pos[geom])
-    normal, expected = found[:3, 2], ground.world_from_ground[:3, 2]
-    height = float(expected @ (found[:3, 3] - ground.world_from_ground[:3, 3]))
+def _height_and_tilt(model: Any, geom: int, ground: Ground) -> tuple[float, float]:
+    """Returns the height [m] of a plane above the ground, and its tilt [rad]. Shifts along the plane and
+    turns about its normal have no effect, since it is infinite."""
+    pose = placed(model.geom_quat[geom], model.geom_pos[geom])
+    normal, expected = pose[:3, 2], ground.world_from_ground[:3, 2]
+    height = float(expected @ (pose[:3, 3] - ground.world_from_ground[:3, 3]))
     tilt = float(np.arctan2(np.linalg.norm(np.cross(normal, expected)), normal @ expected))
     return height, tilt
 
 
 def _options(compiled: CompiledModel, scene: Scene) -> Iterator[Finding]:
-    if any(one.added_tags & {"option", "flag"} for one in compiled.written.amendments.changes):
+    if any(change.added_tags & {"option", "flag"} for change in compiled.written.amendments.changes):
         return
-    found, expected = compiled.model.opt, _expected(scene)
+    options, expected = compiled.model.opt, _expected(scene)
     for attribute in OPTIONS:
-        if compiled.sets(attribute) or not hasattr(found, attribute):
+        if compiled.sets(attribute) or not hasattr(options, attribute):
             continue
-        values = getattr(found, attribute), getattr(expected, attribute)
-        if not np.allclose(*values, rtol=SAME, atol=SAME * SAME):
+        values = getattr(options, attribute), getattr(expected, attribute)
+        if not np.allclose(*values, rtol=ENGINE_TOLERANCE, atol=ENGINE_TOLERANCE * ENGINE_TOLERANCE):
             kind = ENUMS.get(attribute)
-            words = (_word(kind, one) for one in values) if kind else values
+            words = (_word(kind, value) for value in values) if kind else values
             yield differs("option", attribute, *words)
     for bit in mujoco.mjtDisableBit.__members__.values():
         flag = bit.name.removeprefix(PREFIX).lower()
-        off, wanted = (bool(int(one.disableflags) & int(bit)) for one in (found, expected))
-        if bit.name.startswith(PREFIX) and off != wanted and not compiled.sets(flag):
-            yield differs("flag", flag, *("disabled" if one else "enabled" for one in (off, wanted)))
+        is_off, expected_off = (bool(int(option.disableflags) & int(bit)) for option in (options, expected))
+        if bit.name.startswith(PREFIX) and is_off != expected_off and not compiled.sets(flag):
+            yield differs(
+                "flag", flag, *("disabled" if state else "enabled" for state in (is_off, expected_off))
+            )
 
 
 def _word(kind: Any, value: Any) -> str:
-    """The value of an attribute that is a word in a file."""
+    """Returns the word for the value of an attribute in a file."""
     return str(kind(int(value)).name.split("_", 1)[1]).lower()
 
 
 def _expected(scene: Scene) -> Any:
-    """The options of a model that is told what the build told MuJoCo, and nothing else."""
+    """Returns the options of a model with only the build's options of the scene."""
     root = element(None, "mujoco")
     option = element(root, "option", **{name: _text(value) for name, value in scene.option.items()})
     if scene.flag:

@@ -98,7 +98,7 @@ class Page {
     new ResizeObserver(() => (view.stage.resize(), view.draw())).observe(this.canvas);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => (view.stage.colour(), view.draw()));
     addEventListener("beforeprint", () => this.keepStill(view));
-    this.canvas.addEventListener("webglcontextlost", () => view.pause("The browser took the 3D view's memory away"));
+    this.canvas.addEventListener("webglcontextlost", () => view.pause("Paused: the browser has released the memory of the 3D view"));
     this.canvas.addEventListener("webglcontextrestored", () => view.pause());
   }
 

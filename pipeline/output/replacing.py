@@ -1,0 +1,27 @@
+"""Replaces a file as a whole."""
+
+import contextlib
+import secrets
+from pathlib import Path
+
+from linkwright.pipeline.caching.shared import patient
+
+
+def replace(file: Path, data: bytes) -> None:
+    """Writes a file so that readers see its old or its new content, however many hosts write it at once.
+
+    A kill may leave a hidden file beside it, whose name ends in `.tmp`.
+    """
+    # Random, since hosts may have the same name, and processes on them the same number.
+    staged = file.with_name(f".{file.name.lstrip('.')}.{secrets.token_hex(4)}.tmp")
+
+    def write() -> None:
+        staged.write_bytes(data)
+        staged.replace(file)
+
+    try:
+        patient(write)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            staged.unlink(missing_ok=True)
+        raise

@@ -1,0 +1,141 @@
+"""Writes and reads the text of a snapshot: lines `key: value` in sections, so that a diff shows each change.
+
+The text contains only differences from the defaults. So each line is a setting in a file, and a new version
+of Linkwright, whose new keys no file sets, leaves the text unchanged.
+"""
+
+import json
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from typing import Any
+
+from linkwright.pipeline.config.compose import Composed
+from linkwright.pipeline.config.plain import as_written
+from linkwright.pipeline.config.presets import GROUPS, SEVERAL
+from linkwright.pipeline.key_path import Place, key_of
+from linkwright.pipeline.snapshots.figures import Figures
+from linkwright.pipeline.snapshots.subjects import SnapshotSubject
+
+HEAD = "linkwright snapshot"
+FORMAT = 1
+"""Must be increased when earlier texts can no longer be compared."""
+
+CHOICES, CONFIGURATION, FIGURES = "choices", "configuration", "figures"
+
+KIND: Place = ("source", "kind")
+"""A key that is always written, since it determines which other keys its section has."""
+
+Entries = Mapping[tuple[str, str], str]
+"""Maps section and key to the value; the section of the subject is ""."""
+
+
+def text(subject: SnapshotSubject, plan_of_subject: Composed, figures: Figures) -> str:
+    """Returns the snapshot's text, which is the same in any folder and on any computer."""
+    chosen = (f"{key}: {_value(option)}" for key, option in subject.chosen.items())
+    lines = [f"{HEAD} {FORMAT}", *chosen]
+    sections = {
+        CHOICES: _choices(plan_of_subject),
+        CONFIGURATION: dict(_keys(plan_of_subject)),
+        FIGURES: figures.lines(),
+    }
+    for name, entries in sections.items():
+        lines += ["", f"[{name}]", *(f"{key}: {_value(value)}" for key, value in entries.items())]
+    return "\n".join(lines) + "\n"
+
+
+def read(snapshot: str) -> Entries | None:
+    """Returns the entries of a snapshot's text; None if the text is not a snapshot of this format."""
+    head, *lines = snapshot.replace("\r\n", "\n").split("\n")
+    if head != f"{HEAD} {FORMAT}":
+        return None
+    section, entries = "", {}
+    for line in lines:
+        key, colon, value = line.partition(": ")
+        if colon:
+            entries[section, key] = value
+        elif line.startswith("["):
+            section = line.strip("[]")
+    return entries
+
+
+def subject_of(entries: Entries) -> SnapshotSubject:
+    """Returns the subject of a snapshot."""
+    return SnapshotSubject(*(_plain(entries.get(("", key), "")) for key in ("robot", "experiment")))
+
+
+def _choices(plan_of_subject: Composed) -> dict[str, Any]:
+    """Returns the chosen options of each group, including defaults, without the option `none`."""
+    groups = {str(group): option for group, option in plan_of_subject.config.hydra.runtime.choices.items()}
+    chosen = {group: groups.get(group) for group in GROUPS if group not in SEVERAL}
+    plan = plan_of_subject.plan.tree()
+    for group in SEVERAL:
+        chosen[group] = sorted(name for name, keys in plan[group].items() if keys is not None)
+    chosen |= {group: option for group, option in groups.items() if group not in GROUPS and "/" not in group}
+    return {group: chosen[group] for group in sorted(chosen) if chosen[group] not in (None, "none", [])}
+
+
+def _keys(plan_of_subject: Composed) -> Iterator[tuple[str, Any]]:
+    """Yields the keys of the configuration that differ from the defaults, with their values; interpolations
+    stay as they are written."""
+    plan = plan_of_subject.plan
+    changed = plan.model_dump(mode="json", by_alias=True, exclude_defaults=True)
+    written, computed = as_written(plan_of_subject.config), sorted(plan_of_subject.computed, key=str)
+    for place, value in _ends(plan.tree(), changed, computed):
+        with suppress(KeyError, IndexError, TypeError):
+            value = _put_back(value, place, written, computed)
+        yield key_of(place), value
+
+
+def _ends(tree: Any, changed: Any, computed: list[Place], place: Place = ()) -> Iterator[tuple[Place, Any]]:
+    """Yields the places of `tree` that are in `changed` or are computed, with their values. A computed value
+    is written even if it equals the default."""
+    for name, value in tree.items():
+        inner = (*place, name)
+        is_changed = isinstance(changed, Mapping) and name in changed
+        is_computed = any(computed_place[: len(inner)] == inner for computed_place in computed)
+        below = changed[name] if is_changed else {}
+        if isinstance(value, Mapping) and value and inner not in computed:
+            if is_changed or is_computed:
+                yield from _ends(value, below, computed, inner)
+        elif is_changed or is_computed or inner == KIND:
+            yield inner, value
+
+
+def _put_back(value: Any, place: Place, written: Any, computed: list[Place]) -> Any:
+    """Returns a value with its interpolations as they are written."""
+    for name in place:
+        written = written[name]
+    if place in computed:
+        return written
+    for computed_place in computed:
+        if computed_place[: len(place)] == place:
+            value = _replaced(value, computed_place[len(place) :], written)
+    return value
+
+
+def _replaced(value: Any, place: Place, written: Any) -> Any:
+    """Returns a value in which the part at a place is replaced by the written text."""
+    if not place:
+        return written
+    changed: Any = list(value) if isinstance(value, list) else dict(value)
+    changed[place[0]] = _replaced(value[place[0]], place[1:], written[place[0]])
+    return changed
+
+
+def _value(value: Any) -> str:
+    """Returns a value as JSON in a line; a text without quotes if it cannot be taken for JSON."""
+    if isinstance(value, str) and value and value.isprintable() and value == value.strip():
+        try:
+            json.loads(value)
+        except ValueError:
+            return value
+    line = json.dumps(value, ensure_ascii=False)
+    return line if line.isprintable() else json.dumps(value)
+
+
+def _plain(line: str) -> str:
+    """Returns the text that `_value` wrote as a line."""
+    try:
+        return str(json.loads(line))
+    except ValueError:
+        return line

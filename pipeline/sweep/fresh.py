@@ -1,0 +1,50 @@
+"""Keeps the summary of a sweep up to date while its jobs run."""
+
+import contextlib
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+from linkwright.pipeline.errors import LinkwrightError
+from linkwright.pipeline.sweep.folder import keep
+from linkwright.pipeline.sweep.outcome_files import outcomes_of
+
+MIN_INTERVAL = 30.0
+"""The shortest time [s] between two summaries."""
+
+MAX_TIME_SHARE = 0.02
+"""Largest share of the time that is spent on writing summaries."""
+
+
+@contextlib.contextmanager
+def kept_fresh(root: Path, pause: float = MIN_INTERVAL) -> Iterator[None]:
+    """Writes the summary of a sweep again and again in a thread, from the outcomes that its jobs have left;
+    and once more if an error or Ctrl-C ends the sweep."""
+    over = threading.Event()
+    thread = threading.Thread(target=_keep_fresh, args=(root, pause, over), daemon=True)
+    thread.start()
+    try:
+        yield
+    except BaseException:
+        over.set()
+        thread.join()
+        _keep(root)
+        raise
+    finally:
+        over.set()
+        thread.join()
+
+
+def _keep_fresh(root: Path, pause: float, over: threading.Event) -> None:
+    wait = pause
+    while not over.wait(wait):
+        start = time.perf_counter()
+        _keep(root)
+        wait = max(pause, (time.perf_counter() - start) / MAX_TIME_SHARE)
+
+
+def _keep(root: Path) -> None:
+    # A disk that is full now may have room in the end, when the error is reported.
+    with contextlib.suppress(LinkwrightError, OSError):
+        keep(list(outcomes_of(root)), root)

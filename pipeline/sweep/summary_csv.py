@@ -1,0 +1,71 @@
+"""Writes summary.csv: a row for each job of a sweep, by RFC 4180, for spreadsheets and programs.
+
+A spreadsheet runs a cell that begins with `=`, `+`, `-` or `@` as a formula. A text that begins so, or with
+an apostrophe, gets an apostrophe in front; readers remove it again. Numbers are written unchanged.
+"""
+
+import csv
+import io
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from linkwright.pipeline.page.figures import NAMES
+from linkwright.pipeline.page.sweep.swept import keys
+from linkwright.stages.robot.text.printable import printable_lines
+
+TABLE = "summary.csv"
+
+JOB = ("number", "label", "state", "status", "message", "folder")
+COUNTS = ("objective", "checks_passed", "checks_failed", "checks_warned", "calls_made", "calls_saved")
+KEY, FIGURE = "key.", "figure."
+"""Prefixes of the columns of swept keys and of figures, so that no two columns have the same name."""
+
+_FORMULA = tuple("=+-@'\t\r＝＋－＠")
+
+
+def text(jobs: Sequence[Mapping[str, Any]]) -> bytes:
+    """Returns the content of the file. `jobs`: the outcomes as plain data, with their `state`, without
+    secrets."""
+    swept_keys, figures = keys(jobs), figures_in(jobs)
+    out = io.StringIO(newline="")
+    writer = csv.writer(out)
+    names = [*JOB, *(KEY + key for key in swept_keys), *(FIGURE + name for name in figures), *COUNTS]
+    writer.writerow([cell(name) for name in names])
+    for job in jobs:
+        checks = job["checks"]
+        row = [
+            *(job[name] for name in JOB),
+            *(job["overrides"].get(key, "") for key in swept_keys),
+            *(job["figures"].get(name) for name in figures),
+            job.get("objective"),
+            *(checks.get("passed"), _count(checks.get("failed")), _count(checks.get("warned"))),
+            *(job["calls"].get("made"), job["calls"].get("saved")),
+        ]
+        writer.writerow([cell(value) for value in row])
+    return out.getvalue().encode()
+
+
+def figures_in(jobs: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Returns the figures of any job: the usual figures in their order, then further figures by name."""
+    names = {name for job in jobs for name in job["figures"]}
+    return [name for name in NAMES if name in names] + sorted(names - NAMES.keys())
+
+
+def cell(value: Any) -> str:
+    """Returns the text of a cell: "" for None, a text safe from formulas, all other values as JSON."""
+    if value is None:
+        return ""
+    if not isinstance(value, str):
+        words = json.dumps(value, ensure_ascii=False)
+        return words if isinstance(value, int | float) else _escaped(words)
+    return _escaped(value)
+
+
+def _escaped(words: str) -> str:
+    words = printable_lines(words)
+    return f"'{words}" if words.lstrip(" \n").startswith(_FORMULA) else words
+
+
+def _count(names: Sequence[str] | None) -> int | None:
+    return None if names is None else len(names)

@@ -1,0 +1,56 @@
+"""Describes the launchers of sweeps and their keys in lines of text."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import linkwright.conf
+
+FOLDER = Path(linkwright.conf.__file__).parent / "hydra" / "launcher"
+
+KEY = re.compile(r"hydra[./]launcher([.=][\w.]+)?")
+"""Matches a launcher, or one of its keys, as a user may type it."""
+
+
+class LauncherLines(NamedTuple):
+    """A launcher: how it is chosen, what it does, and its keys with their defaults."""
+
+    title: str
+    meaning: str
+    keys: tuple[str, ...]
+
+
+def launcher_lines(name: str) -> list[LauncherLines]:
+    """Returns the launchers for `hydra/launcher` (all), `hydra/launcher=slurm` (this) or
+    `hydra.launcher.timeout_min` (those with this key); an empty list for any other text."""
+    match = KEY.fullmatch(name)
+    if match is None:
+        return []
+    sign, suffix = (match[1] or ".")[:1], (match[1] or "")[1:]
+    launchers = [_read(path) for path in sorted(FOLDER.glob("*.yaml"))]
+    if sign == "=":
+        return [launcher for launcher in launchers if launcher.title.endswith(f"={suffix}")]
+    key = f"hydra.launcher.{suffix}"
+    chosen = [launcher._replace(keys=tuple(_matching_lines(launcher.keys, key))) for launcher in launchers]
+    return [launcher for launcher in chosen if launcher.keys]
+
+
+def _matching_lines(lines: tuple[str, ...], key: str) -> Iterator[str]:
+    return (line for line in lines if not key.rstrip(".").count(".") > 1 or line.split("=")[0] == key)
+
+
+def _read(path: Path) -> LauncherLines:
+    comments, keys, parents = [], [], [""]
+    for line in path.read_text(encoding="utf-8").splitlines()[1:]:
+        if line.startswith("# "):
+            comments.append(line[2:])
+        match = re.fullmatch(r"( *)([a-z]\w*):(?: ([^#]*?))?(?: *# (.*))?", line)
+        if match is None or match[2] == "defaults":
+            continue
+        depth = len(match[1]) // 2
+        parents = [*parents[: depth + 1], match[2]]
+        if match[3] is not None:
+            key = ".".join(["hydra.launcher", *parents[1:]])
+            keys.append(f"{key}={match[3]}" + (f"   {match[4]}" if match[4] else ""))
+    return LauncherLines(f"hydra/launcher={path.stem}", " ".join(comments), tuple(keys))

@@ -1,0 +1,23 @@
+"""Writes the actuators of a USD as prims of MuJoCo's own schema."""
+
+from collections.abc import Mapping, Sequence
+
+from linkwright.stages.export.usd.layer import Prim
+from linkwright.stages.formats.usd.actuator_facts import known_actuators
+from linkwright.stages.robot.model.actuation import Actuator
+
+
+def write_actuators(above: Prim, actuators: Sequence[Actuator], joints: Mapping[str, Prim]) -> None:
+    """Writes a prim for each actuator that the schema knows and whose dof is a joint. `joints`: dof →
+    prim."""
+    for name, actuator, facts in known_actuators(actuators, joints):
+        prim = above.child(name, "MjcActuator")
+        if name != actuator.name:
+            prim.call(actuator.name)
+        prim.point_to("mjc:target", joints[actuator.dof])
+        for attribute, word in facts.words.items():
+            prim.token(attribute, word)
+        for attribute, values in facts.arrays.items():
+            prim.doubles(attribute, values)
+        for attribute, value in facts.numbers.items():
+            prim.number(attribute, value, "double", uniform=True)

@@ -1,0 +1,37 @@
+"""Makes SimReady's metadata: what a USD is, who made it, and how large and heavy it is."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from linkwright.stages.export.usd.section import UsdFormatSection
+from linkwright.stages.formats.numbers import LENGTH, number
+from linkwright.stages.robot.dynamics.inertia import SPECK
+from linkwright.stages.robot.model.robot import Array, Robot
+
+KEY = "SimReady_Metadata"
+
+Value = str | int | float | tuple[float, ...]
+
+UNSPECIFIED = "unspecified"
+
+
+def metadata(robot: Robot, keys: UsdFormatSection, bodies: int, size: Array) -> Mapping[str, Value]:
+    """Returns the metadata by the keys that SimReady's requirement SR.004 names. `bodies`: number of bodies
+    in the USD; `size` (3,) [m]: sides of the box around the robot at `home`, not finite for a robot without
+    shapes."""
+    extents = size if np.isfinite(size).all() else np.zeros(3)
+    total = sum(link.inertial.mass or SPECK.mass for link in robot.links)
+    return {
+        "author": keys.author,
+        "asset_name": robot.name,
+        "asset_type": "robot",
+        "asset_license": keys.license,
+        "category": keys.category,
+        "source_file": robot.provenance.document or UNSPECIFIED,
+        "usd_date_generated": keys.date or UNSPECIFIED,
+        "qcode": keys.qcode,
+        "rigid_body_count": bodies,
+        "asset_extents": tuple(float(number(side, least=LENGTH)) for side in extents),
+        "mass": float(number(total)),
+    }

@@ -1,0 +1,50 @@
+"""Chooses the share by which each quantity varies: from the configuration, or from the origin of its value.
+
+The less certain the origin of a value, the wider it varies; `docs/variants.md` has the reasons.
+"""
+
+from collections.abc import Mapping, Sequence
+
+from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.text.globs import matching, there_are
+
+CONFIG_KEY = "variants.ranges"
+
+SHARE_BY_ORIGIN: Mapping[str, float] = {
+    "measured": 0.05,
+    "identified": 0.1,
+    "datasheet": 0.2,
+    "source": 0.1,
+    "given": 0.1,
+    "estimated": 0.3,
+    "unset": 0.5,
+}
+"""Origin of a value → the share of it by which it varies to both sides. measured: on the motor; identified:
+fitted to recordings; datasheet: of the motor's maker; source: CAD or the file; given: by the configuration;
+estimated: by Linkwright; unset: MuJoCo's default."""
+
+
+def shares_of(
+    origins: Mapping[str, str], ranges: Mapping[str, float | str], log: Diagnostics
+) -> dict[str, float]:
+    """Returns the share of each quantity that a glob matches. `origins`: quantity → origin of its value;
+    `ranges`: glob → share, or a text for the share in `SHARE_BY_ORIGIN`."""
+    shares: dict[str, float] = {}
+    for glob, names in matched_by(ranges, list(origins), log).items():
+        share = ranges[glob]
+        shares |= {
+            name: SHARE_BY_ORIGIN[origins[name]] if isinstance(share, str) else share for name in names
+        }
+    return shares
+
+
+def matched_by(
+    ranges: Mapping[str, float | str], quantities: Sequence[str], log: Diagnostics
+) -> dict[str, list[str]]:
+    """Returns the quantities that each glob matches. Reports a glob without any match (E-GLOB)."""
+    names = [{name} for name in quantities]
+    matches = {glob: [quantities[number] for number in matching(glob, names)] for glob in ranges}
+    for glob in (glob for glob, matched in matches.items() if not matched):
+        hint = there_are(glob, {"quantities": quantities})
+        log.unmatched("E-GLOB", f"no quantity matches {glob!r}", CONFIG_KEY, hint, glob)
+    return matches

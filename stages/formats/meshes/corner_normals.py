@@ -1,0 +1,51 @@
+"""Computes normals of a surface that is smooth where its faces meet at a small angle, and has an edge
+elsewhere."""
+
+import numpy as np
+import numpy.typing as npt
+
+from linkwright.stages.formats.meshes.components import components
+from linkwright.stages.formats.meshes.surface import Surface, unit
+
+CREASE = 0.85
+"""Cosine of the largest angle between two faces (about 32°) that meet smoothly; at a larger angle the edge is
+sharp."""
+
+Numbers = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int64]
+
+
+def corner_normals(surface: Surface) -> tuple[Indices, Numbers]:
+    """Returns (m, 3), the index of the normal of each corner of each triangle, and (k, 3), the unit normals.
+    Corners with the same normal are at the same point.
+
+    Across a smooth edge both triangles share their normals: the normal is the mean, weighted by area, of all
+    triangles around the point that smooth edges connect.
+    """
+    areas = surface.normals()
+    flat = unit(areas)
+    first, second = _joined_corners(surface.triangles, len(surface.vertices), flat)
+    which = components(surface.triangles.size, first, second)
+    face = np.arange(surface.triangles.size) // 3
+    total = [np.bincount(which, areas[face, axis]).astype(np.float64) for axis in range(3)]
+    return which.reshape(-1, 3), unit(np.stack(total, axis=1))
+
+
+def _joined_corners(triangles: Indices, count: int, flat: Numbers) -> tuple[Indices, Indices]:
+    """Returns the pairs of corners (counted through all triangles) on either side of the smooth edges.
+
+    `count`: the number of points; `flat` (m, 3): the unit normals of the triangles.
+    """
+    corner = np.arange(triangles.size)
+    following = corner.reshape(-1, 3)[:, (1, 2, 0)].ravel()
+    starts, ends = triangles.ravel(), triangles[:, (1, 2, 0)].ravel()
+    up = starts < ends
+    low, high = np.where(up, corner, following), np.where(up, following, corner)
+    edges = np.where(up, starts * count + ends, ends * count + starts)
+    order = np.argsort(edges, kind="stable")
+    same_edge = edges[order[1:]] == edges[order[:-1]]
+    a, b = order[:-1][same_edge], order[1:][same_edge]
+    x, y, z = (flat[a // 3] * flat[b // 3]).T
+    smooth = x + y + z > CREASE
+    a, b = a[smooth], b[smooth]
+    return np.concatenate([low[a], high[a]]), np.concatenate([low[b], high[b]])

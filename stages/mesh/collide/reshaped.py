@@ -1,0 +1,115 @@
+"""Reports how the limits of targets change colliders and meshes."""
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from linkwright.stages.formats.meshes.surface import Surface, moved
+from linkwright.stages.mesh.collide import primitives
+from linkwright.stages.mesh.collide.choices import Choice
+from linkwright.stages.mesh.collide.make import Collided
+from linkwright.stages.mesh.configuration.collider_settings import RawSettings
+from linkwright.stages.mesh.surfaces.pieces import half_spaces
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.model.geometry import Shape
+from linkwright.stages.robot.model.robot import Link, Part, Primitive
+from linkwright.stages.robot.text.plural import count
+from linkwright.stages.targets.diagnostic import replacement, targets_limiting
+from linkwright.stages.targets.engines import shape_limits
+
+if TYPE_CHECKING:
+    from linkwright.stages.mesh.section import MeshSection
+
+ColliderWithParts = tuple[Collided, Sequence[Part]]
+"""A collider with its parts."""
+
+
+def reshaped(
+    links: Sequence[Link],
+    colliders: Sequence[ColliderWithParts],
+    makers: Collection[Choice],
+    shapes: Sequence[Shape],
+    section: "MeshSection",
+    targets: Sequence[str],
+) -> Iterator[Diagnostic]:
+    """Yields I-TARGET for everything that targets change in colliders and meshes. `makers`: the choices of
+    collider makers; `shapes`: all shapes of the robot (a mesh with a texture is an OBJ in any case)."""
+    yield from _cylinders(links, [collided for collided, _ in colliders], targets)
+    yield from _ellipsoids(colliders, targets)
+    limits = shape_limits(targets)
+    smaller = targets_limiting(targets, lambda shapes: shapes.hull is not None)
+    if limits.hull is not None:
+        raw = sum(isinstance(collided.job.choice.settings, RawSettings) for collided, _ in colliders)
+        if raw:
+            number = count(raw, "collider that is a mesh as it is", "colliders that are meshes as they are")
+            yield replacement(f"{number} → hulls of at most {limits.hull} vertices", smaller)
+        capped = _capped(makers, section, limits.hull)
+        if capped:
+            text = ", ".join(
+                f"{key} ({chosen_count} → {limits.hull})" for key, chosen_count in capped.items()
+            )
+            yield replacement(f"hulls and convex pieces have fewer vertices: {text}", smaller)
+    stl = [shape for shape in shapes if shape.file is not None and shape.texture is None]
+    if limits.obj and section.format != "obj" and section.assets == "files" and stl:
+        number = count(len({shape.file for shape in stl}), "mesh", "meshes")
+        yield replacement(f"{number} in STL → OBJ", targets_limiting(targets, lambda shapes: shapes.obj))
+
+
+def _cylinders(
+    links: Sequence[Link], outcomes: Sequence[Collided], targets: Sequence[str]
+) -> Iterator[Diagnostic]:
+    for_prisms = targets_limiting(targets, lambda shapes: "cylinder" in shapes.without)
+    kinds = [shape.kind for link in links for shape in link.shapes if shape.collision]
+    kinds += [
+        piece.kind
+        for collided in outcomes
+        for piece in collided.collision.pieces
+        if isinstance(piece, Primitive)
+    ]
+    if for_prisms and "cylinder" in kinds:
+        number = count(kinds.count("cylinder"), "collider that is a cylinder", "colliders that are cylinders")
+        text = (
+            f"prisms of {primitives.PRISM_SIDES} sides and the same volume, whose corners stand out by "
+            f"{100 * (primitives.PRISM_GROWTH - 1):.1f} % of the radius"
+        )
+        yield replacement(f"{number} → {text}", for_prisms)
+
+
+def _ellipsoids(colliders: Sequence[ColliderWithParts], targets: Sequence[str]) -> Iterator[Diagnostic]:
+    for_hulls = targets_limiting(targets, lambda shapes: "ellipsoid" in shapes.without)
+    errors = [
+        ellipsoid_error(moved(piece, collided.job.link_from_subject), parts[0])
+        for collided, parts in colliders
+        if len(parts) == 1 and parts[0].form.ellipsoid
+        for piece in collided.collision.pieces
+        if isinstance(piece, Surface)
+    ]
+    if for_hulls and errors:
+        number = count(len(errors), "collider that is an ellipsoid", "colliders that are ellipsoids")
+        text = f"hulls, whose surface is off by at most {100 * max(errors):.1f} % of the radius"
+        yield replacement(f"{number} → {text}", for_hulls)
+
+
+def ellipsoid_error(hull: Surface, part: Part) -> float:
+    """Returns the largest distance between a hull, in the link's frame, and the ellipsoid of a part, as a
+    share of the ellipsoid's radius in that direction."""
+    lengths = np.array(part.form.ellipsoid)
+    part_from_link = np.linalg.inv(part.link_from_part)
+    points = hull.vertices @ part_from_link[:3, :3].T + part_from_link[:3, 3]
+    # Scaled to a ball of radius 1: shares of the radius in a direction stay the same.
+    ball = Surface(points / (lengths / 2), hull.triangles)
+    _, heights = half_spaces(ball)
+    return float(max(np.linalg.norm(ball.vertices, axis=1).max() - 1, 1 - heights.min()))
+
+
+def _capped(makers: Collection[Choice], section: "MeshSection", limit: int) -> Mapping[str, int]:
+    """Returns, by key, the configured numbers of vertices that exceed a target's limit `limit`."""
+    if not any(hasattr(maker.settings, "max_vertices") for maker in makers):
+        return {}
+    vertex_counts = {"mesh.max_vertices": section.max_vertices}
+    vertex_counts |= {
+        f"mesh.colliders.{glob}.max_vertices": keys.max_vertices or 0
+        for glob, keys in section.colliders.items()
+    }
+    return {key: number for key, number in vertex_counts.items() if number > limit}

@@ -1,0 +1,183 @@
+"""Lists what MuJoCo, MJX and MuJoCo Warp read of our files: their rows of the table of readers."""
+
+from linkwright.stages.targets.row import ReaderRow, rows
+
+_DAY, _TODAY = "2026-11-23", "2026-11-27"
+_MJX = "https://github.com/google-deepmind/mujoco/blob/3.17.0/mjx/mujoco/mjx/_src/mesh.py"
+_MJWARP = "https://github.com/google-deepmind/mujoco_warp#mujoco-api-compatibility"
+
+POSITION_FOR_PID = (
+    "a build for it has a `position` servo with the same force, where there is neither `ki` nor `slewmax`"
+)
+"""What a build has in place of pid servos."""
+
+SLOWER = "slower than in MuJoCo 4.0 while at the limit of their force: implicitfast keeps their damping"
+"""What other versions do with servos at the limit of their force."""
+
+MUJOCO_READERS: tuple[ReaderRow, ...] = (
+    *rows(
+        "MuJoCo",
+        "4.0",
+        "urdf",
+        _DAY,
+        ("velocity", "stated", "left out"),
+        ("loops", "stated", "left open, as a URDF has none: it has them from an MJCF"),
+    ),
+    *rows(
+        "MuJoCo",
+        "4.0",
+        "urdf",
+        _TODAY,
+        (
+            "visuals in GLB",
+            "stated",
+            "left out: our URDF with such visuals says `discardvisual`, without which the file is refused",
+        ),
+    ),
+    *rows("MuJoCo", "3.11", "urdf", _DAY, ("relations", "refused", "left out: it has them from an MJCF")),
+    *rows(
+        "MuJoCo",
+        "3.11",
+        "mjcf",
+        _TODAY,
+        ("words of MuJoCo 3.16", "refused", "refuses the file"),
+        ("words of MuJoCo 3.17", "refused", "refuses the file"),
+        ("words of MuJoCo 4.0", "refused", "refuses the file"),
+        ("saturated servos", "stated", SLOWER),
+    ),
+    *rows(
+        "MuJoCo",
+        "3.16",
+        "mjcf",
+        _TODAY,
+        ("words of MuJoCo 3.17", "refused", "refuses the file"),
+        ("words of MuJoCo 4.0", "refused", "refuses the file"),
+        ("saturated servos", "stated", SLOWER),
+    ),
+    *rows(
+        "MuJoCo",
+        "3.17",
+        "mjcf",
+        _TODAY,
+        ("words of MuJoCo 4.0", "refused", "refuses the file"),
+        ("saturated servos", "stated", SLOWER),
+    ),
+    *rows(
+        "MuJoCo",
+        "4.0",
+        "mjcf",
+        _TODAY,
+        ("words that MuJoCo 4.0 no longer has", "refused", "refuses the file"),
+    ),
+    *rows(
+        "MJX",
+        "3.17.0",
+        "mjcf",
+        _TODAY,
+        (
+            "cylinders",
+            "replaced",
+            "refuses the model where one may meet a mesh or a box: a build for it has prisms of the same "
+            "volume, with 16 sides, within 1.3 % of the radius",
+        ),
+        (
+            "ellipsoids",
+            "replaced",
+            "refuses the model where one may meet a mesh or a box: a build for it has their hulls",
+        ),
+        ("height fields", "refused", "refuses the model where one may meet a cylinder or an ellipsoid"),
+        ("signed distance fields", "refused", "refuses the model where one may meet another shape"),
+        ("margins of meshes", "refused", "refuses the model: `geoms` gives them none"),
+        (
+            "frictionless contacts in elliptic cones",
+            "refused",
+            "refuses the model: `scene.option.cone: pyramidal`, or give the geoms friction",
+        ),
+        (
+            "motors by voltage",
+            "replaced",
+            "refuses the model: a build for it has a `general` actuator with the same force, where the motor "
+            "has no state and no saturation",
+        ),
+        (
+            "pid servos",
+            "replaced",
+            f"refuses the model: {POSITION_FOR_PID}",
+        ),
+        ("user actuators", "refused", "refuses the model"),
+        ("adhesion and slider-cranks", "refused", "refuses the model"),
+        ("orientation servos", "refused", "refuses the model: it has no servos of ball joints"),
+        ("delays of actuators", "refused", "left out, without a word: controls act at once"),
+        ("implicit integrator", "refused", "refuses the model: `scene.option.integrator: implicitfast`"),
+        ("fluid with implicitfast", "refused", "refuses the model: `scene.option.integrator: Euler`"),
+        (
+            "solver PGS",
+            "replaced",
+            "refuses the model: a build for it has Newton, which looks for the same forces",
+        ),
+        ("flag energy", "replaced", "refuses the model: a build for it leaves it out, which moves nothing"),
+        ("flag fwdinv", "replaced", "refuses the model: a build for it leaves it out, which moves nothing"),
+        ("flags of the solver", "refused", "refuses the model: `override`, `diagexact`, `speculative`"),
+        (
+            "contact sensors of sites, bodies and net forces",
+            "refused",
+            "refuses the model: it has those of pairs of geoms",
+        ),
+        ("sensors of distances, limits and energies", "refused", "refuses the model"),
+        ("noslip iterations", "stated", "left out, without a word"),
+        (
+            "saturated servos",
+            "stated",
+            SLOWER,
+        ),
+        ("flexes", "refused", "refuses the model"),
+    ),
+    ReaderRow(
+        "MJX",
+        "3.17.0",
+        "mjcf",
+        "hulls of more than 32 vertices",
+        "takes them slowly, and of a face with more than 20 corners leaves some out: a build for it has none",
+        "replaced",
+        source=_MJX,
+    ),
+    *rows(
+        "MuJoCo Warp",
+        "4.0.0",
+        "mjcf",
+        _TODAY,
+        (
+            "pid servos",
+            "replaced",
+            f"refuses the model: {POSITION_FOR_PID}",
+        ),
+        (
+            "solver PGS",
+            "replaced",
+            "refuses the model: a build for it has Newton, which looks for the same forces",
+        ),
+        ("flag fwdinv", "replaced", "refuses the model: a build for it leaves it out, which moves nothing"),
+        ("flags of the solver", "refused", "refuses the model: `override`, `diagexact`, `speculative`"),
+        ("flag ipc", "refused", "refuses the model: disable it"),
+        ("disabled midphase or autoreset", "refused", "refuses the model: leave them enabled"),
+        ("sleep policies", "refused", "refuses the model: `never`, `allowed` and `init` of a body"),
+        (
+            "sleep of another solver than Newton",
+            "refused",
+            "refuses the model: `scene.option.solver: Newton`, or the flag `sleep` disabled",
+        ),
+        (
+            "noslip iterations of the discrete integrator",
+            "refused",
+            "refuses the model: `scene.option.noslip_iterations: 0`, or another integrator",
+        ),
+        (
+            "dense Jacobian of more than 60 speeds",
+            "refused",
+            "refuses the model: `scene.option.jacobian: auto` or `sparse`",
+        ),
+        ("orientation servos", "refused", "refuses the model: it has no servos of ball joints"),
+        ("rigid, quadratic and self-colliding flexes", "refused", "refuses the model"),
+    ),
+    ReaderRow("MuJoCo Warp", "4.0.0", "mjcf", "plug-ins", "refuses the model", "refused", source=_MJWARP),
+)

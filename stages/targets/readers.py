@@ -1,0 +1,252 @@
+"""Lists what other readers take from our files, and what they do with the rest, in one table.
+
+A row is what one version of a reader does with one thing of a format, and how a build for that reader (a
+`target`) responds. The table is the source of what a build for a target checks and refuses, of the report of
+a build, and of the page `pipeline/reference/formats/READERS.md`.
+"""
+
+from collections.abc import Iterator
+
+from linkwright.stages.targets.engines import ENGINES
+from linkwright.stages.targets.mujoco_readers import MUJOCO_READERS, POSITION_FOR_PID, SLOWER
+from linkwright.stages.targets.row import ReaderRow, rows
+
+_DAY, _TODAY = "2026-11-23", "2026-11-27"
+MUJOCO = "MuJoCo"
+_ISAAC = "https://github.com/isaac-sim/IsaacSim/issues/841"
+_ISAAC_URDF = "https://wiki.ros.org/urdf/XML/model"
+_ROS = "https://docs.ros.org/en/jazzy/p/sdformat_urdf"
+_OBJ = "refuses the file: a build for it writes meshes as OBJ"
+
+READERS: tuple[ReaderRow, ...] = (
+    *rows(
+        "Drake",
+        "1.51.1",
+        "urdf",
+        _DAY,
+        ("colliders in STL", "replaced", _OBJ),
+        ("friction", "stated", "left out, with a warning"),
+        ("effort", "stated", "left out: without transmissions it has no actuators"),
+        ("fixed base", "stated", "the root link is free until it is welded"),
+    ),
+    *rows(
+        "Drake",
+        "1.51.1",
+        "urdf",
+        _TODAY,
+        ("visuals in GLB", "stated", "shown by none of its renderers, with a warning: they show OBJ"),
+        ("loops", "stated", "left open, as a URDF has none: close them in the plant"),
+        ("relations", "stated", "a plant in continuous time refuses to simulate them: give it a time step"),
+    ),
+    *rows(
+        "Drake",
+        "1.51.1",
+        "sdf",
+        _DAY,
+        ("colliders in STL", "replaced", _OBJ),
+        ("friction", "stated", "left out, without a word"),
+        ("loops", "refused", "refuses the file"),
+        ("relations", "refused", "left out, without a word: it has them from a URDF"),
+    ),
+    *rows(
+        "Drake",
+        "1.51.1",
+        "mjcf",
+        _DAY,
+        ("meshes in STL", "replaced", _OBJ),
+        ("friction", "stated", "left out, with a warning"),
+        ("effort", "stated", "left out, with a warning"),
+        ("loops", "refused", "left open, with a warning: it has no equalities of sites"),
+        ("relations", "refused", "left out, with a warning: it has them from a URDF"),
+        ("keyframes", "stated", "left out, with a warning"),
+    ),
+    *rows(
+        "PyBullet",
+        "3.2.7",
+        "urdf",
+        _DAY,
+        ("inertia", "stated", "from colliders, unless URDF_USE_INERTIA_FROM_FILE is given"),
+        ("relations", "refused", "left out, without a word: what follows moves freely"),
+        ("loops", "refused", "left open, as a URDF has none"),
+        ("fixed base", "stated", "the root link is free, unless useFixedBase is given"),
+        ("frames", "replaced", "1 kg each: a build for it has `export.urdf.frame_inertia: tiny`"),
+    ),
+    *rows(
+        "PyBullet",
+        "3.2.7",
+        "urdf",
+        _TODAY,
+        ("visuals in GLB", "refused", "refuses the file: `mesh.format: obj` or `stl`"),
+    ),
+    *rows(
+        "PyBullet",
+        "3.2.7",
+        "sdf",
+        _DAY,
+        ("fixed base", "refused", "refuses the file: a joint to the world is unknown to it"),
+        ("balls", "refused", "refuses the file"),
+    ),
+    *rows(
+        "PyBullet",
+        "3.2.7",
+        "sdf",
+        _TODAY,
+        ("everything", "refused", "puts every link at the origin: `relative_to` is unknown to it"),
+    ),
+    *rows(
+        "PyBullet",
+        "3.2.7",
+        "mjcf",
+        _DAY,
+        ("everything", "refused", "nothing moves: it reads no classes of joints and geoms"),
+    ),
+    *MUJOCO_READERS,
+    *rows(
+        "Pinocchio",
+        "4.1.0",
+        "urdf",
+        _DAY,
+        (
+            "relations",
+            "stated",
+            "followers move freely, unless mimic=True is given, which refuses continuous joints",
+        ),
+    ),
+    *rows(
+        "Pinocchio",
+        "4.1.0",
+        "urdf",
+        _TODAY,
+        ("loops", "stated", "left open, as a URDF has none: robot.json has them for its constraints"),
+        ("visuals in GLB", "stated", "shown without their colours"),
+    ),
+    ReaderRow(
+        "RViz 2",
+        "from 15.1.4",
+        "urdf",
+        "visuals in GLB",
+        "turned from y-up to z-up: `mesh.glb_up: y`",
+        "stated",
+        source="https://github.com/ros2/rviz/pull/1482",
+    ),
+    *rows(
+        "sdformat",
+        "12.3",
+        "sdf",
+        _DAY,
+        ("relations", "stated", "`<mimic>` is unknown to it, as to Gazebo Fortress"),
+    ),
+    ReaderRow(
+        "Gazebo with DART",
+        "Harmonic",
+        "sdf",
+        "relations",
+        "left out, with an error; the engine bullet-featherstone has them",
+        "refused",
+        source="https://github.com/gazebosim/gz-physics/issues/432",
+    ),
+    ReaderRow(
+        "Gazebo with DART",
+        "all so far",
+        "sdf",
+        "loops",
+        "only those that a fixed joint closes",
+        "refused",
+        source="https://github.com/gazebosim/gz-physics/issues/25",
+    ),
+    ReaderRow("ROS (sdformat_urdf)", "Jazzy", "sdf", "loops", "refuses the file", "stated", source=_ROS),
+    ReaderRow("ROS (sdformat_urdf)", "Jazzy", "sdf", "balls", "refuses the file", "stated", source=_ROS),
+    *rows(
+        "Newton",
+        "1.8.0",
+        "mjcf",
+        _TODAY,
+        ("starts of joints", "stated", "values of joints count from `ref`, but controls do not"),
+        ("keyframes", "stated", "left out: it starts at zero"),
+        ("sensors", "stated", "left out, without a word"),
+        ("cameras", "stated", "left out, without a word"),
+        ("gravity", "stated", "left out: it is the scene's, which is given to ModelBuilder"),
+        ("noslip iterations", "stated", "left out, without a word"),
+        (
+            "pid servos",
+            "replaced",
+            f"left out, without a word: {POSITION_FOR_PID}",
+        ),
+        ("orientation servos", "refused", "left out, without a word"),
+        ("adhesion", "refused", "left out, without a word"),
+        ("pneumatic cylinders", "refused", "left out, without a word"),
+        ("delays of actuators", "refused", "left out, without a word: controls act at once"),
+        (
+            "time constants of servos",
+            "refused",
+            "left out, without a word: it has those of a `general` actuator with `dyntype` filterexact",
+        ),
+        ("cones", "refused", "left out, without a word: its ball joints have no limits"),
+        ("spring-dampers", "refused", "left out, without a word: it has `stiffness` and `damping`"),
+        ("polynomials of damping", "refused", "refuses the file"),
+        ("saturated servos", "stated", SLOWER),
+    ),
+    *rows(
+        "Newton",
+        "1.8.0",
+        "urdf",
+        _TODAY,
+        ("loops", "stated", "left open, as a URDF has none: it has them from an MJCF or a USD"),
+        ("velocity", "stated", "kept in its model; its MuJoCo solver does not limit velocities"),
+    ),
+    *rows(
+        "Newton",
+        "1.8.0",
+        "usd",
+        _DAY,
+        ("keyframes", "stated", "starts at zero, unless SchemaResolverPhysx is given"),
+        ("cones", "stated", "left out, without a word"),
+    ),
+    *rows(
+        "PhysX",
+        "ovphysx 0.7.0",
+        "usd",
+        _DAY,
+        ("loops", "refused", "pushed at the start, or lost (NaN)"),
+    ),
+    ReaderRow("Isaac Sim", "6.1.0", "urdf", "damping", "left out, without a word", "stated", source=_ISAAC),
+    ReaderRow(
+        "Isaac Sim",
+        "6.1.0",
+        "urdf",
+        "loops",
+        "left open, as a URDF has none: it has them from a USD",
+        "stated",
+        source=_ISAAC_URDF,
+    ),
+    ReaderRow("Isaac Sim", "6.1.0", "urdf", "friction", "left out, without a word", "stated", source=_ISAAC),
+)
+"""All rows, in the order of the page."""
+
+COMPLETE_READERS: tuple[tuple[str, str, str], ...] = (
+    ("yourdfpy", "0.0.60", "urdf"),
+    ("Pinocchio", "4.1.0", "urdf"),
+)
+"""(reader, version, format): readers that keep limits, effort, velocity, damping, friction and mimic, as
+measured. Pinocchio reads mimic only if it is told to."""
+
+
+def rows_of(target: str, form: str, version: str | None = None) -> Iterator[ReaderRow]:
+    """Yields the rows of a target's readers for a format. For an engine whose models MuJoCo compiles, these
+    are the rows for the format itself and for an MJCF, and MuJoCo's own for the format. `version`: of MuJoCo;
+    None for the engine's own."""
+    engine = ENGINES[target]
+    if engine.mujoco is None:
+        yield from (row for row in READERS if row.reader in engine.readers and row.format == form)
+        return
+    models = [
+        row
+        for row in READERS
+        if row.reader in engine.readers and row.reader != MUJOCO and row.format in (form, "mjcf")
+    ]
+    yield from models
+    things = {row.thing for row in models}
+    for row in READERS:
+        applies = row.reader == MUJOCO and row.version == (version or engine.mujoco) and row.format == form
+        if applies and row.thing not in things:
+            yield row

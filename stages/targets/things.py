@@ -1,0 +1,98 @@
+"""Names the things of a robot that readers drop."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from linkwright.stages.robot.motion.start_pose import starting_point
+from linkwright.stages.targets.engines import ENGINES
+from linkwright.stages.targets.readers import READERS, rows_of
+from linkwright.stages.targets.row import ReaderRow, Thing
+
+if TYPE_CHECKING:
+    from linkwright.stages.robot.model.geometry import Geometry
+    from linkwright.stages.robot.model.robot import Dof, Robot
+
+
+def dropped_things(
+    robot: "Robot",
+    geometry: "Geometry",
+    formats: Sequence[str],
+    targets: Mapping[str, str | None] = MappingProxyType({}),
+) -> list[dict[str, Any]]:
+    """Returns the rows of the table that concern this robot in these formats, each with the names of the
+    things that it has. A row of one of the `targets` (name → version of MuJoCo) also has how the build
+    responds."""
+    names = _names(robot, geometry)
+    targeted = {
+        row
+        for name, version in targets.items()
+        for form in ENGINES[name].reads
+        for row in rows_of(name, form, version)
+    }
+    return [
+        {
+            "reader": row.reader,
+            "version": row.version,
+            "format": row.format,
+            "thing": row.thing,
+            "does": row.does,
+            "of": names[row.thing],
+            "source": row.source or row.evidence,
+            **({"target": row.met} if row in targeted else {}),
+        }
+        for row in READERS
+        if row.format in formats and names.get(row.thing)
+    ]
+
+
+def of_robot(row: ReaderRow, robot: "Robot", geometry: "Geometry") -> list[str]:
+    """Returns the names of a robot's things that a row concerns; none if only the files tell."""
+    return _names(robot, geometry).get(row.thing, [])
+
+
+def _names(robot: "Robot", geometry: "Geometry") -> dict[Thing, list[str]]:
+    return {thing: [*find(robot, geometry)] for thing, find in _FINDERS.items()}
+
+
+def _dofs(test: "Callable[[Dof], object]") -> "Callable[[Robot, Geometry], Iterator[str]]":
+    return lambda robot, _: (dof.name for dof in robot.dofs if test(dof))
+
+
+def _files(*roles: str) -> "Callable[[Robot, Geometry], Iterator[str]]":
+    """Returns a function that finds the STL files of shapes in these roles."""
+
+    def find(_: "Robot", geometry: "Geometry") -> Iterator[str]:
+        files = {shape.file for shape in geometry.shapes if shape.file and shape.role in roles}
+        return (name for name in sorted(files) if name.endswith(".stl"))
+
+    return find
+
+
+_FINDERS: Mapping[Thing, "Callable[[Robot, Geometry], Iterator[str]]"] = {
+    "balls": _dofs(lambda dof: dof.kind == "ball"),
+    "colliders in STL": _files("collision"),
+    "cones": _dofs(lambda dof: dof.kind == "ball" and dof.limits.upper is not None),
+    "damping": _dofs(lambda dof: dof.dynamics.damping),
+    "effort": _dofs(lambda dof: dof.dynamics.effort),
+    "everything": lambda robot, _: (joint.name for joint in robot.joints if joint.dofs),
+    "fixed base": lambda robot, _: iter([robot.root.name] * robot.base.fixed),
+    "frames": lambda robot, _: (frame.name for frame in robot.frames),
+    "friction": _dofs(lambda dof: dof.dynamics.friction),
+    "inertia": lambda robot, _: (link.name for link in robot.links if link.inertial.mass),
+    "keyframes": lambda robot, _: iter(("home", "cad") if robot.dofs else ()),
+    "loops": lambda robot, _: (loop.name for loop in robot.loops),
+    "meshes in STL": _files("visual", "collision"),
+    "relations": lambda robot, _: (relation.follower for relation in robot.relations),
+    "saturated servos": _dofs(lambda dof: dof.dynamics.effort),
+    "starts of joints": lambda robot, _: (
+        name for name, value in starting_point(robot).items() if isinstance(value, float) and value
+    ),
+    "velocity": _dofs(lambda dof: dof.dynamics.velocity),
+    "visuals in GLB": lambda _, geometry: iter(sorted({str(whole.file) for whole in geometry.whole_visuals})),
+}
+"""Thing → a function that finds the names of such things in a robot. Other things are found only in its
+files."""
+
+THINGS_OF_ROBOTS: Set[Thing] = _FINDERS.keys()
+"""The things whose names the report of a build has."""

@@ -1,0 +1,136 @@
+"""Reads an SRDF, and finds its groups and joints in the robot that it describes."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from linkwright.stages.formats.urdf.chains import UrdfChains, UrdfStep, chains_of
+from linkwright.stages.formats.written import Written
+from linkwright.stages.formats.xml import Element
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.validate.findings import named
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ReadSrdf:
+    """An SRDF, and the robot that it describes."""
+
+    root: Element
+    """The root of the file."""
+
+    written: Written
+    """The robot."""
+
+    chains: UrdfChains = field(init=False)
+    """The chains of the URDF."""
+
+    links: frozenset[str] = field(init=False)
+    """All links of the URDF, also those that the user's own XML adds, about which nothing else is known."""
+
+    joints: frozenset[str] = field(init=False)
+    """All joints of the URDF, also those that the user's own XML adds."""
+
+    groups: dict[str, Element] = field(init=False)
+    """Name → group; of groups with the same name, the first."""
+
+    moving: frozenset[str] = field(init=False)
+    """The joints that groups may have: all moving joints except free joints."""
+
+    own: frozenset[str] = field(init=False)
+    """The groups that every SRDF of the robot has: to a frame or link, of a gripper, of all joints, and those
+    of the source."""
+
+    source_groups: dict[str, frozenset[str]] = field(init=False)
+    """The groups of the source, with their joints."""
+
+    def __post_init__(self) -> None:
+        chains = chains_of(self.written.as_urdf.robot)
+        changes = self.written.amendments.of(f"{self.robot.name}.urdf")
+        groups: dict[str, Element] = {}
+        for node in self.root.findall("group"):
+            groups.setdefault(node.get("name", ""), node)
+        of_hands = (effector.get("group", "") for effector in self.root.findall("end_effector"))
+        turns = self.written.urdf_names.turns
+        source = {
+            group.name: frozenset(name for dof in group.joints for name in turns.get(dof, (dof,)))
+            for group in self.robot.semantics.groups
+        }
+        added = [add.partition(" ") for change in changes for add in change.adds]
+        for key, value in (
+            ("chains", chains),
+            ("links", frozenset({*chains.links, *(name for tag, _, name in added if tag == "link")})),
+            ("joints", frozenset({*chains.joints, *(name for tag, _, name in added if tag == "joint")})),
+            ("groups", groups),
+            ("moving", frozenset(name for name, step in chains.joints.items() if step.moves)),
+            ("own", frozenset({*chains.links, *of_hands, ALL, *source})),
+            ("source_groups", source),
+        ):
+            object.__setattr__(self, key, value)
+
+    @property
+    def robot(self) -> Robot:
+        return self.written.robot
+
+    def moved_by(self, group: str) -> frozenset[str]:
+        """Returns the moving joints of a group: the joints that it names, the joints above the links that it
+        names, and the joints of its chains and of its groups."""
+        return frozenset(step.name for step in self._steps(group, frozenset()) if step.moves)
+
+    def _steps(self, group: str, seen: frozenset[str]) -> Iterator[UrdfStep]:
+        node = self.groups.get(group)
+        if node is None or group in seen:
+            return
+        for joint in node.findall("joint"):
+            yield from filter(None, [self.chains.joints.get(joint.get("name", ""))])
+        for link in node.findall("link"):
+            yield from filter(None, [self.chains.above.get(link.get("name", ""))])
+        for chain in node.findall("chain"):
+            yield from self.chains.between(chain.get("base_link", ""), chain.get("tip_link", "")) or ()
+        for inner in node.findall("group"):
+            yield from self._steps(inner.get("name", ""), seen | {group})
+
+    def is_own(self, group: str) -> bool:
+        """Tells whether every SRDF of the robot has this group: to a frame or link, of a gripper, or of all
+        joints. Other groups are the user's."""
+        return group in self.own
+
+    def rigid_with(self, link: str) -> set[str]:
+        """Returns `link` and the links that no joint moves relative to it."""
+        links = {link}
+        for step in self.chains.up(link):
+            if step.dof is not None:
+                break
+            links.add(step.parent)
+        for step in self.chains.joints.values():  # parents come first, except frames, which carry nothing
+            if step.dof is None and step.parent in links:
+                links.add(step.child)
+        return links
+
+    def joints_beyond(self, link: str) -> frozenset[str]:
+        """Returns the joints of groups that the links rigid with `link` carry, except those beyond a free
+        joint."""
+        body, base = self.rigid_with(link), self.chains.base_of(link)
+        return frozenset(
+            name
+            for name in self.moving
+            if self.chains.base_of(self.chains.joints[name].child) == base
+            and body & {step.parent for step in self.chains.up(self.chains.joints[name].child)}
+        )
+
+    def joints_to(self, link: str) -> frozenset[str]:
+        """Returns the joints of groups between `link` and the root of its chain."""
+        steps = self.chains.between(self.chains.base_of(link), link) or ()
+        return frozenset(step.name for step in steps if step.moves)
+
+
+ALL = "all"
+"""Name of the group of all joints."""
+
+
+def state(node: Element) -> str:
+    """Returns the title of a group's pose in findings."""
+    return f"{named('group_state', node.get('name', ''))} of {named('group', node.get('group', ''))}"
+
+
+def pair(node: Element) -> str:
+    """Returns the title, in findings, of an element with two links."""
+    return named(str(node.tag), f'{node.get("link1", "")}" "{node.get("link2", "")}')

@@ -1,0 +1,265 @@
+"""Finds, in a compiled model, the things that engines do not take, by the elements of its file."""
+
+from collections.abc import Callable, Collection, Iterator, Mapping
+from functools import partial
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from linkwright.stages.mujoco.names import OBJ, actuator_count, name_of
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.targets.engines import ENGINES
+from linkwright.stages.targets.row import Thing
+from linkwright.stages.validate.findings import named
+from linkwright.stages.validate.targets.geom_pairs import geom_pairs
+
+_GEOM, _DYN, _GAIN = mujoco.mjtGeom, mujoco.mjtDyn, mujoco.mjtGain
+_SENSOR, _OBJECT, _DISABLE = mujoco.mjtSensor, mujoco.mjtObj, mujoco.mjtDisableBit
+
+FindThings = Callable[[Any], Iterator[Finding]]
+
+_CONVEX_OR_SDF = ("BOX", "MESH", "SDF")
+"""Shapes that MJX collides as convex meshes or by a signed distance field."""
+
+_REDUCE_NETFORCE = 3
+"""Number of the reduction of a contact sensor that sums forces."""
+
+_MISSING_SENSORS = ("JOINTLIMIT", "TENDONLIMIT", "GEOM", "E_", "INSIDESITE", "USER", "PLUGIN")
+"""Prefixes of the types of sensors that MJX lacks."""
+
+
+def _of(kind: str) -> Callable[[Any, int, str], Finding]:
+    """Returns a function that makes a finding on a thing of this kind, by its number."""
+    objects = {"geom": OBJ.mjOBJ_GEOM, "actuator": OBJ.mjOBJ_ACTUATOR, "sensor": OBJ.mjOBJ_SENSOR}
+    objects |= {"body": OBJ.mjOBJ_BODY, "mesh": OBJ.mjOBJ_MESH, "pair": OBJ.mjOBJ_PAIR}
+
+    def finding(model: Any, index: int, attribute: str) -> Finding:
+        name = name_of(model, objects[kind], index)
+        if not name and kind == "geom":
+            of = name_of(model, OBJ.mjOBJ_BODY, int(model.geom_bodyid[index]))
+            return Finding(f"geom of {named('body', of)}", attribute, "")
+        return Finding(named(kind, name or str(index)), attribute, "")
+
+    return finding
+
+
+_geom, _actuator, _sensor, _body, _pair = map(_of, ("geom", "actuator", "sensor", "body", "pair"))
+
+
+def _meeting(of: str, kinds: Collection[str]) -> FindThings:
+    """Returns a function that finds geoms of this type that may meet a geom of the other types."""
+
+    def find(model: Any) -> Iterator[Finding]:
+        own_type = int(getattr(_GEOM, f"mjGEOM_{of}"))
+        other_types = {int(getattr(_GEOM, f"mjGEOM_{name}")) for name in kinds}
+        types = model.geom_type
+        geoms = set()
+        for pair in geom_pairs(model):
+            for geom, other in (pair.geoms, pair.geoms[::-1]):
+                if types[geom] == own_type and int(types[other]) in other_types:
+                    geoms.add(geom)
+        return (_geom(model, index, "type") for index in sorted(geoms))
+
+    return find
+
+
+def _margins(model: Any) -> Iterator[Finding]:
+    kinds = {int(_GEOM.mjGEOM_MESH), int(_GEOM.mjGEOM_HFIELD)}
+    geoms = set()
+    for pair in geom_pairs(model):
+        if not kinds & {int(model.geom_type[geom]) for geom in pair.geoms}:
+            continue
+        if pair.number is None:
+            geoms |= {geom for geom in pair.geoms if model.geom_margin[geom]}
+        elif model.pair_margin[pair.number]:
+            yield _pair(model, pair.number, "margin")
+    yield from (_geom(model, index, "margin") for index in sorted(geoms))
+
+
+def _large_hulls(model: Any) -> Iterator[Finding]:
+    max_vertices = ENGINES["mjx"].shapes.hull
+    solid = (model.geom_contype | model.geom_conaffinity) != 0
+    meshes = sorted(set(model.geom_dataid[solid & (model.geom_type == int(_GEOM.mjGEOM_MESH))].tolist()))
+    for mesh in meshes:
+        graph = int(model.mesh_graphadr[mesh])
+        count = int(model.mesh_graph[graph] if graph >= 0 else model.mesh_vertnum[mesh])
+        if max_vertices is not None and count > max_vertices:
+            name = name_of(model, OBJ.mjOBJ_MESH, mesh)
+            yield Finding(named("mesh", name), "", f"its hull has {count} vertices: ")
+
+
+def _frictionless(model: Any) -> Iterator[Finding]:
+    if model.opt.cone != int(mujoco.mjtCone.mjCONE_ELLIPTIC):
+        return
+    geoms = set()
+    for pair in geom_pairs(model):
+        if pair.number is None:
+            geoms |= {pair.geoms[0]} if _condim(model, *pair.geoms) == 1 else set()
+        elif model.pair_dim[pair.number] == 1:
+            yield _pair(model, pair.number, "condim")
+    yield from (_geom(model, index, "condim") for index in sorted(geoms))
+
+
+def _condim(model: Any, first: int, second: int) -> int:
+    priority, against = model.geom_priority[first], model.geom_priority[second]
+    if priority != against:
+        return int(model.geom_condim[first if priority > against else second])
+    return int(max(model.geom_condim[first], model.geom_condim[second]))
+
+
+def _actuators(test: Callable[[Any, int], bool], attribute: str = "") -> FindThings:
+    def find(model: Any) -> Iterator[Finding]:
+        return (
+            _actuator(model, index, attribute) for index in range(actuator_count(model)) if test(model, index)
+        )
+
+    return find
+
+
+def _is(values: Any, index: int, kind: Any, *names: str) -> bool:
+    return int(values[index]) in {int(getattr(kind, name)) for name in names if hasattr(kind, name)}
+
+
+def _sensors(test: Callable[[Any, int], bool]) -> FindThings:
+    def find(model: Any) -> Iterator[Finding]:
+        return (_sensor(model, index, "") for index in range(model.nsensor) if test(model, index))
+
+    return find
+
+
+def _in_contact_of_more(model: Any, index: int) -> bool:
+    if not _is(model.sensor_type, index, _SENSOR, "mjSENS_CONTACT"):
+        return False
+    kinds = {int(model.sensor_objtype[index]), int(model.sensor_reftype[index])}
+    bodies_and_sites = {int(_OBJECT.mjOBJ_SITE), int(_OBJECT.mjOBJ_BODY), int(_OBJECT.mjOBJ_XBODY)}
+    return bool(kinds & bodies_and_sites) or int(model.sensor_intprm[index, 1]) == _REDUCE_NETFORCE
+
+
+def _unknown_sensor(model: Any, index: int) -> bool:
+    name = str(_SENSOR(int(model.sensor_type[index])).name).removeprefix("mjSENS_")
+    return name.startswith(_MISSING_SENSORS)
+
+
+def _option(attribute: str, test: Callable[[Any], bool]) -> FindThings:
+    def find(model: Any) -> Iterator[Finding]:
+        return iter([Finding("option", attribute, "")] if test(model.opt) else [])
+
+    return find
+
+
+def _flags(bits: str, kind: Any, prefix: str, *names: str) -> FindThings:
+    """Returns a function that finds the flags of these names that are set in a field of the options."""
+
+    def find(model: Any) -> Iterator[Finding]:
+        field = int(getattr(model.opt, bits))
+        for name in names:
+            bit = int(getattr(kind, f"{prefix}{name.upper()}", 0))
+            if field & bit:
+                yield Finding("flag", name, "")
+
+    return find
+
+
+def _flexes(model: Any) -> Iterator[Finding]:
+    return (
+        Finding(named("flex", name_of(model, OBJ.mjOBJ_FLEX, index)), "", "") for index in range(model.nflex)
+    )
+
+
+def _plugins(model: Any) -> Iterator[Finding]:
+    of_body = getattr(model, "body_plugin", np.full(model.nbody, -1))
+    yield from (_body(model, index, "plugin") for index in np.flatnonzero(of_body >= 0).tolist())
+    yield from (_actuator(model, index, "") for index in np.flatnonzero(model.actuator_plugin >= 0).tolist())
+    yield from (_sensor(model, index, "") for index in np.flatnonzero(model.sensor_plugin >= 0).tolist())
+
+
+def _sleepers(model: Any) -> Iterator[Finding]:
+    policy = getattr(mujoco, "mjtSleepPolicy", None)
+    if policy is None or not hasattr(model, "tree_sleep_policy"):
+        return
+    policies = {int(getattr(policy, f"mjSLEEP_{name}")) for name in ("AUTO", "AUTO_NEVER", "AUTO_ALLOWED")}
+    for tree in range(model.ntree):
+        if int(model.tree_sleep_policy[tree]) not in policies:
+            yield _body(model, int(model.tree_bodyadr[tree]), "sleep")
+
+
+def _dense(model: Any) -> Iterator[Finding]:
+    if model.nv > 60 and model.opt.jacobian == int(mujoco.mjtJacobian.mjJAC_DENSE):
+        yield Finding("option", "jacobian", "")
+
+
+def _sleeps_without_newton(opt: Any) -> bool:
+    sleep = int(getattr(mujoco.mjtEnableBit, "mjENBL_SLEEP", 0))
+    return bool(opt.enableflags & sleep) and opt.solver != int(mujoco.mjtSolver.mjSOL_NEWTON)
+
+
+def _flexes_of_mjwarp(model: Any) -> Iterator[Finding]:
+    for index in range(model.nflex):
+        interpolation = abs(int(model.flex_interp[index]))
+        touches = bool(model.flex_contype[index] & model.flex_conaffinity[index])
+        colliding = interpolation and touches and model.flex_selfcollide[index]
+        if model.flex_rigid[index] or interpolation == 2 or colliding:
+            yield Finding(named("flex", name_of(model, OBJ.mjOBJ_FLEX, index)), "", "")
+
+
+_enabled = partial(_flags, "enableflags", mujoco.mjtEnableBit, "mjENBL_")
+_INTEGRATOR = mujoco.mjtIntegrator
+
+MODEL: Mapping[Thing, FindThings] = {
+    "adhesion and slider-cranks": _actuators(
+        lambda m, i: _is(m.actuator_trntype, i, mujoco.mjtTrn, "mjTRN_BODY", "mjTRN_SLIDERCRANK")
+    ),
+    "contact sensors of sites, bodies and net forces": _sensors(_in_contact_of_more),
+    "cylinders": _meeting("CYLINDER", _CONVEX_OR_SDF),
+    "dense Jacobian of more than 60 speeds": _dense,
+    "delays of actuators": _actuators(
+        lambda m, i: bool(getattr(m, "actuator_delay", np.zeros(actuator_count(m)))[i]), "delay"
+    ),
+    "disabled midphase or autoreset": _flags("disableflags", _DISABLE, "mjDSBL_", "midphase", "autoreset"),
+    "ellipsoids": _meeting("ELLIPSOID", _CONVEX_OR_SDF),
+    "flags of the solver": _enabled("override", "diagexact", "speculative"),
+    "flag energy": _enabled("energy"),
+    "flag fwdinv": _enabled("fwdinv"),
+    "flag ipc": _enabled("ipc"),
+    "flexes": _flexes,
+    "fluid with implicitfast": _option(
+        "density",
+        lambda opt: (
+            opt.integrator == int(_INTEGRATOR.mjINT_IMPLICITFAST)
+            and bool(opt.density > 0 or opt.viscosity > 0 or np.any(opt.wind))
+        ),
+    ),
+    "frictionless contacts in elliptic cones": _frictionless,
+    "height fields": _meeting("HFIELD", ("CYLINDER", "ELLIPSOID", "SDF")),
+    "hulls of more than 32 vertices": _large_hulls,
+    "implicit integrator": _option(
+        "integrator", lambda opt: opt.integrator == int(_INTEGRATOR.mjINT_IMPLICIT)
+    ),
+    "margins of meshes": _margins,
+    "motors by voltage": _actuators(lambda m, i: _is(m.actuator_gaintype, i, _GAIN, "mjGAIN_DCMOTOR")),
+    "noslip iterations": _option("noslip_iterations", lambda opt: opt.noslip_iterations > 0),
+    "noslip iterations of the discrete integrator": _option(
+        "noslip_iterations",
+        lambda opt: (
+            opt.noslip_iterations > 0 and opt.integrator == getattr(_INTEGRATOR, "mjINT_DISCRETE", -1)
+        ),
+    ),
+    "orientation servos": _actuators(lambda m, i: _is(m.actuator_trntype, i, mujoco.mjtTrn, "mjTRN_SO3")),
+    "pid servos": _actuators(lambda m, i: _is(m.actuator_gaintype, i, _GAIN, "mjGAIN_PID")),
+    "plug-ins": _plugins,
+    "rigid, quadratic and self-colliding flexes": _flexes_of_mjwarp,
+    "sensors of distances, limits and energies": _sensors(_unknown_sensor),
+    "signed distance fields": _meeting("SDF", ("PLANE", "SPHERE", "CAPSULE", "BOX", "MESH", "SDF")),
+    "sleep of another solver than Newton": _option("solver", _sleeps_without_newton),
+    "sleep policies": _sleepers,
+    "solver PGS": _option("solver", lambda opt: opt.solver == int(mujoco.mjtSolver.mjSOL_PGS)),
+    "user actuators": _actuators(
+        lambda m, i: (
+            _is(m.actuator_dyntype, i, _DYN, "mjDYN_USER")
+            or _is(m.actuator_gaintype, i, _GAIN, "mjGAIN_USER")
+            or _is(m.actuator_biastype, i, mujoco.mjtBias, "mjBIAS_USER")
+        )
+    ),
+}
+"""Thing → function that finds such elements of a model. The message of a finding adds details."""

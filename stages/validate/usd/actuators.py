@@ -1,0 +1,84 @@
+"""Compares the actuators of a USD, in MuJoCo's own schema, with the robot's."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from linkwright.stages.formats.usd.actuator_facts import ActuatorFacts, known_actuators
+from linkwright.stages.formats.usd.joint_facts import MUJOCO
+from linkwright.stages.formats.usd.names import UsdNames
+from linkwright.stages.robot.check import Finding
+from linkwright.stages.robot.model.actuation import Actuator
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.validate.findings import differs, named
+
+TARGET = "mjc:target"
+
+Value = float | str | tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ReadUsdActuator:
+    """An actuator of a USD."""
+
+    joint: str
+    """The name of the joint's prim; "" without a joint."""
+
+    values: Mapping[str, Value]
+    """The attributes in MuJoCo's namespace."""
+
+
+def read_actuators(prims: Sequence[Any]) -> dict[str, ReadUsdActuator]:
+    """Maps names to the actuators among the prims."""
+    return {prim.GetName(): _read(prim) for prim in prims if prim.GetTypeName() == "MjcActuator"}
+
+
+def _read(prim: Any) -> ReadUsdActuator:
+    targets = prim.GetRelationship(TARGET).GetTargets() if prim.HasRelationship(TARGET) else []
+    authored = {attribute.GetName(): attribute.Get() for attribute in prim.GetAuthoredAttributes()}
+    values = {name: _plain(value) for name, value in authored.items() if name.startswith(MUJOCO)}
+    return ReadUsdActuator(" ".join(target.name for target in targets), values)
+
+
+def _plain(value: Any) -> Value:
+    if isinstance(value, str):
+        return value
+    return float(value) if isinstance(value, int | float) else tuple(map(float, value))
+
+
+def actuators(
+    read: Mapping[str, ReadUsdActuator], robot: Robot, names: UsdNames, expected: Sequence[Actuator]
+) -> Iterator[Finding]:
+    """Yields the differences of each actuator that the schema knows, and the actuators that must not
+    exist."""
+    dofs = {dof.name for joint in robot.joints for dof in joint.dofs if dof.kind in ("turn", "slide")}
+    expected_values = {name: (actuator, facts) for name, actuator, facts in known_actuators(expected, dofs)}
+    for name in sorted(read.keys() | expected_values.keys()):
+        element = named("def", name)
+        if name not in read or name not in expected_values:
+            message = (
+                "is no actuator" if name in expected_values else "is an actuator that the robot does not have"
+            )
+            yield Finding(element, "MjcActuator", message)
+            continue
+        actuator, facts = expected_values[name]
+        joint = names.joints[actuator.dof]
+        if read[name].joint != joint:
+            yield differs(element, TARGET, read[name].joint or "none", joint)
+        yield from _differences(element, read[name].values, facts)
+
+
+def _differences(element: str, read: Mapping[str, Value], facts: ActuatorFacts) -> Iterator[Finding]:
+    expected_values: dict[str, Value] = {**facts.numbers, **facts.words, **facts.arrays}
+    for attribute in sorted(read.keys() | expected_values.keys()):
+        if not _is_same(read.get(attribute), expected_values.get(attribute)):
+            yield differs(element, attribute, read.get(attribute), expected_values.get(attribute))
+
+
+def _is_same(read: Value | None, expected_values: Value | None) -> bool:
+    """Tells whether two values agree in the twelve digits that files have."""
+    if isinstance(read, tuple) and isinstance(expected_values, tuple):
+        return len(read) == len(expected_values) and all(map(_is_same, read, expected_values))
+    if isinstance(read, float) and isinstance(expected_values, float):
+        return abs(read - expected_values) <= 1e-11 * abs(expected_values)
+    return read == expected_values
