@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.benchmarks.peer import install
+from tests.benchmarks.peer_tools import install
 from tests.fake_onshape.prefixed import LIKE_THEIRS, prefixed
 from tests.fake_onshape.server import OnshapeServer
 from tests.support.building import plan_of, robot_of

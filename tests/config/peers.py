@@ -4,10 +4,13 @@ The rows of `pipeline/reference/PEERS.md` are in peers.yaml, each with the YAML 
 test_peers.py runs.
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import yaml
+
+from tests.support.places import PROJECT
 
 
 class Row(NamedTuple):
@@ -41,16 +44,30 @@ every row.
 """
 
 
+HEAD = "| there | here | |\n| --- | --- | --- |\n"
+"""How a table of rows begins."""
+
+TOOLKIT_PAGE = PROJECT / "docs" / "start" / "robotics-toolkit.md"
+"""The page of the documents that ends with the rows of the original Robot class."""
+
+
 def markdown() -> str:
     """The page."""
-    pages = [INTRODUCTION]
-    for title, rows in TITLES.items():
-        lines = [f"## {title}\n", "| there | here | |", "| --- | --- | --- |"]
-        for row in rows:
-            theirs = ", ".join(f"`{name}`" for name in row.theirs)
-            lines.append(f"| {theirs} | {_ours(row)} | {row.note} |")
-        pages.append("\n".join(lines) + "\n")
-    return "\n".join(pages)
+    return "\n".join([INTRODUCTION, *(f"## {title}\n\n{table(rows)}" for title, rows in TITLES.items())])
+
+
+def toolkit_page() -> str:
+    """TOOLKIT_PAGE, with its last table made anew."""
+    text, _, _ = TOOLKIT_PAGE.read_text(encoding="utf-8").partition(HEAD)
+    return text + table(ROBOT_CLASS)
+
+
+def table(rows: Sequence[Row]) -> str:
+    """Rows as a table in Markdown."""
+    lines = (
+        f"| {', '.join(f'`{name}`' for name in row.theirs)} | {_ours(row)} | {row.note} |\n" for row in rows
+    )
+    return HEAD + "".join(lines)
 
 
 def _ours(row: Row) -> str:

@@ -97,6 +97,7 @@ REFERENCE = {
     ROBOT_JSON: robot_json.markdown,
     ROBOT_JSON_SCHEMA: robot_json.schema_text,
     SCHEMA: reference.schema_text,
+    peers.TOOLKIT_PAGE: peers.toolkit_page,
 }
 """Generated file → its text."""
 

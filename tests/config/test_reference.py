@@ -111,10 +111,9 @@ def test_every_variable_of_ours_is_in_the_reference():
     assert named_variables - older <= {variable.name for variable in VARIABLES}
 
 
-def test_the_readme_leads_to_the_reference():
-    text = (PROJECT / "README.md").read_text()
-    assert "pipeline/reference/KEYS.md" in text
-    assert "# yaml-language-server: $schema=" in text
+def test_the_documents_lead_to_the_reference():
+    assert "pipeline/reference/KEYS.md" in (PROJECT / "README.md").read_text()
+    assert "# yaml-language-server: $schema=" in (PROJECT / "docs/guide/configuration.md").read_text()
 
 
 def test_everything_can_be_explained():

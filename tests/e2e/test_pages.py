@@ -53,9 +53,9 @@ def shell(here, text):
     return done.stdout
 
 
-def test_every_format_has_a_page_that_the_readme_names():
-    readme, pages = page("README.md"), [path.name for path in FORMATS.glob("*.md")]
-    assert [name for name in pages if f"formats/{name}" not in readme] == []
+def test_every_format_has_a_page_that_the_guide_names():
+    pages = [path.name for path in FORMATS.glob("*.md")]
+    assert [name for name in pages if f"formats/{name}" not in page("docs/guide/files.md")] == []
     formats = {path.stem.upper() for path in (PROJECT / "conf" / "export").glob("*.yaml")}
     assert {f"{name}.md" for name in formats} <= set(pages)
 

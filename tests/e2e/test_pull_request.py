@@ -1,5 +1,5 @@
-"""A pull request's day: an assembly is edited, the robot built again, and the script of the README says what
-is different, and that it is right."""
+"""A pull request's day: an assembly is edited, the robot built again, and the script of
+docs/operate/changes.md says what is different, and that it is right."""
 
 import os
 import re
@@ -11,13 +11,13 @@ from tests.fake_onshape.frames import frame
 from tests.fake_onshape.sample import sample_document
 from tests.fake_onshape.server import OnshapeServer
 from tests.support.command import COMMAND, environment, linkwright, run_in
-from tests.support.pages import blocks
+from tests.support.pages import code
 from tests.support.users import write
 
 pytestmark = pytest.mark.slow
 
 GIT = ("git", "-c", "user.name=a", "-c", "user.email=a@b.c")
-SCRIPT = blocks("README.md")["pull_request"]
+SCRIPT = next(text for text in code("docs/operate/changes.md", "sh") if "diff --markdown" in text)
 LONGER = 0.004
 """m: how much further out the hand is on the wrist."""
 

@@ -25,6 +25,7 @@ _PATTERNS = {
     "stl_file": re.compile(f"/parts{_AT}/partid/(?P<pid>.+)/stl/file$"),
     "stl": re.compile(f"/parts{_AT}/partid/(?P<pid>.+)/stl$"),
     "metadata": re.compile(f"/metadata{_AT}/p/(?P<pid>.+)$"),
+    "element_metadata": re.compile(f"/metadata{_AT}$"),
     "part_massproperties": re.compile(f"/parts{_AT}/partid/(?P<pid>.+)/massproperties$"),
 }
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -60,7 +61,7 @@ class PeerReplies:
     def _document(self, names, query):
         if names["did"] != self.document.id:
             raise RefusedError(404, f"Document {names['did']} does not exist.")
-        home = {"id": self.document.workspace, "name": "Main"}
+        home = {"id": self.document.workspace, "name": "Main", "type": "workspace"}
         return {"id": self.document.id, "name": self.document.name, "defaultWorkspace": home}
 
     def _features(self, names, query):
@@ -108,6 +109,10 @@ class PeerReplies:
             "partId": part.id,
             "properties": [{"name": "Name", "value": part.name}, {"name": "Appearance", "value": appearance}],
         }
+
+    def _element_metadata(self, names, query):
+        assembly = self.replies.element(names, query, Assembly)
+        return {"jsonType": "metadata-element", "properties": [{"name": "Name", "value": assembly.name}]}
 
     def _part_massproperties(self, names, query):
         studio, part = self._part(names, query)

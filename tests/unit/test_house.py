@@ -221,7 +221,7 @@ def test_the_picture_of_the_floors_is_that_of_the_imports():
 
 
 def test_every_place_that_the_documents_name_is_there():
-    for document in ("README.md", "docs/architecture.md", "docs/contributing.md"):
-        text = (PROJECT / document).read_text(encoding="utf-8")
+    for document in (PROJECT / "README.md", *(PROJECT / "docs").rglob("*.md")):
+        text = document.read_text(encoding="utf-8")
         places = re.findall(r"`((?:conf|pipeline|stages|tests)/[\w./]*)`", text)
         assert [place for place in places if not (PROJECT / place).exists()] == [], document
