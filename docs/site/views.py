@@ -21,6 +21,9 @@ PICTURES = PROJECT / "docs" / "pictures"
 SIZE = (1100, 760)
 """The page's area [px]."""
 
+SMALL = (560, 420)
+"""The size of README's picture [px], which leaves room for the first command on the same screen."""
+
 STAGE = "#live .live-stage"
 
 CUBE = """\
@@ -99,6 +102,9 @@ def main() -> None:
         (work / "robot" / "cube.yaml").write_text(CUBE, encoding="utf-8")
         for robot, views in VIEWS.items():
             linkwright(work, f"robot={robot}", status=0)
+            if robot == "sample":
+                with Image.open(work / "outputs" / robot / "preview.png") as picture:
+                    picture.resize(SMALL).save(PICTURES / "readme.webp", quality=85, method=6)
             for name, picture in pictures(work / "outputs" / robot / "report.html", views):
                 picture.save(PICTURES / f"{name}.webp", quality=80, method=6)
 
