@@ -126,6 +126,12 @@ MUJOCO_READERS: tuple[ReaderRow, ...] = (
         ("sensors of distances, limits and energies", "refused", "refuses the model"),
         ("noslip iterations", "stated", "left out, without a word"),
         (
+            "many pairs of convex shapes",
+            "stated",
+            "JAX compiles each by itself: seconds for a pair, and for hundreds more than 16 GB; "
+            "`contact.self: none` leaves those with the surroundings, and primitives need none",
+        ),
+        (
             "saturated servos",
             "stated",
             SLOWER,

@@ -46,6 +46,7 @@ Thing = Literal[
     "height fields",
     "hulls of more than 32 vertices",
     "implicit integrator",
+    "many pairs of convex shapes",
     "margins of meshes",
     "motors by voltage",
     "noslip iterations",

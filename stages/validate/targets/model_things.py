@@ -22,6 +22,9 @@ FindThings = Callable[[Any], Iterator[Finding]]
 _CONVEX_OR_SDF = ("BOX", "MESH", "SDF")
 """Shapes that MJX collides as convex meshes or by a signed distance field."""
 
+MAX_CONVEX_PAIRS = 20
+"""Pairs of convex shapes that JAX compiles in about half a minute."""
+
 _REDUCE_NETFORCE = 3
 """Number of the reduction of a contact sensor that sums forces."""
 
@@ -87,6 +90,25 @@ def _large_hulls(model: Any) -> Iterator[Finding]:
         if max_vertices is not None and count > max_vertices:
             name = name_of(model, OBJ.mjOBJ_MESH, mesh)
             yield Finding(named("mesh", name), "", f"its hull has {count} vertices: ")
+
+
+def _convex_pairs(model: Any) -> Iterator[Finding]:
+    """Yields a finding if MJX collides more than `MAX_CONVEX_PAIRS` pairs of meshes, or of a mesh and a box.
+    Pairs of the same meshes count once, since JAX compiles them once."""
+    mesh, box = int(_GEOM.mjGEOM_MESH), int(_GEOM.mjGEOM_BOX)
+    shapes = {
+        geom: (kind, int(model.geom_dataid[geom]) if kind == mesh else -1)
+        for geom, kind in enumerate(model.geom_type.tolist())
+        if kind in {mesh, box}
+    }
+    pairs = {
+        tuple(sorted(shapes[geom] for geom in pair.geoms))
+        for pair in geom_pairs(model)
+        if all(geom in shapes for geom in pair.geoms)
+    }
+    compiled = [pair for pair in pairs if any(kind == mesh for kind, _ in pair)]
+    if len(compiled) > MAX_CONVEX_PAIRS:
+        yield Finding("worldbody", "", f"{len(compiled)} pairs of hulls may touch: ")
 
 
 def _frictionless(model: Any) -> Iterator[Finding]:
@@ -236,6 +258,7 @@ MODEL: Mapping[Thing, FindThings] = {
     "implicit integrator": _option(
         "integrator", lambda opt: opt.integrator == int(_INTEGRATOR.mjINT_IMPLICIT)
     ),
+    "many pairs of convex shapes": _convex_pairs,
     "margins of meshes": _margins,
     "motors by voltage": _actuators(lambda m, i: _is(m.actuator_gaintype, i, _GAIN, "mjGAIN_DCMOTOR")),
     "noslip iterations": _option("noslip_iterations", lambda opt: opt.noslip_iterations > 0),

@@ -222,6 +222,25 @@ def test_a_version_of_mujoco_is_told_by_the_words_that_came_later(text, version,
     assert things("mujoco", text, tmp_path, version) == expected
 
 
+@NEEDS_WORDS
+@pytest.mark.parametrize(
+    ("count", "shapes", "pairs"),
+    [(7, 7, 21), (6, 6, None), (8, 1, None)],
+)
+def test_many_pairs_of_hulls_that_jax_compiles_are_stated(count, shapes, pairs, tmp_path):
+    """Pairs of the same two meshes are compiled once."""
+    corners = "0 0 0 1 0 0 0 1 0 0 0"
+    meshes = "".join(f'<mesh name="m{i}" vertex="{corners} {i + 1}"/>' for i in range(shapes))
+    bodies = "".join(
+        f'<body pos="{3 * i} 0 0"><freejoint/><geom type="mesh" mesh="m{i % shapes}"/></body>'
+        for i in range(count)
+    )
+    path = tmp_path / "robot.xml"
+    path.write_text(f"<mujoco><asset>{meshes}</asset><worldbody>{bodies}</worldbody></mujoco>")
+    stated = [finding.message for check in judge_file("mjx", path)[1:] for finding in check.findings]
+    assert [text.partition(":")[0] for text in stated] == [f"{pairs} pairs of hulls may touch"] * bool(pairs)
+
+
 def test_visuals_that_a_reader_refuses_are_named(tmp_path):
     urdf = tmp_path / "arm.urdf"
     urdf.write_text(
