@@ -82,8 +82,10 @@ def _target(model: Any, index: int, word: str) -> dict[str, Any] | None:
 def _inputs(model: Any, index: int) -> list[tuple[int, str]]:
     """Returns the index in `ctrl` and the kind of each of an actuator's inputs."""
     controls = controls_of(model, index)
-    spec = int(model.actuator_ctrlspec[index]) if hasattr(model, "actuator_ctrlspec") else 0
-    words = [word for word in _INPUTS if spec & int(getattr(mujoco.mjtCtrlInput, f"mjINPUT_{word}", 0) or 0)]
+    # Before MuJoCo 4.0 each actuator has one input, of no stated kind.
+    kinds = getattr(mujoco, "mjtCtrlInput", None)
+    spec = 0 if kinds is None else int(model.actuator_ctrlspec[index])
+    words = [word for word in _INPUTS if spec & int(getattr(kinds, f"mjINPUT_{word}", 0) or 0)]
     words += [""] * (len(controls) - len(words))
     return list(zip(controls, words, strict=False))
 

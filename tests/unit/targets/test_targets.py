@@ -36,9 +36,9 @@ def test_targets_are_chosen_as_formats_are_or_by_a_key():
 
 
 def test_two_targets_that_exclude_each_other_are_both_named():
-    with pytest.raises(ConfigError, match=r"mjx has iterations 4 and mjwarp has 9"):
+    with pytest.raises(ConfigError, match=r"mjx has iterations 10 and mjwarp has 9"):
         chosen("target=[mjx,mjwarp]", "target.mjwarp.iterations=9")
-    assert set(chosen("target=[mjx,mjwarp]", "target.mjwarp.iterations=4")) == {"mjx", "mjwarp"}
+    assert set(chosen("target=[mjx,mjwarp]", "target.mjwarp.iterations=10")) == {"mjx", "mjwarp"}
 
 
 def test_the_key_that_there_was_shows_the_new_line():
@@ -63,11 +63,11 @@ def test_a_target_that_reads_no_format_of_the_build_is_refused():
 def test_user_wins_over_target_over_defaults():
     robot = robot_with([joint("revolute", "base", "arm")])
     option = settled(plan_of(target={"mjx": {}}), robot).scene.option
-    assert (option.iterations, option.ls_iterations, option.flag.eulerdamp) == (4, 8, "disable")
+    assert (option.iterations, option.ls_iterations, option.flag.eulerdamp) == (10, 20, "disable")
     assert option.integrator == "implicitfast"
     own = {"iterations": 30, "flag": {"eulerdamp": "enable"}}
     option = settled(plan_of(target={"mjx": {}}, scene__option=own), robot).scene.option
-    assert (option.iterations, option.ls_iterations, option.flag.eulerdamp) == (30, 8, "enable")
+    assert (option.iterations, option.ls_iterations, option.flag.eulerdamp) == (30, 20, "enable")
     assert settled(plan_of(), robot).scene.option.iterations is None
 
 
@@ -94,7 +94,7 @@ def test_settings_that_targets_change_are_reported():
     option = {"solver": "PGS", "ls_iterations": 9, "flag": {"fwdinv": "enable"}}
     ours = "without it this stays as it is"
     assert messages(robot, target=targets, scene__option=option) == [
-        ("MuJoCo's options: iterations (50 → 4), eulerdamp (unset → disable)",
+        ("MuJoCo's options: iterations (50 → 10), eulerdamp (unset → disable)",
          "for mjx; target.mjx.iterations=null leaves it, and scene.option comes first"),
         ("MuJoCo's option solver: PGS → Newton, which looks for the same forces",
          "for mjx, mjwarp; without them this stays as it is"),

@@ -90,6 +90,16 @@ def test_each_body_is_a_link_with_its_parts_and_each_actuator_drives_a_joint(sam
     assert header["engine"] is not None
 
 
+def test_actuators_of_a_mujoco_without_kinds_of_inputs_are_the_same(tmp_path, monkeypatch, sample):
+    monkeypatch.delattr(mujoco, "mjtCtrlInput", raising=False)
+    plan = plan_of(actuators={"*": {"type": "position"}})
+    robot, header, _ = sample
+    export(robot, tmp_path, plan)
+    assert (
+        pack.unpacked(pack_of(tmp_path, "scene.xml", robot, (), 1000))[0]["actuators"] == header["actuators"]
+    )
+
+
 @pytest.mark.parametrize("mimic", [True, False])
 def test_poses_and_loops_of_a_urdf_are_those_of_the_robot(mimic, tmp_path):
     plan = plan_of(export={"urdf": {}})
