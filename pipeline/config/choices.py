@@ -114,7 +114,8 @@ def _keep_chosen_targets(tree: dict[str, Any], choices: Choices) -> None:
 
 
 def default_robot_name(source: Any, robot: str = "bare") -> str:
-    """Returns the default name of a robot: from its own file, else the source's path, else the element id."""
+    """Returns the default name of a robot: its file's, else that of the source's path, its element's
+    id, its robot of the gallery or its kind."""
     if robot != "bare":
         return _safe_name(PurePath(robot).name)
     source = source if isinstance(source, dict) else {}
@@ -126,7 +127,7 @@ def default_robot_name(source: Any, robot: str = "bare") -> str:
     element = re.search(r"/e/([0-9a-fA-F]{8})", str(source.get("url")))
     if element:
         return f"onshape_{element.group(1).lower()}"
-    return _safe_name(str(source.get("kind", "robot")))
+    return _safe_name(str(source.get("robot") or source.get("kind", "robot")))
 
 
 def _safe_name(name: str) -> str:

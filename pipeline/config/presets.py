@@ -105,11 +105,10 @@ class Presets:
         return own
 
     def shared(self, files: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-        """Returns the content of the files that several robots share: files of all groups except robot and
-        experiment, and the package's robots except the sample. `files`: content of the files of a composed
-        tree, by their paths in the search path."""
-        single = [path for path in files if path.partition("/")[0] in ("robot", EXPERIMENT)]
-        strict = {"robot/sample", *(path for path in single if self.own_files([path]))}
+        """Returns the content of the files that several robots share: our bases of robots, and files of all
+        groups except robot and experiment. `files`: path in the search path → content, of a composed tree."""
+        bases = {path for path in ("robot/bare", "robot/legged") if not self.own_files([path])}
+        strict = {path for path in files if path.partition("/")[0] in ("robot", EXPERIMENT)} - bases
         return [tree for path, tree in files.items() if isinstance(tree, Mapping) and path not in strict]
 
     def problem(self, group: str, option: str) -> Diagnostic | None:

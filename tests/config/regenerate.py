@@ -58,7 +58,7 @@ def composed(name: str, empty: Path) -> Any:
         arguments = ["source=sample", f"actuators.lift.motor={option}"]
         return {"motors": compose_plan(arguments, cwd=empty).plan.tree()["motors"]}
     choice = [f"{group}={option}"]
-    if group != "source" and name != "robot.sample":
+    if group != "source" and (group != "robot" or option in ("bare", "legged")):
         choice.append("source=sample")
     tree = compose_plan([*choice, *GIVEN.get(name, [])], cwd=empty).plan.tree()
     return tree if group == "robot" else {group: tree[group]}

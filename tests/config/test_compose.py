@@ -173,7 +173,7 @@ def test_a_robot_of_the_same_name_as_ours_is_ambiguous(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "shown"),
     [
-        (["robot=my_rm"], "did you mean my_arm? options: bare, legged, my_arm, sample; robots of your"),
+        (["robot=my_rm"], "did you mean my_arm? options: bare, legged, my_arm, quadruped, sample; robots of your"),
         (["robot=robot/my_arn.yaml"], "there is no such file\n      did you mean my_arm? paths start at"),
         (["robot=robot/config.json"], "config.json: a robot's file is YAML: its name ends in .yaml"),
         (["robot=old"], "{own}/old.yml must end in .yaml"),

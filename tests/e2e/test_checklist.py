@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 from lxml import etree
 
 from tests.fake_onshape.bundle import bundle_bytes
-from tests.fake_onshape.quadruped import write_quadruped
+from tests.fake_onshape.gallery import DOCUMENTS
 from tests.fake_onshape.random_document import documents
-from tests.fake_onshape.sample import sample_document
 from tests.support.checklist import Built, compiled, simulated, text
 from tests.support.command import called, environment
 from tests.support.other_robots import FILES, is_here, source_of
@@ -37,10 +36,8 @@ SETTLED = {"reachy2": [f"contact.exclude=[{SHOULDERS}]"]}
 
 def built(name: str, folder: Path, cache: Path) -> Built:
     mass: float | None = None
-    if name == "quadruped":
-        mass, typed = write_quadruped(folder).truth.total_mass(), ["robot=quadruped"]
-    elif name == "sample":
-        mass, typed = sample_document().truth.total_mass(), ["robot=sample"]
+    if name in DOCUMENTS:
+        mass, typed = DOCUMENTS[name]().truth.total_mass(), [f"robot={name}"]
     else:
         typed = [
             *source_of(name),
@@ -61,7 +58,7 @@ def built(name: str, folder: Path, cache: Path) -> Built:
 
 @pytest.fixture(
     scope="module",
-    params=["sample", "quadruped", *(pytest.param(name, marks=pytest.mark.slow) for name in FILES)],
+    params=[*DOCUMENTS, *(pytest.param(name, marks=pytest.mark.slow) for name in FILES)],
 )
 def robot(request, tmp_path_factory, shared_cache):
     if not is_here(request.param):

@@ -8,8 +8,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from tests.engines.humanoid import humanoid
+from tests.engines.quadruped import write_quadruped
 from tests.engines.reference import reference
-from tests.fake_onshape.quadruped import write_quadruped
 from tests.support import other_robots
 
 COMMON = ("export=[mjcf,urdf,sdf,usd]", "page.preview=none", "validate=quick")
@@ -19,7 +19,7 @@ _DAMPED = "joints={'*':{damping: 0.02}}"
 
 TOLD: Mapping[str, tuple[str, ...]] = {
     "sample": (),
-    "quadruped": ("robot=quadruped",),
+    "quadruped": ("robot=boxes",),
     "humanoid": ("source=urdf", "source.path=humanoid.urdf", "robot=legged", "actuators=position"),
     "so101": ("actuators=position", "root=fixed", "mesh.collider=hull", _DAMPED),
     "duck": ("robot=legged", "mesh.collider=hull", _DAMPED),

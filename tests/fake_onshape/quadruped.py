@@ -1,31 +1,31 @@
-"""A quadruped: a trunk on four legs of three hinges each, drawn standing with bent knees, above the origin.
+"""The quadruped of the gallery: a trunk on four legs of three servos each, drawn standing with bent knees.
 
 `quadruped_document().root` floats: no part is fixed. Closed forms for tests: `STANCE` is how far a foot's
 lowest point is below the hips' axes.
 """
 
 import math
-from pathlib import Path
 
-from tests.fake_onshape import solids
-from tests.fake_onshape.bundle import write_robot
+from tests.fake_onshape import quadruped_parts as shapes
 from tests.fake_onshape.document import Document
-from tests.fake_onshape.frames import frame, turn
+from tests.fake_onshape.frames import frame
+from tests.fake_onshape.sample_parts import ABS, ALUMINIUM, RUBBER
 
-ALUMINIUM, ABS, RUBBER = 2700.0, 1040.0, 1150.0  # kg/m³
-GREY, BLUE, BLACK = (150, 154, 160), (46, 98, 168), (28, 29, 31)
-
-THIGH, SHANK = 0.14, 0.14
-FOOT = 0.018
-"""The radius of a foot [m]."""
+__all__ = ["ABS", "ALUMINIUM", "BEND", "LEGS", "RUBBER", "STANCE", "pitch", "quadruped_document", "roll"]
 
 BEND = 0.6
 """How far the thighs lean back, and the shanks forward [rad]."""
 
-STANCE = (THIGH + SHANK) * math.cos(BEND) + FOOT
+STANCE = (shapes.THIGH + shapes.SHANK) * math.cos(BEND) + shapes.FOOT
 
 LEGS = {"Front left": (1, 1), "Front right": (1, -1), "Rear left": (-1, 1), "Rear right": (-1, -1)}
 """Where each leg is: ahead (1) or behind, left (1) or right."""
+
+HIPS = (0.093, 0.046)
+"""The horns of the trunk's servos: ahead and to the left of its middle [m]."""
+
+AXIS = 0.057  # from a hip bracket's back to the axis of the thigh
+ASIDE = 0.058  # from the axis of a hip to the middle of the leg
 
 
 def pitch(x=0.0, y=0.0, z=0.0):
@@ -39,53 +39,64 @@ def roll(x=0.0, y=0.0, z=0.0):
 
 
 def quadruped_document() -> Document:
-    """18 parts, 12 joints: abduction, hip and knee of each leg; feet are fastened. An IMU's connector."""
+    """42 parts, 12 joints: abduction, hip and knee of each leg; feet are fastened. An IMU's connector."""
     document = Document("Quadruped")
-    studio = document.studio("Body")
-    trunk = studio.part("Trunk", solids.box(0.30, 0.12, 0.07), ABS, BLUE)
-    lid = studio.part("Lid", solids.box(0.20, 0.08, 0.01), ALUMINIUM, GREY)
-    legs = document.studio("Legs")
-    hip = legs.part("Hip", solids.box(0.05, 0.05, 0.05), ALUMINIUM, GREY)
-    thigh = legs.part("Thigh", solids.box(0.03, 0.02, THIGH, at=(0, 0, -THIGH / 2)), ABS, BLUE)
-    shank = legs.part("Shank", solids.box(0.02, 0.016, SHANK, at=(0, 0, -SHANK / 2)), ABS, GREY)
-    foot = legs.part("Foot", solids.ball(FOOT), RUBBER, BLACK)
-
+    servo = shapes.servo_part(document.library("Dynamixel servos").studio("MX-106"))
     dog = document.assembly("Quadruped")
     document.root = dog
-    body = dog.add(trunk, pose=frame((0, 0, 0.4)))
-    top = dog.add(lid)
-    dog.fasten("Lid on trunk", (top, frame()), (body, frame((0, 0, 0.045))))
+    trunk = _trunk(document, dog, servo)
+    parts = shapes.leg_parts(document.studio("Legs"))
     for name, (ahead, left) in LEGS.items():
-        hip_path = dog.add(hip, name=f"{name} hip")
-        at = roll(0.11 * ahead, 0.095 * left, 0)
-        dog.revolute(f"{name} abduction", (hip_path, roll()), (body, at), 0.0, (-0.6, 0.6))
-        upper = dog.add(thigh, name=f"{name} thigh")
-        side = pitch(0, 0.04 * left, 0)
-        dog.revolute(f"{name} hip", (upper, pitch()), (hip_path, side), BEND, (-0.6, 1.6))
-        lower = dog.add(shank, name=f"{name} shank")
-        knee = pitch(0, 0, -THIGH)
-        dog.revolute(f"{name} knee", (lower, pitch()), (upper, knee), -2 * BEND, (-2.4, -0.2))
-        end = dog.add(foot, name=f"{name} foot")
-        dog.fasten(f"{name} foot on", (end, frame()), (lower, frame((0, 0, -SHANK))))
-    dog.connector("IMU", body, turn((0, 0, 1), math.pi / 2))
+        bracket = dog.add(parts["Hip bracket"], name=f"{name} bracket")
+        # Behind, the bracket is turned about: its own x points backwards.
+        axis = frame(x=(0, ahead, 0), z=(ahead, 0, 0))
+        place = roll(HIPS[0] * ahead, HIPS[1] * left, -shapes.CENTRE)
+        dog.revolute(f"{name} abduction", (bracket, axis), (trunk, place), 0.0, (-0.6, 0.6))
+        motor = dog.add(servo, name=f"{name} hip servo")
+        mount = frame((AXIS, 0, 0), x=(1, 0, 0), z=(0, ahead * left, 0))
+        dog.fasten(f"{name} hip servo mount", (motor, frame()), (bracket, mount))
+        thigh = dog.add(parts["Thigh frame"], name=f"{name} thigh")
+        side = frame((AXIS, ASIDE * ahead * left, 0), x=(ahead, 0, 0), z=(0, ahead, 0))
+        dog.revolute(f"{name} hip", (thigh, pitch()), (bracket, side), BEND, (-1.0, 1.7))
+        cover = dog.add(parts["Thigh cover"], name=f"{name} thigh cover")
+        dog.fasten(f"{name} thigh cover on", (cover, frame()), (thigh, frame()))
+        motor = dog.add(servo, name=f"{name} knee servo")
+        mount = frame((0, 0, -shapes.THIGH), x=(0, 0, -1), z=(0, left, 0))
+        dog.fasten(f"{name} knee servo mount", (motor, frame()), (thigh, mount))
+        shank = dog.add(parts["Shank"], name=f"{name} shank")
+        knee = pitch(0, 0, -shapes.THIGH)
+        dog.revolute(f"{name} knee", (shank, pitch()), (thigh, knee), -2 * BEND, (-2.3, -0.3))
+        foot = dog.add(parts["Foot"], name=f"{name} foot")
+        dog.fasten(f"{name} foot on", (foot, frame()), (shank, frame((0, 0, -shapes.SHANK))))
+        dog.connector(f"{name} foot", foot, frame())
     document.truth.check()
     return document
 
 
-YAML = """\
-# @package _global_
-defaults: [/robot/legged, override /source: bundle, override /actuators: position]
-source:
-  path: quadruped.zip
-name: quadruped
-joints:
-  "*": {damping: 0.1, armature: 0.005, effort: 12, velocity: 20}
-"""
-"""A robot's file; the bundle is where the command runs."""
+def _trunk(document, dog, servo):
+    """The trunk with the servos of the hips, its head, battery and electronics; returns its shell."""
+    parts = shapes.trunk_parts(document.studio("Trunk"), HIPS[1])
+    length = shapes.HALF_LENGTH
+    shell = dog.add(parts["Trunk"], pose=frame())
 
+    def fasten(part, name, place):
+        occurrence = dog.add(parts[part], name=name)
+        dog.fasten(f"{name} on", (occurrence, frame()), (shell, place))
+        return occurrence
 
-def write_quadruped(folder: Path) -> Document:
-    """Writes the document's bundle and the robot `quadruped`, as a user has them."""
-    document = quadruped_document()
-    write_robot(folder, "quadruped", document, YAML)
-    return document
+    fasten("Trim", "Front trim", frame((length - 0.012, 0, 0)))
+    fasten("Trim", "Rear trim", frame((-length, 0, 0)))
+    fasten("Bulkhead", "Front bulkhead", frame((length, 0, 0)))
+    fasten("Bulkhead", "Rear bulkhead", frame((-length, 0, 0), x=(-1, 0, 0), z=(0, 0, 1)))
+    fasten("Battery", "Battery", frame((0, 0, -0.0375)))
+    fasten("Computer", "Computer", frame((0, 0, 0.012)))
+    imu = fasten("IMU module", "IMU module", frame((0, 0, 0.020)))
+    fasten("Head", "Head", frame((length - 0.010, 0, 0.0425)))
+    fasten("Handle", "Handle", frame((-0.020, 0, 0.044)))
+    dog.connector("IMU", imu, frame())
+    for name, (ahead, left) in LEGS.items():
+        motor = dog.add(servo, name=f"{name} abduction servo")
+        middle = ahead * (shapes.HALF_LENGTH - shapes.DEPTH / 2)
+        place = frame((middle, HIPS[1] * left, -shapes.CENTRE), x=(0, 0, -1), z=(ahead, 0, 0))
+        dog.fasten(f"{name} abduction servo mount", (motor, frame()), (shell, place))
+    return shell

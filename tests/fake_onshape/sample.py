@@ -1,17 +1,10 @@
-"""The sample robot: a desk arm with a lift, a parallel linkage and a two-finger gripper.
-
-`python -m tests.fake_onshape.sample` writes the bundle that ships with the product.
-"""
+"""The sample robot: a desk arm with a lift, a parallel linkage and a two-finger gripper."""
 
 import math
-from pathlib import Path
 
 from tests.fake_onshape import sample_parts as shapes
-from tests.fake_onshape.bundle import bundle_bytes
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.frames import frame, turn
-
-BUNDLE = Path(__file__).resolve().parents[2] / "stages" / "fetch" / "sample.zip"
 
 LEAN = 0.38  # rad: how far the upper arm leans forward in the saved pose
 
@@ -123,9 +116,3 @@ def _gripper(document):
 def half_tooth():
     """The right wheel's place on its finger: a turn by half a tooth about the pivot."""
     return turn((0, 1, 0), math.pi / shapes.TEETH)
-
-
-if __name__ == "__main__":
-    BUNDLE.parent.mkdir(parents=True, exist_ok=True)
-    BUNDLE.write_bytes(bundle_bytes(sample_document()))
-    print(f"{BUNDLE.name}: {BUNDLE.stat().st_size} bytes")

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from tests.fake_onshape.quadruped import write_quadruped
+from tests.fake_onshape.gallery import DOCUMENTS
 from tests.support.command import environment, linkwright
 from tests.support.other_robots import AS_IT_IS
 from tests.support.places import SHARED
@@ -35,11 +35,8 @@ DEEPEST = 5e-4
 
 def build(name, folder, cache):
     environ = environment(folder, seeded=False, LINKWRIGHT_CACHE=str(cache))
-    if name == "sample":
-        done = linkwright(folder, "robot=sample", "mesh=hull", "output=out", environ=environ)
-    elif name == "quadruped":
-        write_quadruped(folder)
-        done = linkwright(folder, "robot=quadruped", "output=out", environ=environ)
+    if name in DOCUMENTS:
+        done = linkwright(folder, f"robot={name}", "mesh=hull", "output=out", environ=environ)
     else:
         path, base = REAL[name]
         if not (ROBOTS / path).exists():

@@ -50,8 +50,12 @@ def independent(built: Built) -> Iterator[str]:
     for index in range(model.nu):
         joint = model.actuator_trnid[index, 0]
         name = model.joint(joint).name
-        if model.actuator_gainprm[index, 0] <= 0 or model.actuator_biasprm[index, 2] >= 0:
-            yield f"{name}: no gain, or none of its speed"
+        stiffness, speed_gain = model.actuator_gainprm[index, 0], model.actuator_biasprm[index, 2]
+        dof = model.jnt_dofadr[joint]
+        # A servo of the motor library has no gain of its speed: its back EMF is the joint's damping.
+        undamped = speed_gain >= 0 and model.dof_damping[dof] ** 2 <= stiffness * model.dof_armature[dof]
+        if stiffness <= 0 or undamped:
+            yield f"{name}: no gain, or nothing that damps it"
         low, high = model.actuator_ctrlrange[index]
         if model.jnt_limited[joint]:
             least, most = model.jnt_range[joint]

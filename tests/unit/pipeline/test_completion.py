@@ -40,7 +40,10 @@ def here(tmp_path, monkeypatch):
         ("frames.add.tool.", ["frames.add.tool.link=", "frames.add.tool.rpy=", "frames.add.tool.xyz="]),
         ("+joints.elbow.da", ["+joints.elbow.damping="]),
         ("robot=m", ["robot=my_arm"]),
-        ("robot=", ["robot=bare", "robot=legged", "robot=legs/left", "robot=my_arm", "robot=sample"]),
+        (
+            "robot=",
+            [f"robot={name}" for name in ("bare", "legged", "legs/left", "my_arm", "quadruped", "sample")],
+        ),
         ("robot=robot/m", ["robot=robot/my_arm.yaml"]),
         ("--config-dir there robot=o", ["robot=other"]),
         ("--config-dir=there robot=o", ["robot=other"]),

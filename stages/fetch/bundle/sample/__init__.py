@@ -1,1 +1,1 @@
-"""Provides the robot that is shipped with the package."""
+"""Provides the robots of the gallery, which are shipped with the package."""

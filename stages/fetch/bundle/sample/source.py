@@ -1,4 +1,4 @@
-"""Defines the source `sample`: the robot that is shipped with the package, as a bundle."""
+"""Defines the source `sample`: a robot of the gallery, which the package contains as a bundle."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from linkwright.stages.fetch.bundle.source import BundleSource
 
 
 class SampleSource(BundleSource):
-    """The source that reads the bundle in the package."""
+    """The source that reads a bundle beside this module."""
 
     advice: ClassVar[str] = "install linkwright again"
 
     def label(self) -> str:
-        return "the sample"
+        return f"the gallery's {self._keys.robot}"
 
     def preflight(self, environ: Mapping[str, str]) -> None:
         pass
 
     def read(self) -> bytes:
-        return files("linkwright.stages.fetch").joinpath("sample.zip").read_bytes()
+        return files("linkwright.stages.fetch.bundle.sample").joinpath(f"{self._keys.robot}.zip").read_bytes()

@@ -1,4 +1,4 @@
-"""The sample robot: what it shows, and that the shipped bundle is this document's."""
+"""The robots of the gallery: their shipped bundles are those of the documents."""
 
 import hashlib
 import io
@@ -7,13 +7,19 @@ import zipfile
 
 import pytest
 
+from linkwright.pipeline.config.presets import OURS
+from linkwright.stages.fetch.bundle.sample.section import SampleSourceSection
 from tests.fake_onshape.bundle import bundle_bytes
-from tests.fake_onshape.sample import BUNDLE, sample_document
+from tests.fake_onshape.gallery import DOCUMENTS, FOLDER
+
+LARGEST = 150_000
+"""Size limit of a bundle [bytes]."""
 
 
-@pytest.fixture(scope="module")
-def document():
-    return sample_document()
+@pytest.fixture(scope="module", params=DOCUMENTS)
+def robot(request):
+    """(name, document) of a robot."""
+    return request.param, DOCUMENTS[request.param]()
 
 
 def contents(data):
@@ -36,9 +42,17 @@ def leaves(value, path="", skip=""):
         yield path, value
 
 
-def test_the_shipped_bundle_is_up_to_date(document):
-    (fresh, replies), (shipped, kept) = contents(bundle_bytes(document)), contents(BUNDLE.read_bytes())
-    hint = "run: python -m tests.fake_onshape.sample"
+def test_the_source_offers_the_bundles_and_robots_that_are_shipped():
+    names = SampleSourceSection.model_fields["robot"].annotation.__args__
+    assert sorted(names) == sorted(path.stem for path in FOLDER.glob("*.zip")) == sorted(DOCUMENTS)
+    assert set(names) <= {path.stem for path in (OURS / "robot").glob("*.yaml")}
+
+
+def test_the_shipped_bundle_is_up_to_date(robot):
+    name, document = robot
+    shipped_bytes = (FOLDER / f"{name}.zip").read_bytes()
+    (fresh, replies), (shipped, kept) = contents(bundle_bytes(document)), contents(shipped_bytes)
+    hint = "run: python -m tests.fake_onshape.gallery"
     assert (fresh["root"], replies.keys()) == (shipped["root"], kept.keys()), hint
     for request in replies:
         # An eigenvector's last digits depend on the processor's linear algebra.
@@ -46,10 +60,11 @@ def test_the_shipped_bundle_is_up_to_date(document):
         assert ours == pytest.approx(theirs, abs=1e-12), f"{request}: {hint}"
 
 
-def test_the_bundle_is_small_dated_1980_and_named_by_its_contents(document):
+def test_the_bundle_is_small_dated_1980_and_named_by_its_contents(robot):
+    name, document = robot
     data = bundle_bytes(document)
-    assert data == bundle_bytes(sample_document())
-    assert len(data) < 300_000
+    assert data == bundle_bytes(DOCUMENTS[name]())
+    assert len(data) <= LARGEST
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         assert archive.namelist() == sorted(archive.namelist())
         for entry in archive.infolist():
@@ -59,7 +74,8 @@ def test_the_bundle_is_small_dated_1980_and_named_by_its_contents(document):
                 assert entry.filename == f"replies/{digest}"
 
 
-def test_colours_name_real_faces(document):
+def test_colours_name_real_faces(robot):
+    _, document = robot
     for home in document.homes:
         for studio in home.studios:
             for part in studio.parts:
