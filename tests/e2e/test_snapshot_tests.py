@@ -145,7 +145,7 @@ def test_a_repository_without_robots_is_told(tmp_path, more):
 
 
 def test_the_commands_of_the_ci_file_run_where_they_can(here):
-    steps = yaml.safe_load(blocks("docs/snapshots.md")["ci"])["jobs"]["snapshots"]["steps"]
+    steps = yaml.safe_load(blocks("docs/operate/snapshots.md")["ci"])["jobs"]["snapshots"]["steps"]
     install, test = (shlex.split(step["run"]) for step in steps if "run" in step)
     assert install == ["python", "-m", "pip", "install", "-r", "requirements.txt"]
     assert test[:3] == ["python", "-m", "pytest"]
@@ -155,7 +155,7 @@ def test_the_commands_of_the_ci_file_run_where_they_can(here):
 
 
 def test_the_page_has_the_settings_and_options_that_there_are(here):
-    output, text = run_pytest(here, "--help").stdout, page("docs/snapshots.md")
+    output, text = run_pytest(here, "--help").stdout, page("docs/operate/snapshots.md")
     words = ("--linkwright", "--linkwright-update", "linkwright_folder", "linkwright_config_dirs")
     assert [word for word in words if word not in output or word not in text] == []
 

@@ -1,4 +1,4 @@
-"""Variants in the engines that learn from them: the code of docs/variants.md, run on a robot's files."""
+"""Variants in the engines that learn from them: the code of docs/guide/variants.md, run on robots."""
 
 from contextlib import chdir
 from pathlib import Path
@@ -13,7 +13,7 @@ from tests.support.building import plan_of, robot_of, write
 from tests.support.pages import blocks
 from tests.unit.export.test_variants import ball
 
-CODE, N = blocks("docs/variants.md"), 12
+CODE, N = blocks("docs/guide/variants.md"), 12
 
 
 @pytest.fixture(scope="module")

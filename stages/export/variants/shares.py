@@ -1,6 +1,6 @@
 """Chooses the share by which each quantity varies: from the configuration, or from the origin of its value.
 
-The less certain the origin of a value, the wider it varies; `docs/variants.md` has the reasons.
+The less certain the origin of a value, the wider it varies; `docs/guide/variants.md` has the reasons.
 """
 
 from collections.abc import Mapping, Sequence

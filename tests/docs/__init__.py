@@ -1,0 +1,1 @@
+"""The documentation: its blocks run, its site is whole."""

@@ -1,0 +1,29 @@
+"""The pictures of the documents are small, and each is used."""
+
+import re
+
+from docs.site import robots
+from tests.support.places import PROJECT
+
+PICTURES = PROJECT / "docs" / "pictures"
+LARGEST, FILM = 3_000_000, 600_000
+"""Bytes, of all pictures and of the film of the page."""
+
+
+def texts():
+    paths = [PROJECT / "README.md", *(PROJECT / "docs").rglob("*.md")]
+    return "\n".join(path.read_text(encoding="utf-8") for path in paths) + robots.page(robots.gallery())
+
+
+def test_all_pictures_together_are_small():
+    assert sum(path.stat().st_size for path in PICTURES.iterdir()) <= LARGEST
+    assert (PICTURES / "page.webp").stat().st_size <= FILM
+
+
+def test_each_robot_of_the_gallery_has_a_picture():
+    assert [name for name in robots.gallery() if not (PICTURES / f"{name}.webp").is_file()] == []
+
+
+def test_each_picture_is_shown_in_a_document():
+    shown = set(re.findall(r"pictures/([\w.-]+)", texts()))
+    assert {path.name for path in PICTURES.iterdir()} - shown == set()
