@@ -75,7 +75,7 @@ def parse(arguments: Sequence[str]) -> Command:
         if reader is None:
             alternative = HYDRA_ONLY.get(name)
             msg = f"there is no option {option} here\n  → {alternative}" if alternative else ""
-            raise UsageError(msg or f"there is no option {option}\n  → linkwright --help lists the options")
+            raise UsageError(msg or f"there is no option {option}\n  → {_without_dashes(option[2:])}")
         reader(command, option, value if equal else None)
     return command.done()
 
@@ -184,6 +184,12 @@ _OPTIONS: dict[str, Callable[[_OptionReader, str, str | None], None]] = {
     "--install-completion": _OptionReader.completion,
 }
 """Option → the method that reads it."""
+
+
+def _without_dashes(word: str) -> str:
+    if word not in ("robot", "source", "mesh", "export", "output", "name", "until"):
+        return "linkwright --help lists the options"
+    return f"keys have no dashes: linkwright {word}=..."
 
 
 def _one_of(words: Sequence[str], word: str, option: str) -> str:

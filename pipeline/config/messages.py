@@ -15,6 +15,7 @@ from linkwright.stages.fetch.section import SOURCES
 from linkwright.stages.fetch.source_section import ADDRESS
 from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.section import NOT_YET, Section
+from linkwright.stages.robot.text.printable import on_a_line
 
 GLOBAL = "# @package _global_"
 """The first line of a file whose keys start at the top of the tree."""
@@ -50,17 +51,8 @@ def shown(value: Any) -> str:
     """Returns a value as errors show it: short, and as in YAML."""
     if value is None or isinstance(value, bool):
         return str(value).lower().replace("none", "null")
-    text = repr(_on_a_line(value))
+    text = repr(on_a_line(value))
     return text if len(text) <= 60 else f"{text[:57]}..."
-
-
-def _on_a_line(value: Any) -> Any:
-    """Replaces line breaks and runs of blanks in a value's texts by spaces."""
-    if isinstance(value, str):
-        return " ".join(value.split()) if "\n" in value else value
-    if isinstance(value, dict):
-        return {_on_a_line(name): _on_a_line(inner) for name, inner in value.items()}
-    return [_on_a_line(inner) for inner in value] if isinstance(value, list) else value
 
 
 def nearest(name: str, candidates: Iterable[str]) -> str:
@@ -182,6 +174,8 @@ def _not_text(problem: _Problem) -> Diagnostic:
 
 def _not_a_section(problem: _Problem) -> Diagnostic:
     section, value, hint = problem.annotation, problem.value, ""
+    if value is None:
+        return Diagnostic("E-VALUE", "has no value", problem.key, "give it keys below, or remove the line")
     if is_section(section) and isinstance(value, bool | int | float):
         keys = [name for name in names(section) if _takes(section, name, value)]
         hint = f"its keys are set by name, as {problem.key}.{keys[0]}={shown(value)}" if keys else ""
@@ -230,6 +224,8 @@ def _unknown(problem: _Problem) -> Diagnostic:
     value_text = f"(given {shown(value)})"
     if key in _MOVED:
         return Diagnostic("E-KEY", f"unknown key {value_text}", key, _MOVED[key])
+    if _SECRET.search(name):
+        return Diagnostic("E-KEY", "a key of Onshape is never written in YAML", key, _CREDENTIALS)
     if owner.unknown_is_later:
         hint = f"supported so far: {', '.join(names(owner))}"
         return Diagnostic("E-LATER", f"not supported yet {value_text}", key, hint)
@@ -252,6 +248,8 @@ def _unknown(problem: _Problem) -> Diagnostic:
     return Diagnostic("E-KEY", f"unknown key {value_text}", key, hint)
 
 
+_SECRET = re.compile(r"(access|secret|api)_?key|token|password", re.IGNORECASE)
+_CREDENTIALS = "remove it there, and set ONSHAPE_ACCESS_KEY and ONSHAPE_SECRET_KEY in the environment or .env"
 _MOVED = {
     "mesh.target": "it is the group target: target=mjx, or in a file `target: {mjx: {}}`; MuJoCo needs none"
 }

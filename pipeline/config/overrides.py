@@ -11,8 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from linkwright.pipeline.config import grammar
-from linkwright.pipeline.config.messages import nearest
-from linkwright.pipeline.terminal import pasted
+from linkwright.pipeline.terminal import pasted, suggested
 from linkwright.stages.robot.errors import Diagnostic
 
 CODE = "E-OVERRIDE"
@@ -91,18 +90,22 @@ def read(
 
     `groups`: those in the defaults list; `added`: groups in no defaults list, for which Hydra needs a `+`.
     """
-    overrides, problems = [], []
-    for argument in arguments:
+    overrides: list[Override] = []
+    problems: list[Diagnostic] = []
+    for argument, words in suggested.joined(arguments):
+        if len(words) > 1:
+            hint = suggested.command(arguments, multirun)
+            problems.append(Diagnostic(CODE, suggested.torn(argument), " ".join(words), hint))
         try:
             plus = argument.partition("=")[0] in added
-            override = _read(f"+{argument}" if plus else argument, {*groups, *added}, values)
-            override = replace(override, typed=argument)
+            override = _read(f"+{argument}" if plus else argument, arguments, {*groups, *added}, values)
+            override = replace(override, typed=words[0])
             if override.swept and not multirun:
                 raise _RefusedError("several values, but no sweep", _one_value(argument, override))
         except _RefusedError as refused:
             message, hint = refused.args
-            if _has_url(argument) and message != _NO_KEY:
-                message, hint = _QUOTE_TWICE, _paste(arguments, multirun)
+            if suggested.has_url(argument) and message != suggested.NO_KEY:
+                message, hint = _QUOTE_TWICE, suggested.paste(arguments, multirun)
             problems.append(Diagnostic(CODE, message, argument, hint))
         else:
             overrides.append(override)
@@ -129,7 +132,6 @@ class _RefusedError(Exception):
 
 
 _NOT_WRITABLE = "this key cannot be written on the command line"
-_NO_KEY = "expected key=value"
 _QUOTE_TWICE = "a URL needs quotes, and around them quotes for the shell"
 
 
@@ -161,10 +163,10 @@ class _Typed:
         return self.key.startswith(("hydra.", "hydra/"))
 
 
-def _read(argument: str, groups: Collection[str], values: Values) -> Override:
+def _read(argument: str, arguments: Sequence[str], groups: Collection[str], values: Values) -> Override:
     typed = _with_converted_value(_split(argument))
     if not typed.is_assignment:
-        raise _RefusedError(*_no_key(typed.text))
+        raise _RefusedError(*suggested.assignment(typed.text, arguments, VERBS))
     if typed.sign == "~":
         return Override(typed.text, typed.key, (), typed.text)
     if "/" in typed.names[0] and not typed.key.startswith("hydra/"):
@@ -263,47 +265,9 @@ def _yaml(key: str, value: str) -> str:
     return f"{head}: " + "".join(f"{{{name}: " for name in names) + value + "}" * len(names)
 
 
-def _has_url(argument: str) -> bool:
-    return "://" in argument
-
-
-def _paste(arguments: Iterable[str], multirun: bool) -> str:
-    words = ["linkwright", "-m"] if multirun else ["linkwright"]
-    for argument in arguments:
-        key, _, value = argument.partition("=")
-        quoted = pasted.override(key, value) if _has_url(argument) else pasted.word(argument)
-        words.append(quoted)
-    line = " ".join(words)
-    return f"paste: {line}   (check its end: an unquoted & has cut the URL in the shell)"
-
-
 def _one_value(argument: str, override: Override) -> str:
     key, _, value = argument.partition("=")
     if value.startswith("glob("):
         return "for a sweep add -m"
     several = pasted.word(f"{key}=[{value}]")
     return f"for a sweep add -m; for one text {pasted.override(key, value)}; for a list {several}"
-
-
-def _no_key(argument: str) -> tuple[str, str]:
-    if argument in VERBS:
-        return f"`{argument}` is not supported yet", "linkwright --help lists the verbs"
-    if "://" in argument:
-        return _NO_KEY, f"linkwright source=onshape {pasted.override('source.url', argument)}"
-    suggestion = nearest(argument, VERBS)
-    if suggestion or not re.fullmatch(r"[\w./~ -]+", argument):
-        return _NO_KEY, suggestion or "linkwright --help shows how keys and groups are typed"
-    ending = argument.lower().rpartition(".")[2]
-    key = f"source={_SOURCES[ending]} source.path" if ending in _SOURCES else "robot"
-    plain = re.fullmatch(r"[\w./-]+", argument)
-    return _NO_KEY, f"linkwright {key}={argument}" if plain else f"linkwright {_assigned(key, argument)}"
-
-
-def _assigned(key: str, value: str) -> str:
-    """Returns `key` with the value assigned to its last word, in quotes."""
-    *first_words, last = key.split(" ")
-    return " ".join([*first_words, pasted.override(last, value)])
-
-
-_SOURCES = {"urdf": "urdf", "xacro": "urdf", "xml": "mjcf", "mjcf": "mjcf", "zip": "bundle"}
-"""Ending of a file → the kind of source that it is."""

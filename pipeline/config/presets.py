@@ -115,8 +115,8 @@ class Presets:
         """Returns the problem of a choice of an option, or None."""
         files = self.files(group, option)
         if len(files) > 1:
-            text = f"ambiguous: {' and '.join(str(file) for file in files)}"
-            return Diagnostic("E-OPTION", text, f"{group}={option}", "give your own file another name")
+            text = f"ambiguous: {' and '.join(map(str, files))}"
+            return Diagnostic("E-OPTION", text, f"{group}={option}", "rename a file of your own")
         return None if files else self.unknown(group, option)
 
     def judged(self, overrides: Iterable[str]) -> tuple[list[str], dict[str, list[Diagnostic]]]:
@@ -207,28 +207,28 @@ class Presets:
         options = self.options(group)
         if not options:
             hint = f"groups: {', '.join([*GROUPS, *self.own_groups()])}"
+            if (name := group.removeprefix("robot/")) in GROUPS:
+                hint = f"in a robot's defaults list write: - override /{name}: {option}"
             return Diagnostic("E-OPTION", f"there is no folder {group}/", where, hint)
-        hint = f"options: {', '.join(options)}"
-        if group == "robot" and (option.endswith((".yaml", ".yml")) or "/" in option):
-            if (self._here / option).is_file() and not option.endswith((".yaml", ".yml")):
+        noun = "robot" if group == "robot" else "option"
+        hint, is_yaml = f"{noun}s: {', '.join(options)}", option.endswith((".yaml", ".yml"))
+        if group == "robot" and (is_yaml or "/" in option):
+            if (self._here / option).is_file() and not is_yaml:
                 hint = "a URDF or an MJCF is a source: source=urdf source.path=arm.urdf"
                 return Diagnostic("E-OPTION", "a robot's file is YAML: its name ends in .yaml", where, hint)
             return Diagnostic("E-OPTION", "there is no such file", where, self._near(option, options))
-        near = nearest(option.removesuffix(".yaml").rpartition("/")[2], options)
-        if near:
-            hint = f"{near} {hint}"
+        hint = f"{nearest(option.removesuffix('.yaml').rpartition('/')[2], options)} {hint}".lstrip()
         if group == "robot":
             places = " and ".join(str(folder / "robot") for folder in self.own)
-            hint += f"; robots of your own: {places}" if places else "; robots of your own belong in ./robot/"
+            hint += f"; your own: {places}" if places else f"; there is no folder {self._here}/robot"
             misnamed = [file for folder in self.own for file in (folder / "robot").glob(f"{option}.yml")]
             if misnamed:
                 hint = f"{misnamed[0]} must end in .yaml"
-        return Diagnostic("E-OPTION", "there is no such option", where, hint)
+        return Diagnostic("E-OPTION", f"there is no such {noun}", where, hint)
 
     def _near(self, path: str, options: Iterable[str]) -> str:
         """Suggestions for the path of a robot's file that does not exist."""
-        stem = Path(path).stem
-        near = nearest(stem, options)
+        near = nearest(Path(path).stem, options)
         other = (self._here / path).with_suffix(".yaml")
         if path.endswith(".yml") and (self._here / path).is_file():
             return f"rename it: mv {pasted.line([path, other.name])}"

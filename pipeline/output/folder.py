@@ -271,11 +271,8 @@ def move_aside(place: Path, folder: Path, path: str) -> Path:
     *above, last = PurePosixPath(path).parts
     target = _for_replaced(folder)
     for name in above:
-        target = next(
-            candidate
-            for candidate in _numbered(target / name)
-            if is_folder(candidate) or not os.path.lexists(candidate)
-        )
+        places = _numbered(target / name)
+        target = next(new for new in places if is_folder(new) or not os.path.lexists(new))
         target.mkdir(exist_ok=True)
     target = next(candidate for candidate in _numbered(target / last) if not os.path.lexists(candidate))
     place.rename(target)
@@ -311,5 +308,6 @@ def named(folder: Path) -> Iterator[None]:
         yield
     except OSError as error:
         msg = f"the output folder cannot be written: {reason(error)}"
-        hint = "choose another place with output=FOLDER, or free space there"
-        raise OutputError(msg, where=str(folder), hint=hint) from error
+        action = "allow writing" if isinstance(error, PermissionError) else "free space"
+        hint = f"choose another place with output=FOLDER, or {action} there"
+        raise OutputError(msg, str(folder), hint) from error

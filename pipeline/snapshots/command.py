@@ -19,6 +19,7 @@ def run(folder: Path, config_dirs: Iterable[str], check: bool) -> int:
     """
     snapshots = SnapshotFolder(RobotRepository(folder, tuple(config_dirs)))
     errors: list[LinkwrightError] = []
+    shown: set[str] = set()
     new = changed = 0
     for subject in snapshots.subjects:
         try:
@@ -30,7 +31,9 @@ def run(folder: Path, config_dirs: Iterable[str], check: bool) -> int:
                 say(renewal.text)
         except LinkwrightError as error:
             errors.append(error)
-            say(titled(error, subject), sys.stderr)
+            if (text := titled(error, subject)) not in shown:  # robots of one name have one message
+                shown.add(text)
+                say(text, sys.stderr)
     if check:
         try:
             snapshots.check_left_over()
@@ -53,7 +56,7 @@ def run(folder: Path, config_dirs: Iterable[str], check: bool) -> int:
 def titled(error: LinkwrightError, subject: SnapshotSubject) -> str:
     """Returns the message of an error, which begins with the subject unless the error names it."""
     text = render(error)
-    names_subject = isinstance(error, ValidationFailed) or not subject.title
+    names_subject = isinstance(error, ValidationFailed) or subject.title in error.where
     return text if names_subject else f"{subject.title}: {text}"
 
 

@@ -44,6 +44,8 @@ class SnapshotFolder:
         where = f"{FOLDER}/{current.file}"
         if kept_text is None:
             raise ValidationFailed(f"there is no snapshot of {subject.title}", where, MAKE)
+        if read(kept_text) is None:
+            raise ValidationFailed("it was written by another version, in another format", where, RENEW)
         changes = differences(kept_text, current.text)
         if changes:
             error = ValidationFailed("the robot has changed", where)

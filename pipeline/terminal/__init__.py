@@ -10,5 +10,6 @@
 - progress: Shows the progress of a build on the terminal and in `build.log`.
 - spinner: Shows the progress of a build on a terminal, by Rich.
 - streams: Makes standard streams survive a reader that closes them early: `linkwright --help | head -1`.
+- suggested: Suggests what to type in place of a command line that cannot be read.
 - wrapping: Wraps the lines of messages to the width of a terminal.
 """

@@ -173,11 +173,11 @@ def test_a_robot_of_the_same_name_as_ours_is_ambiguous(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "shown"),
     [
-        (["robot=my_rm"], "did you mean my_arm? options: bare, legged, my_arm, quadruped, sample; robots of your"),
+        (["robot=my_rm"], "did you mean my_arm? robots: bare, "),
         (["robot=robot/my_arn.yaml"], "there is no such file\n      did you mean my_arm? paths start at"),
         (["robot=robot/config.json"], "config.json: a robot's file is YAML: its name ends in .yaml"),
         (["robot=old"], "{own}/old.yml must end in .yaml"),
-        (["robot=null"], "E-OPTION robot=null: there is no such option"),
+        (["robot=null"], "E-OPTION robot=null: there is no such robot"),
         (["robot=[my_arm,bare]"], "E-OPTION robot=[my_arm,bare]: expected one option"),
         (["export="], "E-OPTION export=: expected one option"),
         (["export=[urdf,obj]"], "E-OPTION export=obj: there is no such option\n      options: mjcf, python"),

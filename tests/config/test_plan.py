@@ -97,7 +97,6 @@ def test_a_plan_without_source_is_no_plan():
         ({"variants": 0.5}, "variants", "must be a mapping (given 0.5)"),
         ({"variants": "many"}, "variants", "must be a mapping (given 'many')"),
         ({"variants": [16]}, "variants", "must be a mapping (given [16])"),
-        ({"mesh": None}, "mesh", "must be a mapping (given null)"),
         ({"output": ""}, "output", "must not be empty (given '')"),
         ({"export": {}}, "export", "no format is chosen; allowed: urdf, mjcf, sdf, ros2, usd, python, [urdf, mjcf, sdf, ros2, usd, python] (given {})"),
     ],
@@ -137,6 +136,7 @@ def test_a_number_in_place_of_text_is_to_be_quoted(value):
     ("data", "shown"),
     [
         ({"depth": {"rigid": ["*", 3]}}, ("depth.rigid[1]", "must be text (given 3)", 'quote it: ["..."]')),
+        ({"mesh": None}, ("mesh", "has no value", "give it keys below, or remove the line")),
         ({"variants": 16}, ("variants", "must be a mapping (given 16)", "its keys are set by name, as variants.n=16")),
         ({"joints": {3: {}}}, ("joints", "names must be text (given 3)", 'put the name in quotes: "3": ...')),
     ],

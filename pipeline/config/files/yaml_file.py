@@ -88,6 +88,7 @@ def problem(error: Exception) -> str:
         return f"cannot be read: {error.problem}"
     if isinstance(error, yaml.MarkedYAMLError):
         words = _QUOTED.sub(_if_harmless, f"{error.problem or error.context}")
+        words = _TAB.sub("found a tab", words)
         return f"not valid YAML: {_DUPLICATE.sub('found a key twice', words)}"
     if isinstance(error, yaml.reader.ReaderError):
         return "not valid YAML: found a control character"
@@ -103,6 +104,7 @@ def where(error: Exception) -> str:
 
 _QUOTED = re.compile(r""" ?('(?:[^'\\]|\\.)*'|"(?:[^"\\]|\\.)*")""")
 _DUPLICATE = re.compile(r"found duplicate key.*", re.DOTALL)
+_TAB = re.compile(r"found character '\\t' that cannot start any token|found a tab character.*", re.DOTALL)
 
 
 def _if_harmless(quoted: re.Match[str]) -> str:

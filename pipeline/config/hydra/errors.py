@@ -47,9 +47,20 @@ def needs_plug_in(option: str, group: str = LAUNCHERS) -> Diagnostic:
     return Diagnostic("E-OPTION", text, f"{group}={option}", install(*PLUG_INS[option]))
 
 
+_YAML_HINTS = {
+    "a tab": "replace the tab by spaces: YAML allows no tabs in front of a key",
+    "could not find expected ':'": "write `key: value`, with a space after the colon",
+    "expected <block end>": "let all keys of a mapping begin in the same column",
+}
+"""Problem of a YAML file → what to do."""
+
+
 def _not_yaml(error: Any, presets: Presets) -> Diagnostic:
-    hint = error.hint if isinstance(error, RefusedError) else "check quotes, colons and indentation there"
-    return Diagnostic("E-YAML", yaml_file.problem(error), yaml_file.where(error), hint)
+    problem = yaml_file.problem(error)
+    general = "check quotes, colons and indentation there"
+    hint = next((hint for words, hint in _YAML_HINTS.items() if words in problem), general)
+    hint = error.hint if isinstance(error, RefusedError) else hint
+    return Diagnostic("E-YAML", problem, yaml_file.where(error), hint)
 
 
 def _no_such_file(error: Any, presets: Presets) -> Diagnostic:

@@ -123,7 +123,10 @@ def in_words(
         match = re.search(pattern, text, re.DOTALL)
         if match:
             texts = {name: (text or "").strip() for name, text in match.groupdict().items()}
-            texts["near"] = nearest(texts.get("group", ""), groups) or f"groups: {', '.join(groups)}"
+            group = texts.get("group", "")
+            name = group.removeprefix("robot/")
+            slash = f"write /{name}: a group's name begins with a slash" if name in groups else ""
+            texts["near"] = slash or nearest(group, groups) or f"groups: {', '.join(groups)}"
             suggestion = nearest(texts.get("key", ""), settings)
             texts["settings"] = suggestion or f"settings: {', '.join(settings)}"
             return Words(*(form.format(**texts).strip() for form in words))

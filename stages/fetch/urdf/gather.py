@@ -32,9 +32,9 @@ if TYPE_CHECKING:
 ROBOT = "robot.urdf"
 """The request for the robot's text."""
 
-_SKIP = (
-    "put the files at the paths in the URDF, name packages by source.packages={name: FOLDER}, or build "
-    "without them: source.missing_meshes=skip"
+_SKIP = "build without them: source.missing_meshes=skip"
+_PLACES = (
+    f"put the files at the paths in the URDF, name packages by source.packages={{name: FOLDER}}, or {_SKIP}"
 )
 
 
@@ -54,7 +54,8 @@ def gather(
         diagnostic for diagnostic in (*robot.diagnostics, *files.missing) if diagnostic.level == "error"
     ]
     if errors:
-        hint = _SKIP if any(error.code in ("E-MESH-MISSING", "E-MESH-READ") for error in errors) else ""
+        codes = {error.code for error in errors}
+        hint = _PLACES if "E-MESH-MISSING" in codes else f"to {_SKIP}" if "E-MESH-READ" in codes else ""
         count = f"{len(errors)} problems" if len(errors) > 1 else "a problem"
         raise SourceError(f"it has {count}", robot_files.document, hint, errors)
     srdf_request = {SRDF: srdf} if srdf else {}
@@ -189,7 +190,10 @@ class _Files:
 
     def _problem(self, name: str, why: str, *, there: bool) -> Diagnostic:
         text, where = f"mesh {name}: {why}", self._survey.document
-        hint = "export the file again" if there else "put the file at that path, or remove the <mesh>"
+        hint = "put the file at that path, or remove the <mesh>"
+        if there:
+            # A reason that says what to install ends so.
+            hint = "" if "pip install" in why else "export the file again"
         if self._skip:
             return Diagnostic("W-NO-MESH", text, where, hint)
         if there:

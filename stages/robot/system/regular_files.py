@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from linkwright.stages.robot.errors import ConfigError
+from linkwright.stages.robot.text.globs import did_you_mean
 
 NOT_REGULAR = "it is a device, a pipe or a socket, and only regular files are read"
 
@@ -59,9 +60,17 @@ def require(path: str, key: str, description: str, example: str) -> None:
     problem = f"is a folder, and {description}" if place.is_dir() else "does not exist"
     if is_special(place):
         problem = f"is not a regular file: {NOT_REGULAR}"
-    raise ConfigError(
-        f"{path} {problem}", key, f"paths start from the working folder; give one such as {example}"
-    )
+    near = did_you_mean(place.name, _files_beside(place))
+    hint = f"{near} paths start from the working folder; give one such as {example}".lstrip()
+    raise ConfigError(f"{path} {problem}", key, hint)
+
+
+def _files_beside(place: Path) -> list[str]:
+    """Returns the names of the files in the folder of a path; [] if it cannot be listed."""
+    try:
+        return sorted(file.name for file in place.parent.iterdir() if is_file(file))
+    except (OSError, ValueError):
+        return []
 
 
 def content(path: Path, max_size: int) -> bytes:

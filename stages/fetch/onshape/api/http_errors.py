@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 AGAIN = "run the same command again; what was fetched is kept and not paid for twice"
 
 _NOT_ASSEMBLY = "it may not be an assembly (a part studio or a drawing?)"
+_TAB_AGAIN = "open the tab of the assembly in the browser, and copy its address"
 _SKEW = 240.0
 """Largest clock error [s]: Onshape accepts signatures within 5 minutes of its time; this is a little less."""
 
@@ -67,8 +68,8 @@ def refusal(
     if status == 400 and is_definition(request) and configuration_asked(request):
         return _not_so_configured(configuration_asked(request), quoted, host)
     if status == 400 and is_definition(request):
-        msg = f"the server refuses to give {subject} (400){quoted}: {_NOT_ASSEMBLY}"
-        return SourceError(msg, host, _open_the_tab())
+        msg = f"source.url names no assembly, but perhaps a part studio or a drawing (400){quoted}"
+        return SourceError(msg, host, _TAB_AGAIN)
     if status in (405, 406, 415):
         msg = f"the server refuses the form of the request for {subject} ({status}){quoted}"
         return Declined(msg, host, "this is a bug in linkwright, or the API has changed: report it")
@@ -188,8 +189,9 @@ def _denied(status: int, subject: str, quoted: str, host: str, kind: str, skew: 
         return AuthError(msg, host, hint)
     credential = "bearer token" if kind == "bearer" else "API key"
     msg = f"the {credential} may not read {subject} (403){quoted}"
-    hint = f"give the {credential} read permission and share the document with its owner" + (
-        f"; {clock}" if clock else ", and check this computer's clock"
+    hint = (
+        f"give the {credential} the permission to read documents (My account > Developer in Onshape), and "
+        f"share the document with its owner" + (f"; {clock}" if clock else "")
     )
     return AuthError(msg, host, hint)
 

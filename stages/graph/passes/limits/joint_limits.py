@@ -1,17 +1,25 @@
 """Gives dofs the limits and dynamics of the key `joints`."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from linkwright.stages.graph.section import JointSection
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.model.robot import Dof, Dynamics, Joint, Limits, Loop, Robot
+from linkwright.stages.robot.model.robot import Dof, DofKind, Dynamics, Joint, Limits, Loop, Robot
 from linkwright.stages.robot.motion.loops import POINTWISE
-from linkwright.stages.robot.quantity_keys import as_typed, misfit
+from linkwright.stages.robot.quantity_keys import TypedNumber, as_typed, misfit
 from linkwright.stages.robot.text.globs import fits, there_are
 
 LIMIT_TOLERANCE = 1e-6
 """Largest excess [rad or m] of a saved value over its limits that is not reported."""
+
+LARGEST: Mapping[DofKind, tuple[float, str, str, str]] = {
+    "turn": (4 * math.pi, "rad", "degrees", "deg"),
+    "slide": (10.0, "m", "millimetres", "mm"),
+}
+"""Kind of a dof → the largest value that is plausible without a unit [rad or m], the unit, and what a larger
+value looks like."""
 
 
 def with_each_dof(robot: Robot, change: Callable[[Dof], Dof]) -> Robot:
@@ -69,6 +77,23 @@ def _check_units(glob: str, keys: JointSection, dofs: Sequence[Dof], log: Diagno
         for text, dof in wrong[:1]:
             text = f"{key} of {glob!r}: {text}, and {dof.name} is a {dof.kind}"
             log.report("E-JOINT", text, "joints", as_typed(dof.kind))
+        _report_large(key, glob, [value for value in values if value is not None], dofs, log)
+
+
+def _report_large(
+    key: str, glob: str, values: Sequence[float], dofs: Sequence[Dof], log: Diagnostics
+) -> None:
+    """Reports W-UNIT for numbers without a unit that are implausibly large in SI."""
+    for dof in dofs:
+        if dof.kind not in LARGEST:
+            continue
+        largest, unit, looks_like, short = LARGEST[dof.kind]
+        large = [value for value in values if not isinstance(value, TypedNumber) and abs(value) > largest]
+        if large:
+            text = f"{key} of {glob!r}: {large[0]:g} is taken as {unit}; it looks like {looks_like}"
+            hint = f"write the unit: '{large[0]:g} {short}', or '{large[0]:g} {unit}' if {unit} is meant"
+            log.report("W-UNIT", text, "joints", hint)
+            return
 
 
 def _check_gear(

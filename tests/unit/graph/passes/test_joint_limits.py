@@ -56,16 +56,26 @@ def test_later_entries_win_field_by_field(arm):
     [
         ({"knee*": {"damping": 1}, "*": {"damping": 2}}, "E-GLOB", ["no joint matches 'knee*'", "joints are: "
          "left_hip, lift_slide, lift_turn, slot_slide, slot_turn, wrist"]),
+        ({"left_hip": {"limits": [-90, 90]}}, "W-UNIT", ["-90 is taken as rad", "'-90 deg', or '-90 rad'"]),
+        ({"lift_slide": {"limits": [0, 50]}}, "W-UNIT", ["50 is taken as m", "'50 mm', or '50 m'"]),
+        ({"lift_turn": {"zero": 90}}, "W-UNIT", ["zero of 'lift_turn': 90 is taken as rad"]),
         ({"lift": {"damping": 1}}, "E-GLOB", ["name one of its dofs: lift_turn, lift_slide"]),
         ({"lift*": {"limits": [0, 1]}}, "E-JOINT", ["lift_turn (turn), lift_slide (slide)"]),
         ({"wrist": {"limits": [-0.5, 0.5]}}, "E-JOINT", ["limits: [null, cone]"]),
     ],
-    ids=["no match", "several dofs", "turns and slides", "a ball's lower limit"],
+    ids=["no match", "degrees", "millimetres", "a zero in degrees", "several dofs", "turns and slides",
+         "a ball's lower limit"],
 )  # fmt: skip
 def test_keys_that_no_joint_can_have_are_refused(arm, keys, code, words):
     problem = only(keyed(arm, **keys)[1])
     assert problem.code == code
     assert [word for word in words if word not in f"{problem.message}\n{problem.hint}"] == []
+
+
+def test_large_limits_with_a_unit_and_small_ones_without_are_taken(arm):
+    for limits in (["-90 rad", "90 rad"], ["-900 deg", "9 rev"], [-12.5, 12.5]):
+        assert not reports(keyed(arm, left_hip={"limits": limits})[1])
+    assert not reports(keyed(arm, lift_slide={"limits": ["0 m", "50 m"]})[1])
 
 
 def test_a_ball_takes_a_cone_and_free_motion_takes_no_limits(arm):

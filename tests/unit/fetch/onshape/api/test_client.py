@@ -75,7 +75,7 @@ IN_AN_HOUR = {"Retry_After": "a date"}
         (MASS, 415, {}, "Declined", 1, "(415)"),
         (MASS, 418, {}, "Declined", 1, "(418)"),
         (MASS, 400, {}, "Declined", 1, "(400)"),
-        (DEFINITION, 400, {}, "SourceError", 1, "a part studio or a drawing?"),
+        (DEFINITION, 400, {}, "SourceError", 1, "perhaps a part studio or a drawing (400)"),
         (CONFIGURED, 400, {}, "SourceError", 1, "refuses the configuration 'leg=0.25 m' (400)"),
         (
             CONFIGURED,
