@@ -111,10 +111,12 @@ class World:
         return called(self.here, *arguments, environ=self.environ)
 
     def plain(self, text):
-        """The text without what differs between runs: the folder, the server's port and the progress."""
+        """The text without what differs between runs: the folder, the server's port and the progress; and
+        without the robots and motors of the package, which grow."""
         text = text.replace(str(self.here), "HERE")
         if self.server:
             text = text.replace(self.server.url.partition("//")[2], "cad.onshape.com")
+        text = re.sub(r"\b(robots|motors): [\w, ]+;", r"\1: ...;", text)
         text = re.sub(r"^(fetch|graph|mesh|export|validate) .*\n+", "", text, flags=re.MULTILINE)
         return text.replace("http://", "https://").strip()
 
