@@ -38,10 +38,7 @@ def run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None" = Non
         return _complete("".join(arguments[1:2]))
     if {"-h", *HELP}.intersection(arguments):
         return _run(arguments, build)  # prints only our own text, which needs no cleaning
-    # Late: few commands need it, and `--help` does not.
-    from linkwright.pipeline.terminal.output import clean_streams
-
-    with clean_streams():
+    with _output().clean_streams():
         return _run(arguments, build)
 
 
@@ -165,7 +162,11 @@ def _report(error: BaseException, detail: Detail) -> int:
 
 
 def _say(text: str) -> None:
-    # Late: few commands need it, and `--help` does not.
-    from linkwright.pipeline.terminal.output import say
+    _output().say(text, sys.stderr)
 
-    say(text, sys.stderr)
+
+def _output() -> ModuleType:
+    # Late: few commands need it, and `--help` does not.
+    from linkwright.pipeline.terminal import output
+
+    return output

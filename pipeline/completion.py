@@ -52,6 +52,7 @@ OPTIONS_OF: Mapping[str, tuple[str, ...]] = {
     "diff": ("--json", "--markdown"),
     "job": ("--shard", "--help"),
     "jobs": ("--fetch", "--shard", "--help"),
+    "new": ("--deep", "--config-dir", "--json", "--help"),
     "snapshot": ("--check", "--config-dir", "--help"),
 }
 """Verb about files or folders → its options."""
@@ -186,16 +187,12 @@ def candidates(word: str, before: Sequence[str], here: Path) -> list[str]:
     else:
         completions = _starting((f"{group}=" for group in _groups(folders)), word)
         completions += [] if sign == "~" else _keys(word)
-        completions += _starting(_verbs(), word) if not before and not sign else []
+        completions += _starting(VERBS, word) if not before and not sign else []
     return [sign + completion for completion in sorted(set(completions))]
 
 
 def _starting(words: Iterable[str], start: str) -> list[str]:
     return sorted(word for word in words if word.startswith(start))
-
-
-def _verbs() -> Iterable[str]:
-    return VERBS
 
 
 def _explained(word: str) -> list[str]:

@@ -6,9 +6,9 @@ linkwright: a robot is a YAML file; this builds it.
 usage: linkwright [option ...] [group=option ...] [key=value ...]
 
   linkwright                          build the sample that is shipped, offline
+  linkwright new "https://cad.onshape.com/documents/..." my_arm
+                                      write ./robot/my_arm.yaml from an assembly
   linkwright robot=my_arm             build ./robot/my_arm.yaml
-  linkwright source=onshape "source.url='https://cad.onshape.com/documents/...'"
-                                      an assembly; keep both pairs of quotes
   linkwright source=urdf source.path=arm.urdf         a URDF; source=mjcf: MJCF
   linkwright robot=my_arm until=graph                 stop early: show its tree
   linkwright robot=my_arm root=free joints.elbow.damping=0.2     change options
@@ -18,7 +18,7 @@ options: -q shows only errors, -v all findings; -m sweeps over values a,b,c;
          --config-dir DIR holds robot/; --cfg job prints the configuration
 groups:  robot source root depth mesh ground export target validate actuators
          elements
-verbs:   bundle view check diff snapshot cache explain doctor jobs job
+verbs:   new bundle view check diff snapshot cache explain doctor jobs job
          (linkwright VERB --help)
 
   linkwright explain KEY|CODE         what a key or the code of a message means
@@ -52,6 +52,8 @@ usage: linkwright [option ...] [group=option ...] [key=value ...]
                                   a sweep: every combination, a folder each
 
 other verbs (linkwright VERB --help shows more):
+  linkwright new URL|FILE [NAME]  write ./robot/NAME.yaml from an assembly or a
+                                  file, with what is found and what is missing
   linkwright bundle NAME out.zip  pack the inputs of the build of NAME, to build
                                   it anywhere
   linkwright view NAME            open the robot of a build in MuJoCo's viewer

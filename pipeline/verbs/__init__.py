@@ -13,6 +13,7 @@ ConfigError for wrong usage (exit status 2), other errors for failures (1).
 - jobs: Shows the outcome of the jobs of a list; fetches their sources.
 - launcher_lines: Describes the launchers of sweeps and their keys in lines of text.
 - motor_lines: Describes a motor and its values in lines of text.
+- new: Writes the file of a new robot.
 - snapshot: Keeps texts about a repository's robots, to compare them later.
 - view: Opens the robot of a build in MuJoCo's own viewer.
 """
@@ -26,6 +27,7 @@ VERBS = {
     "explain": "linkwright.pipeline.verbs.explain",
     "job": "linkwright.pipeline.verbs.job",
     "jobs": "linkwright.pipeline.verbs.jobs",
+    "new": "linkwright.pipeline.verbs.new",
     "snapshot": "linkwright.pipeline.verbs.snapshot",
     "view": "linkwright.pipeline.verbs.view",
 }

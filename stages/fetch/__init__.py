@@ -39,6 +39,16 @@ def fetch(keys: FetchSections, context: FetchContext) -> Fetched:
     return source_of(keys).fetch(context)
 
 
+def survey(keys: FetchSections, context: FetchContext, *, masses: bool) -> Fetched:
+    """Fetches only what describes the mechanism of the source that `keys.source` names.
+
+    This is one call for an Onshape assembly, and with `masses` another for each part studio; the bundle then
+    has no triangles, and without `masses` no mass properties. Other sources are fetched whole. Raises the
+    errors of `fetch`.
+    """
+    return source_of(keys).survey(context, masses=masses)
+
+
 def ahead(keys: FetchSections, context: FetchContext) -> CallsAhead:
     """Returns the calls that a fetch of a remote source will make. Raises the errors of `fetch`."""
     return source_of(keys).ahead(context)

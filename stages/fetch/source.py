@@ -171,6 +171,11 @@ class Source(Protocol):
         """Fetches the source's content as a bundle."""
         ...
 
+    def survey(self, context: FetchContext, *, masses: bool) -> Fetched:
+        """Fetches what describes the mechanism, and with `masses` the mass of each part; by default, all of
+        the source's content."""
+        return self.fetch(context)
+
     def ahead(self, context: FetchContext) -> CallsAhead:
         """Returns the calls that `fetch` will make. It already makes the calls for the definition and for the
         state to fetch."""

@@ -75,6 +75,10 @@ class OnshapeSource(Source):
         fetched: Fetched = _online().fetch(self._keys, context)
         return fetched
 
+    def survey(self, context: FetchContext, *, masses: bool) -> Fetched:
+        fetched: Fetched = _online().survey(self._keys, context, masses=masses)
+        return fetched
+
     def ahead(self, context: FetchContext) -> CallsAhead:
         ahead: CallsAhead = _online().ahead(self._keys, context)
         return ahead

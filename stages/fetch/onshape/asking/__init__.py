@@ -6,6 +6,8 @@
 - freshness: Finds whether a workspace changed since its last build, and the tabs that changed.
 - limits: Fetches limits that the definition lacks from an Onshape server.
 - live: Gets replies from an Onshape server, in as few calls as the changes to the assembly allow.
+- mechanism: Gets only the replies that describe the mechanism of an assembly: its definition, and perhaps the
+  masses of its parts.
 - online: Fetches from the server: sets variables first; uses the last complete fetch if the quota is used up.
 - session: Connects to the server of an assembly for the first call, and checks the replies.
 - triangle_refusals: Counts the refusals of tessellated faces whose glTF is cached.

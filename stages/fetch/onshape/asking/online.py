@@ -4,6 +4,7 @@ from linkwright.stages.fetch.onshape import definition
 from linkwright.stages.fetch.onshape.asking.ahead import calls_ahead
 from linkwright.stages.fetch.onshape.asking.cached_client import CachedClient
 from linkwright.stages.fetch.onshape.asking.live import LiveAnswers
+from linkwright.stages.fetch.onshape.asking.mechanism import MechanismAnswers
 from linkwright.stages.fetch.onshape.asking.session import Session
 from linkwright.stages.fetch.onshape.asking.variables import Variables
 from linkwright.stages.fetch.onshape.gather import gather
@@ -41,6 +42,27 @@ def fetch(keys: OnshapeSourceSection, context: FetchContext) -> Fetched:
     diagnostics = (*answers.diagnostics, *remarks)
     title = answers.title()
     return Fetched(bundle, calls.made, calls.saved, diagnostics, title, stale, answers.lasts)
+
+
+def survey(keys: OnshapeSourceSection, context: FetchContext, *, masses: bool) -> Fetched:
+    """Fetches the definition of the assembly, and with `masses` the mass properties of each part studio, as a
+    bundle without triangles. Raises the errors of `stages.fetch.survey`.
+
+    A workspace is asked for its definition, even if an earlier one is cached: the number of calls is the same
+    whether it changed or not.
+    """
+    calls = context.calls
+    with Session(keys, context) as session:
+        client = _client(keys, session, context)
+        try:
+            url = _with_variables(keys.url, keys, client, session, context)
+            latest = keys.model_copy(update={"refresh": not keys.offline})
+            answers = LiveAnswers(url, latest, client, context.progress)
+            bundle = gather(MechanismAnswers(answers, client, context.progress, masses=masses))
+        finally:
+            session.account(calls)
+            calls.saved = client.saved
+    return Fetched(bundle, calls.made, calls.saved, title=answers.title())
 
 
 def ahead(keys: OnshapeSourceSection, context: FetchContext) -> CallsAhead:

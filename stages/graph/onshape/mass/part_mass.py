@@ -45,6 +45,9 @@ PART_TYPES = ("solid", "composite", SHEET)
 MAX_SMALL_SHARE, MAX_SMALL_TOTAL = 0.01, 0.1
 """Largest shares of the robot's volume: of a small part, and of all small parts together."""
 
+NO_TRIANGLES = "it has a mass, but no inertia, and no triangles to compute it from"
+"""The message about a part of estimated mass in a bundle without triangles."""
+
 PLAUSIBLE_DENSITIES = (5.0, 23000.0)
 """The range of plausible densities [kg/m³]: foam is no lighter and osmium no heavier."""
 
@@ -246,8 +249,7 @@ def _inertial(kind: Kind, mass: float, log: Diagnostics) -> Inertial:
         base = kind.shape.inertial
     com, inertia = kind.overrides.com, kind.overrides.inertia
     if base is None and (com is None or inertia is None):
-        text = "it has a mass, but no inertia, and no triangles to compute it from"
-        log.report("E-MASS", text, kind.title, "give com and inertia too, in mass.parts")
+        log.report("E-MASS", NO_TRIANGLES, kind.title, "give com and inertia too, in mass.parts")
         return ZERO
     spread = scaled(base, mass) if base is not None else ZERO
     return Inertial(

@@ -1,0 +1,132 @@
+"""Chooses base, actuators and contact of a new robot from what its source shows, with the reasons."""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
+from typing import Any, Literal
+
+from linkwright.pipeline.new_robot.joint_table import WHEEL, JointRow
+from linkwright.stages.robot.model.robot import Link, Robot
+from linkwright.stages.robot.text.globs import listed, unnumbered
+
+FOOT = "*[Ff]oot*"
+"""The glob of feet in `conf/robot/legged.yaml`."""
+
+GRIPPER_WORDS = ("finger", "jaw", "gripper", "claw")
+"""Parts of the names of links that hold things."""
+
+GRIPPER_CONTACT = {"friction": [1.2, 0.02, 0.0001], "condim": 4}
+"""Contact of links that hold things: what they hold neither slips nor spins about the contact's normal."""
+
+_HEAVY = 8.0
+"""Mass [kg] from which on the gains of `conf/actuators/legged.yaml` are right."""
+
+
+@dataclass(frozen=True, slots=True)
+class RobotChoices:
+    """The choices for a new robot."""
+
+    base: Literal["auto", "fixed", "legged"]
+    """The option of the group root, or the robot that the new one begins with."""
+    base_reason: str
+    actuators: Literal["none", "position"]
+    """The option of the group actuators; a legged robot has that of /robot/legged."""
+    actuators_reason: str
+    entries: Mapping[str, Any] = field(default_factory=dict)
+    """Entries of the key `actuators`."""
+    entries_reason: str = ""
+    geoms: Mapping[str, Any] = field(default_factory=dict)
+    """Entries of the key `geoms`."""
+    geoms_reason: str = ""
+
+
+def chosen(
+    robot: Robot, rows: Sequence[JointRow], kind: str, *, weighed: bool, as_the_peer: bool = False
+) -> RobotChoices:
+    """Returns the choices for a robot from a `kind` of source.
+
+    `weighed`: whether its masses are known. `as_the_peer`: whether its base is that of onshape-to-robot,
+    which is fixed only if CAD fixes it.
+    """
+    base, base_reason = _base(robot, rows, kind, as_the_peer)
+    actuators, actuators_reason = _actuators(robot, rows)
+    entries, entries_reason = _entries(robot, rows, base, weighed) if actuators == "position" else ({}, "")
+    geoms, geoms_reason = _geoms(robot, kind)
+    return RobotChoices(
+        base, base_reason, actuators, actuators_reason, entries, entries_reason, geoms, geoms_reason
+    )
+
+
+def _base(
+    robot: Robot, rows: Sequence[JointRow], kind: str, as_the_peer: bool
+) -> tuple[Literal["auto", "fixed", "legged"], str]:
+    is_fixed = robot.base.fixed
+    standing = f"{'fixed' if is_fixed else 'free'}: {robot.base.reason}"
+    feet = [link.name for link in robot.links if _is_called(link, FOOT)]
+    if kind == "mjcf" or as_the_peer:
+        return "auto", f"the base is {standing}"
+    if len(feet) > 1:
+        overruled = f"; in the source it is {standing}" if is_fixed else ""
+        reason = f"these links look like feet, so the base is free, and the feet do not slip: {listed(feet)}"
+        return "legged", reason + overruled
+    wheels = [row.name for row in rows if row.driven and WHEEL.search(row.name)]
+    if is_fixed or not rows:
+        return "auto", f"the base is {standing}"
+    if wheels:
+        return "auto", f"the base is {standing}; it has wheels: {listed(wheels)}"
+    silence = "a URDF does not say whether the base is fixed" if kind == "urdf" else "CAD fixes no part"
+    return "fixed", f"{silence}, and no name has foot or wheel in it; with free it could move"
+
+
+def _actuators(robot: Robot, rows: Sequence[JointRow]) -> tuple[Literal["none", "position"], str]:
+    if robot.actuators:
+        return "none", "the actuators of the source stay"
+    if not any(row.driven for row in rows):
+        return "none", "there is no joint to drive"
+    return "position", "servos that hold a value, stiff enough for the robot's weight"
+
+
+def _entries(robot: Robot, rows: Sequence[JointRow], base: str, weighed: bool) -> tuple[dict[str, Any], str]:
+    """Returns entries of the key `actuators`, and the reason."""
+    entries: dict[str, Any] = {}
+    reasons = []
+    mass = sum(link.inertial.mass for link in robot.links)
+    if base == "legged" and weighed and mass < _HEAVY:
+        entries["*"] = {"kp": None, "kv": None}
+        reasons.append(
+            f"gains by the weight of the robot ({mass:.3g} kg): those of legged are for 13 kg and more"
+        )
+    wheels = [row.name for row in rows if row.driven and WHEEL.search(row.name)]
+    if wheels:
+        entries |= {name: {"type": "velocity"} for name in wheels}
+        reasons.append("wheels hold a speed")
+    return entries, "; ".join(reasons)
+
+
+def _geoms(robot: Robot, kind: str) -> tuple[dict[str, Any], str]:
+    """Returns entries of the key `geoms` for a gripper, and the reason. Geoms of an MJCF have their own
+    contact."""
+    if kind == "mjcf":
+        return {}, ""
+    globs = {}
+    for word in GRIPPER_WORDS:
+        glob = f"*[{word[0].upper()}{word[0]}]{word[1:]}*"
+        holders = [link.name for link in robot.links if _is_called(link, glob)]
+        if holders:
+            globs[glob] = holders
+    names = listed(name for holders in globs.values() for name in holders)
+    reason = f"what a gripper holds neither slips nor spins; these links look like one: {names}"
+    return {glob: {"collision": GRIPPER_CONTACT} for glob in globs}, reason if globs else ""
+
+
+def _is_called(link: Link, glob: str) -> bool:
+    """Tells whether a glob of the key `geoms` matches the link, or a part of it."""
+    return any(fnmatchcase(name, glob) for name in _names(link))
+
+
+def _names(link: Link) -> Iterator[str]:
+    """Yields the names of a link and its parts."""
+    yield link.name
+    for part in link.parts:
+        yield unnumbered(re.sub(r"^.*/", "", part.name))

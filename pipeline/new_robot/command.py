@@ -1,0 +1,173 @@
+"""Surveys a source, writes the robot's file, and prints what it found."""
+
+import json
+import os
+import sys
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from linkwright.pipeline.api.arguments import plan_of
+from linkwright.pipeline.config.plan import Plan
+from linkwright.pipeline.errors import ConfigError, OutputError, reason, refusal
+from linkwright.pipeline.new_robot import robot_file
+from linkwright.pipeline.new_robot.choices import chosen
+from linkwright.pipeline.new_robot.joint_table import joint_table
+from linkwright.pipeline.new_robot.robot_file import NewRobot
+from linkwright.pipeline.new_robot.source_keys import robot_name, source_keys
+from linkwright.pipeline.new_robot.survey import FetchedMechanism, fetched_mechanism, surveyed
+from linkwright.pipeline.run.preflight import plan_problems
+from linkwright.pipeline.secrets import Secrets
+from linkwright.pipeline.terminal import pasted
+from linkwright.pipeline.terminal.display import progress_for
+from linkwright.pipeline.terminal.output import say
+from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.robot.text.plural import count
+from linkwright.stages.show.graph_view.labels import kilograms
+
+FORMAT, VERSION = "linkwright-new", 1
+
+
+@dataclass(frozen=True, slots=True)
+class NewRequest:
+    """The arguments of the verb."""
+
+    source: str
+    """The address of an assembly, or the path of a file."""
+    name: str = ""
+    deep: bool = False
+    trust: bool = False
+    """Whether a xacro file may run."""
+    cache: str | None = None
+    config_dir: str = ""
+    json: bool = False
+
+
+def run(request: NewRequest, environ: Mapping[str, str] = os.environ) -> int:
+    """Writes the robot's file, prints the result, and returns the exit status.
+
+    Raises ConfigError if that is known before the source is read, OutputError if the file exists or cannot be
+    written, and the errors of a fetch.
+    """
+    source = source_keys(request.source)
+    if request.config_dir and not Path(request.config_dir).is_dir():
+        raise ConfigError(f"there is no folder {request.config_dir}", "--config-dir", "make it first")
+    if request.name:
+        _require_free(request, robot_name(request.name, source))
+    draft = robot_name(request.name, source)
+    plan = _plan(request, {"name": draft, "source": source, "until": "graph"})
+    problems = plan_problems(plan, environ)
+    if problems:
+        raise refusal(problems)
+    progress = progress_for(sys.stderr)
+    try:
+        mechanism = fetched_mechanism(
+            plan, environ, lambda line: progress.detail("fetch", line), masses=request.deep
+        )
+    finally:
+        progress.close()
+    name = robot_name(request.name, source, mechanism.title)
+    path = _require_free(request, name)
+    robot = described(request, name, source, mechanism)
+    text = robot_file.text(robot)
+    Secrets(environ).check({str(path): text.encode()})
+    _write(path, text)
+    print(as_json(robot, path, mechanism)) if request.json else say(as_text(robot, path, mechanism))
+    return 0
+
+
+def described(
+    request: NewRequest, name: str, source: Mapping[str, Any], mechanism: FetchedMechanism
+) -> NewRobot:
+    """Returns what the file of the robot says. The problems are those of the file itself: its own text is
+    composed, and the graph stage runs with it."""
+    plan = _plan(request, {"name": name, "source": source})
+    survey = surveyed(mechanism, plan)
+    kind = mechanism.bundle.kind
+    rows = joint_table(survey.robot, kind) if survey.robot else ()
+    weighed = mechanism.weighed and not survey.problems
+    choices = chosen(survey.robot, rows, kind, weighed=weighed) if survey.robot else None
+    robot = NewRobot(
+        name,
+        source,
+        rows,
+        choices,
+        survey.problems,
+        studios=0 if mechanism.weighed else mechanism.studios,
+        summary=_summary(survey.robot, weighed) if survey.robot else "",
+    )
+    final = surveyed(mechanism, _plan(request, {"name": name, **yaml.safe_load(robot_file.text(robot))}))
+    return replace(robot, problems=final.problems)
+
+
+def _summary(robot: Robot, weighed: bool) -> str:
+    counts = {"link": len(robot.links), "joint": len(robot.joints), "loop": len(robot.loops)}
+    nouns = [count(number, noun) for noun, number in counts.items() if number or noun != "loop"]
+    mass = [kilograms(sum(link.inertial.mass for link in robot.links))] if weighed else []
+    return ", ".join([*nouns, *mass])
+
+
+def as_json(robot: NewRobot, path: Path, mechanism: FetchedMechanism) -> str:
+    """Returns the result for programs; `linkwright new --help` describes its keys."""
+    keys = ("name", "type", "unit", "lower", "upper", "follows", "loop", "missing")
+    table = {
+        "format": FORMAT,
+        "version": VERSION,
+        "path": str(path),
+        "name": robot.name,
+        "source": dict(robot.source),
+        "joints": [{key: getattr(row, key) for key in keys} for row in robot.rows],
+        "problems": [asdict(problem) for problem in robot.problems],
+        "weighed": mechanism.weighed,
+        "calls": {"made": mechanism.calls, "saved": mechanism.saved},
+    }
+    return json.dumps(table, indent=2, ensure_ascii=False)
+
+
+def as_text(robot: NewRobot, path: Path, mechanism: FetchedMechanism) -> str:
+    """Returns the result for people."""
+    lines = [f"{path}: {count(len(robot.rows), 'joint')}, {count(mechanism.calls, 'API call')}"]
+    for problem in robot.problems:
+        place = f" {problem.where}:" if problem.where else ""
+        lines += [
+            f"{problem.code}{place} {problem.message}",
+            *([f"    → {problem.hint}"] if problem.hint else []),
+        ]
+    if robot.problems:
+        lines.append(
+            f"solve {count(len(robot.problems), 'problem')}, which the file explains; then build it:"
+        )
+    folder = path.parent.parent
+    options = [] if folder == Path() else ["--config-dir", str(folder)]
+    lines.append(f"  → {pasted.line(['linkwright', *options, f'robot={robot.name}'])}")
+    return "\n".join(lines)
+
+
+def _plan(request: NewRequest, tree: Mapping[str, Any]) -> Plan:
+    cache = {"cache": {"dir": request.cache}} if request.cache else {}
+    return plan_of([{**tree, **cache}], request.trust, (), None, ())
+
+
+def _require_free(request: NewRequest, name: str) -> Path:
+    """Returns the path of the robot's file; raises ConfigError if there is a robot of this name."""
+    folders = [Path(), *([Path(request.config_dir)] if request.config_dir else [])]
+    for folder in folders:
+        path = folder / "robot" / f"{name}.yaml"
+        if os.path.lexists(path):
+            msg = "there is a robot of this name already, and no file is replaced"
+            hint = f"{pasted.line(['linkwright', 'new', request.source, f'{name}_2'])}, or remove {path}"
+            raise ConfigError(msg, str(path), hint)
+    return path
+
+
+def _write(path: Path, text: str) -> None:
+    """Writes a file that does not exist yet."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except OSError as error:
+        raise OutputError(f"it cannot be written: {reason(error)}", str(path)) from None

@@ -1,0 +1,198 @@
+"""Writes the text of a new robot's file."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from linkwright.pipeline.motor_files import library
+from linkwright.pipeline.new_robot.choices import RobotChoices
+from linkwright.pipeline.new_robot.joint_table import JointRow
+from linkwright.pipeline.new_robot.yaml_lines import comment, entry, flow
+from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.text.plural import count
+
+_REMEDIES: Mapping[str, tuple[str, ...]] = {
+    "E-LOOSE": ("#root: {disconnected: weld} # or drop, or separate",),
+    "E-MASS": ("#mass: {missing: density, density: 1200} # kg/m³, for all parts without a mass",),
+}
+"""Code of a problem → lines of YAML that end it."""
+
+_DYNAMICS = {"damping": 0.1, "friction": 0.02, "armature": 0.01}
+"""Starting values for the joints of an assembly: those of `conf/robot/sample.yaml`."""
+
+
+@dataclass(frozen=True, slots=True)
+class NewRobot:
+    """Everything that a new robot's file says."""
+
+    name: str
+    source: Mapping[str, Any]
+    """The keys of the source."""
+    rows: Sequence[JointRow]
+    choices: RobotChoices | None
+    """None if the graph stage could make no robot."""
+    problems: Sequence[Diagnostic]
+    """The problems that end its build, as far as they are known."""
+    studios: int = 0
+    """The number of part studios whose masses were not fetched; 0 if all masses are known."""
+    summary: str = ""
+    """The robot in a line."""
+    converted: Mapping[str, Any] = field(default_factory=dict)
+    """Keys that another tool's configuration comes to."""
+    remarks: Sequence[str] = ()
+    """Lines about what the other tool's configuration has and this file has not."""
+
+
+def text(robot: NewRobot) -> str:
+    """Returns the text of the robot's file."""
+    sections = (
+        _head(robot),
+        _found(robot),
+        _problems(robot),
+        _defaults(robot),
+        _source(robot),
+        _converted(robot),
+        _joints(robot),
+        _actuators(robot),
+        _geoms(robot),
+        _masses(robot),
+    )
+    pieces = ["\n".join(lines) for section in sections if (lines := list(section))]
+    return "\n\n".join(pieces) + "\n"
+
+
+def _head(robot: NewRobot) -> Iterator[str]:
+    yield "# @package _global_"
+    yield from comment(f"{robot.name}: {robot.summary}" if robot.summary else robot.name)
+    yield f"#   linkwright robot={robot.name}                 builds it"
+    yield f"#   linkwright robot={robot.name} until=graph     only shows its links and joints"
+    yield from comment(
+        "Lines that begin with # and no space are YAML: remove the # to use them. `linkwright explain KEY` "
+        "describes a key."
+    )
+
+
+def _found(robot: NewRobot) -> Iterator[str]:
+    if not robot.rows:
+        yield "# No joints were found."
+        return
+    yield "# Joints that were found:"
+    name_width = max(len(row.name) for row in robot.rows)
+    type_width = max(len(row.type) for row in robot.rows)
+    for row in robot.rows:
+        yield f"#   {row.name:{name_width}}  {row.type:{type_width}}  {row.text}"
+
+
+def _problems(robot: NewRobot) -> Iterator[str]:
+    if not robot.problems:
+        return
+    yield "# Problems: until they are solved, the build ends with these."
+    for problem in robot.problems:
+        place = f" {problem.where}:" if problem.where else ""
+        yield from comment(f"- {problem.code}{place} {problem.message}", hanging="  ")
+        if problem.hint:
+            yield from comment(f"→ {problem.hint}", "", "  ")
+    for code in sorted({problem.code for problem in robot.problems} & _REMEDIES.keys()):
+        yield from _REMEDIES[code]
+
+
+def _defaults(robot: NewRobot) -> Iterator[str]:
+    yield "defaults:"
+    choices = robot.choices
+    if choices and choices.base == "legged":
+        yield from comment(choices.base_reason, "  ")
+        yield "  - /robot/legged"
+    yield f"  - override /source: {robot.source['kind']}"
+    if choices:
+        if choices.base != "legged":
+            yield from comment(choices.base_reason, "  ")
+            yield f"  - override /root: {choices.base} # auto, fixed, free"
+        if choices.base != "legged" or choices.actuators == "none":
+            yield from comment(f"{choices.actuators_reason}; others: linkwright explain actuators", "  ")
+            yield f"  - override /actuators: {choices.actuators}"
+    yield "  - override /mesh: ladder # colliders: ladder, hull, coacd, primitives, spheres, raw, visual"
+    yield "  - override /export: [urdf, mjcf] # also sdf, usd, ros2, python"
+
+
+def _source(robot: NewRobot) -> Iterator[str]:
+    yield "source:"
+    keys = {key: value for key, value in robot.source.items() if key != "kind"}
+    url = keys.get("url", "")
+    if "/w/" in url:
+        yield "  # a workspace, whose edits the next build follows; …/v/… is a version, which stays as it is"
+    for key, value in keys.items():
+        yield entry(key, value, "  ")
+
+
+def _converted(robot: NewRobot) -> Iterator[str]:
+    merged = ("joints", "actuators", "geoms")
+    for key, value in robot.converted.items():
+        if key not in merged:
+            yield entry(key, value)
+    for remark in robot.remarks:
+        yield from comment(remark, hanging="  ")
+
+
+def _joints(robot: NewRobot) -> Iterator[str]:
+    converted = robot.converted.get("joints", {})
+    lines = [entry(row.name, row.missing, "  ", active=False) for row in robot.rows if row.missing]
+    starting = {"*": _DYNAMICS} if robot.source["kind"] in ("onshape", "bundle") and not converted else {}
+    entries = {**starting, **converted}
+    if not lines and not entries:
+        return
+    if lines:
+        yield from comment(
+            "The source has no values for these: limits [rad or m], effort [N m or N], velocity [rad/s or "
+            "m/s]. The numbers only show the form. A motor gives effort and velocity (below)."
+        )
+    yield "joints: # globs on names of joints; later entries win, property by property"
+    if starting:
+        yield "  # starting values [N m s/rad, N m, kg m²; of slides N s/m, N, kg]: measure your own"
+    for glob, values in (entries or {"*": {}}).items():
+        yield entry(glob, values, "  ")
+    yield from lines
+
+
+def _actuators(robot: NewRobot) -> Iterator[str]:
+    choices = robot.choices
+    converted = robot.converted.get("actuators", {})
+    entries = {**(choices.entries if choices else {}), **converted}
+    turning = next((row.name for row in robot.rows if row.driven and row.kind == "turn"), None)
+    offered = turning if choices and choices.actuators == "position" and turning not in entries else None
+    if not entries and offered is None:
+        return
+    if choices and choices.entries_reason:
+        yield from comment(choices.entries_reason)
+    if offered:
+        motors = ", ".join(library())
+        yield from comment(f"Motors of the library: {motors}; your own: ./motors/NAME.yaml")
+    if not entries:
+        yield f"#actuators: {flow({offered: {'motor': 'sts3215'}})}"
+        return
+    yield "actuators:"
+    for glob, values in entries.items():
+        yield entry(glob, values, "  ")
+    if offered:
+        yield entry(offered, {"motor": "sts3215"}, "  ", active=False)
+
+
+def _geoms(robot: NewRobot) -> Iterator[str]:
+    entries = {**(robot.choices.geoms if robot.choices else {}), **robot.converted.get("geoms", {})}
+    if not entries:
+        return
+    if robot.choices and robot.choices.geoms_reason:
+        yield from comment(robot.choices.geoms_reason)
+    yield "geoms:"
+    for glob, values in entries.items():
+        yield entry(glob, values, "  ")
+
+
+def _masses(robot: NewRobot) -> Iterator[str]:
+    if not robot.studios:
+        return
+    studios = count(robot.studios, "part studio")
+    yield from comment(
+        f"Masses were not asked for (linkwright new --deep does, by a call for each of {studios}). If parts "
+        "have no material, the build ends with E-MASS, which lists them: give them a material in Onshape, or:"
+    )
+    yield from _REMEDIES["E-MASS"]
