@@ -1,4 +1,4 @@
-"""The robots of the gallery pass every check in strict mode, and move by the examples of the guide."""
+"""The robots of the gallery pass every check in strict mode, and move as docs/guide/moving.md shows."""
 
 import runpy
 import sys
