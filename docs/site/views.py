@@ -21,7 +21,7 @@ PICTURES = PROJECT / "docs" / "pictures"
 SIZE = (1100, 760)
 """The page's area [px]."""
 
-SMALL = (560, 420)
+SMALL = (440, 330)
 """The size of README's picture [px], which leaves room for the first command on the same screen."""
 
 STAGE = "#live .live-stage"
