@@ -10,8 +10,6 @@ from typing import NamedTuple
 
 import yaml
 
-from tests.support.places import PROJECT
-
 
 class Row(NamedTuple):
     """`theirs`: names that the row stands for; `yaml`: in a robot's file; `command`: after `linkwright`;
@@ -47,7 +45,7 @@ every row.
 HEAD = "| there | here | |\n| --- | --- | --- |\n"
 """How a table of rows begins."""
 
-TOOLKIT_PAGE = PROJECT / "docs" / "start" / "robotics-toolkit.md"
+TOOLKIT_PAGE = Path(__file__).resolve().parents[2] / "docs" / "start" / "robotics-toolkit.md"
 """The page of the documents that ends with the rows of the original Robot class."""
 
 
