@@ -1,12 +1,15 @@
 # ruff: noqa: E501
 """The plan judges every key: what it says, and that it says everything at once."""
 
+from typing import get_args
+
 import pytest
 from pydantic import ValidationError
 
 from linkwright.pipeline.config.messages import diagnostics
 from linkwright.pipeline.config.plan import SECTIONS, Plan, section
 from linkwright.pipeline.config.schema import annotation_at, is_section, leaves, names
+from linkwright.stages.fetch.bundle.sample.section import SampleSourceSection
 from linkwright.stages.fetch.onshape.section import OnshapeSourceSection
 from linkwright.stages.fetch.section import SOURCES
 from linkwright.stages.graph.section import GraphSections
@@ -49,6 +52,7 @@ def test_an_unknown_key_is_named_with_what_may_be_meant(data, where, message, hi
     assert problem(**data) == ("E-KEY", where, message, hint)
 
 
+GALLERY = ", ".join(get_args(SampleSourceSection.model_fields["robot"].annotation))
 CHOOSE = "choose one: source=onshape, source=urdf, source=mjcf, source=bundle, source=sample"
 
 
@@ -60,6 +64,7 @@ CHOOSE = "choose one: source=onshape, source=urdf, source=mjcf, source=bundle, s
         ("arm.zip", ("E-VALUE", "source", "must be a mapping (given 'arm.zip')", CHOOSE)),
         ({"url": "u"}, ("E-MISSING", "source.kind", "missing (given {'url': 'u'})", CHOOSE)),
         ({"kind": "onshap"}, ("E-VALUE", "source.kind", "'onshap' is not allowed", CHOOSE)),
+        ({"kind": "sample", "robot": "quadriped"}, ("E-VALUE", "source.robot", "'quadriped' is not allowed", f"did you mean quadruped? allowed: {GALLERY}")),
         ({"kind": "onshape"}, ("E-MISSING", "source.url", "missing", " ".join(OnshapeSourceSection.meanings()["url"].split()))),
     ],
 )  # fmt: skip
