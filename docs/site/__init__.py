@@ -2,6 +2,8 @@
 
 - pages: Says which files of the repository are pages, and rewrites their links.
 - reference: Makes pages of what programs know: the command line and the Python API.
-- robots: Builds the robots of the gallery, and makes the page of the gallery.
-- pictures: Makes the pictures and the film in `docs/pictures`.
+- robots: Builds the robots of the gallery.
+- pictures: Makes the pictures of the gallery's robots.
+- views: Makes the pictures of the guide.
+- film: Makes the film of the live page.
 """

@@ -25,8 +25,10 @@ def build(folder: Path) -> Path:
     shutil.copy(DOCS / "zensical.toml", folder)
     names = robots.gallery()
     robots.build(names, folder / "work", source / "robots")
-    generated = {"gallery.md": robots.page(names), **reference.pages()}
-    pages.write(source, generated, names)
+    try:
+        pages.write(source, reference.pages(), names)
+    except pages.DeadLinkError as error:
+        sys.exit(str(error))
     check_navigation(source)
     run_zensical(folder)
     return folder / "site" / "index.html"

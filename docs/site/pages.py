@@ -33,7 +33,7 @@ EXTERNAL = re.compile(r"[a-z]+:")
 
 
 class DeadLinkError(Exception):
-    """Names a page, and a link of it that leads to no file."""
+    """Names pages, and links of them that lead to no file and no page."""
 
 
 def places() -> dict[str, str]:
@@ -54,19 +54,22 @@ def places() -> dict[str, str]:
 def write(source: Path, generated: Mapping[str, str], robots: Collection[str]) -> None:
     """Writes all pages into a folder, and beside them what they link to. `generated`: path of a page → its
     text, with links as from `docs/`; `robots`: those whose pages are in the folder `robots`."""
-    reports = (f"robots/{name}/report.html" for name in robots)
-    targets = places() | {f"docs/{page}": page for page in (*generated, *reports)}
+    targets = places() | {f"docs/{page}": page for page in generated}
     texts = {path: (PROJECT / path).read_text(encoding="utf-8") for path in places()}
     texts |= {f"docs/{page}": text for page, text in generated.items()}
+    dead = []
     for path, text in texts.items():
         page = Page(path, targets, robots)
         file = source / targets[path]
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(page.rewritten(text), encoding="utf-8")
+        dead += page.dead
         for copied in page.copied:
             copy = source / file_place(copied)
             copy.parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(PROJECT / copied, copy)
+    if dead:
+        raise DeadLinkError("\n".join(dead))
 
 
 def file_place(path: str) -> str:
@@ -76,13 +79,14 @@ def file_place(path: str) -> str:
 
 class Page:
     """Rewrites a page: `path` is its file's, `targets` all pages by their files. `copied` collects the files
-    that it links to."""
+    that it links to, and `dead` messages about links that lead nowhere."""
 
     def __init__(self, path: str, targets: Mapping[str, str], robots: Collection[str]) -> None:
         self.path = path
         self.targets = targets
         self.robots = robots
         self.copied: list[str] = []
+        self.dead: list[str] = []
 
     def rewritten(self, text: str) -> str:
         """The text with the site's links and without comments; code stays as it is."""
@@ -105,8 +109,8 @@ class Page:
             self.copied.append(file)
             place = file_place(file)
         else:
-            msg = f"{self.path}: the link {target} leads to no file of the repository and to no page"
-            raise DeadLinkError(msg)
+            self.dead.append(f"{self.path}: the link {target} leads to no file of the repository and no page")
+            return match[0]
         here = PurePosixPath(self.targets[self.path]).parent
         return f"{match[1]}{relpath(place, here)}{anchor}{match[4]}"
 

@@ -1,9 +1,8 @@
-"""Builds the robots of the gallery, and makes the page of the gallery.
+"""Builds the robots of the gallery.
 
 They are built as a sweep, so that their pages share the file with the physics engine.
 """
 
-import re
 import shutil
 import subprocess
 import sys
@@ -12,41 +11,12 @@ from pathlib import Path
 
 from docs.site.pages import PROJECT
 
-CONF = PROJECT / "conf" / "robot"
-
-HEAD = """\
-# Gallery
-
-Robots that are part of the package. Each builds offline. Click a picture to start the robot: this is its
-page, simulated by MuJoCo in your browser. Nothing is sent anywhere.
-"""
-
-ROBOT = """
-## {title}
-
-{about}
-
-[![{title}, built from its YAML](pictures/{name}.webp)](../conf/robot/{name}.yaml)
-
-```sh
-linkwright robot={name}
-```
-
-[The page of its build](robots/{name}/report.html)
-
-```yaml
-{yaml}```
-"""
-
 
 def gallery() -> list[str]:
     """The names of the robots in the package that build by themselves; the sample is the first."""
-    files = [file for file in CONF.glob("*.yaml") if "override /source: sample" in _text(file.stem)]
-    return sorted((file.stem for file in files), key=lambda name: (name != "sample", name))
-
-
-def _text(name: str) -> str:
-    return (CONF / f"{name}.yaml").read_text(encoding="utf-8")
+    files = PROJECT.glob("conf/robot/*.yaml")
+    names = [file.stem for file in files if "override /source: sample" in file.read_text(encoding="utf-8")]
+    return sorted(names, key=lambda name: (name != "sample", name))
 
 
 def build(names: Sequence[str], work: Path, to: Path) -> None:
@@ -61,15 +31,3 @@ def build(names: Sequence[str], work: Path, to: Path) -> None:
     for number, name in enumerate(names):
         shutil.copytree(work / "robots" / str(number), to / name, ignore=shutil.ignore_patterns(".*"))
     shutil.copy(work / "robots" / "linkwright-engine.js", to)
-
-
-def page(names: Sequence[str]) -> str:
-    """The page of the gallery, with links as from `docs/`."""
-    return HEAD + "".join(_robot(name) for name in names)
-
-
-def _robot(name: str) -> str:
-    text = _text(name)
-    comments = re.match(r"# @package _global_\n((?:#.*\n)*)", text)
-    about = " ".join(line.strip("# ") for line in comments[1].splitlines()) if comments else ""
-    return ROBOT.format(title=name.capitalize(), about=about, name=name, yaml=text)

@@ -41,7 +41,8 @@ class Block:
 
 def pages():
     """The documents whose blocks run, by their paths in the project."""
-    return sorted(path.relative_to(PROJECT).as_posix() for path in (PROJECT / "docs").rglob("*.md"))
+    documents = sorted(path.relative_to(PROJECT).as_posix() for path in (PROJECT / "docs").rglob("*.md"))
+    return ["README.md", *documents]
 
 
 def blocks(page):
