@@ -3,6 +3,7 @@
 import json
 import os
 import platform
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -121,6 +122,10 @@ def _check(check: Check) -> dict[str, Any]:
     return _shallow(check) | {"findings": [_shallow(finding) for finding in check.findings], "table": table}
 
 
+_PINNED = re.compile(r"/documents/\w+/[vm]/")
+"""Matches the address of a version or of a microversion."""
+
+
 def spent(report: Report) -> list[str]:
     """Returns a line about the API calls of a build; [] if there were none."""
     made, saved = report.calls.get("made", 0), report.calls.get("saved", 0)
@@ -128,6 +133,8 @@ def spent(report: Report) -> list[str]:
         return []
     year = report.calls.get("counted_this_year")
     so_far = "" if year is None else f"; {year} counted for this key this year"
+    if not made and _PINNED.search(report.source.get("url") or ""):
+        so_far += "; source.url names a version, which no edit changes"
     return [f"{made} API call{'' if made == 1 else 's'} made, {saved} saved by the cache{so_far}"]
 
 

@@ -134,6 +134,13 @@ def served(document, more="", fault=None, url=None, **environ):
     return lambda world: world.robot(document(), more, fault, url, **environ)
 
 
+def old_version(world):
+    """A build of a version, and then an edit of the document's workspace."""
+    world.robot(document := arm(), url=lambda server: server.document_url("v"))
+    world.before("robot=my_arm", "until=graph")
+    world.server.edit(document.edited("Robot"))
+
+
 def old_snapshot(world):
     world.files({ROBOT: SAMPLE})
     world.before("snapshot")
@@ -178,6 +185,7 @@ PLACES = {
     "a wrong host": file(ONSHAPE.format(url=URL.replace("cad.onshape.com", "cad.onshape.co"))),
     "an address without a tab": file(ONSHAPE.format(url=URL.partition("/e/")[0])),
     "the address of a part studio": served(arm, url=tab("studio")),
+    "the address of a version": old_version,
     "an address without quotes": lambda world: None,
     "an address alone": lambda world: None,
     "no mates": served(loose),
@@ -252,8 +260,9 @@ def test_each_message_says_what_to_do_and_is_that_of_a_mistake():
     assert list(entries) == list(PLACES)
     for title, text in entries.items():
         *lines, status = text.splitlines()
-        assert status in ("(exit status 1)", "(exit status 2)", "(exit status 3)") or "W-" in text, title
-        assert any(line.startswith(("  →", "      ", "    →")) for line in lines), title
+        assert re.fullmatch(r"\(exit status [0-3]\)", status), title
+        hints = [line for line in lines if line.startswith(("  →", "    →", "      "))]
+        assert hints or title == "the address of a version", title
 
 
 def _write():

@@ -83,6 +83,10 @@ def test_what_comes_after_an_error_counts_calls_and_names_source_and_report(tmp_
     ]
     url = replace(REPORT, source={"kind": "onshape", "url": "https://x"}, calls={"made": 1, "saved": 0})
     assert failure_lines(url, tmp_path)[:2] == ["1 API call made, 0 saved by the cache", "source: https://x"]
+    old = {"kind": "onshape", "url": "https://cad.onshape.com/documents/a1/v/b2/e/c3"}
+    assert failure_lines(replace(REPORT, source=old, calls={"made": 0, "saved": 3}), tmp_path)[0] == (
+        "0 API calls made, 3 saved by the cache; source.url names a version, which no edit changes"
+    )
     file = replace(REPORT, source={"kind": "urdf"}, calls={"made": 0, "saved": 0})
     assert failure_lines(file, tmp_path / "a.failed") == ["report: a.failed/report.html"]
 
