@@ -24,7 +24,7 @@ THIGH, SHANK = 0.13, 0.13
 FOOT = 0.016
 """The radius of a foot [m]."""
 
-CENTRE = 0.016  # of the trunk's section above the axes of its servos
+CENTRE = 0.0185  # of the trunk's section above the axes of its servos
 HALF_LENGTH = 0.089  # of the trunk's shell
 DEPTH = 0.046  # of a servo's case, along its axis
 
@@ -40,13 +40,13 @@ def trunk_parts(studio, hips):
     `hips`: how far the axes of the legs are from the middle [m].
     """
     ahead = frame(x=(0, 1, 0), z=(1, 0, 0))
-    outer, hole = _ring(0.140, 0.080, 0.026, 0.0025)
+    outer, hole = _ring(0.140, 0.080, 0.016, 0.0025)
     along = frame((-HALF_LENGTH, 0, 0), x=(0, 1, 0), z=(1, 0, 0))
     studio.part("Trunk", solids.extrude(outer, 2 * HALF_LENGTH, 0, hole).moved(along), ABS, WHITE)
-    outer, hole = _ring(0.145, 0.085, 0.0285, 0.0025)
+    outer, hole = _ring(0.145, 0.085, 0.0185, 0.0025)
     studio.part("Trim", solids.extrude(outer, 0.012, 0.001, hole).moved(ahead), ABS, ORANGE)
     bores = [outlines.circle(0.012, (side * hips, -CENTRE), 20) for side in (-1, 1)]
-    plate = solids.extrude(outlines.rounded_rectangle(0.140, 0.080, 0.026), 0.003, 0.0008, bores).moved(ahead)
+    plate = solids.extrude(outlines.rounded_rectangle(0.140, 0.080, 0.016), 0.003, 0.0008, bores).moved(ahead)
     studio.part("Bulkhead", plate, ALUMINIUM, GRAPHITE, {"chamfer": SILVER})
     block = solids.extrude(outlines.rounded_rectangle(0.075, 0.070, 0.006, segments=4), 0.030, 0.002)
     studio.part("Battery", block, ABS, GRAPHITE, {"top": ORANGE}, mass=0.38)
