@@ -5,5 +5,6 @@
 - robots: Builds the robots of the gallery.
 - pictures: Makes the pictures of the gallery's robots.
 - views: Makes the pictures of the guide.
+- summaries: Makes the pictures of the pages on sweeps.
 - film: Makes the film of the live page.
 """

@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -21,27 +22,26 @@ def build(folder: Path) -> Path:
     """Builds the site in a folder, in place of an older one; the path of its first page."""
     shutil.rmtree(folder, ignore_errors=True)
     source = folder / "pages"
+    check_navigation()
     shutil.copytree(DOCS / "site" / "assets", source / "assets")
     shutil.copy(DOCS / "zensical.toml", folder)
     names = robots.gallery()
     robots.build(names, folder / "work", source / "robots")
     try:
-        pages.write(source, reference.pages(), names)
+        pages.write(source, {page: make() for page, make in reference.PAGES.items()}, names)
     except pages.DeadLinkError as error:
         sys.exit(str(error))
-    check_navigation(source)
     run_zensical(folder)
     return folder / "site" / "index.html"
 
 
-def check_navigation(source: Path) -> None:
-    """Exits unless each page is in the navigation once, and no other is."""
+def check_navigation() -> None:
+    """Exits unless the navigation has each page once, and no other."""
     nav = tomllib.loads((DOCS / "zensical.toml").read_text(encoding="utf-8"))["project"]["nav"]
-    listed = sorted(_listed(nav))
-    written = sorted(path.relative_to(source).as_posix() for path in source.rglob("*.md"))
-    if listed != written:
-        odd = sorted({*listed} ^ {*written}) or listed
-        sys.exit(f"docs/zensical.toml: `nav` must list each page once; look at {', '.join(odd)}")
+    listed = Counter(_listed(nav))
+    wanted = Counter((*pages.places().values(), *reference.PAGES))
+    if odd := [page for page in listed | wanted if listed[page] != wanted[page]]:
+        sys.exit(f"docs/zensical.toml: `nav` must list each page once; look at {', '.join(sorted(odd))}")
 
 
 def _listed(entry: Any) -> Iterator[str]:

@@ -34,11 +34,6 @@ Each is a `LinkwrightError`, with the message that the command prints.
 """
 
 
-def pages() -> dict[str, str]:
-    """Path of a page → its text."""
-    return {"reference/command-line.md": command_line(), "reference/python.md": python()}
-
-
 def command_line() -> str:
     """The help of the command and of each of its verbs."""
     helps = [("linkwright", ["--help"]), ("All options, keys and variables", ["--help-all"])]
@@ -140,3 +135,7 @@ def _sentence(value: object) -> str:
 
 def _cell(text: str) -> str:
     return " ".join(text.split()).replace("|", "\\|")
+
+
+PAGES = {"reference/command-line.md": command_line, "reference/python.md": python}
+"""Path of a page → what makes its text."""
