@@ -1,18 +1,18 @@
-"""Reads the header of a part studio's triangles in their compact form, which is all that an unchanged build
-reads.
+"""Reads the header of the compact form of a part studio's triangles; an unchanged build reads nothing else of
+it.
 
-The form is an exact and deterministic function of the bodies. After a line that names it and its
-version: the length of the header (unsigned, 4 bytes), the header (JSON), then for each body
+The same bodies always give the same bytes, and no digit is lost. The form begins with a line that names it
+and its version. The length of the header (unsigned, 4 bytes) and the header (JSON) follow, then for each body
 
     points     n × 3 float64 [m], in the part studio's frame
     triangles  m × 3 int32, indices into the points, counter-clockwise seen from outside
     colours    m × uint16, indices into the header's palette of the body
-    texcoords  m × 3 × 2 float32, of a body with textures only: (u, v) of each corner
+    texcoords  m × 3 × 2 float32, only if the body has textures: (u, v) of each corner
 
-all little-endian. The header has `bodies`: id, points (n), triangles (m), palette (RGBA in 0..1), and of a
-body with textures `textures`: of each colour of the palette the SHA-256 of its image, "" for none. u runs to
-the right and v upwards from the lower left corner of the image, as in OBJ. A closed mesh takes about 26 bytes
-a triangle, or 50 with textures.
+All numbers are little-endian. The header lists `bodies`, each with `id`, `points` (n), `triangles` (m),
+`palette` (RGBA in 0..1) and, if the body has textures, `textures`: the SHA-256 of the image of each colour in
+the palette, "" for a colour without an image. u runs to the right and v upwards from the lower left corner of
+the image, as in OBJ. A closed mesh takes about 26 bytes for each triangle, or 50 with textures.
 """
 
 import json
@@ -24,6 +24,7 @@ from typing import Any
 from linkwright.stages.robot.errors import ProtocolError
 
 MAGIC = b"linkwright triangles 1\n"
+"""The first line of the form, with its version."""
 
 LENGTH = struct.Struct("<I")
 """The format of the header's length."""
@@ -35,43 +36,47 @@ POINT, TRIANGLE, COLOUR, TEXCOORDS = 24, 12, 2, 24
 """Sizes [bytes] of a point, and of a triangle in each array."""
 
 _DIGEST = re.compile(r"([0-9a-f]{64})?")
+"""The SHA-256 of an image, or "" for a colour without an image."""
+
 HINT = "fetch again with source.refresh=true"
 """The hint for damaged triangles."""
 
 
-def names(data: bytes) -> frozenset[str]:
+def ids_with_triangles(data: bytes) -> frozenset[str]:
     """Returns the ids of the bodies that have triangles. Raises ProtocolError if `data` is not the compact
     form."""
-    return frozenset(record["id"] for record in opened(data)[0] if record["triangles"])
+    return frozenset(record["id"] for record in read_header(data)[0] if record["triangles"])
 
 
 def is_compact(data: bytes) -> bool:
-    """Tells whether `data` begins as the compact form does."""
+    """Tells whether `data` begins with the first line of the compact form."""
     return data.startswith(MAGIC)
 
 
-def check(data: bytes) -> None:
+def require_compact(data: bytes) -> None:
     """Raises ProtocolError if `data` is not the compact form, or is cut short."""
-    opened(data)
+    read_header(data)
 
 
 def textures(data: bytes) -> frozenset[str]:
-    """Returns the digests of the images that the bodies name. Raises ProtocolError if `data` is not the
+    """Returns the digests of the images that the bodies refer to. Raises ProtocolError if `data` is not the
     compact form."""
-    return frozenset(digest for record in opened(data)[0] for digest in record.get("textures", ()) if digest)
+    return frozenset(
+        digest for record in read_header(data)[0] for digest in record.get("textures", ()) if digest
+    )
 
 
-def opened(data: bytes) -> tuple[list[dict[str, Any]], int]:
-    """Returns the header's bodies, and the start of the arrays. Raises ProtocolError if these are
-    incomplete."""
+def read_header(data: bytes) -> tuple[list[dict[str, Any]], int]:
+    """Returns the bodies that the header lists, and the position at which the arrays start. Raises
+    ProtocolError if `data` is not the compact form, or is cut short."""
     start = len(MAGIC) + LENGTH.size
     try:
         if not is_compact(data) or len(data) < start:
-            msg = "it does not begin as such"
+            msg = "it does not begin with the first line of that form"
             raise ValueError(msg)
         (length,) = LENGTH.unpack_from(data, len(MAGIC))
         if length > _MAX_HEADER:
-            msg = f"its header has {length} bytes"
+            msg = f"its header has {length} bytes, more than {_MAX_HEADER}"
             raise ValueError(msg)
         records = json.loads(data[start : start + length])["bodies"]
         size = sum(_size(record) for record in records)
@@ -79,23 +84,25 @@ def opened(data: bytes) -> tuple[list[dict[str, Any]], int]:
         msg = f"the triangles are not in the compact form: {error}"
         raise ProtocolError(msg, hint=HINT) from None
     if len(data) != start + length + size:
-        msg = f"the triangles have {len(data)} bytes where {start + length + size} are announced"
+        msg = f"the triangles have {len(data)} bytes, but their header announces {start + length + size}"
         raise ProtocolError(msg, hint=HINT)
     return records, start + length
 
 
 def _size(record: dict[str, Any]) -> int:
-    """Returns the size of a body's arrays [bytes], by its record in the header."""
+    """Returns the size of a body's arrays [bytes] from its record in the header. Raises ValueError for a
+    malformed record."""
     points, triangles = record["points"], record["triangles"]
-    counts = isinstance(points, int) and isinstance(triangles, int) and min(points, triangles) >= 0
-    colours = all(len(colour) == 4 and all(map(_is_channel, colour)) for colour in record["palette"])
+    valid_counts = isinstance(points, int) and isinstance(triangles, int) and min(points, triangles) >= 0
+    valid_palette = all(len(colour) == 4 and all(map(_is_channel, colour)) for colour in record["palette"])
     images = record.get("textures", [])
-    textured = len(images) in (0, len(record["palette"])) and all(map(_DIGEST.fullmatch, images))
-    if not counts or not colours or not textured or not isinstance(record["id"], str):
+    valid_textures = len(images) in (0, len(record["palette"])) and all(map(_DIGEST.fullmatch, images))
+    if not valid_counts or not valid_palette or not valid_textures or not isinstance(record["id"], str):
         msg = f"the record of body {record['id']!r} is malformed"
         raise ValueError(msg)
     return int(points * POINT + triangles * (TRIANGLE + COLOUR + (TEXCOORDS if images else 0)))
 
 
 def _is_channel(value: Any) -> bool:
+    """Tells whether a value can be a channel of a colour."""
     return isinstance(value, int | float) and math.isfinite(value)

@@ -8,10 +8,10 @@ import orjson
 
 from linkwright.stages.formats.mjcf.form import MjcfForm
 from linkwright.stages.formats.mjcf.written import mjcf_robot
-from linkwright.stages.formats.urdf.as_written import urdf_robot
 from linkwright.stages.formats.urdf.form import UrdfForm
 from linkwright.stages.formats.urdf.names import UrdfNames, urdf_names
 from linkwright.stages.formats.urdf.srdf_form import SrdfForm
+from linkwright.stages.formats.urdf.urdf_robot import urdf_robot
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.dynamics.driven import as_driven
 from linkwright.stages.robot.dynamics.fused_geometry import fused_geometry

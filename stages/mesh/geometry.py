@@ -14,7 +14,7 @@ from linkwright.stages.mesh.by_contact.request import ContactRequest, FalsePair
 from linkwright.stages.mesh.collide import primitives
 from linkwright.stages.mesh.collide.choices import default_choice
 from linkwright.stages.mesh.collide.collision import Collider, colliders
-from linkwright.stages.mesh.collide.make import Collided, ColliderJob, collide
+from linkwright.stages.mesh.collide.make import ColliderJob, MadeCollider, collide
 from linkwright.stages.mesh.collide.report import colliders_reported, figures_of
 from linkwright.stages.mesh.collide.reshaped import reshaped
 from linkwright.stages.mesh.com_check import com_outside_hull
@@ -121,7 +121,7 @@ def _collided(
     library: MeshLibrary,
     memo: "Memo",
     shown: "Shown | None",
-) -> tuple[list[Collided], Sequence[FalsePair]]:
+) -> tuple[list[MadeCollider], Sequence[FalsePair]]:
     """Makes the collider of each job, and returns them by link: in the order of the link's jobs, colliders by
     contact last. Also returns the pairs of links whose colliders by contact touch where the links do not.
     `pairs_of`: see `excluded_pairs`."""
@@ -140,7 +140,7 @@ def _collided(
     )
     outcomes = [
         *other,
-        *(Collided(job, collision) for job, collision in zip(contact_jobs, collisions, strict=True)),
+        *(MadeCollider(job, collision) for job, collision in zip(contact_jobs, collisions, strict=True)),
     ]
     position = {link.name: number for number, link in enumerate(links)}
     return sorted(outcomes, key=lambda collider: position[collider.job.link]), false_pairs
@@ -168,7 +168,7 @@ def _named_shapes(
     links: Sequence[Link],
     uses_by_link: Mapping[str, LinkUses],
     visuals: Mapping[str, LinkVisuals],
-    outcomes: Sequence[Collided],
+    outcomes: Sequence[MadeCollider],
     limits: ShapeLimits,
 ) -> tuple[dict[str, list[Shape]], dict[str, bytes]]:
     """Returns the shapes of each link, and the files of all meshes and colliders by name."""
@@ -225,7 +225,7 @@ def _meshed(shape: Shape, limits: ShapeLimits) -> MeshFile | None:
     return engine_collider if isinstance(engine_collider, MeshFile) else None
 
 
-def _numbers(outcomes: Sequence[Collided]) -> list[int]:
+def _numbers(outcomes: Sequence[MadeCollider]) -> list[int]:
     """Returns the index of each collider among the colliders of its link."""
     counts: Counter[str] = Counter()
     numbers = []

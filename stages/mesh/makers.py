@@ -12,4 +12,5 @@ MAKERS = {
     "spheres": spheres,
     "visual": visual,
 }
-"""Name of a maker → its module, with `make` and, if the maker has a second step, `improve`."""
+"""Name of a maker → its module, with `make` and, if the maker has a second step, `improve`. The ladder also
+has `together`, which makes one collider for several parts."""

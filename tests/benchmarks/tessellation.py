@@ -71,7 +71,7 @@ def read(folder, kind, traced):
         "seconds": seconds,
         "resident": 1024 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - resident),
         "traced": traced_peak,
-        "bodies": len(codec.names(compact)),
+        "bodies": len(codec.ids_with_triangles(compact)),
         "volume": sum(_volume(body) for body in body_arrays.decode(compact).values()),
     }
 

@@ -3,7 +3,7 @@
 import pytest
 
 from linkwright.stages.formats.mjcf import written as mjcf_written
-from linkwright.stages.formats.urdf.as_written import urdf_form
+from linkwright.stages.formats.urdf.urdf_robot import urdf_form
 from linkwright.stages.formats.written import Written
 from linkwright.stages.validate import validate
 from tests.support.building import plan_of, write

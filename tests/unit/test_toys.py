@@ -259,6 +259,7 @@ import json
 import numpy as np
 
 from linkwright.stages.robot.model.poses import inverse, motion
+from linkwright.stages.validate.model.mass_properties import MassProperties
 from linkwright.stages.validate.same.read_robot import (
     AttributeNames,
     FoundMimic,
@@ -272,7 +273,7 @@ from linkwright.stages.validate.read.run import run_checks
 
 
 class ReadToy(ReadRobot):
-    words = AttributeNames(
+    attribute_names = AttributeNames(
         mass="mass",
         com="com",
         inertia="inertia ",
@@ -300,9 +301,9 @@ class ReadToy(ReadRobot):
             "joint": {joint.name for joint in robot.joints},
         }
 
-    def lump(self, link):
+    def mass_properties(self, link):
         own = self.toy["links"][link]
-        return own["mass"], np.array(own["com"]), np.array(own["inertia"])
+        return MassProperties(own["mass"], np.array(own["com"]), np.array(own["inertia"]))
 
     def poses(self, q):
         found = {self.robot.root.name: np.eye(4)}
@@ -335,7 +336,7 @@ class ReadToy(ReadRobot):
     def mimics(self):
         return (FoundMimic(*row) for row in self.toy["relations"])
 
-    def places(self, loop, q):
+    def loop_poses(self, loop, q):
         own = self.toy["loops"][loop.name]
         for link, end, frame in (("a", own["a"], loop.a_from_frame), ("b", own["b"], loop.b_from_frame)):
             yield FoundPose(f'loop "{loop.name}"', (link, link), np.array(end), frame)

@@ -3,8 +3,8 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from linkwright.stages.formats.urdf.as_written import urdf_form
 from linkwright.stages.formats.urdf.form import UrdfForm
+from linkwright.stages.formats.urdf.urdf_robot import urdf_form
 from linkwright.stages.robot.model.actuation import Actuation
 from linkwright.stages.robot.model.robot import Robot
 

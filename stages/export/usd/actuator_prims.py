@@ -15,8 +15,8 @@ def write_actuators(above: Prim, actuators: Sequence[Actuator], joints: Mapping[
         if name != actuator.name:
             prim.call(actuator.name)
         prim.point_to("mjc:target", joints[actuator.dof])
-        for attribute, word in facts.words.items():
-            prim.token(attribute, word)
+        for attribute, token in facts.tokens.items():
+            prim.token(attribute, token)
         for attribute, values in facts.arrays.items():
             prim.doubles(attribute, values)
         for attribute, value in facts.numbers.items():

@@ -34,8 +34,8 @@ def write_facts(prim: Prim, facts: JointFacts, joints: Mapping[str, Prim]) -> No
             prim.number(name, value, "double", uniform=True)
         else:
             prim.number(name, value)
-    for name, word in facts.words.items():
-        prim.token(name, word)
+    for name, token in facts.tokens.items():
+        prim.token(name, token)
     for name, dof in facts.targets.items():
         prim.point_to(name, joints[dof])
 

@@ -114,7 +114,7 @@ def _read(reply: bytes) -> tuple[list[str], bytes, dict[str, bytes], dict[str, b
             mesh = body[at : at + length]
             if not _KEY.fullmatch(key):
                 raise ValueError(key)
-            triangles.check(mesh)
+            triangles.require_compact(mesh)
             meshes[key] = mesh
             at += length
         images = dict[str, bytes]()

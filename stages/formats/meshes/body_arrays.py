@@ -19,7 +19,7 @@ from linkwright.stages.formats.triangles import (
     POINT,
     TEXCOORDS,
     TRIANGLE,
-    opened,
+    read_header,
 )
 from linkwright.stages.robot.errors import ProtocolError
 from linkwright.stages.robot.model.geometry import Colour
@@ -83,7 +83,7 @@ def decode(data: bytes, ids: Collection[str] | None = None) -> dict[str, Body]:
     Raises ProtocolError if `data` is not the compact form. Of two bodies with the same id the first counts.
     """
     bodies: dict[str, Body] = {}
-    records, start = opened(data)
+    records, start = read_header(data)
     for record in records:
         name, n, m = record["id"], record["points"], record["triangles"]
         points, triangles = start, start + n * POINT

@@ -1,6 +1,6 @@
 """Reads URDF text as values: links, joints, shapes, transmissions.
 
-- as_written: Converts a robot to the robot that its URDF describes: links merged, loops replaced by mimics.
+- urdf_robot: Converts a robot to the robot that its URDF describes: links merged, loops replaced by mimics.
 - chains: Derives from the robot the links and joints of its URDF as a tree, by their names in the URDF.
 - contacts: Finds the links of a URDF that do not collide, for writing and checking an SRDF.
 - diagnostics: Collects diagnostics of a URDF, by line: errors, and elements that are left out.

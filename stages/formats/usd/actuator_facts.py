@@ -1,4 +1,4 @@
-"""Describes actuators in the words of MuJoCo's own schema (`MjcActuator`): force = gain · control + bias,
+"""Converts actuators to the attributes of MuJoCo's USD schema `MjcActuator`: force = gain · control + bias,
 along the dof's value times a gear, in radians and metres."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -7,25 +7,26 @@ from dataclasses import dataclass
 from linkwright.stages.formats.usd.names import identifiers
 from linkwright.stages.robot.model.actuation import Actuator
 
-_WORDS = {
+_TOKENS = {
     "dyntype": ("mjc:dynType", ("none", "integrator", "filter", "filterexact", "muscle", "user")),
     "gaintype": ("mjc:gainType", ("fixed", "affine", "muscle", "user")),
     "biastype": ("mjc:biasType", ("none", "affine", "muscle", "user")),
 }
-"""Attribute of MJCF → attribute of the schema, and the words that the schema knows."""
+"""Attribute of MJCF → attribute of the schema, and the tokens that the schema allows."""
 
 _ARRAYS = {"dynprm": "mjc:dynPrm", "gainprm": "mjc:gainPrm", "biasprm": "mjc:biasPrm"}
+"""Attribute of MJCF → attribute of the schema, for arrays of numbers."""
 
 _LENGTHS = {"mjc:dynPrm": 10, "mjc:gainPrm": 10, "mjc:biasPrm": 10, "mjc:gear": 6}
-"""Attribute → the number of its values: readers accept no fewer."""
+"""Attribute of the schema → the number of its values: readers accept no fewer."""
 
 
 @dataclass(frozen=True, slots=True)
 class ActuatorFacts:
-    """The attributes of an actuator in the schema, by name: numbers, words, and arrays of numbers."""
+    """The attributes of an actuator in the schema, by name: numbers, tokens, and arrays of numbers."""
 
     numbers: Mapping[str, float]
-    words: Mapping[str, str]
+    tokens: Mapping[str, str]
     arrays: Mapping[str, tuple[float, ...]]
 
 
@@ -42,28 +43,29 @@ def known_actuators(
 
 
 def actuator_facts(actuator: Actuator) -> ActuatorFacts | None:
-    """Returns an actuator in the schema, without the integral part of a PID; None if the schema does not know
-    it."""
-    words, arrays = _force(actuator)
-    if any(words[name] not in vocabulary for name, (_, vocabulary) in _WORDS.items() if name in words):
+    """Returns an actuator's attributes in the schema, without the integral term of a PID; None if the schema
+    has no such actuator."""
+    tokens, arrays = _force(actuator)
+    if any(tokens[name] not in allowed for name, (_, allowed) in _TOKENS.items() if name in tokens):
         return None
     numbers: dict[str, float] = {}
     ranges = {"ctrl": actuator.control, "force": actuator.force, "act": _pair(actuator, "actrange")}
-    for name, ends in ranges.items():
-        if ends is not None:
-            numbers |= {f"mjc:{name}Range:min": ends[0], f"mjc:{name}Range:max": ends[1]}
+    for name, limits in ranges.items():
+        if limits is not None:
+            numbers |= {f"mjc:{name}Range:min": limits[0], f"mjc:{name}Range:max": limits[1]}
     if actuator.gear != 1.0:
         arrays["gear"] = (actuator.gear,)
-    keys = {**_ARRAYS, "gear": "mjc:gear"}
+    attributes = {**_ARRAYS, "gear": "mjc:gear"}
     return ActuatorFacts(
         numbers,
-        {_WORDS[name][0]: word for name, word in words.items()},
-        {keys[name]: _filled(keys[name], values) for name, values in arrays.items()},
+        {_TOKENS[name][0]: token for name, token in tokens.items()},
+        {attributes[name]: _padded(attributes[name], values) for name, values in arrays.items()},
     )
 
 
 def _force(actuator: Actuator) -> tuple[dict[str, str], dict[str, tuple[float, ...]]]:
-    """Returns words and arrays of the force, by the attributes of MJCF, as MuJoCo's shortcuts set them."""
+    """Returns the tokens and arrays of the force by MJCF attribute, as MuJoCo's shortcut elements (such as
+    `position`) set them."""
     kp, kv = actuator.kp or 0.0, actuator.kv or 0.0
     match actuator.type:
         case "position" | "pid":
@@ -78,16 +80,18 @@ def _force(actuator: Actuator) -> tuple[dict[str, str], dict[str, tuple[float, .
         case "damper":
             return {"gaintype": "affine"}, {"gainprm": (0.0, 0.0, -kv)}
         case "dcmotor":
+            # The schema does not have this type of gain, so `actuator_facts` returns None.
             return {"gaintype": "dcmotor"}, {}
         case _:
             terms = dict(actuator.terms)
             return (
-                {name: terms[name] for name in _WORDS if name in terms},
+                {name: terms[name] for name in _TOKENS if name in terms},
                 {name: _numbers(terms[name]) for name in _ARRAYS if name in terms},
             )
 
 
 def _pair(actuator: Actuator, name: str) -> tuple[float, float] | None:
+    """Returns the two numbers of an attribute that the source's actuator has; None if it is missing."""
     text = dict(actuator.terms).get(name)
     if text is None:
         return None
@@ -99,5 +103,6 @@ def _numbers(text: str) -> tuple[float, ...]:
     return tuple(map(float, text.split()))
 
 
-def _filled(name: str, values: tuple[float, ...]) -> tuple[float, ...]:
+def _padded(name: str, values: tuple[float, ...]) -> tuple[float, ...]:
+    """Returns the values with zeros added to the length of an attribute of the schema."""
     return (*values, *(0.0,) * (_LENGTHS[name] - len(values)))

@@ -29,8 +29,8 @@ class JointFacts:
     numbers: Mapping[str, float] = field(default_factory=dict)
     """The attributes that are numbers, by name."""
 
-    words: Mapping[str, str] = field(default_factory=dict)
-    """The attributes that are words, by name."""
+    tokens: Mapping[str, str] = field(default_factory=dict)
+    """The attributes that are tokens, by name."""
 
     targets: Mapping[str, str] = field(default_factory=dict)
     """The relationships, by name, to the joint of another dof."""
@@ -39,7 +39,7 @@ class JointFacts:
         return JointFacts(
             (*self.schemas, *other.schemas),
             {**self.numbers, **other.numbers},
-            {**self.words, **other.words},
+            {**self.tokens, **other.tokens},
             {**self.targets, **other.targets},
         )
 

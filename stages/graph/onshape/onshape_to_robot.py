@@ -22,10 +22,10 @@ from linkwright.stages.graph.onshape.onshape_to_robot_names import (
     FIX,
     FRAME,
     dof_mate,
-    turned_round,
+    joint_words,
     type_between_links,
     unprefixed_name,
-    words,
+    with_inverted_mates,
 )
 from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.robot.diagnostics import Diagnostics
@@ -64,18 +64,18 @@ def translated(assembly: Assembly, keys: GraphSections, log: Diagnostics) -> tup
         f"pose (zero: saved), sub-assemblies are rigid (depth.max: {keys.depth.max})",
         "conventions",
     )
-    joints = [named_mate for mate in meant[DOF] for named_mate in dof_mate(mate, assembly, log)]
+    joints = [joint for mate in meant[DOF] if (joint := dof_mate(mate, assembly, log)) is not None]
     closed = [
         replace(mate, ref=replace(mate.ref, type=type_between_links(mate)))
         for mate in meant[CLOSING]
         if _present(mate, assembly)
     ]
     welds = [replace(mate, ref=replace(mate.ref, type="FASTENED")) for mate in meant[FIX]]
-    inverted = {(mate.ref.owner, mate.ref.feature) for mate in meant[DOF] if words(mate)[1]}
+    inverted = {(mate.ref.owner, mate.ref.feature) for mate in meant[DOF] if joint_words(mate).inverted}
     return replace(
         assembly,
         mates=[*joints, *closed, *welds, *(mate for mate in assembly.mates if mate.ref.owner)],
-        relations=[turned_round(relation, inverted) for relation in assembly.relations],
+        relations=[with_inverted_mates(relation, inverted) for relation in assembly.relations],
         connectors=[
             *(marker.connector for marker in markers),
             *_connectors(assembly),
@@ -235,7 +235,7 @@ def _link_names(assembly: Assembly, links: Mapping[Path, Path], joints: Sequence
         around[first].append(second)
         around[second].append(first)
     # Names are unique over joints and links here, and joints, which others refer to, keep theirs.
-    taken_names = {legal("_".join(words(mate)[0])) for mate in joints}
+    taken_names = {legal("_".join(joint_words(mate).words)) for mate in joints}
     names: dict[Path, str] = {}
     counts: dict[str, int] = {}
     waiting = list(reversed(around))

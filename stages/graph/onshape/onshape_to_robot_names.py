@@ -1,7 +1,8 @@
-"""Reads the name of one mate as onshape-to-robot does: a joint, its direction, its limits."""
+"""Reads a mate's name as onshape-to-robot does: the joint's name, direction and limits."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,18 +13,34 @@ from linkwright.stages.robot.model.robot import frozen
 from linkwright.stages.robot.text.names import legal
 
 DOF, CLOSING, FRAME, FIX = "dof_", "closing_", "frame_", "fix_"
+"""Prefixes of names: joints, closed loops, frames, and welds."""
+
 INVERTED = frozenset({"inv", "inverted"})
+"""Last words of the names of joints whose direction is inverted."""
+
 ENDLESS = frozenset({"wheel", "continuous"})
+"""Words in the names of joints that turn without limits."""
 
 FLIP = frozen(np.diag([1.0, -1.0, -1.0, 1.0]))
-"""Half a turn about x: a mate with both frames so turned measures all its motions in reverse, except the
-slide along x."""
+"""Half a turn about x. If both frames of a mate are turned by it, all motions of the mate change sign, except
+those along and about x."""
 
-_FLIPPED = {
-    f"limit{side}{end}": f"limit{side}{other}"
-    for side in ("AxialZ", "Y", "Z")
-    for end, other in (("Min", "Max"), ("Max", "Min"))
+_FLIPPED_LIMITS = {
+    f"limit{axis}{end}": f"limit{axis}{opposite}"
+    for axis in ("AxialZ", "Y", "Z")
+    for end, opposite in (("Min", "Max"), ("Max", "Min"))
 }
+"""Limit of a mate → the limit that takes its place, negated, if both frames are flipped."""
+
+
+class JointWords(NamedTuple):
+    """The name of a joint."""
+
+    words: list[str]
+    """The parts of the name between its underscores, without the word for an inverted direction."""
+
+    inverted: bool
+    """Whether the direction of the joint is inverted."""
 
 
 def unprefixed_name(mate: Mate) -> str:
@@ -31,50 +48,66 @@ def unprefixed_name(mate: Mate) -> str:
     return mate.ref.name.partition("_")[2]
 
 
-def words(mate: Mate) -> tuple[list[str], bool]:
-    """Returns the words of a joint's name, and whether it is inverted."""
-    all_words = unprefixed_name(mate).split("_")
-    inverted = all_words[-1] in INVERTED
-    return all_words[:-1] if inverted else all_words, inverted
+def joint_words(mate: Mate) -> JointWords:
+    """Returns the words of the name of a mate's joint."""
+    words = unprefixed_name(mate).split("_")
+    inverted = words[-1] in INVERTED
+    return JointWords(words[:-1] if inverted else words, inverted)
 
 
 def type_between_links(mate: Mate) -> str:
-    """Returns the type of a mate between two links: a FASTENED mate is a fixed joint, not one link."""
+    """Returns the type of the joint that a mate between two links makes: FASTENED becomes FIXED, since this
+    mate does not weld the links."""
     return "FIXED" if mate.ref.type == "FASTENED" else mate.ref.type
 
 
-def dof_mate(mate: Mate, assembly: Assembly, log: Diagnostics) -> Iterator[Mate]:
-    """Yields a `dof_` mate under its own name, reversed where it is inverted."""
-    name_words, inverted = words(mate)
-    name = "_".join(name_words)
+def dof_mate(mate: Mate, assembly: Assembly, log: Diagnostics) -> Mate | None:
+    """Returns a `dof_` mate under the name of its joint, reversed if its direction is inverted; None
+    (E-PEER-NAME) if it has no such name. A CYLINDRICAL mate becomes REVOLUTE (W-PEER-SLIDE)."""
+    words, inverted = joint_words(mate)
+    name = "_".join(words)
     if not legal(name):
         log.report("E-PEER-NAME", "the joint has no name after dof_", mate.title, "call it dof_NAME")
-        return
-    limits = dict(mate.limits or {})
-    first, second = mate.entities
+        return None
     if mate.ref.type == "CYLINDRICAL":
-        # Its frames have no common origin, but those of a REVOLUTE have: the first entity's.
-        slide = (inverse(assembly.world_from(second)) @ assembly.world_from(first))[2, 3]
-        along = np.eye(4)
-        along[2, 3] = slide
-        second = replace(second, occurrence_from_frame=frozen(second.occurrence_from_frame @ along))
-        limits = {side: end for side, end in limits.items() if "Axial" in side}
+        mate = _as_revolute(mate, assembly)
         message = "a CYLINDRICAL dof_ mate is a revolute joint, as in onshape-to-robot: it does not slide"
         log.report("W-PEER-SLIDE", message, mate.title, "set conventions: linkwright for both")
-    kind = "REVOLUTE" if mate.ref.type == "CYLINDRICAL" else type_between_links(mate)
-    if kind == "REVOLUTE" and ENDLESS.intersection(name_words):
+    kind = type_between_links(mate)
+    limits = dict(mate.limits or {})
+    if kind == "REVOLUTE" and ENDLESS.intersection(words):
         limits = {}
-    if inverted:
-        first, second = (
-            replace(entity, occurrence_from_frame=frozen(entity.occurrence_from_frame @ FLIP))
-            for entity in (first, second)
-        )
-        limits = {_FLIPPED.get(side, side): -end if side in _FLIPPED else end for side, end in limits.items()}
-    ref = replace(mate.ref, name=name, type=kind)
-    yield replace(mate, ref=ref, entities=(first, second), limits=limits)
+    mate = replace(mate, ref=replace(mate.ref, name=name, type=kind), limits=limits)
+    return _flipped(mate) if inverted else mate
 
 
-def turned_round(relation: MateRelation, inverted: Collection[tuple[Path, str]]) -> MateRelation:
-    """Returns the relation between values that count backwards where their mates are inverted."""
-    turned = sum(mate in inverted for mate in relation.mates) % 2 == 1
-    return replace(relation, reverse=relation.reverse != turned)
+def _as_revolute(mate: Mate, assembly: Assembly) -> Mate:
+    """Returns a CYLINDRICAL mate as a REVOLUTE."""
+    # The frames of a CYLINDRICAL mate may be apart along z, those of a REVOLUTE may not: the second frame is
+    # moved to the first.
+    first, second = mate.entities
+    shift = np.eye(4)
+    shift[2, 3] = (inverse(assembly.world_from(second)) @ assembly.world_from(first))[2, 3]
+    second = replace(second, occurrence_from_frame=frozen(second.occurrence_from_frame @ shift))
+    limits = {limit: value for limit, value in (mate.limits or {}).items() if "Axial" in limit}
+    return replace(mate, ref=replace(mate.ref, type="REVOLUTE"), entities=(first, second), limits=limits)
+
+
+def _flipped(mate: Mate) -> Mate:
+    """Returns the mate with both frames flipped (see `FLIP`)."""
+    first, second = (
+        replace(entity, occurrence_from_frame=frozen(entity.occurrence_from_frame @ FLIP))
+        for entity in mate.entities
+    )
+    limits = {
+        _FLIPPED_LIMITS.get(limit, limit): -value if limit in _FLIPPED_LIMITS else value
+        for limit, value in (mate.limits or {}).items()
+    }
+    return replace(mate, entities=(first, second), limits=limits)
+
+
+def with_inverted_mates(relation: MateRelation, inverted: Collection[tuple[Path, str]]) -> MateRelation:
+    """Returns the relation, reversed if an odd number of its mates is inverted: the values of inverted mates
+    have the opposite sign. `inverted`: (assembly, feature) of each inverted mate."""
+    changes_sign = sum(mate in inverted for mate in relation.mates) % 2 == 1
+    return replace(relation, reverse=relation.reverse != changes_sign)

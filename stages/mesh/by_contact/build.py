@@ -73,7 +73,7 @@ def _make(request: ContactRequest, library: MeshLibrary) -> ContactColliders:
 def _finite(job: ColliderJob, library: MeshLibrary) -> list[tuple[Surface, Placed]]:
     """Returns the finite surfaces of a job, in its link's frame, each with its part."""
     solids = list[tuple[Surface, "Placed"]]()
-    for use, surface in zip(job.uses, job.surfaces(library), strict=True):
+    for use, surface in zip(job.placed_meshes, job.surfaces(library), strict=True):
         if len(surface.triangles) and bool(np.isfinite(surface.vertices[surface.triangles]).all()):
             mirrored = np.linalg.det(use.link_from_part[:3, :3]) < 0
             solids.append((surface, (None if mirrored else use.mesh, use.link_from_part)))

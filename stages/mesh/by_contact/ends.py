@@ -12,9 +12,9 @@ from linkwright.stages.formats.meshes.surface import Points, Surface, joined
 from linkwright.stages.mesh.collide.acceptance import Judge
 from linkwright.stages.mesh.configuration.collider_settings import ContactSettings, default_tolerance
 from linkwright.stages.mesh.cut import planes
+from linkwright.stages.mesh.cut.chunk import Chunk, hull_of, hull_surface
 from linkwright.stages.mesh.cut.cutting import cut, cuts
 from linkwright.stages.mesh.cut.outside import Outside, Sampled, StandingOut
-from linkwright.stages.mesh.cut.piece import Chunk, hull_of, whole_hull
 from linkwright.stages.robot.model.geometry import Measures
 
 MAX_PIECES = 12
@@ -101,7 +101,7 @@ def _cut(
     faces = planes.flat_faces(joined([chunk.surface for chunk in chunks]))
 
     def halves(chunk: Chunk) -> list[Chunk]:
-        return [] if chunk.stays else _halves(chunk, faces, outside, max_vertices, plane_count)
+        return [] if chunk.is_final else _halves(chunk, faces, outside, max_vertices, plane_count)
 
     for current in cuts(chunks, lambda _: states[-1][0].far, halves):
         for chunk in current:
@@ -145,7 +145,7 @@ def _halves(
         if not plane_count or volume >= chunk.volume:
             break
         sides = [side for side in cut(chunk.surface, normal, height) if len(side.triangles)]
-        hulls = [whole_hull(side.vertices) for side in sides]
+        hulls = [hull_surface(side.vertices) for side in sides]
         sides_and_hulls = [(side, hull) for side, hull in zip(sides, hulls, strict=True) if hull is not None]
         if len(sides_and_hulls) < len(sides):
             continue  # a flat side would be bare
@@ -153,6 +153,6 @@ def _halves(
         out = round(sum(outside.sampled(hull).volume for _, hull in sides_and_hulls), 15)
         if out < best[0]:
             best = out, sides_and_hulls
-    halves = [Chunk.around(*side_and_hull, max_vertices, chunk.group) for side_and_hull in best[1]]
+    halves = [Chunk.around(*side_and_hull, max_vertices, chunk.collider_index) for side_and_hull in best[1]]
     pieces = [half for half in halves if half is not None]
     return pieces if len(pieces) == len(halves) else []

@@ -15,7 +15,7 @@ from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.by_contact.ends import End, fitted_end
 from linkwright.stages.mesh.collide.improvement import TASKS
 from linkwright.stages.mesh.configuration.collider_settings import ContactSettings
-from linkwright.stages.mesh.cut.piece import Chunk
+from linkwright.stages.mesh.cut.chunk import Chunk
 from linkwright.stages.robot.system import process_usage
 from linkwright.stages.robot.system.guest import ONE_THREAD, Bounds, Ended, Guest
 

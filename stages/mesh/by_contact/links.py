@@ -10,7 +10,7 @@ import numpy as np
 
 from linkwright.stages.formats.meshes.surface import Surface, compacted, joined, moved
 from linkwright.stages.mesh.configuration.collider_settings import ContactSettings, default_tolerance
-from linkwright.stages.mesh.cut.piece import Chunk, hulled
+from linkwright.stages.mesh.cut.chunk import Chunk, hull_chunk
 from linkwright.stages.mesh.fit import allowed, fits
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.pieces import Piece, placed, surface_of, volume
@@ -64,7 +64,7 @@ def initial_chunks(
     for body in bodies:
         pieces = list(body.fixed_chunks())
         for group, (surfaces, parts) in enumerate(zip(body.groups, body.parts, strict=True)):
-            hull = hulled(compacted(joined(surfaces)), settings.max_vertices, group)
+            hull = hull_chunk(compacted(joined(surfaces)), settings.max_vertices, group)
             if hull is None:
                 continue
             primitive = _primitive(hull, settings, parts[0] if len(parts) == 1 else _NO_PART, primitives)
@@ -98,7 +98,7 @@ def _primitive(
 
 def _with_primitive(hull: Chunk, primitive: Primitive | None) -> Chunk:
     """Returns the piece with the primitive instead of its hull, if there is a primitive."""
-    return hull if primitive is None else Chunk.of(hull.surface, primitive, hull.group)
+    return hull if primitive is None else Chunk.of(hull.surface, primitive, hull.collider_index)
 
 
 def chunks_by_part(
@@ -109,7 +109,7 @@ def chunks_by_part(
     yield from body.fixed_chunks()
     for group, (surfaces, parts) in enumerate(zip(body.groups, body.parts, strict=True)):
         for surface, part in zip(surfaces, parts, strict=True):
-            hull = hulled(compacted(surface), settings.max_vertices, group)
+            hull = hull_chunk(compacted(surface), settings.max_vertices, group)
             if hull is None:
                 continue
             primitive = None if primitives is None else _primitive(hull, settings, part, primitives)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from linkwright.stages.mesh.cut.piece import Chunk
+from linkwright.stages.mesh.cut.chunk import Chunk
 from linkwright.stages.robot.contact.clearance import engine
 from linkwright.stages.robot.model.robot import Array
 

@@ -18,7 +18,7 @@ from linkwright.stages.mesh.by_contact.poses import near_pairs, relative
 from linkwright.stages.mesh.by_contact.request import POSES, ContactRequest, FalsePair
 from linkwright.stages.mesh.by_contact.search import PieceSearch
 from linkwright.stages.mesh.configuration.collider_settings import ContactSettings, default_tolerance
-from linkwright.stages.mesh.cut.piece import Chunk, rough
+from linkwright.stages.mesh.cut.chunk import Chunk, engine_hull
 from linkwright.stages.mesh.library import MAX_DECIMATION_MOVE
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.pieces import Piece, surface_of
@@ -101,7 +101,7 @@ def _solved(request: ContactRequest, bodies: Sequence[Touchable], fitter: EndFit
         search.chunks[number], ends[bodies[number].link] = end_chunks, end
     pieces = {
         body.link: tuple(
-            tuple(chunk.piece for chunk in end_chunks if chunk.group == group)
+            tuple(chunk.piece for chunk in end_chunks if chunk.collider_index == group)
             for group in range(len(body.groups))
         )
         for body, end_chunks in zip(bodies, search.chunks, strict=True)
@@ -145,7 +145,9 @@ def _content(surface: Surface, starts: Sequence[Sequence[Chunk]]) -> bytes:
     for shape in shapes:
         digest.update(np.array([len(shape.vertices), len(shape.triangles)]).tobytes())
         digest.update((shape.vertices.round(9) + 0.0).tobytes() + shape.triangles.tobytes())
-    digest.update(repr([[(chunk.group, type(chunk.piece)) for chunk in start] for start in starts]).encode())
+    digest.update(
+        repr([[(chunk.collider_index, type(chunk.piece)) for chunk in start] for start in starts]).encode()
+    )
     return digest.digest()
 
 
@@ -176,7 +178,7 @@ def _pairs(
     if request.apart is None:
         return
     collision_engine = engine()
-    hulls = [rough(surface.vertices) for surface in surfaces]
+    hulls = [engine_hull(surface.vertices) for surface in surfaces]
     bounds = tuple(
         np.array([pick(surface.vertices, axis=0) for surface in surfaces]) for pick in (np.min, np.max)
     )

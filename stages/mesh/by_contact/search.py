@@ -13,8 +13,8 @@ import numpy.typing as npt
 from linkwright.stages.formats.meshes.surface import Points, joined
 from linkwright.stages.mesh.by_contact.pair import Numbers, Pair
 from linkwright.stages.mesh.cut import planes
+from linkwright.stages.mesh.cut.chunk import Chunk, engine_hull, hull_chunk, hull_of
 from linkwright.stages.mesh.cut.cutting import cut
-from linkwright.stages.mesh.cut.piece import Chunk, hull_of, hulled, rough
 
 _ROUGH_POSES = 20
 """Number of poses in which planes are compared roughly."""
@@ -130,7 +130,7 @@ class PieceSearch:
         worst, deepest = list[Chunk](), 0.0
         for chunk in self.chunks[link]:
             depth = sum(float(self._of(pair, link, chunk, other).sum()) for other in other_chunks)
-            if depth > deepest and not chunk.stays:
+            if depth > deepest and not chunk.is_final:
                 worst, deepest = [chunk], depth
         return worst
 
@@ -153,7 +153,7 @@ class PieceSearch:
         ]
 
         def roughly(*sides: Points) -> tuple[float, float]:
-            hulls = [hull for side in sides if (hull := rough(side)) is not None]
+            hulls = [hull for side in sides if (hull := engine_hull(side)) is not None]
             left = sum(
                 float(self._rough_deeper(pair, link, hull, other, rows).sum())
                 for hull, _ in hulls
@@ -164,7 +164,7 @@ class PieceSearch:
         candidates = self._planes(pair, link, chunk, rough_rows)
         for _, (normal, height) in planes.ranked(candidates, chunk.cloud(), roughly)[:_EXACT_PLANES]:
             halves = [
-                hulled(side, self.max_vertices, chunk.group)
+                hull_chunk(side, self.max_vertices, chunk.collider_index)
                 for side in cut(chunk.surface, normal, height)
                 if len(side.triangles)
             ]
@@ -243,8 +243,12 @@ class PieceSearch:
     def _merge_two(self, link: int, growths: dict[tuple[Chunk, Chunk], float]) -> bool:
         """Joins two pieces of a link, if that makes no pair worse; returns whether it did. `growths`: the
         volume that joining two pieces adds, infinite if it makes a pair worse."""
-        chunks = [chunk for chunk in self.chunks[link] if not chunk.stays]
-        pairs = [(first, second) for first, second in combinations(chunks, 2) if first.group == second.group]
+        chunks = [chunk for chunk in self.chunks[link] if not chunk.is_final]
+        pairs = [
+            (first, second)
+            for first, second in combinations(chunks, 2)
+            if first.collider_index == second.collider_index
+        ]
         for first, second in pairs:
             if (first, second) not in growths:
                 hull = hull_of(np.concatenate([first.corners, second.corners]))
@@ -253,7 +257,9 @@ class PieceSearch:
         for first, second in sorted(pairs, key=lambda pair: growths[pair]):
             if growths[first, second] == np.inf:
                 break
-            joined_chunk = hulled(joined([first.surface, second.surface]), self.max_vertices, first.group)
+            joined_chunk = hull_chunk(
+                joined([first.surface, second.surface]), self.max_vertices, first.collider_index
+            )
             rest = [chunk for chunk in self.chunks[link] if chunk not in (first, second)]
             if joined_chunk is not None and self.no_worse(link, [*rest, joined_chunk]):
                 self._replace(link, [first, second], [joined_chunk])

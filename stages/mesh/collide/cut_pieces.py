@@ -19,8 +19,8 @@ import numpy.typing as npt
 from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.collide.acceptance import Judge, miss
 from linkwright.stages.mesh.cut import planes
+from linkwright.stages.mesh.cut.chunk import cloud_of, hull_surface
 from linkwright.stages.mesh.cut.cutting import cuts, in_sectors, slicer
-from linkwright.stages.mesh.cut.piece import cloud_of, whole_hull
 from linkwright.stages.mesh.decompose.seams import containing_hull
 from linkwright.stages.mesh.measure import even
 from linkwright.stages.mesh.measure.field import Field
@@ -192,7 +192,7 @@ class PieceCutter:
 
     def _parts(self, soups: Sequence[Surface]) -> list[_Part]:
         """Returns the pieces of the soups that span a volume."""
-        hulls = [whole_hull(soup.vertices) for soup in soups]
+        hulls = [hull_surface(soup.vertices) for soup in soups]
         return [self._part(soup, hull) for soup, hull in zip(soups, hulls, strict=True) if hull is not None]
 
     def _outer(self, part: _Part, parts: Sequence[_Part]) -> Flags:
@@ -254,7 +254,7 @@ class PieceCutter:
         unit = self._unit * part.volume
 
         def roughly(*sides: Points) -> float:
-            hulls = [hull for side in sides if (hull := whole_hull(side)) is not None]
+            hulls = [hull for side in sides if (hull := hull_surface(side)) is not None]
             return round(sum(self._rough_cost(hull) * hull.volume() for hull in hulls) / unit, _DECIMALS)
 
         best: tuple[float, list[_Part]] = np.inf, []
@@ -284,7 +284,7 @@ class PieceCutter:
         pairs = [pair for pair in pairs if self._touch(*pair)] or pairs
         for first, second in pairs:
             if (first, second) not in hulls:
-                hull = whole_hull(np.concatenate([first.hull.vertices, second.hull.vertices]))
+                hull = hull_surface(np.concatenate([first.hull.vertices, second.hull.vertices]))
                 growth = np.inf if hull is None else hull.volume() - first.volume - second.volume
                 hulls[first, second] = round(growth / self._judge.target.diagonal**3, _DECIMALS), hull
         best: tuple[float, list[_Part]] | None = None

@@ -1,4 +1,5 @@
-"""Makes the colliders of all links: each part's collider once; the worst ones are improved."""
+"""Makes the colliders of all links: equal jobs share a collider, and colliders that miss their tolerance are
+improved."""
 
 from __future__ import annotations
 
@@ -44,25 +45,29 @@ class ColliderJob:
     """Name of the part, or of the link if there are several parts, for the user."""
     choice: Choice
     """Chosen maker, with its settings."""
-    uses: tuple[PlacedMesh, ...]
+    placed_meshes: tuple[PlacedMesh, ...]
     """Meshes of the parts, with their poses in the link."""
     parts: tuple[int, ...]
-    """Indices of the parts among the uses of the link."""
+    """Index of each part among the parts of the link."""
 
     @property
     def single(self) -> bool:
         """Whether the collider is for a single part, in the part's frame."""
-        return self.choice.how.per == "part" and len(self.uses) == 1
+        return self.choice.how.per == "part" and len(self.placed_meshes) == 1
 
     @property
     def link_from_subject(self) -> Array:
         """Pose of the job's frame in the link (4, 4)."""
-        return self.uses[0].link_from_part if self.single else _IDENTITY
+        return self.placed_meshes[0].link_from_part if self.single else _IDENTITY
 
     def key(self) -> dict[str, Any]:
         """Returns all that the collider depends on, as plain data."""
-        use = self.uses[0]
-        meshes = [use.mesh.reply, use.mesh.part] if self.single else [use.key()[:3] for use in self.uses]
+        if self.single:
+            mesh = self.placed_meshes[0].mesh
+            meshes: list[Any] = [mesh.reply, mesh.part]
+        else:
+            # The rest of a key, whether the part collides and is seen, does not matter here.
+            meshes = [placed_mesh.key()[:3] for placed_mesh in self.placed_meshes]
         return {"maker": self.choice.maker, "settings": asdict(self.choice.settings), "of": meshes}
 
     def identity(self) -> str:
@@ -71,15 +76,16 @@ class ColliderJob:
 
     def surfaces(self, library: MeshLibrary) -> list[Surface]:
         """Returns the surfaces of the parts that have a mesh, in the frame of the job."""
-        candidates = [(use, library.surface(use.mesh, self.choice.how.triangles)) for use in self.uses]
-        present = [(use, surface) for use, surface in candidates if surface is not None]
-        if self.single:
-            return [surface for _, surface in present]
-        return [moved(surface, use.link_from_part) for use, surface in present]
+        surfaces = []
+        for placed_mesh in self.placed_meshes:
+            surface = library.surface(placed_mesh.mesh, self.choice.how.triangles)
+            if surface is not None:
+                surfaces.append(surface if self.single else moved(surface, placed_mesh.link_from_part))
+        return surfaces
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Collided:
+class MadeCollider:
     """A job and its collider."""
 
     job: ColliderJob
@@ -88,106 +94,109 @@ class Collided:
 
 def collide(
     jobs: Sequence[ColliderJob], library: MeshLibrary, memo: Memo, shown: Shown | None = None
-) -> list[Collided]:
-    """Makes the collider of each job. Jobs of a link are joined if a single primitive or hull serves them as
-    well."""
-    memory = _ColliderMemory(library, memo)
+) -> list[MadeCollider]:
+    """Makes the collider of each job. Jobs of a link are merged if a single primitive or hull represents
+    their parts equally well."""
+    maker = _ColliderMaker(library, memo)
     # One after the other, since the time is spent in Python: for the 20 parts of the sample two threads take
     # 5.2 s instead of 5.7 s, and two processes, which start for a second each, would save 2 s of 40.
-    first = memory.together([Collided(job, memory.first(job)) for job in jobs])
-    return memory.across(memory.improved(first, shown))
+    first_colliders = [MadeCollider(job, maker.collider(job)) for job in jobs]
+    return maker.merge_pieces(maker.improve_worst(maker.share_colliders(first_colliders), shown))
 
 
-class _ColliderMemory:
-    """Maker of colliders that remembers them by the key of their job."""
+class _ColliderMaker:
+    """Makes colliders, and keeps each in memory by the identity of its job."""
 
     def __init__(self, library: MeshLibrary, memo: Memo) -> None:
         self._library, self._memo = library, memo
-        self._first: dict[tuple[str, str], Collision] = {}
+        self._colliders: dict[tuple[str, str], Collision] = {}
         self._lock = threading.Lock()
 
-    def first(self, job: ColliderJob, how: str = "make") -> Collision:
-        """Returns the collider from the first step of a maker, or from its function `how`."""
-        name = job.identity(), how
-        if name not in self._first:
-            data = self._remembered(job, how, lambda: collision.encode(self._make(job, how)))
-            self._first[name] = collision.decode(data)
-        return self._first[name]
+    def collider(self, job: ColliderJob, function: str = "make") -> Collision:
+        """Returns the collider that a function of the job's maker makes. `function`: "make", or "together"
+        for a collider of several parts."""
+        return self._kept(job, function, lambda: collision.encode(self._make(job, function)))
 
-    def _remembered(self, job: ColliderJob, step: str, make: Callable[[], bytes]) -> bytes:
+    def _kept(self, job: ColliderJob, step: str, make: Callable[[], bytes]) -> Collision:
+        """Returns the collider of a step from memory; the first time, it is made or read from the cache."""
+        key = job.identity(), step
+        if key not in self._colliders:
+            self._colliders[key] = collision.decode(self._cached(job, step, make))
+        return self._colliders[key]
+
+    def _cached(self, job: ColliderJob, step: str, make: Callable[[], bytes]) -> bytes:
         return self._memo("mesh.collider", {"collider": job.identity(), "step": step}, make)
 
-    def _make(self, job: ColliderJob, how: str) -> Collision:
+    def _make(self, job: ColliderJob, function: str) -> Collision:
         surfaces = self._surfaces(job)
         if not surfaces:
             return Collision(note="it has no mesh")
-        result: Collision = getattr(MAKERS[job.choice.maker], how)(surfaces, job.choice.settings)
+        result: Collision = getattr(MAKERS[job.choice.maker], function)(surfaces, job.choice.settings)
         return result
 
     def _surfaces(self, job: ColliderJob) -> list[Surface]:
         with self._lock:
             return job.surfaces(self._library)
 
-    def together(self, outcomes: Sequence[Collided]) -> list[Collided]:
-        """Returns the colliders. Parts of a link that the same key chose share a single one if that
-        suffices."""
-        return [
-            collided for group in _groups_by_key(outcomes) for collided in (self._one_for_all(group) or group)
-        ]
-
-    def _one_for_all(self, group: Sequence[Collided]) -> list[Collided]:
-        if len(group) < 2:
-            return []
-        whole = _whole(group)
-        shared = self.first(whole, "together")
-        return [Collided(whole, shared)] if shared.pieces else []
-
-    def across(self, outcomes: Sequence[Collided]) -> list[Collided]:
-        """Returns the colliders. Parts of a link that the same key chose get fewer pieces if pieces of
-        different parts can be joined."""
-        result = []
-        for group in _groups_by_key(outcomes):
-            accepted = [
-                collided
-                for collided in group
-                if collided.collision.meets and len(collided.collision.pieces) > 1
-            ]
-            joined_collider = self._joined(accepted) if len(accepted) > 1 else None
-            result += (
-                [joined_collider, *(collided for collided in group if collided not in accepted)]
-                if joined_collider
-                else group
-            )
+    def share_colliders(self, colliders: Sequence[MadeCollider]) -> list[MadeCollider]:
+        """Returns the colliders, with a single shared collider for the parts of a link that the same key
+        chose, if one suffices."""
+        result: list[MadeCollider] = []
+        for group in _groups_by_key(colliders):
+            shared_collider = self._shared_collider(group)
+            result += group if shared_collider is None else [shared_collider]
         return result
 
-    def _joined(self, group: Sequence[Collided]) -> Collided | None:
-        whole = _whole(group)
+    def _shared_collider(self, group: Sequence[MadeCollider]) -> MadeCollider | None:
+        if len(group) < 2:
+            return None
+        combined_job = _combined_job(group)
+        shared = self.collider(combined_job, "together")
+        return MadeCollider(combined_job, shared) if shared.pieces else None
+
+    def merge_pieces(self, colliders: Sequence[MadeCollider]) -> list[MadeCollider]:
+        """Returns the colliders, with fewer pieces where pieces of different parts can be merged. Only parts
+        of a link that the same key chose are merged."""
+        result: list[MadeCollider] = []
+        for group in _groups_by_key(colliders):
+            mergeable = [
+                collider
+                for collider in group
+                if collider.collision.meets and len(collider.collision.pieces) > 1
+            ]
+            merged_collider = self._merged_collider(mergeable) if len(mergeable) > 1 else None
+            if merged_collider is None:
+                result += group
+            else:
+                result += [merged_collider, *(collider for collider in group if collider not in mergeable)]
+        return result
+
+    def _merged_collider(self, group: Sequence[MadeCollider]) -> MadeCollider | None:
+        combined_job = _combined_job(group)
         pieces = [
-            placed(piece, collided.job.link_from_subject)
-            for collided in group
-            for piece in collided.collision.pieces
+            placed(piece, collider.job.link_from_subject)
+            for collider in group
+            for piece in collider.collision.pieces
         ]
         if len(pieces) < MIN_PIECES:
             return None
 
-        settings = whole.choice.settings
+        settings = combined_job.choice.settings
         assert isinstance(settings, LadderSettings)
 
         def make() -> bytes:
-            return collision.encode(merge_across_parts(self._surfaces(whole), pieces, settings))
+            return collision.encode(merge_across_parts(self._surfaces(combined_job), pieces, settings))
 
-        name = whole.identity(), "joined"
-        if name not in self._first:
-            self._first[name] = collision.decode(self._remembered(whole, "joined", make))
-        return Collided(whole, self._first[name]) if self._first[name].pieces else None
+        merged = self._kept(combined_job, "joined", make)
+        return MadeCollider(combined_job, merged) if merged.pieces else None
 
-    def improved(self, outcomes: Sequence[Collided], shown: Shown | None) -> list[Collided]:
-        """Returns the colliders after the second step of their makers, which starts with the worst
-        collider."""
-        candidates: dict[str, Collided] = {}
-        for collided in outcomes:
-            if collided.job.choice.how.improves and not collided.collision.meets and collided.collision.faces:
-                candidates.setdefault(collided.job.identity(), collided)
+    def improve_worst(self, colliders: Sequence[MadeCollider], shown: Shown | None) -> list[MadeCollider]:
+        """Returns the colliders, with improved ones where a collider misses its tolerance and its maker has a
+        second step. The worst collider is improved first."""
+        candidates: dict[str, MadeCollider] = {}
+        for collider in colliders:
+            if collider.job.choice.how.improves and not collider.collision.meets and collider.collision.faces:
+                candidates.setdefault(collider.job.identity(), collider)
         ranked = sorted(candidates, key=lambda name: (-_tolerances_off(candidates[name].collision), name))
         makings: list[Making[Collision | DecompositionFailed]] = [
             Making(candidates[name].job.name, partial(self._improve, candidates[name])) for name in ranked
@@ -199,59 +208,63 @@ class _ColliderMemory:
             else:
                 results[name] = result
         return [
-            replace(collided, collision=results.get(collided.job.identity(), collided.collision))
-            for collided in outcomes
+            replace(collider, collision=results.get(collider.job.identity(), collider.collision))
+            for collider in colliders
         ]
 
-    def _improve(self, collided: Collided, guest: Guest) -> Collision:
-        job, first_collider = collided.job, collided.collision
+    def _improve(self, collider: MadeCollider, guest: Guest) -> Collision:
+        job = collider.job
 
         def make() -> bytes:
-            task = Improvement(job.choice.maker, self._surfaces(job), job.choice.settings, first_collider)
+            task = Improvement(job.choice.maker, self._surfaces(job), job.choice.settings, collider.collision)
             return improved(task, guest)
 
-        return collision.decode(self._remembered(job, "improve", make))
+        # Threads improve colliders side by side, and each only once: the memory is of no use here.
+        return collision.decode(self._cached(job, "improve", make))
 
 
-def _groups_by_key(outcomes: Sequence[Collided]) -> list[list[Collided]]:
+def _groups_by_key(colliders: Sequence[MadeCollider]) -> list[list[MadeCollider]]:
     """Groups colliders: those of a link that the same key chose for the ladder are a group, every other
     collider is a group by itself."""
-    groups: dict[tuple[str, int], list[Collided]] = {}
-    for number, collided in enumerate(outcomes):
-        choice = collided.job.choice
-        joins = choice.maker == "ladder" and not choice.apart and collided.collision.pieces
-        key = (collided.job.link, choice.entry) if joins else ("", number)
-        groups.setdefault(key, []).append(collided)
+    groups: dict[tuple[str, int], list[MadeCollider]] = {}
+    for index, collider in enumerate(colliders):
+        choice = collider.job.choice
+        mergeable = choice.maker == "ladder" and not choice.apart and collider.collision.pieces
+        # No link has an empty name, so the index makes a group of this collider alone.
+        key = (collider.job.link, choice.entry) if mergeable else ("", index)
+        groups.setdefault(key, []).append(collider)
     return list(groups.values())
 
 
-def _whole(group: Sequence[Collided]) -> ColliderJob:
+def _combined_job(group: Sequence[MadeCollider]) -> ColliderJob:
     """Returns the job of a single collider for all parts of a group."""
-    jobs = [collided.job for collided in group]
-    uses = tuple(use for job in jobs for use in job.uses)
+    jobs = [collider.job for collider in group]
+    placed_meshes = tuple(placed_mesh for job in jobs for placed_mesh in job.placed_meshes)
     parts = tuple(part for job in jobs for part in job.parts)
-    return replace(jobs[0], name=jobs[0].link, uses=uses, parts=parts)
+    return replace(jobs[0], name=jobs[0].link, placed_meshes=placed_meshes, parts=parts)
 
 
 def _tolerances_off(result: Collision) -> float:
+    """Returns by how many tolerances a collider misses its part; 0 if it was not measured."""
     if result.measures is None or result.tolerance is None:
         return 0.0
     return miss(result.measures, result.tolerance)
 
 
 def jobs_of(
-    link: str, uses: Sequence[PlacedMesh], names: Sequence[str], choices: Sequence[Choice]
+    link: str, placed_meshes: Sequence[PlacedMesh], names: Sequence[str], choices: Sequence[Choice]
 ) -> Iterator[ColliderJob]:
     """Yields the jobs of a link: a job for each part, or a job for all parts together that the same key
     chose.
 
-    `names`, `choices`: name and choice for each use.
+    `names`, `choices`: name and choice for each mesh.
     """
     groups: dict[tuple[int, str], list[int]] = {}
     for index, choice in enumerate(choices):
         apart = choice.apart or choice.how.per == "part"
+        # A part that is apart is the only one with its index.
         groups.setdefault((choice.entry, str(index) if apart else ""), []).append(index)
     for indices in groups.values():
         name = names[indices[0]] if len(indices) == 1 else link
-        part_uses = tuple(uses[index] for index in indices)
-        yield ColliderJob(link, name, choices[indices[0]], part_uses, tuple(indices))
+        meshes = tuple(placed_meshes[index] for index in indices)
+        yield ColliderJob(link, name, choices[indices[0]], meshes, tuple(indices))

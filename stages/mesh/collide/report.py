@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from linkwright.stages.mesh.collide.acceptance import miss
 from linkwright.stages.mesh.collide.collision import Collision
-from linkwright.stages.mesh.collide.make import Collided
+from linkwright.stages.mesh.collide.make import MadeCollider
 from linkwright.stages.mesh.surfaces.pieces import vertices
 from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.model.geometry import ColliderFigures
@@ -14,7 +14,7 @@ from linkwright.stages.robot.text.globs import escaped, unnumbered
 from linkwright.stages.robot.text.plural import count
 
 
-def figures_of(collided: Collided, names: Sequence[str]) -> ColliderFigures:
+def figures_of(collided: MadeCollider, names: Sequence[str]) -> ColliderFigures:
     """Returns the figures of a collider; `names`: names of the parts that share it."""
     collision = collided.collision
     return ColliderFigures(
@@ -46,13 +46,13 @@ def _times_off(collision: Collision) -> float | None:
     )
 
 
-def colliders_reported(outcomes: Sequence[Collided]) -> list[Diagnostic]:
+def colliders_reported(outcomes: Sequence[MadeCollider]) -> list[Diagnostic]:
     """Reports W-COLLIDER for colliders that miss their tolerance, W-FLAT for links without one, and I-RAW."""
     return [*_flat(outcomes), *_tolerance_misses(outcomes), *_raw(outcomes)]
 
 
-def _flat(outcomes: Sequence[Collided]) -> Iterator[Diagnostic]:
-    of_links: dict[str, list[Collided]] = {}
+def _flat(outcomes: Sequence[MadeCollider]) -> Iterator[Diagnostic]:
+    of_links: dict[str, list[MadeCollider]] = {}
     for collided in outcomes:
         if collided.job.choice.maker != "visual":
             of_links.setdefault(collided.job.link, []).append(collided)
@@ -62,7 +62,7 @@ def _flat(outcomes: Sequence[Collided]) -> Iterator[Diagnostic]:
             yield Diagnostic("W-FLAT", text, link, "give it thickness in CAD")
 
 
-def _tolerance_misses(outcomes: Sequence[Collided]) -> Iterator[Diagnostic]:
+def _tolerance_misses(outcomes: Sequence[MadeCollider]) -> Iterator[Diagnostic]:
     """Yields W-COLLIDER once for each part, however often the part is used."""
     reported: set[tuple[str, str]] = set()
     for collided in outcomes:
@@ -82,14 +82,14 @@ def _tolerance_misses(outcomes: Sequence[Collided]) -> Iterator[Diagnostic]:
         yield Diagnostic("W-COLLIDER", text, job.link, hint)
 
 
-def _rung(collided: Collided) -> str:
+def _rung(collided: MadeCollider) -> str:
     collision = collided.collision
     if collision.rung == "pieces":
         return f"{len(collision.pieces)} convex pieces"
     return {"hull": "its convex hull"}.get(collision.rung, f"a {collision.rung}")
 
 
-def _how_far(collided: Collided) -> str:
+def _how_far(collided: MadeCollider) -> str:
     collision = collided.collision
     why = f" ({collision.note})" if collision.note else ""
     if collision.measures is None or collision.tolerance is None:
@@ -106,7 +106,7 @@ def _how_far(collided: Collided) -> str:
     )
 
 
-def _met_tolerance(collided: Collided) -> float:
+def _met_tolerance(collided: MadeCollider) -> float:
     """Returns a tolerance [m] that the collider meets."""
     collision = collided.collision
     if collision.measures is None or collision.tolerance is None:
@@ -114,7 +114,7 @@ def _met_tolerance(collided: Collided) -> float:
     return 1.05 * max(1.0, miss(collision.measures, collision.tolerance)) * collision.tolerance
 
 
-def _raw(outcomes: Sequence[Collided]) -> Iterator[Diagnostic]:
+def _raw(outcomes: Sequence[MadeCollider]) -> Iterator[Diagnostic]:
     number = sum(len(collided.collision.pieces) for collided in outcomes if collided.collision.rung == "raw")
     if number:
         yield Diagnostic(

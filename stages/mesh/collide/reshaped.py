@@ -8,7 +8,7 @@ import numpy as np
 from linkwright.stages.formats.meshes.surface import Surface, moved
 from linkwright.stages.mesh.collide import primitives
 from linkwright.stages.mesh.collide.choices import Choice
-from linkwright.stages.mesh.collide.make import Collided
+from linkwright.stages.mesh.collide.make import MadeCollider
 from linkwright.stages.mesh.configuration.collider_settings import RawSettings
 from linkwright.stages.mesh.surfaces.pieces import half_spaces
 from linkwright.stages.robot.errors import Diagnostic
@@ -21,7 +21,7 @@ from linkwright.stages.targets.engines import shape_limits
 if TYPE_CHECKING:
     from linkwright.stages.mesh.section import MeshSection
 
-ColliderWithParts = tuple[Collided, Sequence[Part]]
+ColliderWithParts = tuple[MadeCollider, Sequence[Part]]
 """A collider with its parts."""
 
 
@@ -57,7 +57,7 @@ def reshaped(
 
 
 def _cylinders(
-    links: Sequence[Link], outcomes: Sequence[Collided], targets: Sequence[str]
+    links: Sequence[Link], outcomes: Sequence[MadeCollider], targets: Sequence[str]
 ) -> Iterator[Diagnostic]:
     for_prisms = targets_limiting(targets, lambda shapes: "cylinder" in shapes.without)
     kinds = [shape.kind for link in links for shape in link.shapes if shape.collision]

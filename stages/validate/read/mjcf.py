@@ -17,7 +17,7 @@ from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import link, named
 from linkwright.stages.validate.model.coordinates import BY_EQUALITY, joints_of, root_pose, site_pose
 from linkwright.stages.validate.model.equalities import carriers, ends, equality_index, sites
-from linkwright.stages.validate.model.lumps import Lump, merged
+from linkwright.stages.validate.model.mass_properties import MassProperties, merged
 from linkwright.stages.validate.read.mujoco import ReadCompiled
 from linkwright.stages.validate.same.read_robot import (
     AttributeNames,
@@ -60,7 +60,7 @@ def joint_type_name(kind: Any) -> str:
 class ReadMjcf(ReadCompiled):
     """A reader of MJCF."""
 
-    words = ATTRIBUTE_NAMES
+    attribute_names = ATTRIBUTE_NAMES
 
     def __init__(self, compiled: CompiledModel) -> None:
         super().__init__(compiled)
@@ -79,10 +79,10 @@ class ReadMjcf(ReadCompiled):
         position = float(self.model.qpos0[self.model.jnt_qposadr[joint_index(self.model, dof.name)]])
         return None if isinstance(start, tuple) else (position, start)
 
-    def lump(self, link: str) -> Lump:
+    def mass_properties(self, link: str) -> MassProperties:
         """Returns the mass properties of the link's body and of the carriers that hold part of its mass."""
-        carried = [self.lump_of(body, pose) for body, pose in self._carriers.get(link, [])]
-        return merged([super().lump(link), *carried])
+        carried = [self.body_mass_properties(body, pose) for body, pose in self._carriers.get(link, [])]
+        return merged([super().mass_properties(link), *carried])
 
     def joints(self) -> Iterator[FoundJoint]:
         extras = (self.robot.mjcf or NO_EXTRAS).attributes_of("joint")
@@ -140,10 +140,10 @@ class ReadMjcf(ReadCompiled):
                 )
         return numbers, expected
 
-    def places(self, loop: Loop, q: Configuration) -> Iterator[FoundPose]:
+    def loop_poses(self, loop: Loop, q: Configuration) -> Iterator[FoundPose]:
         """Yields the poses, relative to the root, of the sites that the loop's equality holds together. If
         the loop has a carrier body, one of the sites is on it."""
-        model, data, index = self.model, self.posed(q), equality_index(self.model, loop)
+        model, data, index = self.model, self.data_at(q), equality_index(self.model, loop)
         root_from_world = inverse(root_pose(model, data, self.robot))
         site_of_body = {
             int(model.site_bodyid[site]): site for site in (sites(model, index) if index >= 0 else ())
@@ -158,7 +158,7 @@ class ReadMjcf(ReadCompiled):
 
     def mimics(self) -> Iterator[FoundMimic]:
         number = self.model.neq - self.compiled.surplus.equalities
-        return joint_mimics(self.model, number, self.compiled.sets("active"))
+        return joint_mimics(self.model, number, all_active=self.compiled.sets("active"))
 
 
 def _frames(
@@ -178,9 +178,9 @@ def _frames(
         yield from ((b, second), (carrier, first @ inverse(second_from_first)))
 
 
-def joint_mimics(model: Any, number: int, active: bool) -> Iterator[FoundMimic]:
-    """Yields the equalities of two joints among the first `number`; those of higher order have no multiplier.
-    `active`: whether all count as active."""
+def joint_mimics(model: Any, number: int, *, all_active: bool) -> Iterator[FoundMimic]:
+    """Yields the equalities of two joints among the first `number` equalities; the multiplier of an equality
+    of higher order is NaN. `all_active`: whether inactive equalities count as active."""
     for equality in np.flatnonzero(model.eq_type[:number] == mujoco.mjtEq.mjEQ_JOINT):
         joints = int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality])
         data = model.eq_data[equality][:5]
@@ -188,7 +188,7 @@ def joint_mimics(model: Any, number: int, active: bool) -> Iterator[FoundMimic]:
         follower, driver = (model.joint(joint).name if joint >= 0 else "" for joint in joints)
         factor = float(data[1]) if not data[2:].any() else math.nan
         offset = float(data[0]) + zeros[0] - float(data[1]) * zeros[1]
-        yield FoundMimic(follower, driver, factor, offset, bool(model.eq_active0[equality]) or active)
+        yield FoundMimic(follower, driver, factor, offset, all_active or bool(model.eq_active0[equality]))
 
 
 def _interval(limited: Any, ends: Any) -> tuple[float, ...]:

@@ -17,7 +17,7 @@ from linkwright.stages.validate.model.coordinates import (
     root_pose,
     set_values,
 )
-from linkwright.stages.validate.model.lumps import Lump, moved_lump
+from linkwright.stages.validate.model.mass_properties import MassProperties, moved
 from linkwright.stages.validate.model.poses import placed
 from linkwright.stages.validate.same.read_robot import Poses, ReadRobot
 
@@ -32,7 +32,7 @@ class ReadCompiled(ReadRobot):
         loops = {dof.name: dof.saved for loop in self.robot.loops for dof in loop.dofs}
         self.file_configuration = {**loops, **rest_configuration(self.robot)}
 
-    def posed(self, q: Configuration) -> Any:
+    def data_at(self, q: Configuration) -> Any:
         """Returns MuJoCo's data at the values `q`."""
         if self._posed is None or self._posed[0] is not q:
             data = mujoco.MjData(self.model)
@@ -45,7 +45,7 @@ class ReadCompiled(ReadRobot):
         return frame
 
     def poses(self, q: Configuration) -> Poses:
-        robot, model, data = self.robot, self.model, self.posed(q)
+        robot, model, data = self.robot, self.model, self.data_at(q)
         root_from_world = inverse(root_pose(model, data, robot))
         return Poses(
             {link.name: root_from_world @ link_pose(model, data, robot, link.name) for link in robot.links},
@@ -72,13 +72,13 @@ class ReadCompiled(ReadRobot):
     def axis(self, dof: Dof) -> Array | None:
         return np.array(self.model.jnt_axis[joint_index(self.model, dof.name)])
 
-    def lump_of(self, body: int, link_from_body: Array) -> Lump:
+    def body_mass_properties(self, body: int, link_from_body: Array) -> MassProperties:
         """Returns the mass properties of a body, in the frame of a link."""
         model = self.model
         axes = placed(model.body_iquat[body], model.body_ipos[body])
         tensor = axes[:3, :3] @ np.diag(model.body_inertia[body]) @ axes[:3, :3].T
-        return moved_lump(float(model.body_mass[body]), axes[:3, 3], tensor, link_from_body)
+        return moved(MassProperties(float(model.body_mass[body]), axes[:3, 3], tensor), link_from_body)
 
-    def lump(self, link: str) -> Lump:
+    def mass_properties(self, link: str) -> MassProperties:
         place = inverse(body_from_link(self.robot, link))
-        return self.lump_of(body_index(self.model, link), place)
+        return self.body_mass_properties(body_index(self.model, link), place)

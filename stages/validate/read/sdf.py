@@ -22,7 +22,7 @@ from linkwright.stages.robot.motion.start_pose import starting_point
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.findings import differs, named
 from linkwright.stages.validate.model.coordinates import distance
-from linkwright.stages.validate.model.lumps import Lump
+from linkwright.stages.validate.model.mass_properties import MassProperties
 from linkwright.stages.validate.read.run import run_checks
 from linkwright.stages.validate.same.read_robot import (
     AttributeNames,
@@ -63,7 +63,7 @@ ATTRIBUTE_NAMES = AttributeNames(
 class ReadSdf(ReadRobot):
     """A reader of SDF. `model`: the content of the file; `names`: the names of the robot's elements in it."""
 
-    words = ATTRIBUTE_NAMES
+    attribute_names = ATTRIBUTE_NAMES
 
     def __init__(self, path: Path, written: Written) -> None:
         try:
@@ -121,15 +121,15 @@ class ReadSdf(ReadRobot):
         """Returns the joints and loops that are joints in an SDF."""
         return [*(joint for joint in self.robot.joints if joint.type != "free"), *self.robot.loops]
 
-    def lump(self, link: str) -> Lump:
+    def mass_properties(self, link: str) -> MassProperties:
         inertial = self.model.links[self.names.links[link]].inertial
-        return inertial.mass, inertial.com, inertial.inertia
+        return MassProperties(inertial.mass, inertial.com, inertial.inertia)
 
-    def odd_masses(self) -> Iterator[tuple[str, float, Finding]]:
+    def unexpected_masses(self) -> Iterator[tuple[str, float, Finding]]:
         """Yields the links between the dofs of a joint or loop."""
         for name in (name for added in self.names.between.values() for name in added):
             mass = self.model.links[name].inertial.mass
-            yield name, mass, differs(named("link", name), self.words.mass, mass, 0.0, "kg")
+            yield name, mass, differs(named("link", name), self.attribute_names.mass, mass, 0.0, "kg")
 
     def poses(self, q: Configuration) -> Poses:
         model, names, robot = self.model, self.names, self.robot
@@ -205,7 +205,7 @@ class ReadSdf(ReadRobot):
             offset = mimic.offset - mimic.multiplier * (mimic.reference + second) + first
             yield FoundMimic(follower, driver, mimic.multiplier, offset)
 
-    def places(self, loop: Loop, q: Configuration) -> Iterator[FoundPose]:
+    def loop_poses(self, loop: Loop, q: Configuration) -> Iterator[FoundPose]:
         """Yields the link at the end of a loop's joints, with the pose that the robot's chain implies."""
         poses, turned = link_poses(self.robot, q), chain(loop.dofs, q)
         first, second = (self.names.links[name] for name in (loop.link_a, loop.link_b))

@@ -46,20 +46,20 @@ ATTRIBUTE_NAMES = AttributeNames(
 
 
 class ReadUrdf(ReadCompiled):
-    """A reader of URDF. It reads from the text what MuJoCo drops."""
+    """Reads the robot of a URDF. Attributes that MuJoCo drops are read from the file's text."""
 
-    words = ATTRIBUTE_NAMES
+    attribute_names = ATTRIBUTE_NAMES
     required_numbers = frozenset({"lower", "upper", "effort", "velocity"})
 
     def __init__(self, compiled: CompiledModel) -> None:
         super().__init__(compiled)
         self._text, self._names = compiled.path.read_bytes(), compiled.written.urdf_names
 
-    def posed(self, q: Configuration) -> Any:
-        """Returns MuJoCo's data at the values `q`. At the file's own placement nothing is set, since the
-        value of a floating joint would replace its origin, and hide a wrong origin."""
+    def data_at(self, q: Configuration) -> Any:
+        """Returns MuJoCo's data at the values `q`. For `file_configuration` itself no value is set, since the
+        value of a floating joint would replace the joint's origin, and so hide a wrong origin."""
         if q is not self.file_configuration:
-            return super().posed(q)
+            return super().data_at(q)
         data = mujoco.MjData(self.model)
         mujoco.mj_kinematics(self.model, data)
         return data
@@ -77,13 +77,13 @@ class ReadUrdf(ReadCompiled):
         turns = self._names.turns.get(name) if tag == "joint" else None
         return named(tag, turns[0] if turns else name)
 
-    def odd_masses(self) -> Iterator[tuple[str, float, Finding]]:
-        """Yields links that have mass but no <inertial>: MuJoCo derives one from their shapes."""
+    def unexpected_masses(self) -> Iterator[tuple[str, float, Finding]]:
+        """Yields links that have mass but no <inertial>: MuJoCo derives an inertial from their shapes."""
         links = parse(self._text).iterfind("link")
-        bare = {node.get("name") for node in links if node.find("inertial") is None}
+        without_inertial = {node.get("name") for node in links if node.find("inertial") is None}
         for link in self.robot.links:
-            if link.inertial.mass > 0 and link.name in bare:
-                message = "has no inertial, so each reader invents a mass for it"
+            if link.inertial.mass > 0 and link.name in without_inertial:
+                message = "has no <inertial> although the link has mass, so each reader derives its own"
                 yield link.name, math.inf, Finding(named("link", link.name), "inertial", message)
 
     def axes_error(self, size: float) -> float:
@@ -102,10 +102,8 @@ class ReadUrdf(ReadCompiled):
                 numbers["effort"] = float(model.jnt_actfrcrange[index][1])
             elif model.jnt_limited[index]:
                 # Neither a floating joint nor the three turns of a ball may have limits.
-                numbers["range"], expected = (
-                    tuple(map(float, model.jnt_range[index])),
-                    {"range": (-math.inf, math.inf)},
-                )
+                numbers["range"] = tuple(map(float, model.jnt_range[index]))
+                expected = {"range": (-math.inf, math.inf)}
             if dof.kind != "free":
                 numbers["damping"] = float(model.dof_damping[model.jnt_dofadr[index]])
                 numbers["friction"] = float(model.dof_frictionloss[model.jnt_dofadr[index]])
@@ -113,9 +111,10 @@ class ReadUrdf(ReadCompiled):
             type_found, types = joint_type_name(model.jnt_type[index]), (joint_type_name(kind),)
             yield FoundJoint(name, named("joint", name), type_found, types, dof, numbers, expected)
 
-    def places(self, loop: Loop, q: Configuration) -> Iterator[FoundPose]:
-        """Yields the two frames of a loop, which a URDF cannot close: it has a link for each of them."""
-        model, data, robot = self.model, self.posed(q), self.robot
+    def loop_poses(self, loop: Loop, q: Configuration) -> Iterator[FoundPose]:
+        """Yields the poses of a loop's two frames. A URDF cannot close a loop, so each frame is a link of its
+        own."""
+        model, data, robot = self.model, self.data_at(q), self.robot
         frames = (loop.link_a, loop.a_from_frame), (loop.link_b, loop.b_from_frame)
         for name, (link, expected) in zip(self._names.ends[loop.name], frames, strict=True):
             index, element = body_index(model, name), named("joint", self._names.holders[name])
@@ -125,15 +124,16 @@ class ReadUrdf(ReadCompiled):
     def mimics(self) -> Iterator[FoundMimic]:
         model = self.model
         if reads_mimic():
-            yield from joint_mimics(model, model.neq - self.compiled.surplus.equalities, False)
+            number = model.neq - self.compiled.surplus.equalities
+            yield from joint_mimics(model, number, all_active=False)
             return
-        for pair, data in mimics(model, self._text).items():
+        for pair, coefficients in mimics(model, self._text).items():
             follower, driver = (model.joint(joint).name if joint >= 0 else "" for joint in pair)
-            yield FoundMimic(follower, driver, float(data[1]), float(data[0]))
+            yield FoundMimic(follower, driver, float(coefficients[1]), float(coefficients[0]))
 
 
 def _number(text: str | None) -> float:
-    """Returns the number in a text; infinity if the text is missing."""
+    """Returns the number in a text; infinity if the text is missing or empty, NaN if it is not a number."""
     try:
         return float(text) if text else math.inf
     except ValueError:

@@ -19,7 +19,7 @@ from linkwright.stages.robot.motion.start_pose import HOME, home
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.findings import named, shown
 from linkwright.stages.validate.model.coordinates import ENGINE_TOLERANCE, distance
-from linkwright.stages.validate.model.lumps import Lump
+from linkwright.stages.validate.model.mass_properties import MassProperties
 from linkwright.stages.validate.read.run import run_checks
 from linkwright.stages.validate.same.read_robot import (
     AttributeNames,
@@ -69,7 +69,7 @@ class ReadUsd(ReadRobot):
     """A reader of USD. `usd`: the content of the file; `names`: the names of the robot's elements in it.
     Relations and all other properties of joints are compared by their attributes."""
 
-    words = ATTRIBUTE_NAMES
+    attribute_names = ATTRIBUTE_NAMES
     precision = Precision(
         SINGLE_PRECISION, SINGLE_PRECISION, SINGLE_PRECISION, scales_with_size=True, massless_inertial=SPECK
     )
@@ -104,9 +104,9 @@ class ReadUsd(ReadRobot):
         joints |= {self.names.base} if self.robot.base.fixed else set()
         return {"link": {*self.names.links.values()}, "joint": joints}
 
-    def lump(self, link: str) -> Lump:
+    def mass_properties(self, link: str) -> MassProperties:
         inertial = self.usd.bodies[self.names.links[link]].inertial
-        return inertial.mass, inertial.com, inertial.inertia
+        return MassProperties(inertial.mass, inertial.com, inertial.inertia)
 
     def poses(self, q: Configuration) -> Poses:
         """Computes the poses from the joints; bodies without a joint are where the file puts them. Frames
@@ -166,7 +166,7 @@ class ReadUsd(ReadRobot):
                 numbers = {} if dof is None else dict(zip(ends, read.ends[-len(ends) :], strict=True))
                 yield FoundJoint(name, element, read.type, (type_,), dof, numbers)
 
-    def places(self, loop: Loop, q: Configuration) -> Iterator[FoundPose]:
+    def loop_poses(self, loop: Loop, q: Configuration) -> Iterator[FoundPose]:
         """Yields the frames of the joint that closes the loop, which is outside the articulation, or the last
         joint of the links between. A ball is compared at its rest value, since its joint is the same whatever
         its axes are."""

@@ -10,7 +10,7 @@ from linkwright.stages.mujoco.names import actuator_count, controls_of
 from linkwright.stages.mujoco.state import keyframe_of
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.model.coordinates import BALL, FREE
-from linkwright.stages.validate.model.following import equalities
+from linkwright.stages.validate.model.equality_solver import equalities
 from linkwright.stages.validate.model.shapes import reach
 from linkwright.stages.validate.readiness.finished import Finished, NotApplicable
 

@@ -51,7 +51,7 @@ def _on_parent(joint: Joint, poses: Poses) -> Array:
 def _of_joint(read: ReadRobot, joint: Joint, pairs: list[tuple[Array, ...]]) -> Iterator[Finding]:
     """Reports a joint's error: an error of its axis or place if the child moves wrongly from its start, else
     an error of the child's start."""
-    words, least = read.words, read.precision.pose
+    words, least = read.attribute_names, read.precision.pose
     (rest, expected_rest), *spread = pairs
     errors = [
         offset_and_angle(inverse(rest) @ pose, inverse(expected_rest) @ expected_pose)
@@ -96,4 +96,6 @@ def _frames(read: ReadRobot, poses: Poses) -> Iterator[Finding]:
         if np.isnan(pose).any():
             yield Finding(element, "name", "is missing")
         elif not distance(pose, frame.link_from_frame) <= ENGINE_TOLERANCE:
-            yield from pose_findings(element, pose, frame.link_from_frame, read.words.place, ENGINE_TOLERANCE)
+            yield from pose_findings(
+                element, pose, frame.link_from_frame, read.attribute_names.place, ENGINE_TOLERANCE
+            )

@@ -44,7 +44,7 @@ def _differences(read: ReadRobot, joint: FoundJoint) -> Iterator[Finding]:
         if quantity in ENDS:
             values, goals = _with_open_ends(values), _with_open_ends(goals)
         if not _is_same(values, goals, 0.0 if quantity in FORCES else 1.0, read.precision.number):
-            attribute = read.words.numbers.get(quantity, quantity)
+            attribute = read.attribute_names.numbers.get(quantity, quantity)
             if quantity in read.required_numbers and np.isinf(values).all():
                 yield Finding(joint.element, attribute, f"is missing, expected {shown(goals)}")
                 continue

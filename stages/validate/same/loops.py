@@ -16,7 +16,7 @@ def loops(read: ReadRobot, name: str = "loops") -> Iterator[Check]:
     for turn in range(2):
         q = {**spread_values(read.robot, turn), **read.fixed_dofs}
         for loop in read.robot.loops:
-            for place in read.places(loop, q):
+            for place in read.loop_poses(loop, q):
                 value = np.inf if place.pose is None else distance(place.pose, place.expected)
                 value = np.inf if np.isnan(value) else value
                 if not value < worst:

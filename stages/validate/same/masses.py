@@ -1,6 +1,6 @@
 """Compares the mass, centre of mass and inertia of each link with those of its parts in CAD.
 
-The expected values are summed anew over the parts, by second moments, instead of taken from the links that
+The expected values are summed over the parts, by second moments, instead of taken from the links that
 the files were written from. A link with an inertial from the user must have that inertial.
 """
 
@@ -10,7 +10,12 @@ import numpy as np
 
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.validate.findings import differs, worst_first
-from linkwright.stages.validate.model.lumps import UNITS, Lump, differences, expected_lump
+from linkwright.stages.validate.model.mass_properties import (
+    UNITS,
+    MassProperties,
+    differences,
+    expected_mass_properties,
+)
 from linkwright.stages.validate.same.read_robot import AttributeNames, ReadRobot
 
 
@@ -20,8 +25,11 @@ def masses(read: ReadRobot) -> Iterator[Check]:
     findings: dict[str, list[tuple[float, Finding]]] = {key: [] for key in UNITS}
     exact, error = read.precision.mass, 0.0
     for link in read.robot.links:
-        actual, expected = read.lump(link.name), expected_lump(link, read.precision.massless_inertial)
-        largest = float(np.abs(expected[2]).max())
+        actual, expected = (
+            read.mass_properties(link.name),
+            expected_mass_properties(link, read.precision.massless_inertial),
+        )
+        largest = float(np.abs(expected.inertia).max())
         allowed = read.axes_error(largest) if largest else 0.0
         error = max(error, allowed)
         for key, value in differences(actual, expected, allowed).items():
@@ -29,8 +37,10 @@ def masses(read: ReadRobot) -> Iterator[Check]:
                 worst[key], worst_link[key] = value, link.name
             if not value <= exact:
                 element = read.element("link", link.name)
-                findings[key].append((value, _finding(element, key, actual, expected, read.words, exact)))
-    for name, value, finding in read.odd_masses():
+                findings[key].append(
+                    (value, _finding(element, key, actual, expected, read.attribute_names, exact))
+                )
+    for name, value, finding in read.unexpected_masses():
         if not value < worst["mass"]:
             worst["mass"], worst_link["mass"] = value, name
         if not value <= exact:
@@ -43,21 +53,26 @@ def masses(read: ReadRobot) -> Iterator[Check]:
 
 
 def _finding(
-    element: str, key: str, actual: Lump, expected: Lump, words: AttributeNames, exact: float
+    element: str,
+    key: str,
+    actual: MassProperties,
+    expected: MassProperties,
+    words: AttributeNames,
+    exact: float,
 ) -> Finding:
     if key == "mass":
-        return differs(element, words.mass, actual[0], expected[0], "kg")
+        return differs(element, words.mass, actual.mass, expected.mass, "kg")
     if key == "centre of mass":
-        return differs(element, words.com, actual[1], expected[1], "m")
+        return differs(element, words.com, actual.com, expected.com, "m")
     if words.moments is None:
         rows, columns = np.triu_indices(3)
-        pairs = [lump[2][rows, columns] for lump in (actual, expected)]
+        pairs = [body.inertia[rows, columns] for body in (actual, expected)]
         worst_entry = int(np.abs(pairs[0] - pairs[1]).argmax())
         name = "xyz"[rows[worst_entry]] + "xyz"[columns[worst_entry]]
         return differs(
             element, f"{words.inertia}{name}", pairs[0][worst_entry], pairs[1][worst_entry], "kg m²"
         )
-    moments = [np.linalg.eigvalsh(tensor) for tensor in (actual[2], expected[2])]
+    moments = [np.linalg.eigvalsh(tensor) for tensor in (actual.inertia, expected.inertia)]
     size, axes = words.moments
     if float(np.abs(moments[0] - moments[1]).max()) <= exact * float(np.abs(moments[1]).max()):
         return Finding(element, axes, "turns the principal axes of inertia differently than expected")

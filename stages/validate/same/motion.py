@@ -39,7 +39,7 @@ def poses(read: ReadRobot) -> Iterator[Check]:
     if not worst <= limit:
         message = f"its part {worst_part} is {shown(worst)} m or rad from CAD's occurrence"
         element = read.element("link", holder)
-        findings = kinematic_differences(read) or (Finding(element, read.words.place[0], message),)
+        findings = kinematic_differences(read) or (Finding(element, read.attribute_names.place[0], message),)
     yield read.within("poses", worst, limit, detail, findings)
 
 
@@ -56,7 +56,7 @@ def motion(read: ReadRobot) -> Iterator[Check]:
     if not worst <= limit:
         element = read.element("frame" if worst_name in pairs[0].actual.frames else "link", worst_name)
         message = f"is {shown(worst)} m or rad from where the robot has it"
-        findings = differences(read, pairs) or (Finding(element, read.words.place[0], message),)
+        findings = differences(read, pairs) or (Finding(element, read.attribute_names.place[0], message),)
     yield read.within("motion", worst, limit, detail + worst_name, findings)
 
 

@@ -11,13 +11,15 @@ def names(read: ReadRobot) -> Check:
     actual, expected = read.names_found(), read.names_expected()
     missing = [(tag, name) for tag, names in expected.items() for name in sorted(names - actual[tag])]
     added = [(tag, name) for tag, names in actual.items() for name in sorted(names - expected[tag])]
-    detail = ", ".join(count(len(actual[tag]), read.words.tags.get(tag, tag)) for tag in ("link", "joint"))
+    detail = ", ".join(
+        count(len(actual[tag]), read.attribute_names.tags.get(tag, tag)) for tag in ("link", "joint")
+    )
     if missing:
         detail = f"missing: {', '.join(sorted(name for _, name in missing))}"
     elif added:
         detail = f"not the robot's: {', '.join(sorted(name for _, name in added))}"
     findings = [
-        Finding(named(read.words.tags.get(tag, tag), name), "name", message)
+        Finding(named(read.attribute_names.tags.get(tag, tag), name), "name", message)
         for rows, message in ((missing, "is missing"), (added, "is not part of the robot"))
         for tag, name in rows
     ]

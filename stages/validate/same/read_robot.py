@@ -10,7 +10,7 @@ from typing import Literal, Protocol
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.model.robot import Array, Configuration, Dof, Inertial, Joint, Loop, Robot
 from linkwright.stages.validate.findings import few, named
-from linkwright.stages.validate.model.lumps import Lump
+from linkwright.stages.validate.model.mass_properties import MassProperties
 
 ElementKind = Literal["link", "joint", "frame", "relation"]
 
@@ -145,7 +145,7 @@ class ReadRobot(Protocol):
 
     file: str
     robot: Robot
-    words: AttributeNames
+    attribute_names: AttributeNames
     precision: Precision = Precision()
     file_configuration: Configuration
     """The dof values of the first comparison: those at which the file places the links, or zero."""
@@ -156,7 +156,7 @@ class ReadRobot(Protocol):
     required_numbers: frozenset[str] = frozenset()
     """Quantities for which the format requires a number, even if the robot has no limit."""
 
-    def lump(self, link: str) -> Lump:
+    def mass_properties(self, link: str) -> MassProperties:
         """Returns the mass properties of a link, in its frame."""
         ...
 
@@ -169,7 +169,7 @@ class ReadRobot(Protocol):
         joints for them."""
         ...
 
-    def places(self, loop: Loop, q: Configuration) -> Iterable[FoundPose]:
+    def loop_poses(self, loop: Loop, q: Configuration) -> Iterable[FoundPose]:
         """Yields the poses of the elements that close a loop, for closures that are not joints."""
         ...
 
@@ -207,7 +207,7 @@ class ReadRobot(Protocol):
         has no such attribute."""
         return None
 
-    def odd_masses(self) -> Iterable[tuple[str, float, Finding]]:
+    def unexpected_masses(self) -> Iterable[tuple[str, float, Finding]]:
         """Yields (name, mass [kg], finding) of links with a mass that they must not have."""
         return ()
 

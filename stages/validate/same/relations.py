@@ -23,7 +23,9 @@ def relations(read: ReadRobot) -> Iterator[Check]:
     for mimic in mimics:
         if mimic.active:
             message = f"follows {mimic.driver or 'nothing'}, which the robot does not have it do"
-            wrong[mimic.follower] = Finding(named("joint", mimic.follower), read.words.mimic[0], message)
+            wrong[mimic.follower] = Finding(
+                named("joint", mimic.follower), read.attribute_names.mimic[0], message
+            )
     number = count(len(read.robot.relations), "relation")
     detail = f"differ: {', '.join(wrong)}" if wrong else f"{number} with the numbers of the robot"
     yield read.within("relations", float(len(wrong)), 0.0, detail, wrong.values())
@@ -40,7 +42,7 @@ def _difference(read: ReadRobot, relation: Relation, mimics: list[FoundMimic]) -
         factor, offset = 1 / factor, -offset / factor
     if mimic is None:
         message = f"nothing says that {relation.follower} follows {relation.driver}"
-        return Finding(element, read.words.mimic[0], message)
+        return Finding(element, read.attribute_names.mimic[0], message)
     if not mimic.active:
         return Finding(element, "active", f"is false, so that {relation.follower} does not follow")
     allowed = ENGINE_TOLERANCE * max(1.0, abs(factor), abs(offset))
@@ -48,10 +50,10 @@ def _difference(read: ReadRobot, relation: Relation, mimics: list[FoundMimic]) -
     are_wrong = [not abs(value - goal) <= allowed for value, goal in zip(actual, expected, strict=True)]
     if not any(are_wrong):
         return None
-    if read.words.mimic[0] == read.words.mimic[1]:
-        return differs(element, read.words.mimic[0], actual[::-1], expected[::-1])
+    if read.attribute_names.mimic[0] == read.attribute_names.mimic[1]:
+        return differs(element, read.attribute_names.mimic[0], actual[::-1], expected[::-1])
     at = are_wrong.index(True)
-    return differs(element, read.words.mimic[at], actual[at], expected[at])
+    return differs(element, read.attribute_names.mimic[at], actual[at], expected[at])
 
 
 def _take_mimic(mimics: list[FoundMimic], follower: str, driver: str) -> FoundMimic | None:

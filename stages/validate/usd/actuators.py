@@ -69,7 +69,7 @@ def actuators(
 
 
 def _differences(element: str, read: Mapping[str, Value], facts: ActuatorFacts) -> Iterator[Finding]:
-    expected_values: dict[str, Value] = {**facts.numbers, **facts.words, **facts.arrays}
+    expected_values: dict[str, Value] = {**facts.numbers, **facts.tokens, **facts.arrays}
     for attribute in sorted(read.keys() | expected_values.keys()):
         if not _is_same(read.get(attribute), expected_values.get(attribute)):
             yield differs(element, attribute, read.get(attribute), expected_values.get(attribute))

@@ -50,7 +50,7 @@ def driving(
         follows = joint_mimic(relation, *follower_and_driver, (read.letter, read_driver.letter))
         targets = {name: names.joints[dof] for name, dof in follows.targets.items()}
         expected[names.joints[relation.follower]] |= JointFacts(
-            follows.schemas, follows.numbers, follows.words, targets
+            follows.schemas, follows.numbers, follows.tokens, targets
         )
     for name, joint in usd.joints.items():
         yield from _differences(named("def", name), joint, expected.get(name, JointFacts()))
@@ -70,7 +70,7 @@ def _differences(element: str, joint: ReadUsdJoint, expected: JointFacts) -> Ite
         if schema not in facts.schemas:
             yield differs(element, "apiSchemas", f"no {schema}", schema)
     yield from _attribute_differences(element, facts.numbers, {**_defaults(facts), **expected.numbers})
-    yield from _attribute_differences(element, facts.words, expected.words)
+    yield from _attribute_differences(element, facts.tokens, expected.tokens)
     yield from _attribute_differences(element, facts.targets, expected.targets)
 
 

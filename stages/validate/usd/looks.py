@@ -1,4 +1,4 @@
-"""Compares the looks and the friction of a USD's shapes with the robot's."""
+"""Compares the looks and the friction of a USD's shapes with those of the robot's shapes."""
 
 from collections.abc import Iterator
 from pathlib import PurePosixPath
@@ -11,44 +11,51 @@ from linkwright.stages.robot.model.geometry import Shape
 from linkwright.stages.validate.findings import differs
 from linkwright.stages.validate.usd.shape_reader import ReadUsdShape
 
-COLOUR_TOLERANCE = 1e-5
-"""Tolerance of colours, which are in single precision."""
+SINGLE_TOLERANCE = 1e-5
+"""Tolerance of colours and of coefficients of friction, which are in single precision; relative for
+coefficients above 1."""
 
 
-def looks(element: str, which: str, shape: ReadUsdShape, in_robot: Shape) -> Iterator[Finding]:
-    """Compares the look of a shape. `element`: the title of the body; `which`: the shape's role and
-    number."""
-    if in_robot.colour is not None and in_robot.role == "visual":
-        yield from _colours(element, which, shape, in_robot)
-    friction = in_robot.contact.friction if in_robot.contact is not None else None
+def look_differences(
+    element: str, shape_title: str, shape: ReadUsdShape, expected_shape: Shape
+) -> Iterator[Finding]:
+    """Yields the differences of a shape's look and friction. `element`: the title of the body; `shape_title`:
+    the shape's role and number, such as "visual 2"."""
+    if expected_shape.colour is not None and expected_shape.role == "visual":
+        yield from _surface_differences(element, shape_title, shape, expected_shape)
+    friction = expected_shape.contact.friction if expected_shape.contact is not None else None
     expected = {}
     if friction is not None:
+        # MuJoCo and the robot have one coefficient of sliding; UsdPhysics has a static and a dynamic one.
         slide, twist, roll = friction
         expected = dict.fromkeys(("physics:staticFriction", "physics:dynamicFriction"), slide)
         expected |= {"newton:torsionalFriction": twist, "newton:rollingFriction": roll}
-    friction_found = shape.look.friction
-    for name in (*expected, *(friction_found.keys() - expected.keys())):
-        if not _is_same(friction_found.get(name), expected.get(name)):
-            attribute = f"{which} material:binding:physics {name}"
-            yield differs(element, attribute, friction_found.get(name), expected.get(name))
+    actual = shape.look.friction
+    for name in (*expected, *(actual.keys() - expected.keys())):
+        if not _is_same(actual.get(name), expected.get(name)):
+            attribute = f"{shape_title} material:binding:physics {name}"
+            yield differs(element, attribute, actual.get(name), expected.get(name))
 
 
-def _colours(element: str, which: str, shape: ReadUsdShape, in_robot: Shape) -> Iterator[Finding]:
-    assert in_robot.colour is not None
-    rgb, look = linear(in_robot.colour), shape.look
-    expected = (*rgb, in_robot.colour[3], ROUGHNESS)
-    attribute = f"{which} material:binding"
+def _surface_differences(
+    element: str, shape_title: str, shape: ReadUsdShape, expected_shape: Shape
+) -> Iterator[Finding]:
+    """Yields the differences of the colour, the opacity and the image of a visual shape."""
+    assert expected_shape.colour is not None
+    rgb, look = linear(expected_shape.colour), shape.look
+    expected = (*rgb, expected_shape.colour[3], ROUGHNESS)
+    attribute = f"{shape_title} material:binding"
     if not look.colour:
-        yield differs(element, attribute, "no material of a surface", expected)
-    elif PurePosixPath(look.image).name != (in_robot.texture or ""):
-        yield differs(element, attribute, look.image or "no image", in_robot.texture or "no image")
-    elif not np.allclose(look.colour, expected, atol=COLOUR_TOLERANCE):
+        yield differs(element, attribute, "no surface material", expected)
+    elif PurePosixPath(look.image).name != (expected_shape.texture or ""):
+        yield differs(element, attribute, look.image or "no image", expected_shape.texture or "no image")
+    elif not np.allclose(look.colour, expected, atol=SINGLE_TOLERANCE):
         yield differs(element, attribute, look.colour, expected)
-    if not look.display or not np.allclose(look.display, rgb, atol=COLOUR_TOLERANCE):
-        yield differs(element, f"{which} primvars:displayColor", look.display or None, rgb)
+    if not look.display or not np.allclose(look.display, rgb, atol=SINGLE_TOLERANCE):
+        yield differs(element, f"{shape_title} primvars:displayColor", look.display or None, rgb)
 
 
 def _is_same(actual: float | None, expected: float | None) -> bool:
     if actual is None or expected is None:
         return actual is expected
-    return abs(actual - expected) <= COLOUR_TOLERANCE * max(1.0, abs(expected))
+    return abs(actual - expected) <= SINGLE_TOLERANCE * max(1.0, abs(expected))

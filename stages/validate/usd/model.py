@@ -15,7 +15,7 @@ from linkwright.stages.robot.model.poses import UNMOVED
 from linkwright.stages.robot.model.robot import Array, Robot
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.findings import differs, named, pose_findings, shown
-from linkwright.stages.validate.usd.looks import looks
+from linkwright.stages.validate.usd.looks import look_differences
 from linkwright.stages.validate.usd.reader import UsdRobot
 from linkwright.stages.validate.usd.shape_reader import ReadUsdShape
 
@@ -135,7 +135,7 @@ def _differences(
 ) -> Iterator[Finding]:
     for number, (shape, in_robot) in enumerate(zip(actual, expected, strict=True), 1):
         which = f"{role} {number}"
-        yield from looks(element, which, shape, in_robot)
+        yield from look_differences(element, which, shape, in_robot)
         for attribute, has, required in shape.lacks:
             yield differs(element, f"{which} {attribute}", has, required)
         kind = in_robot.primitive.kind if in_robot.primitive else "mesh"

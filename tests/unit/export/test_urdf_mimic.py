@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from linkwright.stages.formats.urdf.as_written import urdf_form
+from linkwright.stages.formats.urdf.urdf_robot import urdf_form
 from linkwright.stages.formats.written import Written
 from linkwright.stages.formats.xml import parse
 from linkwright.stages.robot.model.robot import Limits, Relation, frozen

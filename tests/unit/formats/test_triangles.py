@@ -71,5 +71,5 @@ def test_malformed_textures_are_refused(changes):
 
 
 def test_coordinates_that_are_cut_short_are_refused():
-    with pytest.raises(ProtocolError, match="announced"):
-        triangles.check(body_arrays.encode([body()])[:-4])
+    with pytest.raises(ProtocolError, match="announces"):
+        triangles.require_compact(body_arrays.encode([body()])[:-4])

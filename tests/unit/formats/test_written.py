@@ -5,7 +5,7 @@ from dataclasses import fields
 import pytest
 
 from linkwright.stages.formats.mjcf import written as mjcf_written
-from linkwright.stages.formats.urdf.as_written import urdf_form
+from linkwright.stages.formats.urdf.urdf_robot import urdf_form
 from linkwright.stages.formats.written import Written, decode, encode
 from linkwright.stages.robot.dynamics.driven import as_driven
 from tests.support.truth import differences

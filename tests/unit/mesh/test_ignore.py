@@ -47,7 +47,7 @@ def test_globs_on_links_and_parts(visual, collision, seen, solid):
 def test_ignored_part_costs_no_collider(monkeypatch):
     names = set()
     monkeypatch.setattr(
-        collide._ColliderMemory, "_make", lambda self, job, how: names.add(job.name) or Collision()
+        collide._ColliderMaker, "_make", lambda self, job, function: names.add(job.name) or Collision()
     )
     keys = {"mesh": {"collider": "coacd", "colliders": {"Bracket": "coacd"}}}
     made(BOTH, **keys, ignore={"collision": ["Bracket"]})

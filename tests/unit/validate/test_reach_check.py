@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from linkwright.stages.validate.checks.contact import reach
-from linkwright.stages.validate.model.following import Follower, swept_joints
+from linkwright.stages.validate.model.equality_solver import EqualitySolver, swept_joints
 from tests.support.robots import joint, robot_with
 from tests.support.written import compiled_of
 
@@ -107,9 +107,9 @@ def test_a_parallelogram_is_closed_by_equal_angles():
     """Its rocker turns as its crank, and its rod back by as much."""
     model = mujoco.MjModel.from_xml_string(FOUR_BAR)
     pose = model.qpos0.copy()
-    follower = Follower(model, pose)
+    solver = EqualitySolver(model)
     for value in np.linspace(0, 1, 10):
-        pose = follower.at(model.joint("crank").id, float(value), pose)
+        pose = solver.solve(model.joint("crank").id, float(value), pose)
         assert pose == pytest.approx([value, -value, value], abs=1e-4)
 
 
@@ -119,7 +119,7 @@ def test_an_angle_that_no_loop_reaches():
         FOUR_BAR.replace('pos="0 .3 0"/></body>\n</w', 'pos="0 .05 0"/></body>\n</w')
     )
     start = model.qpos0.copy()
-    assert Follower(model, start).at(model.joint("crank").id, math.pi / 2, start) is None
+    assert EqualitySolver(model).solve(model.joint("crank").id, math.pi / 2, start) is None
 
 
 def test_of_a_loop_the_driven_joints_are_swept_else_all():

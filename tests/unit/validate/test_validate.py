@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from linkwright.stages.formats.urdf.as_written import urdf_form
+from linkwright.stages.formats.urdf.urdf_robot import urdf_form
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.robot.model.poses import inverse, turns_from_rotation
 from linkwright.stages.robot.model.poses import turn as turned

@@ -219,7 +219,7 @@ def _require_complete(need: Needs, request: str, body: bytes, mass: bytes) -> No
     """Raises Declined if triangles that were requested by part, or identified by shape, lack one of the
     parts."""
     try:
-        lacking = sorted(set(need.parts) - triangles.names(compacted(request, body, mass)))
+        lacking = sorted(set(need.parts) - triangles.ids_with_triangles(compacted(request, body, mass)))
     except ProtocolError as error:
         raise Declined(error.message, error.where, error.hint) from error
     if lacking:
@@ -241,7 +241,10 @@ def _require_solids(need: Needs, request: str, body: bytes, mass: bytes) -> None
 
     A solid whose volume is not known, since `mass` lacks it, counts as having a volume.
     """
-    volumes, bodies_with_triangles = _volumes(mass), triangles.names(compacted(request, body, mass))
+    volumes, bodies_with_triangles = (
+        _volumes(mass),
+        triangles.ids_with_triangles(compacted(request, body, mass)),
+    )
     lacking = [
         part for part in need.solids if volumes.get(part, 1.0) > 0 and part not in bodies_with_triangles
     ]

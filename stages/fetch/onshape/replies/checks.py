@@ -27,7 +27,7 @@ def accepted(request: str, body: bytes) -> bytes:
     """Returns the form in which a reply is cached: unchanged, except tessellated faces, which are in compact
     form. Raises the errors of `check`."""
     if triangles.is_compact(body):
-        triangles.check(body)
+        triangles.require_compact(body)
         return body
     if is_triangles(request):
         # Late: an unchanged source is not read again.

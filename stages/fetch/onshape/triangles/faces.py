@@ -66,7 +66,7 @@ def compact(reply: bytes) -> bytes:
     Raises ProtocolError if the reply is not JSON, has no bodies, or has a body in no known shape.
     """
     if triangles.is_compact(reply):
-        triangles.check(reply)
+        triangles.require_compact(reply)
         return reply
     try:
         return body_arrays.encode(read(reply))

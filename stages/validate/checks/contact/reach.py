@@ -13,12 +13,13 @@ import mujoco
 import numpy as np
 
 from linkwright.stages.robot.check import Check, Finding, Table
+from linkwright.stages.robot.model.robot import Array
 from linkwright.stages.robot.motion.start_pose import home
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.model.coordinates import HINGE, set_values
-from linkwright.stages.validate.model.following import Follower, swept_joints
+from linkwright.stages.validate.model.equality_solver import EqualitySolver, swept_joints
 
 STEPS = 24
 """Number of values of a joint from one end of its range to the other, in addition to `home`."""
@@ -65,11 +66,11 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     start = data.qpos.copy()
     mujoco.mj_collision(model, data)
     at_home = _contacts(model, data)
-    follower = Follower(model, start)
+    solver = EqualitySolver(model)
     rows, findings, poses, swept = [], [], 0, swept_joints(model, start)
     joints, steps = _within_reason(swept, model.nbody)
     for joint in joints:
-        meetings, tried = _swept(model, data, follower, joint, set(at_home), steps)
+        meetings, tried = _swept(model, data, solver, start, joint, set(at_home), steps)
         poses += tried
         name = model.joint(joint).name
         for (pair, _), meeting in sorted(meetings.items()):
@@ -108,19 +109,26 @@ def _within_reason(joints: list[int], bodies: int) -> tuple[list[int], int]:
 
 
 def _swept(
-    model: Any, data: Any, follower: Follower, joint: int, ignored: set[tuple[int, int]], steps: int
+    model: Any,
+    data: Any,
+    solver: EqualitySolver,
+    start: Array,
+    joint: int,
+    ignored: set[tuple[int, int]],
+    steps: int,
 ) -> tuple[dict[tuple[tuple[int, int], float], Meeting], int]:
-    """Sweeps a joint from `home` to the low end and to the high end of its range. Returns the pairs of bodies
-    that meet, each with the end towards which they do, and the number of poses tried."""
+    """Sweeps a joint from its value in the pose `start` (nq,), whose equalities are closed, to the low end
+    and to the high end of its range. Returns the pairs of bodies that meet, each with the end towards which
+    they do, and the number of poses tried."""
     meetings: dict[tuple[tuple[int, int], float], Meeting] = {}
-    value = follower.start[model.jnt_qposadr[joint]]
+    value = start[model.jnt_qposadr[joint]]
     low, high = _range(model, joint, value)
     step, tried = max(high - low, 1e-12) / steps, 0
     for end in (low, high):
-        pose = follower.start
+        pose = start
         # Rounding must not add a step.
         for at in np.linspace(value, end, math.ceil(abs(end - value) / step - 1e-6) + 1)[1:]:
-            next_pose = follower.at(joint, float(at), pose)
+            next_pose = solver.solve(joint, float(at), pose)
             if next_pose is None:
                 break
             pose, tried = next_pose, tried + 1

@@ -13,9 +13,9 @@ from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.by_contact.ends import fitted_end
 from linkwright.stages.mesh.by_contact.poses import near_pairs, relative
 from linkwright.stages.mesh.configuration.collider_settings import ContactSettings
+from linkwright.stages.mesh.cut.chunk import engine_hull, hull_chunk
 from linkwright.stages.mesh.cut.cutting import cut
 from linkwright.stages.mesh.cut.outside import Outside
-from linkwright.stages.mesh.cut.piece import hulled, rough
 from linkwright.stages.mesh.cut.planes import crossing, flat_faces, through
 from linkwright.stages.robot.contact.clearance import engine
 from tests.support.robots import at, pose
@@ -46,7 +46,7 @@ def test_hulls_of_both_sides_hold_the_whole_surface(seed):
     rng = np.random.default_rng(seed)
     normal = rng.normal(size=3)
     halves = cut(of_mesh(ball), normal / np.linalg.norm(normal), rng.uniform(-0.03, 0.03))
-    volume = sum(hulled(side, 1000, 0).volume for side in halves)
+    volume = sum(hull_chunk(side, 1000, 0).volume for side in halves)
     assert volume == pytest.approx(ConvexHull(ball.vertices).volume, rel=1e-4)
 
 
@@ -116,7 +116,7 @@ def test_hull_of_a_corner_stands_out_by_its_slant():
     outside = Outside.of(ell, 0.002)
 
     def most(*sides):
-        return outside.standing_out([outside.sampled(hulled(side, 64, 0).piece) for side in sides]).most
+        return outside.standing_out([outside.sampled(hull_chunk(side, 64, 0).piece) for side in sides]).most
 
     assert most(ell) == pytest.approx(0.04, abs=2e-3)  # from the middle of the slant to the nearest wall
     assert most(*cut(ell, np.array([1.0, 0, 0]), 0.02)) < 1e-5
@@ -133,7 +133,7 @@ def test_planes_are_beside_the_faces_and_across_the_axes():
 def test_bareness_of_an_end_is_measured():
     """A box of 80 mm by its upper and lower quarter: half is missing, and 20 mm are bare at most."""
     whole, up = box(0.04, 0.04, 0.08), np.array([0.0, 0, 1])
-    pieces = [hulled(side, 64, 0) for side in (cut(whole, up, 0.02)[1], cut(whole, up, -0.02)[0])]
+    pieces = [hull_chunk(side, 64, 0) for side in (cut(whole, up, 0.02)[1], cut(whole, up, -0.02)[0])]
     _, end = fitted_end(whole, [pieces], ContactSettings())
     assert end.meets
     assert (end.measures.extra, end.measures.missing) == pytest.approx((0.0, 0.5), abs=1e-4)
@@ -146,10 +146,10 @@ def test_corner_may_have_any_number_of_neighbours(corners):
     cone = trimesh.creation.cone(0.05, 0.08, sections=corners)
     cylinder = trimesh.creation.cylinder(0.05, 0.08, sections=corners)
     cylinder.apply_translation((0, 0, 0.04))
-    cube, _ = rough(trimesh.creation.box((0.2, 0.2, 0.2)).vertices)
+    cube, _ = engine_hull(trimesh.creation.box((0.2, 0.2, 0.2)).vertices)
     (below,) = engine().poses(at(0, 0, -0.09)[None])
     for mesh in (cone, cylinder):
-        convex, volume = rough(mesh.vertices)
+        convex, volume = engine_hull(mesh.vertices)
         assert volume == pytest.approx(mesh.volume, rel=1e-9)
         assert engine().depth(convex, cube, below) == pytest.approx(0.01, abs=2e-5)
-    assert hulled(of_mesh(cone), 2000, 0).volume == pytest.approx(cone.volume, rel=1e-5)
+    assert hull_chunk(of_mesh(cone), 2000, 0).volume == pytest.approx(cone.volume, rel=1e-5)

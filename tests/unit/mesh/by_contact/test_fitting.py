@@ -7,7 +7,7 @@ import trimesh
 from linkwright.stages.mesh.by_contact import fitting
 from linkwright.stages.mesh.by_contact.fitting import EndToFit, end_fitter
 from linkwright.stages.mesh.configuration.collider_settings import ContactSettings
-from linkwright.stages.mesh.cut.piece import Chunk, hulled
+from linkwright.stages.mesh.cut.chunk import Chunk, hull_chunk
 from linkwright.stages.mesh.fit import fittest
 from linkwright.stages.mesh.surfaces.pieces import surface_of
 from linkwright.stages.robot.system.guest import Bounds
@@ -20,7 +20,7 @@ def end(x, y, z):
     """A fork with two tines."""
     boxes = [((0, 0, 0), (x, y, 0.01)), ((0, 0, 0), (0.01, y, z)), ((x - 0.01, 0, 0), (x, y, z))]
     fork = of_mesh(trimesh.boolean.union([trimesh.creation.box(bounds=box) for box in boxes]))
-    return EndToFit(fork, ((hulled(fork, SETTINGS.max_vertices, 0),),), SETTINGS)
+    return EndToFit(fork, ((hull_chunk(fork, SETTINGS.max_vertices, 0),),), SETTINGS)
 
 
 ENDS = [end(0.08, 0.02, 0.05), end(0.05, 0.03, 0.09), end(0.06, 0.02, 0.06)]
@@ -38,7 +38,7 @@ def plain(fitted):
     return [
         (
             [
-                (content(chunk.surface), content(surface_of(chunk.piece)), chunk.group, chunk.volume)
+                (content(chunk.surface), content(surface_of(chunk.piece)), chunk.collider_index, chunk.volume)
                 for chunk in chunks
             ],
             repr(fit),
@@ -64,7 +64,7 @@ def test_two_processes_give_what_one_gives(here, monkeypatch):
 
 def test_end_that_needs_no_cut_keeps_its_pieces():
     """The very same object, by which its depths in other links are known; a primitive stays a primitive."""
-    block = hulled(box(0.04, 0.05, 0.06), 32, 0)
+    block = hull_chunk(box(0.04, 0.05, 0.06), 32, 0)
     ball = of_mesh(trimesh.creation.icosphere(3, 0.02))
     sphere = fittest(ball)
     start = Chunk.of(ball, sphere, 0)

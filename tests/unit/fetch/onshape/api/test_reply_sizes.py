@@ -183,7 +183,7 @@ def test_a_text_that_is_nested_without_end_is_refused():
         with pytest.raises(MalformedError):
             plain(Document(text).root())
     with pytest.raises(ProtocolError):
-        codec.check(codec.MAGIC + struct.pack("<I", 200_000) + b"[" * 200_000)
+        codec.require_compact(codec.MAGIC + struct.pack("<I", 200_000) + b"[" * 200_000)
 
 
 def test_few_triangles_that_are_many_are_refused(monkeypatch):
@@ -216,9 +216,9 @@ def test_more_colours_than_are_kept_are_reported(monkeypatch):
 def test_a_compact_form_with_a_header_that_is_none_is_refused():
     for header in (b'{"bodies":[{"id":"A","points":0,"triangles":0,"palette":["abcd"]}]}', b"[]", b"7"):
         with pytest.raises(ProtocolError):
-            codec.check(codec.MAGIC + struct.pack("<I", len(header)) + header)
+            codec.require_compact(codec.MAGIC + struct.pack("<I", len(header)) + header)
     with pytest.raises(ProtocolError, match="its header has"):
-        codec.check(codec.MAGIC + struct.pack("<I", 1 << 31))
+        codec.require_compact(codec.MAGIC + struct.pack("<I", 1 << 31))
 
 
 def changed(**changes):

@@ -144,7 +144,7 @@ def test_bodies_are_found_by_name_and_only_those_wanted_are_read():
         [{"id": "A", **box}, {"id": "B", **box}, {"id": "A"}, {"id": "C"}, {"id": 7}, 8]
     ).encode()
     compact = faces.compact(reply)
-    assert codec.names(compact) == {"A", "B"}
+    assert codec.ids_with_triangles(compact) == {"A", "B"}
     assert set(body_arrays.decode(compact)) == {"A", "B", "C"}
     assert set(body_arrays.decode(compact, {"B", "D"})) == {"B"}
     assert len(body_arrays.decode(compact)["A"].triangles) == 1

@@ -71,7 +71,7 @@ def test_a_node_that_is_named_by_a_part_id_is_that_part():
     of = studio()
     of.part("Twin cover", solids.box(0.2, 0.09, 0.002, at=(0, 0, 0.28)))
     twins = {part.id for part in of.parts[3:]}
-    unnamed = codec.names(gltf_parts.compact(gltf(of.parts, appearances=True), masses(of)))
+    unnamed = codec.ids_with_triangles(gltf_parts.compact(gltf(of.parts, appearances=True), masses(of)))
     assert unnamed == {part.id for part in of.parts} - twins  # neither has a mass, so neither a place
     named = gltf(of.parts, appearances=True, name=lambda part, _: part.id)
     assert_same(body_arrays.decode(gltf_parts.compact(named, masses(of))), from_faces(of))

@@ -39,7 +39,9 @@ def test_only_what_is_used_is_asked_for_where_a_studio_holds_many_others(used, u
         (request,) = targets_of(server, "/tessellatedfaces?")
         assert parts_in(request) == (ids if some else [])
         body = outcome.bundle.body(outcome.bundle.studios[0].tessellation)
-        assert triangles.names(body) == (set(ids) if some else {p.id for p in document.studios[0].parts})
+        assert triangles.ids_with_triangles(body) == (
+            set(ids) if some else {p.id for p in document.studios[0].parts}
+        )
         assert fetched(onshape(server.document_url("m")), kept).calls == 0
         again = fetched(onshape(server.document_url()), kept, server.environ)
         assert (again.calls, again.bundle) == (1, outcome.bundle)
@@ -88,7 +90,7 @@ def test_a_server_that_forgets_parts_is_asked_for_all():
         outcome = fetched(onshape(server.document_url("m")), kept, server.environ)
         assert [parts_in(request) for request in targets_of(server, "/tessellatedfaces?")] == [ids, []]
         body = outcome.bundle.body(outcome.bundle.studios[0].tessellation)
-        assert set(ids) <= triangles.names(body)
+        assert set(ids) <= triangles.ids_with_triangles(body)
         assert fetched(onshape(server.document_url("m")), kept).bundle == outcome.bundle
 
 

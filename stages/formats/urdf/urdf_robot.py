@@ -13,36 +13,44 @@ from linkwright.stages.robot.text.names import free
 
 
 def urdf_form(robot: Robot, merged: bool = False, preferred_drivers: Sequence[str] = ()) -> UrdfForm:
-    """Returns the form of a robot's URDF. `preferred_drivers`: names of dofs to prefer as drivers of closed
-    loops."""
+    """Returns the form of a robot's URDF.
+
+    `merged`: whether links on fixed joints are merged; `preferred_drivers`: names of dofs to prefer as
+    drivers of closed loops.
+    """
     if not robot.loops:
         return UrdfForm(merged)
     couplings = linear_couplings(robot, home(robot), preferred_drivers)
     return UrdfForm(merged, couplings, closed_loops(robot, couplings))
 
 
-def urdf_robot(robot: Robot, form: UrdfForm, held: Holders) -> Robot:
+def urdf_robot(robot: Robot, form: UrdfForm, holders: Holders) -> Robot:
     """Returns the robot that a URDF of this form describes: the content of merged links is moved to the links
-    that hold them (`held`), and each <mimic> is a relation."""
+    that hold them, and each <mimic> is a relation. `holders`: the holder of each link."""
     robot = replace(robot, relations=_relations(robot, form), mjcf=None)
-    if all(holder == link for link, (holder, _) in held.items()):
+    if all(holder == link for link, (holder, _) in holders.items()):
         return robot
-    merged_robot = fused(robot, held)
+    merged_robot = fused(robot, holders)
     names = {joint.name: joint.name for joint in merged_robot.joints}
+    # Controls of joints that were merged away are left out.
     controls = (with_joints(text, names)[0] for text in robot.controls)
     return replace(merged_robot, controls=tuple(text for text in controls if text))
 
 
 def _relations(robot: Robot, form: UrdfForm) -> tuple[Relation, ...]:
-    """Returns the relations of the robot and of its loops. Chains are resolved: no driver is a follower."""
-    exact = {mimic.follower: mimic for mimic in form.mimics}
+    """Returns the robot's relations, and a relation for each <mimic> that replaces a loop.
+
+    A <mimic> must not follow a joint that itself follows another one. A relation whose driver follows a loop
+    is therefore expressed by the joint that drives the loop.
+    """
+    mimic_by_follower = {mimic.follower: mimic for mimic in form.mimics}
     relations = []
     for relation in robot.relations:
-        driver_mimic = exact.get(relation.driver)
+        driver_mimic = mimic_by_follower.get(relation.driver)
         if driver_mimic is not None:
             offset = relation.multiplier * driver_mimic.offset + relation.offset
-            factor = relation.multiplier * driver_mimic.multiplier
-            relation = replace(relation, driver=driver_mimic.driver, multiplier=factor, offset=offset)
+            multiplier = relation.multiplier * driver_mimic.multiplier
+            relation = replace(relation, driver=driver_mimic.driver, multiplier=multiplier, offset=offset)
         relations.append(relation)
     used_names = {relation.name for relation in robot.relations} | {loop.name for loop in robot.loops}
     for mimic in form.mimics:

@@ -1,4 +1,4 @@
-"""Moves the joints of a compiled model that follow another joint, by relations and closed loops."""
+"""Closes the equalities of a compiled model (relations and loops) after a joint has moved."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -9,52 +9,57 @@ import numpy as np
 from linkwright.stages.robot.model.robot import Array
 from linkwright.stages.validate.model.coordinates import HINGE, SLIDE
 
-MAX_ITERATIONS = 6
+_MAX_ITERATIONS = 6
 """Largest number of steps of Newton's method for a pose."""
 
 EQUALITY_TOLERANCE = 1e-5
 """Tolerance of equalities [m, rad], which is exact enough for collisions."""
 
 ZERO_COLUMN = 1e-9
-"""Columns of the equalities' Jacobian below this count as zero."""
+"""A dof does not move an equality if all entries of its column in the equalities' Jacobian are below this."""
+
+_MIN_SINGULAR_VALUE = 1e-9
+"""Singular values of the Jacobian below this share of the largest are only rounding: equalities may be
+redundant."""
+
+_DISABLED_CONSTRAINTS = int(
+    mujoco.mjtDisableBit.mjDSBL_CONTACT
+    | mujoco.mjtDisableBit.mjDSBL_LIMIT
+    | mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS
+)
+"""Constraints that have no part in the equalities."""
 
 
 @dataclass(slots=True)
-class Follower:
+class EqualitySolver:
     """Closes the equalities of a model by Newton's method, from a pose nearby."""
 
     model: Any
-    start: Array
-    """A pose (nq,) with closed equalities."""
-
     _data: Any = field(init=False)
-    _closes: bool = field(init=False)
 
     def __post_init__(self) -> None:
         self._data = mujoco.MjData(self.model)
-        self._closes = bool(self.model.neq)
 
-    def at(self, joint: int, value: float, near: Array) -> Array | None:
-        """Returns the pose (nq,) with a joint at `value` and the other joints as near to `near` as the
-        equalities allow. Returns None if the equalities cannot be closed."""
+    def solve(self, joint: int, value: float, near: Array) -> Array | None:
+        """Returns a pose (nq,) with a joint at `value` and closed equalities, found by small changes of the
+        other joints from the pose `near`. Returns None if the equalities cannot be closed."""
         model, data = self.model, self._data
         pose = near.copy()
         pose[model.jnt_qposadr[joint]] = value
-        if not self._closes:
+        if not model.neq:
             return pose
         dof = int(model.jnt_dofadr[joint])
-        for _ in range(MAX_ITERATIONS):
+        for _ in range(_MAX_ITERATIONS):
             jacobian, error = equalities(model, data, pose)
             if np.abs(error).max(initial=0.0) < EQUALITY_TOLERANCE:
                 return pose
             # The joint stays at its value.
             jacobian[:, dof] = 0.0
-            # Equalities may be redundant: singular values that are only rounding are left out.
-            step = -np.linalg.lstsq(jacobian, error, rcond=1e-9)[0]
+            step = -np.linalg.lstsq(jacobian, error, rcond=_MIN_SINGULAR_VALUE)[0]
             step[dof] = 0.0
             mujoco.mj_integratePos(model, pose, step, 1.0)
-        largest = np.abs(equalities(model, data, pose)[1]).max(initial=0.0)
-        return pose if largest < EQUALITY_TOLERANCE else None
+        _, error = equalities(model, data, pose)
+        return pose if np.abs(error).max(initial=0.0) < EQUALITY_TOLERANCE else None
 
 
 def equalities(model: Any, data: Any, pose: Array) -> tuple[Array, Array]:
@@ -76,16 +81,9 @@ def equalities(model: Any, data: Any, pose: Array) -> tuple[Array, Array]:
     return jacobian[rows], np.array(data.efc_pos[rows])
 
 
-_DISABLED_CONSTRAINTS = int(
-    mujoco.mjtDisableBit.mjDSBL_CONTACT
-    | mujoco.mjtDisableBit.mjDSBL_LIMIT
-    | mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS
-)
-
-
 def swept_joints(model: Any, pose: Array) -> list[int]:
-    """Returns the hinges and slides with a range, and the hinges without limits. Of joints that move each
-    other it returns only the driven joints or, if none is driven, all but the followers of relations."""
+    """Returns all hinges, and the slides that have limits. Of the joints that equalities couple, only the
+    driven ones are returned, or, if none is driven, those that follow no relation."""
     scalar = [
         joint
         for joint in range(model.njnt)
@@ -94,10 +92,10 @@ def swept_joints(model: Any, pose: Array) -> list[int]:
     if not model.neq:
         return scalar
     jacobian = equalities(model, mujoco.MjData(model), pose)[0]
-    coupled = np.abs(jacobian).max(axis=0, initial=0.0) > ZERO_COLUMN
+    coupled_dofs = np.abs(jacobian).max(axis=0, initial=0.0) > ZERO_COLUMN
     driven = {int(joint) for joint in model.actuator_trnid[:, 0]} if model.nu else set()
     relations = model.eq_type == mujoco.mjtEq.mjEQ_JOINT
     followers = {int(joint) for joint in model.eq_obj1id[relations]}
-    bound = {joint for joint in scalar if coupled[model.jnt_dofadr[joint]]}
-    independent = bound & driven or bound - followers
-    return [joint for joint in scalar if joint not in bound or joint in independent]
+    coupled_joints = {joint for joint in scalar if coupled_dofs[model.jnt_dofadr[joint]]}
+    independent = (coupled_joints & driven) or (coupled_joints - followers)
+    return [joint for joint in scalar if joint not in coupled_joints or joint in independent]
