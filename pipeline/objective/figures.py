@@ -13,7 +13,7 @@ from linkwright.stages.export import export
 from linkwright.stages.formats.written import NO_SHAPES
 from linkwright.stages.robot.motion.reach import reaches
 from linkwright.stages.robot.text.globs import listed
-from linkwright.stages.validate.check_options import Asked, known_payload
+from linkwright.stages.validate.check_options import CheckOptions, known_payload
 from linkwright.stages.validate.torque_share import torque_share
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def _torque_margin(robot: "model.Robot", plan: "Plan") -> float:
     mjcf_only = type(plan.export).model_validate({"mjcf": plan.export.mjcf or {}})
     keys = plan.model_copy(update={"export": mjcf_only, "elements": {}, "attributes": {}})
     exported = export(robot, NO_SHAPES, keys)
-    options = Asked(payload=known_payload(robot, plan.validate.payload))
+    options = CheckOptions(payload=known_payload(robot, plan.validate.payload))
     with tempfile.TemporaryDirectory() as folder:
         for path, data in exported.files.items():
             file = Path(folder, path)

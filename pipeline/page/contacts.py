@@ -10,13 +10,15 @@ from linkwright.stages.robot.text.plural import count
 
 
 def contacts(excludes: Sequence[Mapping[str, Any]]) -> str:
-    """Renders the section: each pair with its reason, and with its colliders if only some of them do not
-    collide. Pairs with a joint between them are folded."""
+    """Renders the section: a row for each pair, with the reason, and with the colliders concerned unless all
+    are. Pairs with a joint between them are folded."""
     adjacent = [row for row in excludes if str(row["reason"]) == "Adjacent"]
     other_pairs = [row for row in excludes if str(row["reason"]) != "Adjacent"]
-    words = f"{count(len(adjacent), 'pair')} with a joint between them"
-    values = {"distant": _table(other_pairs), "words": words, "near": _table(adjacent)}
-    return rendered("contacts", **values) if excludes else ""
+    fold_title = f"{count(len(adjacent), 'pair')} with a joint between them"
+    if not excludes:
+        return ""
+    tables = {"other_pairs": _table(other_pairs), "adjacent": _table(adjacent)}
+    return rendered("contacts", **tables, fold_title=fold_title)
 
 
 def _table(excludes: Sequence[Mapping[str, Any]]) -> PageTable | None:
@@ -24,7 +26,7 @@ def _table(excludes: Sequence[Mapping[str, Any]]) -> PageTable | None:
         [*row["links"], row["reason"], f"{row['depth']:.2f}", _colliders(row["colliders"])]
         for row in excludes
     ]
-    return plain_table(["link", "other link", "reason", "depth at home, mm", "of their colliders"], rows)
+    return plain_table(["link", "other link", "reason", "depth at home, mm", "colliders concerned"], rows)
 
 
 def _colliders(colliders: Sequence[Sequence[str]] | None) -> str:

@@ -12,7 +12,7 @@ from linkwright.pipeline.page.codes import codes, problems_of
 from linkwright.pipeline.page.colliders import colliders
 from linkwright.pipeline.page.contacts import contacts
 from linkwright.pipeline.page.files import files, variants
-from linkwright.pipeline.page.findings import diagnostics, error
+from linkwright.pipeline.page.findings import diagnostics_section, error_section
 from linkwright.pipeline.page.fix_first import MAX_FIXES, fix_first, fixes
 from linkwright.pipeline.page.graph import graph, tables_of
 from linkwright.pipeline.page.head import facts, head
@@ -70,10 +70,10 @@ def frame(
         stage_views.get(PICTURE, ""), tree["outline"], tables, secrets, is_file=PICTURE in tree["outputs"]
     )
     parts = [
-        ReportSection("error", "Error", error(tree["error"])),
+        ReportSection("error", "Error", error_section(tree["error"])),
         ReportSection("fix", "Fix first", fix_first(tree, to_fix)),
         ReportSection("checks", "Checks", checks(tree["checks"])),
-        ReportSection("diagnostics", "Diagnostics", diagnostics(tree["diagnostics"])),
+        ReportSection("diagnostics", "Diagnostics", diagnostics_section(tree["diagnostics"])),
         ReportSection("graph", "Graph", graph_section),
         ReportSection("joints", "Joints", tables_of("Joints", tables)),
         ReportSection("masses", "Masses", tables_of("Masses", tables)),

@@ -11,26 +11,28 @@ from linkwright.pipeline.page.html.template import hint, marked, name, rendered,
 from linkwright.stages.robot.text.plural import count
 
 LEVEL_TITLES = {"error": "Errors", "warning": "Warnings", "info": "For information"}
+"""Level → the title of its section, in the order of the page."""
 
 MAX_UNFOLDED = 8
 """Largest number of informational rows that are shown unfolded."""
 
 
-def error(problem: Mapping[str, Any] | None) -> str:
-    """Renders the error that ended a build, with all its problems; "" if there was no error."""
+def error_section(problem: Mapping[str, Any] | None) -> str:
+    """Renders the error that ended a build, with all its problems. Returns "" if there was no error."""
     if problem is None:
         return ""
     problems = _table(problem.get("problems", []))
     return rendered("error", **{"where": "", "hint": "", **problem, "problems": problems})
 
 
-def diagnostics(problems: Sequence[Mapping[str, Any]]) -> str:
-    """Renders the diagnostics, grouped by level: errors, warnings, information."""
+def diagnostics_section(problems: Sequence[Mapping[str, Any]]) -> str:
+    """Renders the diagnostics, grouped by level: errors, warnings, information. Returns "" if there are
+    none."""
     groups = {
         level: [problem for problem in problems if level_of(problem["code"]) == level]
         for level in LEVEL_TITLES
     }
-    parts = [
+    sections = [
         {
             "title": LEVEL_TITLES[level],
             "table": _table(group),
@@ -41,7 +43,7 @@ def diagnostics(problems: Sequence[Mapping[str, Any]]) -> str:
         for level, group in groups.items()
         if group
     ]
-    return rendered("diagnostics", parts=parts) if parts else ""
+    return rendered("diagnostics", sections=sections) if sections else ""
 
 
 def _table(problems: Sequence[Mapping[str, Any]]) -> PageTable | None:
@@ -53,4 +55,4 @@ def _table(problems: Sequence[Mapping[str, Any]]) -> PageTable | None:
         ]
         for problem in problems
     ]
-    return table(["code", "where", "what"], rows, {"code": "code", "where": "place"}, heads="code")
+    return table(["code", "where", "message"], rows, {"code": "code", "where": "place"}, heads="code")

@@ -18,9 +18,8 @@ kind.
 - motion_digest: Computes a digest of everything that decides where the links of a robot are.
 - part_choices: Chooses for each part whether it is seen and solid, the maker of its collider, and the
   collider's contact.
+- part_mesh: Reads the mesh of each part: its triangles, welded to a surface.
 - section: Configuration of the mesh stage: collision and visual geometry.
-- tessellation: Reads the mesh of each part: its triangles, welded to a surface, in the frame of the part
-  studio.
 """
 
 from __future__ import annotations

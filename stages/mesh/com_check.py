@@ -10,8 +10,8 @@ import scipy
 
 from linkwright.stages.formats.meshes.surface import Points
 from linkwright.stages.mesh.files import stl
+from linkwright.stages.mesh.part_mesh import PartMesh
 from linkwright.stages.mesh.surfaces.pieces import enclosing_points
-from linkwright.stages.mesh.tessellation import PartMesh
 from linkwright.stages.robot.dynamics.inertia import merged, moved
 from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.model.geometry import Shape

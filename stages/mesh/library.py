@@ -3,8 +3,8 @@
 from collections.abc import Iterable
 
 from linkwright.stages.formats.meshes.surface import Surface
-from linkwright.stages.mesh import tessellation
-from linkwright.stages.mesh.tessellation import PartMesh
+from linkwright.stages.mesh import part_mesh
+from linkwright.stages.mesh.part_mesh import PartMesh
 from linkwright.stages.mesh.visuals.budget import Decimator
 from linkwright.stages.robot.bundle import Bundle
 from linkwright.stages.robot.model.robot import Link, MeshRef, Part
@@ -37,7 +37,7 @@ class MeshLibrary:
         for ref in set(refs):
             if ref.reply not in self._meshes_of_reply:
                 body = self._bundle.body(ref.reply)
-                self._meshes_of_reply[ref.reply] = tessellation.decode_meshes(
+                self._meshes_of_reply[ref.reply] = part_mesh.decode_meshes(
                     body, self._parts_of_reply[ref.reply]
                 )
             if ref.part in self._meshes_of_reply[ref.reply]:

@@ -11,7 +11,7 @@ import orjson
 
 from linkwright.stages.formats.meshes.surface import Surface, moved
 from linkwright.stages.mesh.files.mesh_file import MeshFile
-from linkwright.stages.mesh.tessellation import PartMesh
+from linkwright.stages.mesh.part_mesh import PartMesh
 from linkwright.stages.mesh.visuals.budget import Decimation, Decimator
 from linkwright.stages.mesh.visuals.make import Drawn, LinkVisuals, visuals
 from linkwright.stages.robot.model.robot import Array, MeshRef

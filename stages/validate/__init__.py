@@ -38,7 +38,7 @@ def validate(
     """Checks every model file in `folder`; with `validate=quick`, only its text and whether it compiles. A
     check that fails does not stop the others. `own`: the user's checks."""
     # Late: the configuration reads this package and checks nothing.
-    from linkwright.stages.validate.check_options import Asked, known_payload
+    from linkwright.stages.validate.check_options import CheckOptions, known_payload
     from linkwright.stages.validate.run import check_files, check_formats, check_texts, readiness
 
     checks: Sequence[ModelCheck] = ()
@@ -47,9 +47,9 @@ def validate(
 
         checks = MODEL_CHECKS
     payload = known_payload(written.robot, keys.validate.payload)
-    asked = Asked(keys.validate.level == "strict", payload)
+    options = CheckOptions(keys.validate.level == "strict", payload)
     results = list(check_texts(folder, written))
-    results += check_files(folder, written, checks, own if checks else (), asked)
+    results += check_files(folder, written, checks, own if checks else (), options)
     results += check_formats(folder, written, keys.target, quick=not checks)
     if checks:
         results += readiness(folder, written, results)

@@ -9,7 +9,7 @@ from linkwright.stages.robot.text.globs import there_are
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class CheckOptions:
     """The settings of a configuration for the checks."""
 
     strict: bool = False
@@ -19,7 +19,7 @@ class Asked:
     """Links or frames, each with the mass [kg] that it must carry in addition to the robot's own."""
 
 
-AS_STANDARD = Asked()
+DEFAULT_OPTIONS = CheckOptions()
 
 
 def known_payload(robot: Robot, payload: Mapping[str, float]) -> tuple[tuple[str, float], ...]:

@@ -13,7 +13,7 @@ from linkwright.stages.robot.model.amendments import Surplus, tag_of
 from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.robot.model.mjcf_extras import children_of
 from linkwright.stages.robot.model.robot import Robot
-from linkwright.stages.validate.check_options import AS_STANDARD, Asked
+from linkwright.stages.validate.check_options import DEFAULT_OPTIONS, CheckOptions
 
 LOOKS = frozenset(["rgba", "material", "texture", "color", "default", "class"])
 """Elements and attributes on which colours depend."""
@@ -56,7 +56,7 @@ class CompiledModel:
     path: Path
     model: Any
     written: Written
-    asked: Asked = AS_STANDARD
+    options: CheckOptions = DEFAULT_OPTIONS
     """The configuration's settings for the checks."""
 
     @property

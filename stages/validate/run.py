@@ -11,7 +11,7 @@ from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.model.amendments import Amendment
 from linkwright.stages.robot.text.globs import listed
 from linkwright.stages.targets.section import TargetSection
-from linkwright.stages.validate.check_options import AS_STANDARD, Asked
+from linkwright.stages.validate.check_options import DEFAULT_OPTIONS, CheckOptions
 from linkwright.stages.validate.compiled import (
     SCENE,
     CompiledModel,
@@ -35,25 +35,29 @@ UNREAD_ENDINGS = (".sdf", ".srdf", ".usda")
 """Endings of a build's files that no engine reads, and that may name assets."""
 
 RUNS = "C-RUNS"
+"""Code of the check that an engine runs a file without warnings."""
 
 
 def check_files(
     folder: Path,
     written: Written,
     checks: Sequence[ModelCheck],
-    own: Sequence[UserCheck] = (),
-    asked: Asked = AS_STANDARD,
+    user_checks: Sequence[UserCheck] = (),
+    options: CheckOptions = DEFAULT_OPTIONS,
 ) -> Iterator[Check]:
     """Yields the results of every file in `folder` that an engine reads; without `checks`, only whether each
-    file compiles. `own`: the user's checks, for the first file."""
+    file compiles. `user_checks`: the user's own checks, which run for the first file only."""
     for engine in ENGINES:
         files = engine.files(written.robot.name)
         for file in files:
             if (folder / file).exists():
-                uncompiled = CompiledModel(folder / file, None, written, asked)
-                changes = written.amendments.of(file, *files[:1] if file == SCENE else ())
-                chosen = [check for check in checks if kinds_of(uncompiled.path) & {*check.files}]
-                results, own = _check_file(uncompiled, engine, chosen, own), ()
+                uncompiled = CompiledModel(folder / file, None, written, options)
+                file_checks = [check for check in checks if kinds_of(uncompiled.path) & {*check.files}]
+                results = _check_file(uncompiled, engine, file_checks, user_checks)
+                user_checks = ()
+                # A scene includes the engine's first file, and so the user's changes to it.
+                changed_files = [file, *files[:1]] if file == SCENE else [file]
+                changes = written.amendments.of(*changed_files)
                 yield from (_with_changes(check, changes) for check in results)
 
 
@@ -79,8 +83,8 @@ def kinds_of(path: Path) -> set[FileKind]:
 
 
 def check_formats(folder: Path, written: Written, target: TargetSection, *, quick: bool) -> Iterator[Check]:
-    """Yields the results of the files in `folder` that no engine reads, and of the files that the engines of
-    `target` read. `quick`: check only that each file can be read."""
+    """Yields the results of the formats that no engine of `ENGINES` reads, and of the files for the engines
+    of `target`. `quick`: whether to check only that each file can be read."""
     for row in FORMAT_CHECKS:
         path = folder / f"{written.robot.name}{row.ending}"
         if path.exists():
@@ -90,7 +94,7 @@ def check_formats(folder: Path, written: Written, target: TargetSection, *, quic
 
 
 def _check_file(
-    uncompiled: CompiledModel, engine: Engine, checks: Sequence[ModelCheck], own: Sequence[UserCheck]
+    uncompiled: CompiledModel, engine: Engine, checks: Sequence[ModelCheck], user_checks: Sequence[UserCheck]
 ) -> list[Check]:
     """Returns the results of a file. Its model is freed afterwards, since a large model takes half a
     gigabyte."""
@@ -102,29 +106,30 @@ def _check_file(
     with engine.warnings() as warnings:
         results = [
             *_check_model(compiled, checks),
-            *(result for check in own for result in check.check(compiled)),
+            *(result for check in user_checks for result in check.check(compiled)),
         ]
     return [loaded.check, *results, without_warnings(f"{path.name}: runs", warnings, RUNS)]
 
 
 def readiness(folder: Path, written: Written, checks: Sequence[Check]) -> Iterator[Check]:
-    """Yields the score of a robot whose MJCF compiles. `checks`: the results so far, which prove some of its
-    points."""
+    """Yields the score of a robot whose MJCF compiles. `checks`: the results so far, on which some points of
+    the score depend."""
     for engine in ENGINES:
         paths = [
-            folder / file
+            path
             for file in engine.files(written.robot.name)
-            if "urdf" not in kinds_of(folder / file)
+            if (path := folder / file).exists() and "urdf" not in kinds_of(path)
         ]
-        paths = [path for path in paths if path.exists()]
+        # A scene without the robot's own file is not scored. The last file is the one that is simulated: the
+        # scene if there is one.
         model = engine.load(paths[-1]).model if paths and paths[0].name != SCENE else None
         if model is not None:
             yield score(Finished(folder, written.as_mjcf.robot, model, checks, written.geometry))
 
 
 def _with_changes(check: Check, changes: Sequence[Amendment]) -> Check:
-    """Adds to the text of a failed check the user's own changes to the file that may be the cause: the
-    changes of elements that the text names, else all changes."""
+    """Adds to the detail of a failed check the user's changes to its file, which may be the cause: the
+    changes of elements that the detail names, or all changes if it names none of them."""
     if check.passed or not changes:
         return check
     names_in_detail = set(re.findall(r"[\w.-]+", check.detail))

@@ -16,7 +16,7 @@ from pathlib import Path
 import mujoco
 
 from linkwright.stages.formats.described import described
-from linkwright.stages.validate.checks.contact.false_contact import REASONS_BY_CHOICE
+from linkwright.stages.validate.checks.contact.false_contact import CHOSEN_REASONS
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.contact_errors import contact_errors
 from linkwright.stages.validate.model.shapes import seen_and_solid
@@ -111,7 +111,7 @@ def figures(here, cache, name, *, cold):
     yield Figure("colliders", every, note=f"{ends} of them of links on which none hangs")
     yield Figure("colliders a link, without those", each, 4.0)
     errors = contact_errors(robot, POSES, SALT)
-    pairs = [pair for pair in errors.pairs if pair.reason not in REASONS_BY_CHOICE]
+    pairs = [pair for pair in errors.pairs if pair.reason not in CHOSEN_REASONS]
     shares = {pair: max(pair.false, pair.missed) / max(1, errors.poses) for pair in pairs}
     bad = sorted((pair for pair in pairs if shares[pair] > NAMED), key=lambda pair: -shares[pair])
     note = "; ".join(f"{_names(robot.model, pair)} {shares[pair]:.1%}" for pair in bad[:SHOWN])

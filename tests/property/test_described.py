@@ -53,7 +53,7 @@ def comes_back(document: Document, root: int, seed: int, **keys):
     assert differences(written.as_urdf.robot, read.as_urdf.robot, NEAR, NOT_IN_IT) == []
     assert differences(written.mjcf_form, read.mjcf_form, 0.0, {}) == []
     assert differences(written.sensing, read.sensing, NEAR, {}) == []
-    rounded = {"load": "", "home_load": "", "supplied": "", "overruled": ""}
+    rounded = {"load": "", "home_load": "", "supplied": "", "overridden": ""}
     assert differences(written.actuation, read.actuation, NEAR, rounded) == []
     assert [check for check in checks if check.fails] == []
     assert [check.name for check in checks] == [check.name for check in before]

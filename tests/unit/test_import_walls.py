@@ -112,7 +112,7 @@ def test_one_room_compiles_models_and_looks_names_up():
     ("stages/mujoco/x.py", "from linkwright.stages.validate.simulate.running import flags"),
     ("stages/mujoco/x.py", "from linkwright.stages.show.raster import seen"),
     ("stages/formats/x.py", "from linkwright.stages.show.raster import seen"),
-    ("stages/show/x.py", "from linkwright.stages.mesh.tessellation import PartMesh"),
+    ("stages/show/x.py", "from linkwright.stages.mesh.part_mesh import PartMesh"),
     ("stages/show/live/x.py", "def f():\n    from linkwright.pipeline.caching.actions import Cache"),
     ("stages/mesh/x.py", "def f():\n    from linkwright.pipeline.caching.actions import Cache"),
     ("stages/mesh/x.py", "import_module('linkwright.stages.export')"),

@@ -69,7 +69,7 @@ def actuate(
     # A named dof is driven even if other driven dofs move it; `chosen` counts each motion only once.
     named = [dof for dof in order if dof not in choices or choices[dof].named]
     driven = [dof.name for dof in robot.dofs if dof.name in {*chosen, *named}]
-    supply, overruled = motor_values([dof for dof in robot.dofs if dof.name in driven], choices, motors, log)
+    supply, overridden = motor_values([dof for dof in robot.dofs if dof.name in driven], choices, motors, log)
     robot = with_motors(robot, supply)
     up = -world_from_root[:3, :3].T @ gravity
     drivers = [dof for dof in driven if dof in chosen]
@@ -88,9 +88,9 @@ def actuate(
         compensated=tuple(sorted(shares.items())),
         compensating=tuple(dof for dof in driven if dof in choices and _share(choices[dof])),
         supplied=tuple(supply),
-        overruled=tuple(dict.fromkeys(loss.dof for loss in overruled)),
+        overridden=tuple(dict.fromkeys(value.dof for value in overridden)),
     )
-    report_overridden([*overruled, *maker.overruled], choices, log)
+    report_overridden([*overridden, *maker.overridden], choices, log)
     report_actuation(robot, actuation, couplings.in_loops, [dof for dof in order if dof not in driven], log)
     report_estimates(maker, timestep, count_of(values), log)
     report_passive(robot, choices, order, log)

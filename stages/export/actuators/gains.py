@@ -1,13 +1,13 @@
 """Estimates servo gains and armatures from the weight and inertia on a dof, its effort, and the time step.
 
-A servo sags by load / stiffness. It follows a moving target at a distance of 2 ζ / ω times the speed, ω its
-natural frequency √(stiffness / inertia). Both bound the stiffness from below.
+A servo sags by load / stiffness. It follows a moving target with a lag of 2 ζ / ω times the speed, where ζ is
+its damping ratio and ω = √(stiffness / inertia) its natural frequency. Both bound the stiffness from below.
 
-From above it is bounded by the effort: a servo that reaches it at a small error switches between both ends of
-its force, and follows like nothing that is built. The other bound is the integrator: a spring on an inertia
+The effort bounds it from above: a servo that reaches its effort at a small error switches between both ends
+of its force, which no real servo does. The time step h is the other bound from above: a spring on an inertia
 is stable while ω h stays well below 2 (the semi-implicit Euler method; Hairer, Lubich and Wanner, "Geometric
-Numerical Integration", I.1.4), so a dof without armature gets as much as its own servo needs, but no more
-than what it moves: beyond that the servo is softer.
+Numerical Integration", I.1.4). A dof without armature gets the armature that its servo needs, up to the
+inertia that the dof carries. If that is not enough, the servo is made softer.
 """
 
 import math
@@ -19,32 +19,33 @@ SAG = {"turn": 0.01, "slide": 0.001}
 """Sag [rad, m] of a servo with estimated stiffness, if its effort and the time step allow it."""
 
 LOAD_MARGIN = 2.0
-"""Factor on the stiffness that the sag requires: other loads come on top of the weight."""
+"""Factor on the stiffness that the sag requires, since other loads come on top of the weight."""
 
 MIN_ERROR_AT_EFFORT = {"turn": 0.1, "slide": 0.01}
 """Smallest error [rad, m] at which a servo with estimated stiffness reaches its effort."""
 
 MIN_FREQUENCY = 2 * math.pi * 10
-"""Smallest natural frequency [rad/s] of a servo with the inertia that it moves."""
+"""Smallest natural frequency [rad/s] of a servo on the inertia that it moves."""
 
 MAX_DRIFT = {"turn": 0.1, "slide": 0.01}
 """Speed [rad/s, m/s] at which the weight may move a velocity servo whose target is zero."""
 
-FREQUENCY_STEP = 0.4
-"""Natural frequency of a servo with its armature alone, times the time step."""
+MAX_FREQUENCY_STEP = 0.4
+"""Largest natural frequency of a servo on its armature alone, times the time step."""
 
 COUPLED_FREQUENCY_STEP = 0.2
-"""The product for a servo whose dof moves others, by a loop or a relation. It is smaller: MuJoCo's implicit
-integrators damp the speeds after they solved the constraints, so a servo that is fast for the time step
-leaves its followers behind."""
+"""`MAX_FREQUENCY_STEP` of a servo whose dof moves others, by a loop or a relation. It is smaller, since
+MuJoCo's implicit integrators damp the speeds after they have solved the constraints: a servo that is fast for
+the time step leaves its followers behind."""
 
 MAX_ARMATURE_SHARE = 1.0
 """Largest estimated armature, as a share of the inertia that the dof carries."""
 
 
 def stiffness(kind: DofKind, load: Load, effort: float | None) -> float:
-    """Returns the stiffness of a position servo [N m/rad or N/m] at the dof. `effort` [N m or N]: a load
-    beyond it cannot be held, however stiff the servo is."""
+    """Returns the stiffness of a position servo [N m/rad or N/m] at the dof. `effort` [N m or N]: no servo
+    can hold a load beyond it."""
+    # A leg that stands carries the whole robot, which only a very stiff servo would hold within `SAG`.
     sag = MIN_ERROR_AT_EFFORT if load.standing else SAG
     required = max(
         LOAD_MARGIN * _load_within(load, effort) / sag[kind], load.largest_inertia * MIN_FREQUENCY**2
@@ -52,9 +53,9 @@ def stiffness(kind: DofKind, load: Load, effort: float | None) -> float:
     return rounded(required if effort is None else min(required, effort / MIN_ERROR_AT_EFFORT[kind]))
 
 
-def bearable(load: Load, timestep: float, coupled: bool) -> float:
+def max_stiffness(load: Load, timestep: float, coupled: bool) -> float:
     """Returns the largest stiffness for which an armature within `MAX_ARMATURE_SHARE` is enough. `coupled`:
-    whether other dofs move with it."""
+    whether the dof moves other dofs, by a loop or a relation."""
     return MAX_ARMATURE_SHARE * load.carried * (_frequency_step(coupled) / timestep) ** 2
 
 
@@ -66,17 +67,17 @@ def armature(kp: float, load: Load | None, timestep: float, coupled: bool) -> fl
 
 
 def longest_step(kp: float, load: Load, coupled: bool) -> float:
-    """Returns the time step [s] at which a servo of this stiffness needs no armature beyond
+    """Returns the longest time step [s] at which a servo of this stiffness needs no armature beyond
     `MAX_ARMATURE_SHARE`."""
     return rounded(_frequency_step(coupled) * math.sqrt(MAX_ARMATURE_SHARE * load.carried / kp), 1)
 
 
 def damping(kp: float, ratio: float, inertia: float) -> float:
-    """Returns the damping of a position servo [N m s/rad or N s/m] at the dof."""
+    """Returns the damping of a position servo [N m s/rad or N s/m] at the dof. `ratio`: its damping ratio."""
     return rounded(2.0 * ratio * math.sqrt(kp * inertia))
 
 
-def drag(kind: DofKind, load: Load, armature: float, effort: float | None) -> float:
+def velocity_gain(kind: DofKind, load: Load, armature: float, effort: float | None) -> float:
     """Returns the gain of a velocity servo [N m s/rad or N s/m] at the dof."""
     return rounded(
         max(
@@ -87,13 +88,14 @@ def drag(kind: DofKind, load: Load, armature: float, effort: float | None) -> fl
 
 
 def _load_within(load: Load, effort: float | None) -> float:
+    """Returns the largest force of the load, at most the effort [N m or N]."""
     return load.largest_force if effort is None else min(load.largest_force, effort)
 
 
 def _frequency_step(coupled: bool) -> float:
-    return COUPLED_FREQUENCY_STEP if coupled else FREQUENCY_STEP
+    return COUPLED_FREQUENCY_STEP if coupled else MAX_FREQUENCY_STEP
 
 
 def rounded(value: float, digits: int = 3) -> float:
-    """Returns the value with few significant digits: an estimate is not more accurate."""
+    """Returns the value with few significant digits, since an estimate is not more accurate."""
     return float(f"{value:.{digits}g}")

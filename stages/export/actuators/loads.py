@@ -11,7 +11,7 @@ from linkwright.stages.robot.dynamics.statics import holding_forces
 from linkwright.stages.robot.model.robot import Array, Configuration, DofKind, Robot
 from linkwright.stages.robot.motion.couplings import Couplings, Rates
 from linkwright.stages.robot.motion.kinematics import link_poses
-from linkwright.stages.robot.motion.pose_batch import Values, chosen, count_of, many_link_poses, repeated
+from linkwright.stages.robot.motion.pose_batch import Values, count_of, many_link_poses, repeated, select
 from linkwright.stages.robot.motion.pose_samples import sampled_poses
 from linkwright.stages.robot.motion.start_pose import home
 from linkwright.stages.robot.motion.tree_paths import TreePaths
@@ -210,7 +210,7 @@ def _inertias(
     robot: Robot, values: Values, rates: Mapping[str, Rates], rows: npt.NDArray[np.intp]
 ) -> dict[str, Array]:
     """Returns, by driven dof, the inertia (m,) that it moves at the poses with the indices `rows` (m,)."""
-    poses = chosen(values, rows)
+    poses = select(values, rows)
     armature = np.concatenate(
         [np.full(SPEEDS[dof.kind], dof.dynamics.armature or 0.0) for dof in robot.dofs] or [np.zeros(0)]
     )

@@ -11,7 +11,7 @@ from linkwright.stages.export.actuators import gains
 from linkwright.stages.export.actuators.choices import ChosenActuator
 from linkwright.stages.export.actuators.holding import Holds
 from linkwright.stages.export.actuators.loads import Load
-from linkwright.stages.export.actuators.motors import Motors, OverriddenValue, with_motor
+from linkwright.stages.export.actuators.motors import Motors, OverriddenValue, motorized_parameters
 from linkwright.stages.export.actuators.ranges import control_range, with_keyframe_targets
 from linkwright.stages.export.actuators.terms import terms_of
 from linkwright.stages.robot.dynamics.holding_control import can_hold, control_at
@@ -58,7 +58,7 @@ class ActuatorMaker:
         self._poses = keyframes(robot)
         self.loads = loads
         self.armatures: list[Armature] = []
-        self.overruled: list[OverriddenValue] = []
+        self.overridden: list[OverriddenValue] = []
         self.too_stiff: list[TooStiff] = []
 
     def actuators(
@@ -77,9 +77,9 @@ class ActuatorMaker:
 
     def _actuator_of(self, dof: Dof, choice: ChosenActuator) -> Actuator:
         """Returns the actuator of a dof, with estimates for the parameters that are not set."""
-        completed = with_motor(dof.name, choice, self._motors)
+        completed = motorized_parameters(dof.name, choice, self._motors)
         parameters = completed.parameters
-        self.overruled += completed.overruled
+        self.overridden += completed.overridden
         gear = float(parameters.get("gear", 1.0))
         load = self.loads.get(dof.name)
         stiff = self._stiffness(dof, load, parameters, gear)
@@ -142,7 +142,7 @@ class ActuatorMaker:
         stiff = required if kp is None else float(kp) * gear**2
         if dof.dynamics.armature is not None:
             return stiff
-        limit = gains.bearable(load, self._timestep, coupled) or 1.0
+        limit = gains.max_stiffness(load, self._timestep, coupled) or 1.0
         if stiff <= limit:
             return stiff
         softer = gains.rounded(limit) if kp is None else stiff
@@ -176,10 +176,11 @@ class ActuatorMaker:
                 kv = gains.rounded(gains.damping(stiff, ratio, inertia) / actuator.gear**2)
                 estimated.append("kv")
         elif actuator.type in ("velocity", "damper") and kv is None:
-            drag = (
-                1.0 if load is None else gains.drag(dof.kind, load, estimated_armature, dof.dynamics.effort)
+            effort = dof.dynamics.effort
+            velocity_gain = (
+                1.0 if load is None else gains.velocity_gain(dof.kind, load, estimated_armature, effort)
             )
-            kv = gains.rounded(drag / actuator.gear**2)
+            kv = gains.rounded(velocity_gain / actuator.gear**2)
             estimated.append("kv")
         else:
             kp = None

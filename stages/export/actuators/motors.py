@@ -13,7 +13,7 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from linkwright.stages.export.actuators.choices import WHERE, ChosenActuator
 from linkwright.stages.robot.diagnostics import Diagnostics
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from linkwright.stages.export.configuration.motor_section import MotorSection, MotorValue
 
 Motors = Mapping[str, "MotorSection"]
+"""Name of a motor → its section in the library."""
 
 GEAR_EXPONENTS = {"damping": 2, "friction": 1, "armature": 2, "effort": 1, "velocity": -1}
 """Quantity of a dof → the exponent of the gear ratio in the factor from the motor to the dof."""
@@ -39,7 +40,7 @@ class OverriddenValue:
 
     dof: str
 
-    words: str
+    text: str
     """The quantity, the motor's value, and the value that replaces it."""
 
 
@@ -52,7 +53,7 @@ class MotorizedParameters:
     sources: tuple[tuple[str, str], ...] = ()
     """(parameter, origin of its value) for those that the motor sets."""
 
-    overruled: tuple[OverriddenValue, ...] = ()
+    overridden: tuple[OverriddenValue, ...] = ()
     """The motor's values that the configuration overrides."""
 
 
@@ -61,42 +62,68 @@ def motor_values(
 ) -> tuple[list[Supplied], list[OverriddenValue]]:
     """Returns the values that motors set on these dofs, and the motors' values that the key `joints`
     overrides. Reports the values of the source that motors replace (I-MOTOR)."""
-    supplied_values, overruled, replaced = [], [], []
+    supplied_values, overridden, replaced = [], [], []
     for dof in dofs:
         choice = choices.get(dof.name)
         if choice is None or not choice.motor:
             continue
-        gear = abs(float(choice.parameters.get("gear", 1.0)))
-        for quantity, value, source in _output_values(motors[choice.motor], choice.type):
-            value_at_dof = value * gear ** GEAR_EXPONENTS[quantity]
-            previous = getattr(dof.dynamics, quantity)
-            differs = previous is not None and not math.isclose(
-                previous, value_at_dof, rel_tol=RELATIVE_TOLERANCE
-            )
-            if quantity in (dof.named if choice.motor_named else dof.given):
-                if differs:
-                    words = f"{quantity} of {dof.name} ({value_at_dof:.6g}; `joints` gives {previous:.6g})"
-                    overruled.append(OverriddenValue(dof.name, words))
-                continue
-            if differs:
-                replaced.append(f"{quantity} of {dof.name} ({previous:.6g} → {value_at_dof:.6g})")
-            supplied_values.append(
-                Supplied(dof.name, quantity, value_at_dof, f"motor {choice.motor}: {source}")
-            )
+        for candidate in _values_at_dof(dof, choice, motors[choice.motor]):
+            title, previous = f"{candidate.quantity} of {dof.name}", candidate.previous
+            if not candidate.is_overridden:
+                source = f"motor {choice.motor}: {candidate.source}"
+                supplied_values.append(Supplied(dof.name, candidate.quantity, candidate.value, source))
+                if candidate.differs:
+                    replaced.append(f"{title} ({previous:.6g} → {candidate.value:.6g})")
+            elif candidate.differs:
+                text = f"{title} ({candidate.value:.6g}; `joints` gives {previous:.6g})"
+                overridden.append(OverriddenValue(dof.name, text))
     if replaced:
         text = f"motors override values of the source or of a glob of `joints`: {listed(replaced)}"
         log.report("I-MOTOR", text, WHERE, "values in `joints` under the joint's own name stay")
-    return supplied_values, overruled
+    return supplied_values, overridden
+
+
+class _ValueAtDof(NamedTuple):
+    """A motor's value for a quantity of a dof."""
+
+    quantity: str
+    value: float
+    """The value at the dof, behind the gear."""
+
+    source: str
+    previous: float | None
+    """The value that the dof has without the motor."""
+
+    is_overridden: bool
+    """Whether the previous value takes precedence."""
+
+    @property
+    def differs(self) -> bool:
+        """Whether the dof has another value without the motor."""
+        return self.previous is not None and not math.isclose(
+            self.previous, self.value, rel_tol=RELATIVE_TOLERANCE
+        )
+
+
+def _values_at_dof(dof: Dof, choice: ChosenActuator, motor: MotorSection) -> Iterator[_ValueAtDof]:
+    gear = abs(float(choice.parameters.get("gear", 1.0)))
+    # A motor that a glob assigns yields to any value of `joints`, a motor assigned by name only to the dof's
+    # own.
+    overridden_quantities = dof.named if choice.motor_named else dof.given
+    for quantity, value, source in _output_values(motor, choice.type):
+        value_at_dof = value * gear ** GEAR_EXPONENTS[quantity]
+        previous = getattr(dof.dynamics, quantity)
+        yield _ValueAtDof(quantity, value_at_dof, source, previous, quantity in overridden_quantities)
 
 
 def report_overridden(
-    overruled: Sequence[OverriddenValue], choices: Mapping[str, ChosenActuator], log: Diagnostics
+    overridden: Sequence[OverriddenValue], choices: Mapping[str, ChosenActuator], log: Diagnostics
 ) -> None:
     """Reports the motors' values that the configuration overrides (I-MOTOR)."""
-    if not overruled:
+    if not overridden:
         return
-    text = f"the configuration overrides values of motors: {listed(loss.words for loss in overruled)}"
-    by_glob = [loss.dof for loss in overruled if not choices[loss.dof].motor_named]
+    text = f"the configuration overrides values of motors: {listed(value.text for value in overridden)}"
+    by_glob = [value.dof for value in overridden if not choices[value.dof].motor_named]
     hint = "leave the value out to have the motor's"
     if by_glob:
         motor = choices[by_glob[0]].motor
@@ -124,60 +151,69 @@ def _output_values(motor: MotorSection, kind: str) -> Iterator[tuple[str, float,
             # The rotor's inertia is given at the rotor: reflect it through the motor's own gearbox.
             total *= values["gear"].value ** 2
             sources.append(values["gear"])
-        yield quantity, total, "; ".join(dict.fromkeys(map(_sourced, sources)))
+        yield quantity, total, "; ".join(dict.fromkeys(map(_source_text, sources)))
 
 
-def _sourced(value: MotorValue) -> str:
+def _source_text(value: MotorValue) -> str:
+    """Returns the source of a value and its kind, as `kinds_of` reads it."""
     return f"{value.source} ({value.kind})"
 
 
 def kinds_of(source: str) -> list[str]:
-    """Returns the kinds (measured, identified, datasheet) that a text of `sources` names."""
+    """Returns the kinds (measured, identified, datasheet) that the text of a source names."""
     return re.findall(r" \((measured|identified|datasheet)\)(?:; |\Z)", source)
 
 
-def with_motor(dof: str, choice: ChosenActuator, motors: Motors) -> MotorizedParameters:
-    """Returns the parameters of an actuator, completed by its motor. The motor's kv is used only with its
-    kp, and `nominal` replaces the motor's constants."""
+def motorized_parameters(dof: str, choice: ChosenActuator, motors: Motors) -> MotorizedParameters:
+    """Returns the parameters of an actuator, completed by its motor. The motor's kv is used only together
+    with its kp, and its constants only without a `nominal` that takes precedence."""
     if not choice.motor:
         return MotorizedParameters(choice.parameters)
     values = motors[choice.motor].values
     parameters = dict(choice.parameters)
     user_set = {name for name in parameters if not choice.motor_named or choice.origin.get(name) == dof}
     sources: dict[str, str] = {}
-    overruled: list[OverriddenValue] = []
-
-    def apply(quantity: str, parameter: str, rivals: tuple[str, ...], value: Any) -> None:
-        """Sets a parameter to the motor's value, unless the user set it or one of its `rivals`."""
-        rival = next((name for name in (parameter, *rivals) if name in user_set), None)
-        if rival is None:
-            # A rival from a glob gives way; one that the motor set itself stays.
-            for name in set(rivals) - sources.keys():
+    overridden: list[OverriddenValue] = []
+    for parameter in _motor_parameters(choice.type, values):
+        if parameter.quantity not in values:
+            continue
+        motor_value = values[parameter.quantity]
+        set_names = [name for name in (parameter.name, *parameter.alternatives) if name in user_set]
+        if not set_names:
+            # An alternative from a glob gives way; one that the motor set itself stays.
+            for name in set(parameter.alternatives) - sources.keys():
                 parameters.pop(name, None)
-            parameters[parameter] = value
-            sources[parameter] = f"motor {choice.motor}: {_sourced(values[quantity])}"
-        elif parameters[rival] != value:
-            words = f"{quantity} of {dof} ({values[quantity].value:.6g}; `actuators` gives {rival})"
-            overruled.append(OverriddenValue(dof, words))
-
-    for quantity, parameter, rivals, value in _motor_parameters(choice.type, values):
-        if quantity in values:
-            apply(quantity, parameter, rivals, value)
-    return MotorizedParameters(parameters, tuple(sources.items()), tuple(overruled))
+            parameters[parameter.name] = parameter.value
+            sources[parameter.name] = f"motor {choice.motor}: {_source_text(motor_value)}"
+        elif parameters[set_names[0]] != parameter.value:
+            text = (
+                f"{parameter.quantity} of {dof} ({motor_value.value:.6g}; `actuators` gives {set_names[0]})"
+            )
+            overridden.append(OverriddenValue(dof, text))
+    return MotorizedParameters(parameters, tuple(sources.items()), tuple(overridden))
 
 
-def _motor_parameters(
-    kind: str, values: Mapping[str, MotorValue]
-) -> Iterator[tuple[str, str, tuple[str, ...], Any]]:
-    """Yields (quantity of the motor, parameter, other parameters that exclude it, value) for an actuator
-    type."""
+class _MotorParameter(NamedTuple):
+    """A parameter of an actuator that a quantity of a motor sets."""
+
+    quantity: str
+    name: str
+    alternatives: tuple[str, ...]
+    """Other parameters that exclude it."""
+
+    value: Any
+
+
+def _motor_parameters(kind: str, values: Mapping[str, MotorValue]) -> Iterator[_MotorParameter]:
+    """Yields the parameters of an actuator of this type, also those whose quantity the motor does not
+    have."""
     value = {name: motor_value.value for name, motor_value in values.items()}
     if kind in SERVOS:
-        yield "kp", "kp", (), value.get("kp")
+        yield _MotorParameter("kp", "kp", (), value.get("kp"))
         if "kp" in value:
-            yield "kv", "kv", ("dampratio", "kp"), value.get("kv")
+            yield _MotorParameter("kv", "kv", ("dampratio", "kp"), value.get("kv"))
     elif kind == "dcmotor":
-        yield "torque_constant", "motorconst", ("nominal",), (value.get("torque_constant"),)
-        yield "resistance", "resistance", ("nominal",), value.get("resistance")
+        yield _MotorParameter("torque_constant", "motorconst", ("nominal",), (value.get("torque_constant"),))
+        yield _MotorParameter("resistance", "resistance", ("nominal",), value.get("resistance"))
         volts = value.get("voltage", 0.0)
-        yield "voltage", "ctrlrange", (), (-volts, volts)
+        yield _MotorParameter("voltage", "ctrlrange", (), (-volts, volts))

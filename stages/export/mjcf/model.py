@@ -67,7 +67,7 @@ def write_mjcf(inputs: "WriterInput", contact_filters: Filters) -> bytes:
     motors = {
         actuator.dof: actuator.motor
         for actuator in actuation.actuators
-        if actuator.motor and actuator.dof not in actuation.overruled
+        if actuator.motor and actuator.dof not in actuation.overridden
     }
     write_classes(root, classes, {top, "main", "visual", "collision"}, motors)
     write_sections(root, extras.sections)

@@ -13,7 +13,7 @@ def write_actuators(above: Prim, actuators: Sequence[Actuator], joints: Mapping[
     for name, actuator, facts in known_actuators(actuators, joints):
         prim = above.child(name, "MjcActuator")
         if name != actuator.name:
-            prim.call(actuator.name)
+            prim.set_display_name(actuator.name)
         prim.point_to("mjc:target", joints[actuator.dof])
         for attribute, token in facts.tokens.items():
             prim.token(attribute, token)

@@ -131,7 +131,7 @@ class Prim:
         """Makes the prim invisible, for every purpose of rendering."""
         self.set("visibility", "token", "invisible")
 
-    def call(self, name: str) -> None:
+    def set_display_name(self, name: str) -> None:
         """Sets the name that people see."""
         self._spec.SetInfo("displayName", name)
 

@@ -1,13 +1,13 @@
 """Writes the layer of a robot in terms of UsdPhysics (openusd.org, "Rigid Body Physics in USD"). Attributes
-`physx...`, `newton:...` and `mjc:...` hold what only PhysX, Newton or MuJoCo knows; joints have those of both
-PhysX's older and newer schema.
+`physx...`, `newton:...` and `mjc:...` are read only by PhysX, Newton or MuJoCo; joints have the attributes of
+both the older and the newer schema of PhysX.
 
     <robot>             Xform
-        <link>          rigid bodies, none in another: Isaac's older importers want that
+        <link>          rigid bodies, never nested: older importers of Isaac require that
             visuals     instances of the meshes' layer
-            collisions  convex, not drawn unless guides are
+            collisions  convex, with the purpose `guide`: not drawn by default
             <frame>     Xforms and cameras
-        joints          in the order of the robot's, then of the loops
+        joints          in the order of the robot's joints, then of its loops
         materials
         actuators       in MuJoCo's schema, where there are any
 """
@@ -25,6 +25,7 @@ from linkwright.stages.export.usd.joints import UsdJoint, added_links
 from linkwright.stages.export.usd.layer import Layer, Prim
 from linkwright.stages.export.usd.shapes import (
     ShownMeshes,
+    UsdMaterials,
     UsdMeshes,
     write_colliders,
     write_materials,
@@ -42,7 +43,10 @@ from linkwright.stages.robot.model.sensing import Sensing, SensorCamera
 from linkwright.stages.robot.text.names import free
 
 _FROM_IMAGE = np.diag([1.0, -1.0, -1.0])
-"""camera_from_prim (3, 3): cameras of USD look along −z, with y up; ours along z, with y down."""
+"""camera_from_prim (3, 3): cameras of USD look along −z, with y up; the robot's along z, with y down."""
+
+_CLIPPING_RANGE = (0.01, 100.0)
+"""The distances [m] between which cameras see: USD's own default would hide everything nearer than 1 m."""
 
 FOCAL = 24.0
 """The focal length of cameras [tenths of the scene's unit], which sets the scale of the image's sides."""
@@ -50,7 +54,7 @@ FOCAL = 24.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UsdPlan:
-    """The parts of a robot in terms of USD."""
+    """The names, joints, actuators and poses with which a robot is written as USD."""
 
     names: UsdNames
     joints: tuple[UsdJoint, ...]
@@ -62,7 +66,7 @@ class UsdPlan:
     """The values of all dofs in the pose in which the robot stands."""
 
     zeros: Configuration
-    """The values of balls at which their joints are at zero."""
+    """The values of balls at which their joints in the USD are at zero."""
 
     world_from_root: Array
     """The pose (4, 4) in which the robot stands."""
@@ -80,65 +84,75 @@ class _LayerWriter:
 
     def __init__(self, robot: Robot, geometry: Geometry, plan: UsdPlan, meshes: UsdMeshes) -> None:
         self.robot, self.geometry, self.plan = robot, geometry, plan
-        self.meshes, self.seen = meshes, ShownMeshes(meshes)
+        self.shapes, self.meshes, self.shown_meshes = geometry.by_link(), meshes, ShownMeshes(meshes)
         self.layer = Layer(plan.names.robot, "Xform")
+        self.poses = body_poses(robot, plan.names, plan.home, plan.zeros, plan.joints, plan.world_from_root)
         self.bodies: dict[str, Prim] = {}
         self.colliders: dict[str, list[Prim]] = {}
 
     def write(self) -> None:
         """Writes the whole layer."""
-        names, joints, root = self.plan.names, self.plan.joints, self.layer.root
+        names, root = self.plan.names, self.layer.root
         if names.robot != self.robot.name:
-            root.call(self.robot.name)
-        plan = self.plan
-        poses = body_poses(self.robot, names, plan.home, plan.zeros, joints, plan.world_from_root)
-        shapes = self.geometry.by_link()
-        # The bodies come first, and a material before it is bound.
-        for link in self.robot.links:
-            body = self._body(names.links[link.name], link.name, poses)
-            write_mass(body, link.inertial)
-        for name, _ in added_links(self.robot, names, joints):
-            write_mass(self._body(name, name, poses), SPECK)
-        scope = root.child(names.scopes["joints"], "Scope")
-        robot_materials = write_materials(root.child(names.scopes["materials"], "Scope"), self.geometry)
-        names_on_link = {
-            link: self._places(self.bodies[prim_name], link) for link, prim_name in names.links.items()
+            root.set_display_name(self.robot.name)
+        # Bodies are written before the prims that refer to them, and materials before they are bound.
+        self._write_bodies()
+        joint_scope = root.child(names.scopes["joints"], "Scope")
+        materials = write_materials(root.child(names.scopes["materials"], "Scope"), self.geometry)
+        used_names = {
+            link: self._write_frames_and_cameras(self.bodies[prim_name], link)
+            for link, prim_name in names.links.items()
         }
-        for link in self.robot.links:
-            link_shapes = shapes[link.name, "visual"]
-            if link_shapes:
-                body, place = self.bodies[names.links[link.name]], poses[names.links[link.name]]
-                above = body.child(free("visuals", names_on_link[link.name]), "Scope")
-                write_visuals(above, link_shapes, robot_materials, self.meshes, self.seen, place)
-        for link in self.robot.links:
-            link_shapes = shapes[link.name, "collision"]
-            if link_shapes:
-                body, place = self.bodies[names.links[link.name]], poses[names.links[link.name]]
-                above = body.child(free("collisions", names_on_link[link.name]), "Scope")
-                above.token("purpose", "guide")
-                colliders = write_colliders(
-                    above, link_shapes, robot_materials, self.meshes, self.seen, place
-                )
-                self.colliders[link.name] = colliders
-        self._hold(scope, poses)
-        prims_by_joint = {joint.name: self._joint(scope, joint) for joint in joints}
-        joints_by_dof = {joint.dof.name: joint for joint in joints if joint.dof is not None}
-        prims = {dof: prims_by_joint[joint.name] for dof, joint in joints_by_dof.items()}
-        self._follow(joints_by_dof, prims)
-        if plan.actuators:
-            above = root.child(names.scopes["actuators"], "Scope")
-            write_actuators(above, plan.actuators, prims)
-        self._filter()
+        self._write_visuals(materials, used_names)
+        self._write_colliders(materials, used_names)
+        self._write_articulation_roots(joint_scope)
+        prims_by_dof = self._write_joints(joint_scope)
+        self._write_mimics(prims_by_dof)
+        if self.plan.actuators:
+            scope = root.child(names.scopes["actuators"], "Scope")
+            write_actuators(scope, self.plan.actuators, prims_by_dof)
+        self._write_filtered_pairs()
 
-    def _body(self, name: str, called: str, poses: Mapping[str, Array]) -> Prim:
+    def _write_bodies(self) -> None:
+        """Writes the bodies of the robot's links, and of the links between the dofs of a joint or loop."""
+        names = self.plan.names
+        for link in self.robot.links:
+            write_mass(self._add_body(names.links[link.name], link.name), link.inertial)
+        for name, _ in added_links(self.robot, names, self.plan.joints):
+            write_mass(self._add_body(name, name), SPECK)
+
+    def _add_body(self, name: str, robot_name: str) -> Prim:
+        """Writes a body with its pose. `robot_name`: its name in the robot."""
         body = self.layer.root.child(name, "Xform", "PhysicsRigidBodyAPI")
-        if called != name:
-            body.call(called)
-        body.place(poses[name])
+        if robot_name != name:
+            body.set_display_name(robot_name)
+        body.place(self.poses[name])
         self.bodies[name] = body
         return body
 
-    def _places(self, body: Prim, link: str) -> set[str]:
+    def _write_visuals(self, materials: UsdMaterials, used_names: Mapping[str, set[str]]) -> None:
+        """Writes the visual shapes. `used_names`: link → the names of the other prims in its body."""
+        for link in self.robot.links:
+            shapes = self.shapes[link.name, "visual"]
+            if shapes:
+                prim_name = self.plan.names.links[link.name]
+                scope = self.bodies[prim_name].child(free("visuals", used_names[link.name]), "Scope")
+                body_pose = self.poses[prim_name]
+                write_visuals(scope, shapes, materials, self.meshes, self.shown_meshes, body_pose)
+
+    def _write_colliders(self, materials: UsdMaterials, used_names: Mapping[str, set[str]]) -> None:
+        """Writes the colliders. `used_names`: link → the names of the other prims in its body."""
+        for link in self.robot.links:
+            shapes = self.shapes[link.name, "collision"]
+            if shapes:
+                prim_name = self.plan.names.links[link.name]
+                scope = self.bodies[prim_name].child(free("collisions", used_names[link.name]), "Scope")
+                scope.token("purpose", "guide")
+                self.colliders[link.name] = write_colliders(
+                    scope, shapes, materials, self.meshes, self.shown_meshes, self.poses[prim_name]
+                )
+
+    def _write_frames_and_cameras(self, body: Prim, link: str) -> set[str]:
         """Writes the frames, sites of sensors and cameras on a link, and returns their names."""
         sensing = self.plan.sensing
         frames = [(frame.name, frame.link_from_frame) for frame in self.robot.frames if frame.link == link]
@@ -147,27 +161,28 @@ class _LayerWriter:
         for name, pose in dict(frames).items():
             frame = body.child(prim_names[name], "Xform")
             if prim_names[name] != name:
-                frame.call(name)
+                frame.set_display_name(name)
             frame.place(pose)
         used_names = set(prim_names.values())
         cameras = {camera.name: camera for camera in sensing.cameras if camera.link == link}
         for name, prim in identifiers(cameras, used_names).items():
-            _camera(body.child(prim, "Camera"), cameras[name])
+            _write_camera(body.child(prim, "Camera"), cameras[name])
             used_names.add(prim)
         return used_names
 
-    def _hold(self, scope: Prim, poses: Mapping[str, Array]) -> None:
-        """Writes the root of the articulation: the joint that holds a fixed robot, or the root link of any
-        other. A link that moves freely and carries others is a root as well."""
+    def _write_articulation_roots(self, joint_scope: Prim) -> None:
+        """Marks the roots of articulations: the joint that fixes the robot, or the root link of a floating
+        robot, and each free link that has joints of its own."""
         names = self.plan.names
         root_link = names.links[self.robot.root.name]
         roots = [self.bodies[root_link]]
         if self.robot.base.fixed:
-            base = scope.child(names.base, "PhysicsFixedJoint")
-            # The robot's own prim is not a body. It stands for the world if the robot is placed in a scene.
+            base = joint_scope.child(names.base, "PhysicsFixedJoint")
+            # The robot's own prim is not a body, so USD takes it for the world, also if the robot is placed
+            # in a scene.
             base.point_to("physics:body0", self.layer.root)
             base.point_to("physics:body1", self.bodies[root_link])
-            write_frames(base, poses[root_link], np.eye(4))
+            write_frames(base, self.poses[root_link], np.eye(4))
             roots = [base]
         parents = {joint.parent for joint in self.robot.joints if joint.type != "free"}
         roots += [
@@ -180,11 +195,22 @@ class _LayerWriter:
             root.set("physxArticulation:enabledSelfCollisions", "bool", self.geometry.self_contact)
             root.set("newton:selfCollisionEnabled", "bool", self.geometry.self_contact)
 
-    def _joint(self, scope: Prim, joint: UsdJoint) -> Prim:
+    def _write_joints(self, scope: Prim) -> dict[str, Prim]:
+        """Writes the joints, and returns the prim of each dof's joint."""
+        robot_names = {prim_name: name for name, prim_name in self.plan.names.joints.items()}
+        prims_by_dof = {}
+        for joint in self.plan.joints:
+            prim = self._write_joint(scope, joint, robot_names[joint.name])
+            if joint.dof is not None:
+                prims_by_dof[joint.dof.name] = prim
+        return prims_by_dof
+
+    def _write_joint(self, scope: Prim, joint: UsdJoint, robot_name: str) -> Prim:
+        """Writes a joint with its bodies, frames, limits, state and drive. `robot_name`: its name in the
+        robot."""
         prim = scope.child(joint.name, f"Physics{joint.type}Joint")
-        robot_name = self._called(joint)
         if robot_name != joint.name:
-            prim.call(robot_name)
+            prim.set_display_name(robot_name)
         first = self.layer.root if joint.first is None else self.bodies[joint.first]
         prim.point_to("physics:body0", first)
         prim.point_to("physics:body1", self.bodies[joint.second])
@@ -198,27 +224,24 @@ class _LayerWriter:
             write_facts(prim, facts, {})
         return prim
 
-    def _follow(self, joints: Mapping[str, UsdJoint], prims: Mapping[str, Prim]) -> None:
-        """Writes the relations, on their followers. `joints`, `prims`: by their dofs."""
+    def _write_mimics(self, prims_by_dof: Mapping[str, Prim]) -> None:
+        """Writes each relation on the joint of its follower. `prims_by_dof`: the prim of each dof's joint."""
+        joints = {joint.dof.name: joint for joint in self.plan.joints if joint.dof is not None}
         for relation in self.robot.relations:
             follower, driver = joints[relation.follower], joints[relation.driver]
             assert follower.dof is not None
             assert driver.dof is not None
             facts = joint_mimic(relation, follower.dof, driver.dof, (follower.axis, driver.axis))
-            write_facts(prims[relation.follower], facts, prims)
+            write_facts(prims_by_dof[relation.follower], facts, prims_by_dof)
 
-    def _called(self, joint: UsdJoint) -> str:
-        names = {prim_name: name for name, prim_name in self.plan.names.joints.items()}
-        return names[joint.name]
-
-    def _filter(self) -> None:
-        """Writes the pairs that must not collide. Bodies that a joint of the tree joins never collide, but
-        those of a loop must be listed for PhysX."""
-        joined = {frozenset((joint.first, joint.second)) for joint in self.plan.joints if not joint.closes}
+    def _write_filtered_pairs(self) -> None:
+        """Writes the pairs that must not collide. Bodies that a joint of the tree connects never collide and
+        are left out; for PhysX, bodies that a loop connects are listed."""
+        connected = {frozenset((joint.first, joint.second)) for joint in self.plan.joints if not joint.closes}
         pairs: dict[str, tuple[Prim, list[Prim]]] = {}
         links = self.plan.names.links
         for exclude in self.geometry.excludes:
-            if frozenset((links[exclude.link_a], links[exclude.link_b])) in joined:
+            if frozenset((links[exclude.link_a], links[exclude.link_b])) in connected:
                 continue
             prims = [(self.bodies[links[exclude.link_a]], self.bodies[links[exclude.link_b]])]
             if exclude.geoms:
@@ -231,9 +254,10 @@ class _LayerWriter:
             prim.point_to("physics:filteredPairs", *targets)
 
 
-def _camera(prim: Prim, camera: SensorCamera) -> None:
+def _write_camera(prim: Prim, camera: SensorCamera) -> None:
+    """Writes the pose, the field of view and the resolution's aspect of a camera."""
     if prim.path.rpartition("/")[2] != camera.name:
-        prim.call(camera.name)
+        prim.set_display_name(camera.name)
     prim.place(camera.link_from_camera @ from_parts(_FROM_IMAGE, np.zeros(3)))
     width, height = camera.resolution
     aperture = 2 * FOCAL * math.tan(math.radians(camera.fovy) / 2)
@@ -241,4 +265,4 @@ def _camera(prim: Prim, camera: SensorCamera) -> None:
     prim.number("focalLength", FOCAL)
     prim.number("verticalAperture", aperture)
     prim.number("horizontalAperture", aperture * width / height)
-    prim.floats("clippingRange", "float2", (0.01, 100.0))
+    prim.floats("clippingRange", "float2", _CLIPPING_RANGE)

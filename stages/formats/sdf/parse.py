@@ -19,7 +19,7 @@ from linkwright.stages.formats.sdf.elements import (
     truth,
 )
 from linkwright.stages.formats.sdf.model import ReadJoint, SdfFrame, SdfLink, SdfMimic, SdfModel
-from linkwright.stages.formats.sdf.names import ROOT_OF_ALL
+from linkwright.stages.formats.sdf.names import WORLD
 from linkwright.stages.formats.sdf.shapes import shapes_of
 from linkwright.stages.formats.xml import Element, Malformed, parse
 from linkwright.stages.robot.model.poses import inverse
@@ -153,7 +153,7 @@ class _Reader:
         type_, parent = str(node.get("type")), str(required_element(node, "parent").text)
         if type_ not in TYPES:
             raise SdfError(f"the type {type_} of the joint {name!r} is not read")
-        if parent != ROOT_OF_ALL:
+        if parent != WORLD:
             self._link_named(parent)
         child = self._link_named(str(required_element(node, "child").text))
         axis = node.find("axis/xyz")

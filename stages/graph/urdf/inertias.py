@@ -1,8 +1,9 @@
-"""Refuses inertias that no solid can have, recomputes them from the link's shapes, or projects them."""
+"""Repairs inertias of a URDF that no solid can have: refuses them, recomputes them from the link's shapes, or
+replaces them by the nearest possible inertia."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from linkwright.stages.formats.urdf.model import Urdf, UrdfLink, UrdfShape
 from linkwright.stages.graph.urdf.solid_inertia import solid_of
@@ -14,36 +15,45 @@ from linkwright.stages.robot.dynamics.inertia import (
     is_physical,
     no_thinner,
     principal,
+    scaled,
     spread,
 )
-from linkwright.stages.robot.model.robot import Array, Inertial, frozen
+from linkwright.stages.robot.model.robot import Array, Inertial
 
 Policy = Literal["refuse", "recompute", "project"]
+"""What to do with an impossible inertia: the key `source.bad_inertia`."""
 
 MIN_SPREAD = 1e-6
 """Smallest `spread` of a repaired inertia, as a share of its largest."""
 
-Solid = Callable[[Iterable[UrdfShape]], Inertial | None]
+SolidOfShapes = Callable[[Iterable[UrdfShape]], Inertial | None]
+"""Returns the inertial of a uniform solid of shapes; None if they enclose no volume."""
 
 
 def with_repaired_inertias(urdf: Urdf, policy: Policy, bundle: Bundle, log: Diagnostics) -> Urdf:
-    """Returns the file with inertias that a solid can have, where `policy` allows it; reports W-INERTIA for
-    each change. Refused inertias stay, to be reported by the check of all links, except a mass below zero and
-    an inertia without mass (E-INERTIA). A link that does not move needs no mass: its inertia is left out."""
-    moved = {joint.child for joint in urdf.joints if joint.type != "fixed"}
+    """Returns the URDF with impossible inertias repaired, as far as `policy` allows; reports W-INERTIA for
+    each change.
 
-    def solid(shapes: Iterable[UrdfShape]) -> Inertial | None:
+    With "refuse", impossible inertias stay, and the check of all links reports them; only a negative mass,
+    and an inertia without mass on a link that moves, are reported here (E-INERTIA). The inertia of a massless
+    link that does not move is left out.
+    """
+    moving = {joint.child for joint in urdf.joints if joint.type != "fixed"}
+
+    def solid_of_shapes(shapes: Iterable[UrdfShape]) -> Inertial | None:
         return solid_of(shapes, bundle)
 
     links = (
-        replace(link, inertial=_repaired(link, policy, solid, link.name in moved, log)) for link in urdf.links
+        replace(link, inertial=_repaired(link, policy, solid_of_shapes, link.name in moving, log))
+        for link in urdf.links
     )
     return replace(urdf, links=tuple(links))
 
 
 def _repaired(
-    link: UrdfLink, policy: Policy, solid: Solid, is_moving: bool, log: Diagnostics
+    link: UrdfLink, policy: Policy, solid_of_shapes: SolidOfShapes, is_moving: bool, log: Diagnostics
 ) -> Inertial | None:
+    """Returns a link's inertial, repaired as far as `policy` allows; None for a link without mass."""
     inertial = link.inertial
     if inertial is None or (inertial.mass == 0 and not inertial.inertia.any()):
         return None
@@ -54,24 +64,38 @@ def _repaired(
         return _thicken(inertial)
     if policy == "refuse":
         return inertial
-    uniform = solid(link.visuals) or solid(link.collisions) if policy == "recompute" else None
-    if uniform is not None:
-        repaired_inertial = Inertial(
-            inertial.mass, uniform.com, frozen(uniform.inertia * (inertial.mass / uniform.mass))
-        )
-        how = "that of a uniform solid of the link's shapes, about its centre of mass"
-    else:
-        repaired_inertial = Inertial(inertial.mass, inertial.com, nearest_physical(inertial.inertia))
-        how = "the nearest possible inertia"
-        how = how if policy == "project" else f"{how}, since no shape of the link encloses a volume"
+    repair = _projected(inertial) if policy == "project" else _recomputed(link, inertial, solid_of_shapes)
     text = (
-        f"{why_unphysical(inertial)}; it was replaced by {how}: {_moments(repaired_inertial.inertia)} kg m²"
+        f"{why_unphysical(inertial)}; it was replaced by {repair.text}: "
+        f"{_moments(repair.inertial.inertia)} kg m²"
     )
     log.report("W-INERTIA", text, link.name, "correct it in the file, or give mass: {links: {...}}")
-    return repaired_inertial
+    return repair.inertial
+
+
+class _Repair(NamedTuple):
+    """A repaired inertial, and what it is, for the user."""
+
+    inertial: Inertial
+    text: str
+
+
+def _projected(inertial: Inertial) -> _Repair:
+    nearest = Inertial(inertial.mass, inertial.com, nearest_physical(inertial.inertia))
+    return _Repair(nearest, "the nearest possible inertia")
+
+
+def _recomputed(link: UrdfLink, inertial: Inertial, solid_of_shapes: SolidOfShapes) -> _Repair:
+    solid_inertial = solid_of_shapes(link.visuals) or solid_of_shapes(link.collisions)
+    if solid_inertial is None:
+        repair = _projected(inertial)
+        return repair._replace(text=f"{repair.text}, since no shape of the link encloses a volume")
+    recomputed = scaled(solid_inertial, inertial.mass)
+    return _Repair(recomputed, "that of a uniform solid of the link's shapes, about its centre of mass")
 
 
 def _report_without_mass(link: UrdfLink, inertial: Inertial, refused: bool, log: Diagnostics) -> None:
+    """Reports an inertial whose mass is not positive. `refused`: whether that is an error."""
     text = f"its mass is {inertial.mass:g} kg"
     if inertial.mass == 0:
         text = f"it has an inertia ({_moments(inertial.inertia)} kg m²), but no mass"
@@ -85,18 +109,20 @@ def _report_without_mass(link: UrdfLink, inertial: Inertial, refused: bool, log:
 
 
 def nearest_physical(inertia: Array) -> Array:
-    """Returns the inertia (3, 3) nearest to this one that a solid of some thickness has."""
+    """Returns the inertia (3, 3) nearest to this one whose smallest spread is at least `MIN_SPREAD` of its
+    largest."""
     return no_thinner(inertia, max(MIN_SPREAD * float(spread(inertia).max()), NEXT_TO_NOTHING / 2))
 
 
 def _thicken(inertial: Inertial) -> Inertial:
-    """Makes a flat body a hair thicker, by less than any file's digits: engines reject inertias on the very
-    edge of the possible."""
-    values = spread(inertial.inertia)
-    floor = MIN_WRITTEN_SPREAD * float(values.sum() - values.min())
-    return (
-        inertial if values.min() >= floor else replace(inertial, inertia=no_thinner(inertial.inertia, floor))
-    )
+    """Makes a flat body thicker by less than the digits of a file show: engines reject inertias at the limit
+    of the possible."""
+    spreads = spread(inertial.inertia)
+    # The largest moment is the sum of the two largest spreads.
+    smallest_spread = MIN_WRITTEN_SPREAD * float(spreads.sum() - spreads.min())
+    if spreads.min() >= smallest_spread:
+        return inertial
+    return replace(inertial, inertia=no_thinner(inertial.inertia, smallest_spread))
 
 
 def why_unphysical(inertial: Inertial) -> str:
@@ -109,4 +135,5 @@ def why_unphysical(inertial: Inertial) -> str:
 
 
 def _moments(inertia: Array) -> str:
+    """Returns the principal moments [kg m²] of an inertia (3, 3) as a text."""
     return ", ".join(f"{moment:.4g}" for moment in principal(inertia))

@@ -22,7 +22,7 @@ from linkwright.stages.mesh.cut import planes
 from linkwright.stages.mesh.cut.chunk import cloud_of, hull_surface
 from linkwright.stages.mesh.cut.cutting import cuts, in_sectors, slicer
 from linkwright.stages.mesh.decompose.seams import containing_hull
-from linkwright.stages.mesh.measure import even
+from linkwright.stages.mesh.measure import evenly_spread
 from linkwright.stages.mesh.measure.field import Field
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.pieces import Distances, Piece, beyond_piece, surface_of, vertices
@@ -185,7 +185,7 @@ class PieceCutter:
         coarse_hull = hull
         if len(hull.vertices) > _MAX_CORNERS:
             coarse_hull = convex_hull(on_grid(hull.vertices, _CORNER_PITCH * self._judge.tolerance)) or hull
-        points = even(coarse_hull.corners, _POINT_COUNT).points
+        points = evenly_spread(coarse_hull.corners, _POINT_COUNT).points
         area, beyond = coarse_hull.area() / _POINT_COUNT, beyond_piece(coarse_hull)
         low, high = hull.vertices.min(axis=0), hull.vertices.max(axis=0)
         return _Part(soup, hull, hull.volume(), points, self._far(points), area, beyond, low, high, original)
@@ -273,7 +273,11 @@ class PieceCutter:
         return best[1]
 
     def _rough_cost(self, hull: Surface) -> float:
-        return hull.area() / _ROUGH_POINTS * _excess(self._far(even(hull.corners, _ROUGH_POINTS).points))
+        return (
+            hull.area()
+            / _ROUGH_POINTS
+            * _excess(self._far(evenly_spread(hull.corners, _ROUGH_POINTS).points))
+        )
 
     def _joined(
         self, parts: Sequence[_Part], hulls: dict[tuple[_Part, _Part], tuple[float, Surface | None]]

@@ -10,7 +10,7 @@ import numpy.typing as npt
 import scipy
 
 from linkwright.stages.formats.meshes.surface import Points, Surface
-from linkwright.stages.mesh.measure import BoxTree, Nearest, even
+from linkwright.stages.mesh.measure import BoxTree, Nearest, evenly_spread
 from linkwright.stages.mesh.surfaces.pieces import Distances, Piece, beyond_piece, surface_of
 
 Numbers = npt.NDArray[np.float64]
@@ -94,7 +94,7 @@ class Outside:
         start = low - margin * cell
         solid = np.zeros(shape, dtype=bool)
         count = int(np.ceil(surface.area() / (_MARK_SPACING * cell) ** 2)) + 1
-        marks = np.concatenate([even(tree.corners, count).points, surface.vertices])
+        marks = np.concatenate([evenly_spread(tree.corners, count).points, surface.vertices])
         solid[tuple(np.floor((marks - start) / cell).astype(int).T)] = True
         free = scipy.ndimage.distance_transform_edt(~solid) * cell > radius
         parts, _ = scipy.ndimage.label(free)
@@ -116,7 +116,7 @@ class Outside:
     def sampled(self, piece: Piece) -> Sampled:
         """Samples a piece."""
         surface = surface_of(piece)
-        points = even(surface.corners, _POINTS_PER_PIECE).points
+        points = evenly_spread(surface.corners, _POINTS_PER_PIECE).points
         return Sampled(
             beyond_piece(piece), points, self.distances(points), surface.area() / _POINTS_PER_PIECE
         )

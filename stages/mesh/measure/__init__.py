@@ -18,7 +18,7 @@ from linkwright.stages.mesh.measure.judge import hopeless as hopeless
 from linkwright.stages.mesh.measure.judge import measure as measure
 from linkwright.stages.mesh.measure.judge import near as near
 from linkwright.stages.mesh.measure.judge import outside_part as outside_part
-from linkwright.stages.mesh.measure.samples import even as even
+from linkwright.stages.mesh.measure.samples import evenly_spread as evenly_spread
 from linkwright.stages.mesh.measure.target import Target as Target
 from linkwright.stages.mesh.measure.tree import BoxTree as BoxTree
 from linkwright.stages.mesh.measure.tree import Nearest as Nearest

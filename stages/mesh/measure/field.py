@@ -10,7 +10,7 @@ import numpy.typing as npt
 import scipy
 
 from linkwright.stages.formats.meshes.surface import Points
-from linkwright.stages.mesh.measure import Target, even, outside_part
+from linkwright.stages.mesh.measure import Target, evenly_spread, outside_part
 
 _PITCH_TOLERANCES = 0.5
 """Distance between the nodes of the grid, in tolerances."""
@@ -57,7 +57,7 @@ class Field:
         if np.prod(shape.astype(np.float64)) > _MAX_NODES:
             return Field(target, tolerance, pitch, low, None)
         count = 2 * target.surface.area() / (_POINT_SPACING * tolerance) ** 2
-        samples = even(target.tree.corners, int(np.clip(count, 100, _MAX_POINTS))).points
+        samples = evenly_spread(target.tree.corners, int(np.clip(count, 100, _MAX_POINTS))).points
         points = np.concatenate([target.surface.vertices, samples])
         flat = np.ravel_multi_index(tuple(np.rint((points - low) / pitch).astype(np.int64).T), shape)
         # The first point near a node represents the others.

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from linkwright.stages.formats.meshes.surface import Points, Surface
-from linkwright.stages.mesh.measure.samples import even
+from linkwright.stages.mesh.measure.samples import evenly_spread
 from linkwright.stages.mesh.measure.target import SAMPLE_COUNT, Target
 from linkwright.stages.mesh.measure.tree import Indices, Numbers, Value, largest
 from linkwright.stages.mesh.measure.union import Union
@@ -99,7 +99,7 @@ def hopeless(
     outside = _outside_union(union, target.samples.points[::_SAMPLE_STEP], tolerance)
     if (outside.value[outside.counts] > tolerance).any():
         return True
-    samples = even(union.tree.corners, points)
+    samples = evenly_spread(union.tree.corners, points)
     triangles = samples.triangles
     _, outer = _outer(
         target.diagonal, union, samples.points, union.owners[triangles], union.normals[triangles]
@@ -120,7 +120,7 @@ def _order(piece: Piece) -> tuple[str, bytes, bytes]:
 
 def _protrusion(target: Target, union: Union) -> tuple[float, float]:
     """Returns how far [m] 95 % of the outer surface stand out at most, and the largest value of a sample."""
-    samples = even(union.tree.corners, _POINTS_ON_PIECES)
+    samples = evenly_spread(union.tree.corners, _POINTS_ON_PIECES)
     owners, normals = union.owners[samples.triangles], union.normals[samples.triangles]
     _, outer = _outer(target.diagonal, union, samples.points, owners, normals)
     points = samples.points[outer]

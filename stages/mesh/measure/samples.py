@@ -20,7 +20,7 @@ class Samples:
     triangles: Indices
 
 
-def even(corners: Corners, count: int) -> Samples:
+def evenly_spread(corners: Corners, count: int) -> Samples:
     """Returns `count` points on triangles (m, 3, 3). Each point represents an equal share of the area, taken
     along the order of the triangles, so that in the order of a `BoxTree` they are spread evenly in space
     too."""
@@ -38,7 +38,7 @@ def even(corners: Corners, count: int) -> Samples:
     return Samples(a + (b - a) * u + (c - a) * v, triangle_indices)
 
 
-def thinned(surface: Surface, size: float) -> Points:
+def one_per_cell(surface: Surface, size: float) -> Points:
     """Returns one of the surface's vertices in each cube of a grid with cubes of the given size [m]."""
     cells = np.floor((surface.vertices - surface.vertices.min(axis=0)) / size).astype(np.int64)
     _, first = np.unique(cells, axis=0, return_index=True)

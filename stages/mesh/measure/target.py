@@ -1,4 +1,4 @@
-"""Prepares a part for comparison with colliders."""
+"""Prepares a part for comparison with its colliders."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from linkwright.stages.formats.meshes.surface import Points, Surface
-from linkwright.stages.mesh.measure.samples import Samples, even, thinned
+from linkwright.stages.mesh.measure.samples import Samples, evenly_spread, one_per_cell
 from linkwright.stages.mesh.measure.tree import BoxTree, Nearest
 from linkwright.stages.mesh.measure.union import Union
 from linkwright.stages.mesh.measure.volumes import Cloud, Shares, Solid
@@ -14,9 +14,18 @@ from linkwright.stages.mesh.surfaces.clean import clean
 from linkwright.stages.mesh.surfaces.inside import Inside
 from linkwright.stages.mesh.surfaces.shells import Shells
 
-SAMPLE_COUNT = 3000  # points on the part
-_GRID_SHARE = 1 / 100  # of the diagonal
-_MAX_OVERLAP = 10  # measuring then takes seconds; parts of robots have less than 1
+SAMPLE_COUNT = 3000
+"""Number of points on the part."""
+
+_GRID_SHARE = 1 / 100
+"""Size of the grid's cells, as a share of the diagonal."""
+
+_MAX_OVERLAP = 10
+"""Largest `_overlap` of a part that is measured: beyond it, measuring takes seconds. Parts of robots have
+less than 1."""
+
+_MIN_SIDE_SHARE = 1e-9
+"""Smallest side of a box in `_overlap`, as a share of the diagonal: a flat box has no volume to divide by."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,21 +52,22 @@ class Target:
     solid: Solid | None
     """The part for boolean operations; None if they are impossible."""
     _cloud: list[Cloud] = field(default_factory=list)
+    """Points in the part's box, once `shares` needs them; a list, since the value is frozen."""
 
     @staticmethod
     def of(surface: Surface) -> "Target":
-        """Prepares a surface with at least one triangle, closed or not. Raises ValueError if it has no
-        extent, or if so many faces cross each other everywhere that no tree of them is fast."""
+        """Prepares a surface, closed or not. Raises ValueError if it has no extent, or if its faces overlap
+        so much that no tree of boxes is fast."""
         used_vertices = (
             surface.vertices[np.unique(surface.triangles)] if len(surface.triangles) else np.zeros((1, 3))
         )
         diagonal = float(np.linalg.norm(np.ptp(used_vertices, axis=0)))
         if not diagonal > 0 or not np.isfinite(used_vertices).all():
-            msg = "there is nothing to measure: the surface has no extent, or not all of it is finite"
+            msg = "the surface cannot be measured: it has no extent, or coordinates that are not finite"
             raise ValueError(msg)
         tree = BoxTree.of(surface)
         if _overlap(tree) > _MAX_OVERLAP:
-            msg = "its faces intersect each other in too many places to measure"
+            msg = "the surface cannot be measured: too many of its faces overlap"
             raise ValueError(msg)
         closed = surface.closed()
         solid = Solid.of(_solids(surface)) if closed else None
@@ -69,14 +79,14 @@ class Target:
             tree,
             Nearest.of(tree),
             Inside.of(surface),
-            even(tree.corners, SAMPLE_COUNT),
-            thinned(Surface(used_vertices, surface.triangles), _GRID_SHARE * diagonal),
+            evenly_spread(tree.corners, SAMPLE_COUNT),
+            one_per_cell(Surface(used_vertices, surface.triangles), _GRID_SHARE * diagonal),
             solid,
         )
 
     def shares(self, union: Union) -> Shares:
-        """Returns the volumes that a collider has too much and too little, by booleans if they are
-        possible."""
+        """Returns the volume of a collider outside the part, and of the part outside the collider, as shares
+        of the part's volume. They are computed by boolean operations if possible, else by sampling."""
         shares = self.solid.shares(union) if self.solid else None
         if shares is not None:
             return shares
@@ -86,10 +96,11 @@ class Target:
 
 
 def _overlap(tree: BoxTree) -> float:
-    """Returns in how many of the boxes around single triangles a place is, on average."""
+    """Returns the average number of triangles whose boxes contain a point of the part's box."""
     lows, highs = tree.boxes[0]
-    whole = np.maximum(highs.max(axis=0) - lows.min(axis=0), 1e-9 * tree.diagonal)
-    return float(np.prod(np.maximum(highs - lows, 1e-9 * tree.diagonal) / whole, axis=1).sum())
+    min_side = _MIN_SIDE_SHARE * tree.diagonal
+    part_sides = np.maximum(highs.max(axis=0) - lows.min(axis=0), min_side)
+    return float(np.prod(np.maximum(highs - lows, min_side) / part_sides, axis=1).sum())
 
 
 def _solids(surface: Surface) -> Sequence[Surface]:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from linkwright.stages.formats.meshes.surface import Surface
-from linkwright.stages.mesh.tessellation import PartMesh
+from linkwright.stages.mesh.part_mesh import PartMesh
 from linkwright.stages.mesh.visuals.error import hausdorff_bound
 from linkwright.stages.robot.model.robot import MeshRef
 from linkwright.stages.show.decimate import Simplifiable, lowest

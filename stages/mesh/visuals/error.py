@@ -4,7 +4,7 @@ import numpy as np
 
 from linkwright.stages.formats.meshes.surface import Points, Surface, chosen
 from linkwright.stages.mesh.measure import BoxTree
-from linkwright.stages.mesh.tessellation import PartMesh
+from linkwright.stages.mesh.part_mesh import PartMesh
 from linkwright.stages.mesh.visuals.walk import WalkedSurface
 
 _MAX_VERTICES = 10_000

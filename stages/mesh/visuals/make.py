@@ -9,7 +9,7 @@ import numpy as np
 from linkwright.stages.formats.meshes.surface import Surface, chosen, joined, moved
 from linkwright.stages.mesh.files import mesh_file
 from linkwright.stages.mesh.files.mesh_file import MeshFile
-from linkwright.stages.mesh.tessellation import PartMesh
+from linkwright.stages.mesh.part_mesh import PartMesh
 from linkwright.stages.mesh.visuals.budget import Decimation, Decimator
 from linkwright.stages.robot.model.geometry import Colour
 from linkwright.stages.robot.model.robot import Array, MeshRef
@@ -86,14 +86,11 @@ def _by_coloured_image(
     these."""
     if not moved_surfaces:
         return []
-    paints = sorted({paint for _, mesh in moved_surfaces for paint in mesh.coloured_images})
+    paints = sorted({paint for _, mesh in moved_surfaces for paint in mesh.paints})
     rank = {paint: index for index, paint in enumerate(paints)}
     whole = joined([surface for surface, _ in moved_surfaces])
     ranks = np.concatenate(
-        [
-            np.array([rank[paint] for paint in mesh.coloured_images])[mesh.colours]
-            for _, mesh in moved_surfaces
-        ]
+        [np.array([rank[paint] for paint in mesh.paints])[mesh.colours] for _, mesh in moved_surfaces]
     )
     order = np.argsort(ranks, kind="stable")
     bounds = np.searchsorted(ranks[order], np.arange(len(paints) + 1))

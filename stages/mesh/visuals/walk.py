@@ -8,7 +8,7 @@ import numpy.typing as npt
 import scipy
 
 from linkwright.stages.formats.meshes.surface import Points, Surface
-from linkwright.stages.mesh.measure import even
+from linkwright.stages.mesh.measure import evenly_spread
 from linkwright.stages.mesh.surfaces.neighbours import neighbours
 
 Numbers = npt.NDArray[np.float64]
@@ -46,7 +46,7 @@ class WalkedSurface:
         """Prepares a surface."""
         corners = surface.corners
         least, most = _SAMPLE_LIMITS
-        spread = even(corners, min(max(_PER_TRIANGLE * len(corners), least), most))
+        spread = evenly_spread(corners, min(max(_PER_TRIANGLE * len(corners), least), most))
         places = np.concatenate([spread.points, (corners[:, 0] + corners[:, 1] + corners[:, 2]) / 3])
         owners = np.concatenate([spread.triangles, np.arange(len(corners))])
         # A balanced tree takes four times as long to make, and is searched no faster.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from linkwright.stages.robot.model.robot import Array, Dof, Robot
-from linkwright.stages.robot.motion.pose_batch import Values, count_of, placed
+from linkwright.stages.robot.motion.pose_batch import Values, count_of, poses_and_frames
 
 GRAVITY = (0.0, 0.0, -9.81)
 """MuJoCo's default gravity [m/s²]."""
@@ -34,7 +34,7 @@ def holding_forces(
     held instead, and that share of the rest of the robot's weight is on it, as for a leg on the ground. No
     dof holds the weight that the `ground` carries: its force is along `up`, as if that mass were taken away.
     """
-    poses, frames = placed(robot.root.name, robot.joints, values)
+    poses, frames = poses_and_frames(robot.root.name, robot.joints, values)
     count = count_of(values)
     weights = {link.name: np.full(count, link.inertial.mass) for link in robot.links}
     moments = {

@@ -113,7 +113,7 @@ class Actuation:
     """Dofs whose actuators carry weight of links."""
     supplied: tuple[Supplied, ...] = ()
     """Dynamics that motors give."""
-    overruled: tuple[str, ...] = ()
+    overridden: tuple[str, ...] = ()
     """Dofs for which a value of the configuration replaces that of the motor."""
 
     def of(self, dof: str) -> Actuator | None:

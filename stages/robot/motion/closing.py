@@ -16,13 +16,13 @@ from linkwright.stages.robot.motion.dof_ranges import ranges
 from linkwright.stages.robot.motion.loops import CLOSED
 from linkwright.stages.robot.motion.pose_batch import (
     Values,
-    along,
+    chain_pose,
     cross,
-    placed,
+    poses_and_frames,
     product_of_quats,
-    quats_of,
+    quats_from_vectors,
     rotations_of_quats,
-    turns_of,
+    vectors_from_rotations,
 )
 from linkwright.stages.robot.motion.tree_paths import TreePaths
 
@@ -159,13 +159,13 @@ class Closer:
         if self._kinds[name] != "ball":
             return (target - value)[:, None]
         back = value * [1, -1, -1, -1]
-        return turns_of(rotations_of_quats(product_of_quats(back, target)))
+        return vectors_from_rotations(rotations_of_quats(product_of_quats(back, target)))
 
     def _apply_step(self, values: Values, step: Array) -> dict[str, Array]:
         moved_values = dict(values)
         for name, part in self._columns.items():
             if self._kinds[name] == "ball":
-                moved_values[name] = product_of_quats(values[name], quats_of(step[:, part]))
+                moved_values[name] = product_of_quats(values[name], quats_from_vectors(step[:, part]))
             else:
                 moved_values[name] = values[name] + step[:, part.start]
         for relation in self._relations:
@@ -177,15 +177,16 @@ class Closer:
     def _conditions(self, values: Values) -> tuple[Array, Array]:
         """Returns the gaps between the loops' frames (n, 6 L), and their derivative (n, 6 L, size). A gap is
         a shift [m] and a turn [rad], in the axes of the link where all paths to the loops meet."""
-        poses, frames = placed(self._top, self._joints, values)
+        poses, frames = poses_and_frames(self._top, self._joints, values)
         ends = []
         for loop in self._loops:
-            second = along(loop.dofs, poses[loop.link_b] @ loop.b_from_frame, values, frames)
-            ends.append((poses[loop.link_a] @ loop.a_from_frame, second))
+            chain = chain_pose(loop.dofs, poses[loop.link_b] @ loop.b_from_frame, values)
+            frames |= chain.frames
+            ends.append((poses[loop.link_a] @ loop.a_from_frame, chain.end))
         parts = []
         for first, second in ends:
             turned = first[:, :3, :3] @ np.swapaxes(second[:, :3, :3], 1, 2)
-            parts += [first[:, :3, 3] - second[:, :3, 3], turns_of(turned)]
+            parts += [first[:, :3, 3] - second[:, :3, 3], vectors_from_rotations(turned)]
         gaps = np.concatenate(parts, axis=1)
         jacobian = np.zeros((len(gaps), 6 * len(self._loops), self._size))
         for (index, sign), dof in self._moving():

@@ -18,7 +18,7 @@ from linkwright.stages.robot.motion.couplings import RANK_TOLERANCE, Couplings, 
 from linkwright.stages.robot.motion.dof_ranges import ranges
 from linkwright.stages.robot.motion.linear_coupling import LinearCoupling
 from linkwright.stages.robot.motion.loop_groups import LoopGroups
-from linkwright.stages.robot.motion.pose_batch import Values, chosen, count_of, repeated
+from linkwright.stages.robot.motion.pose_batch import Values, count_of, repeated, select
 from linkwright.stages.robot.motion.pose_samples import ends_of
 
 EXACT_TOLERANCE = 1e-9
@@ -150,7 +150,7 @@ def _path(robot: Robot, begin: Values, rates: Mapping[str, Rates], points: int) 
         ahead = {**current, **{name: current[name] + move for name, move in last_steps.items()}}
         after, closed = closer.settled(ahead, _MAX_NEWTON_STEPS)
         last_steps = {name: (after[name] - current[name])[closed] for name in last_steps}
-        current = dict(chosen(after, closed))
+        current = dict(select(after, closed))
         if not closed.any():
             break
     return current

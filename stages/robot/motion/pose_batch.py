@@ -1,7 +1,8 @@
-"""Computes the robot's kinematics at many configurations at once: the first axis of every array counts
-them."""
+"""Computes the robot's kinematics at many configurations at once. The first axis of every array is the
+configuration."""
 
 from collections.abc import Iterable, Mapping
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +14,19 @@ Values = Mapping[str, Array]
 """Dof → values: (n,) for a turn or slide, (n, 4) for a ball, (n, 7) for a free joint."""
 
 
+Frames = Mapping[str, tuple[Array, Array]]
+"""Dof → the frame in which it moves, and the frame that it moves: root_from_frame (n, 4, 4)."""
+
+
+class ChainPose(NamedTuple):
+    """The pose of a chain of dofs."""
+
+    end: Array
+    """Pose (n, 4, 4) of the end of the chain."""
+
+    frames: Frames
+
+
 def repeated(q: Configuration, count: int) -> dict[str, Array]:
     """Returns the same configuration `count` times."""
     return {
@@ -21,7 +35,7 @@ def repeated(q: Configuration, count: int) -> dict[str, Array]:
     }
 
 
-def chosen(values: Values, rows: npt.NDArray[np.intp] | npt.NDArray[np.bool_]) -> dict[str, Array]:
+def select(values: Values, rows: npt.NDArray[np.intp] | npt.NDArray[np.bool_]) -> dict[str, Array]:
     """Returns some of the configurations, by index or by a mask."""
     return {name: value[rows] for name, value in values.items()}
 
@@ -33,33 +47,36 @@ def count_of(values: Values) -> int:
 
 def many_link_poses(robot: Robot, values: Values) -> dict[str, Array]:
     """Returns root_from_link (n, 4, 4) of every link."""
-    return placed(robot.root.name, robot.joints, values)[0]
+    poses, _ = poses_and_frames(robot.root.name, robot.joints, values)
+    return poses
 
 
-def placed(
+def poses_and_frames(
     root: str, joints: Iterable[Joint], values: Values
 ) -> tuple[dict[str, Array], dict[str, tuple[Array, Array]]]:
-    """Returns root_from_link (n, 4, 4) below these joints (parents first), and two frames (n, 4, 4) for each
-    of their dofs: the frame in which it moves, and the frame that it moves."""
+    """Returns root_from_link (n, 4, 4) of `root` and of the links below these joints (parents first), and the
+    frames of the joints' dofs."""
     poses = {root: np.tile(np.eye(4), (count_of(values), 1, 1))}
     frames: dict[str, tuple[Array, Array]] = {}
     for joint in joints:
-        poses[joint.child] = along(joint.dofs, poses[joint.parent] @ joint.parent_from_joint, values, frames)
+        chain = chain_pose(joint.dofs, poses[joint.parent] @ joint.parent_from_joint, values)
+        poses[joint.child] = chain.end
+        frames |= chain.frames
     return poses, frames
 
 
-def along(dofs: Iterable[Dof], start: Array, values: Values, frames: dict[str, tuple[Array, Array]]) -> Array:
-    """Returns the end (n, 4, 4) of a chain of dofs that begins at `start` (n, 4, 4); `frames` gets the frames
-    of each."""
+def chain_pose(dofs: Iterable[Dof], start: Array, values: Values) -> ChainPose:
+    """Returns the pose of a chain of dofs that begins at `start` (n, 4, 4)."""
     pose = start
+    frames = {}
     for dof in dofs:
         frame = pose @ dof.origin
-        pose = frame @ motions(dof, values)
+        pose = frame @ dof_transforms(dof, values)
         frames[dof.name] = frame, pose
-    return pose
+    return ChainPose(pose, frames)
 
 
-def motions(dof: Dof, values: Values) -> Array:
+def dof_transforms(dof: Dof, values: Values) -> Array:
     """Returns the transforms (n, 4, 4) of a dof; a dof without values does not move."""
     if dof.name not in values:
         values = repeated({dof.name: at_rest(dof.kind)}, count_of(values))
@@ -68,7 +85,7 @@ def motions(dof: Dof, values: Values) -> Array:
     if dof.kind == "slide":
         out[:, :3, 3] = value[:, None] * dof.axis
     elif dof.kind == "turn":
-        out[:, :3, :3] = rotations(value[:, None] * dof.axis)
+        out[:, :3, :3] = rotations_from_vectors(value[:, None] * dof.axis)
     else:
         out[:, :3, :3] = rotations_of_quats(value[:, -4:])
         if dof.kind == "free":
@@ -76,14 +93,13 @@ def motions(dof: Dof, values: Values) -> Array:
     return out
 
 
-def rotations(vectors: Array) -> Array:
-    """Returns Rodrigues' rotations (n, 3, 3) about the vectors (n, 3), by their lengths [rad]."""
-    return rotations_of_quats(quats_of(vectors))
+def rotations_from_vectors(vectors: Array) -> Array:
+    """Returns the rotations (n, 3, 3) of rotation vectors (n, 3) [rad]."""
+    return rotations_of_quats(quats_from_vectors(vectors))
 
 
-def quats_of(vectors: Array) -> Array:
-    """Returns the quaternions (n, 4), as (w, x, y, z), of turns about the vectors (n, 3), by their lengths
-    [rad]."""
+def quats_from_vectors(vectors: Array) -> Array:
+    """Returns the quaternions (w, x, y, z) (n, 4) of rotation vectors (n, 3) [rad]."""
     half = np.linalg.norm(vectors, axis=1)[:, None] / 2
     # sin(x)/x, which np.sinc computes for π x, is exact at 0.
     quats: Array = np.concatenate([np.cos(half), np.sinc(half / np.pi) * vectors / 2], axis=1)
@@ -109,24 +125,31 @@ def product_of_quats(first: Array, second: Array) -> Array:
     return np.column_stack([scalar, a[:, None] * v + b[:, None] * u + cross(u, v)])
 
 
+_NEXT, _LAST = [1, 2, 0], [2, 0, 1]
+"""For each of x, y, z: the next coordinate, and the one after it."""
+
+
 def cross(first: Array, second: Array) -> Array:
-    """Returns the products (n, 3, ...) of vectors along the second axis."""
+    """Returns the cross products (n, 3, ...) of vectors that lie along the second axis."""
     # np.cross, which takes any axes, costs ten times as much for a few hundred vectors.
     product: Array = first[:, _NEXT] * second[:, _LAST] - first[:, _LAST] * second[:, _NEXT]
     return product
 
 
-_NEXT, _LAST = [1, 2, 0], [2, 0, 1]
+_MIN_SINE = 1e-9
+"""Sine of an angle below which a rotation counts as no turn or as half a turn, whose axis rounding hides."""
 
 
-def turns_of(rotations: Array) -> Array:
+def vectors_from_rotations(rotations: Array) -> Array:
     """Returns the rotation vectors (n, 3), of lengths [rad] up to π, of rotations (n, 3, 3)."""
     r = rotations
+    # The axis, times twice the sine of the angle.
     doubled = np.stack([r[:, 2, 1] - r[:, 1, 2], r[:, 0, 2] - r[:, 2, 0], r[:, 1, 0] - r[:, 0, 1]], axis=1)
     sines = np.linalg.norm(doubled, axis=1) / 2
     angles = np.arctan2(sines, (np.trace(r, axis1=1, axis2=2) - 1) / 2)
-    factors = np.divide(angles, 2 * sines, out=np.full_like(angles, 0.5), where=sines > 1e-9)
+    factors = np.divide(angles, 2 * sines, out=np.full_like(angles, 0.5), where=sines > _MIN_SINE)
     vectors: Array = doubled * factors[:, None]
-    # Half a turn has no axis there: any axis will do, as long as the turn is not lost.
-    vectors[(sines <= 1e-9) & (angles > 1)] = [np.pi, 0, 0]
+    # At half a turn `doubled` is zero and gives no axis. Any axis will do here, as long as the angle is kept.
+    is_half_turn = (sines <= _MIN_SINE) & (angles > np.pi / 2)
+    vectors[is_half_turn] = [np.pi, 0, 0]
     return vectors

@@ -9,7 +9,7 @@ import numpy.typing as npt
 from linkwright.stages.robot.model.robot import Array, Configuration, Dof, Robot, Value
 from linkwright.stages.robot.motion.closing import Closer
 from linkwright.stages.robot.motion.dof_ranges import ranges
-from linkwright.stages.robot.motion.pose_batch import chosen, count_of, repeated
+from linkwright.stages.robot.motion.pose_batch import count_of, repeated, select
 
 _ROUNDS = 4
 """Largest number of draws of a pose until its loops close."""
@@ -41,14 +41,14 @@ def sampled_poses(
     for relation in robot.relations:
         all_values[relation.follower] = relation.multiplier * all_values[relation.driver] + relation.offset
     if not robot.loops:
-        return chosen(all_values, np.arange(count))
+        return select(all_values, np.arange(count))
     closer = Closer(robot)
     batches: list[dict[str, Array]] = []
     for turn in range(_ROUNDS):
-        target = chosen(all_values, np.arange(turn * count, (turn + 1) * count))
+        target = select(all_values, np.arange(turn * count, (turn + 1) * count))
         first = {**target, **{name: repeated(start, count)[name] for name in _loop_dofs(robot, closer)}}
         values, closed = closer.settled(closer.towards(first, target, _STEPS))
-        batches.append(chosen(values, closed & _in_cones(dofs, values)))
+        batches.append(select(values, closed & _in_cones(dofs, values)))
         if sum(map(count_of, batches)) >= count:
             break
     return {name: np.concatenate([values[name] for values in batches])[:count] for name in all_values}

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from linkwright.stages.robot.model.robot import Array, Dof, Inertial, Robot
-from linkwright.stages.robot.motion.pose_batch import Values, count_of, cross, placed
+from linkwright.stages.robot.motion.pose_batch import Values, count_of, cross, poses_and_frames
 from linkwright.stages.robot.motion.tree_paths import TreePaths
 
 MAX_WHOLE_DOFS = 100
@@ -56,7 +56,7 @@ class PosedRobot:
 
     def __init__(self, robot: Robot, values: Values) -> None:
         self._robot = robot
-        self.poses, frames = placed(robot.root.name, robot.joints, values)
+        self.poses, frames = poses_and_frames(robot.root.name, robot.joints, values)
         self._count = count_of(values)
         number = {dof.name: at for at, dof in enumerate(scalar_dofs(robot))}
         self._size = len(number)

@@ -12,7 +12,7 @@ from linkwright.stages.robot.model.robot import Dynamics, Limits
 from linkwright.stages.robot.motion.couplings import Couplings
 from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.robot.motion.loops import gap
-from linkwright.stages.robot.motion.pose_batch import chosen
+from linkwright.stages.robot.motion.pose_batch import select
 from linkwright.stages.robot.motion.pose_samples import sampled_poses
 from linkwright.stages.robot.motion.start_pose import saved
 from tests.support.building import NO_MESHES, plan_of
@@ -92,7 +92,7 @@ def test_pose_with_a_nearly_flat_bar_is_near_singular():
     assert rise[near].max() < 0.2 * rise.max()
     assert rise[~near].min() > 0.02 * rise.max()
     # What pushes the table instead has no leverage there.
-    away = chosen(poses, rise > 0.1)
+    away = select(poses, rise > 0.1)
     assert not Couplings(robot, away).near_singular(["table"])["table"].any()
 
 

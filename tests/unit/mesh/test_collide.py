@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from linkwright.stages.mesh import make_geometry, tessellation
+from linkwright.stages.mesh import make_geometry, part_mesh
 from linkwright.stages.mesh.collide import make as collide
 from linkwright.stages.mesh.fit import capped_hull
 from linkwright.stages.mesh.library import MAX_DECIMATION_MOVE, MeshLibrary
@@ -257,7 +257,7 @@ def test_hull_of_very_many_triangles_is_that_of_all_of_them(ball):
     keys = keys_of(collider="hull", max_vertices=64, visual={"max_faces": 100_000})
     (solid,) = loaded(make_geometry(value, files, keys, no_memo))
     reply = files.body(value.links[0].parts[0].mesh.reply)
-    expected = capped_hull(tessellation.decode_meshes(reply, ["Ball"])["Ball"].surface, 64)
+    expected = capped_hull(part_mesh.decode_meshes(reply, ["Ball"])["Ball"].surface, 64)
     corners = [np.sort(points, axis=0) for points in (solid.vertices, expected.vertices)]
     np.testing.assert_allclose(*corners, atol=1e-8, rtol=0)
 

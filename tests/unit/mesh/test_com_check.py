@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from linkwright.stages.mesh import tessellation
+from linkwright.stages.mesh import part_mesh
 from linkwright.stages.mesh.com_check import outside
 from linkwright.stages.mesh.surfaces.pieces import enclosing_points
 from linkwright.stages.robot.model.robot import Inertial, Primitive, frozen
@@ -97,7 +97,7 @@ def test_report_comes_from_the_cache_and_by_the_mass_of_today(monkeypatch):
     assert list(reported(bad, memo=memo)) == list(reported(bad, memo=memo)) == ["base"]
     assert memo.made == 3
     # A link that balances needs no triangles to say so.
-    monkeypatch.setattr(tessellation, "decode_meshes", None)
+    monkeypatch.setattr(part_mesh, "decode_meshes", None)
     assert reported(good, memo=memo) == {}
 
 

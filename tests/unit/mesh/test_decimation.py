@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.files import stl
-from linkwright.stages.mesh.measure import even
+from linkwright.stages.mesh.measure import evenly_spread
+from linkwright.stages.mesh.part_mesh import PartMesh
 from linkwright.stages.mesh.section import VisualSection
 from linkwright.stages.mesh.surfaces.neighbours import neighbours
-from linkwright.stages.mesh.tessellation import PartMesh
 from linkwright.stages.mesh.visuals import budget
 from linkwright.stages.mesh.visuals.budget import MIN_BOUND, Decimator, bound
 from linkwright.stages.mesh.visuals.error import farthest, hausdorff_bound
@@ -151,7 +151,7 @@ def test_walked_distances_are_upper_bounds_and_the_largest_is_exact(turned):
     if turned:
         triangles[::5] = triangles[::5, ::-1]
     target = Surface(surface.vertices, triangles)
-    points = even(target.corners, 300).points
+    points = evenly_spread(target.corners, 300).points
     points = points + np.random.default_rng(7).normal(scale=2e-3, size=points.shape)
     slow = slow_distances(points, target.corners)
     walked = WalkedSurface.of(target).bounds(points, 1e-3)
@@ -187,7 +187,7 @@ def test_colour_that_is_gone_is_infinitely_far():
 
 def test_points_are_spread_by_area():
     surface = of_mesh(trimesh.creation.box((1.0, 1.0, 0.1)))
-    inside = np.abs(np.abs(even(surface.corners, 10000).points[:, 2]) - 0.05) < 1e-12
+    inside = np.abs(np.abs(evenly_spread(surface.corners, 10000).points[:, 2]) - 0.05) < 1e-12
     assert inside.mean() == pytest.approx(2 / 2.4, abs=0.01)
 
 
@@ -232,7 +232,7 @@ def test_part_within_the_budget_imports_no_library_that_decimates_or_collides():
         "import sys, numpy\n"
         "import linkwright.stages.mesh.geometry\n"
         "from linkwright.stages.formats.meshes.surface import Surface\n"
-        "from linkwright.stages.mesh.tessellation import PartMesh\n"
+        "from linkwright.stages.mesh.part_mesh import PartMesh\n"
         "from linkwright.stages.mesh.visuals.budget import Decimator\n"
         "from linkwright.stages.robot.model.robot import MeshRef\n"
         "few = numpy.zeros((4, 3), dtype=int)\n"

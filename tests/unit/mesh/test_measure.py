@@ -299,7 +299,7 @@ def test_sheet_has_no_inside():
 @pytest.mark.slow
 def test_tangle_is_an_error_and_not_a_wait():
     corners = np.random.default_rng(1).uniform(size=(150_000, 3))
-    with pytest.raises(ValueError, match="intersect each other in too many places"):
+    with pytest.raises(ValueError, match="too many of its faces overlap"):
         Target.of(Surface(corners, np.arange(150_000).reshape(-1, 3)))
     few = Surface(corners[:300], np.arange(300).reshape(-1, 3))
     assert judged(few, box(1, 1, 1, at=(0.5, 0.5, 0.5))).bareness_max == 0
@@ -314,5 +314,5 @@ def test_nothing_to_measure_is_an_error():
         (np.full((3, 3), np.nan), triangle),
         (np.zeros((3, 3)), triangle),
     ):
-        with pytest.raises(ValueError, match="nothing to measure"):
+        with pytest.raises(ValueError, match="cannot be measured"):
             Target.of(Surface(points, triangles))

@@ -11,7 +11,7 @@ import pytest
 import trimesh
 
 from linkwright.stages.fetch.onshape.triangles.faces import compact
-from linkwright.stages.mesh import make_geometry, tessellation
+from linkwright.stages.mesh import make_geometry, part_mesh
 from linkwright.stages.mesh.section import MeshSections
 from linkwright.stages.robot.bundle import OnshapeBundle
 from linkwright.stages.robot.dynamics.inertia import merged, moved
@@ -294,9 +294,9 @@ def test_rename_makes_no_link_again_and_a_move_only_its_own():
 
 def test_memo_gives_the_same_geometry_and_reads_each_reply_once(monkeypatch):
     reads = []
-    real = tessellation.decode_meshes
+    real = part_mesh.decode_meshes
     monkeypatch.setattr(
-        tessellation, "decode_meshes", lambda body, parts: reads.append(parts) or real(body, parts)
+        part_mesh, "decode_meshes", lambda body, parts: reads.append(parts) or real(body, parts)
     )
     memo = Memory()
     whole = robot(base=[part("A")], arm=[part("B"), part("A", at(2))], leg=[part("A", at(7))])

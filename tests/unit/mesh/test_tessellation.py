@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from linkwright.stages.fetch.onshape.triangles import faces as reply_triangles
 from linkwright.stages.formats.colours import NEUTRAL, colour_of
-from linkwright.stages.mesh import tessellation
+from linkwright.stages.mesh import part_mesh
 from linkwright.stages.robot.errors import ProtocolError
 from tests.fake_onshape import outlines, solids
 from tests.support.recorded import DATA, needs_data
@@ -24,7 +24,7 @@ RED, BLUE = {"color": [255, 0, 0], "opacity": 255}, {"color": [0, 0, 255], "opac
 
 def read(reply, part="A"):
     """The mesh of a part in a reply, by way of the compact form."""
-    return tessellation.decode_meshes(reply_triangles.compact(reply), {part})[part]
+    return part_mesh.decode_meshes(reply_triangles.compact(reply), {part})[part]
 
 
 def xyz(*point):
@@ -74,7 +74,7 @@ def test_every_form_of_a_cube_is_the_same_closed_cube(form, old):
 def test_only_the_wanted_parts_are_read_and_bodies_without_triangles_are_absent():
     bodies = [body(name="A"), body(name="B"), {"id": "C", "faces": "broken"}, {"id": "E", "faces": []}]
     data = reply_triangles.compact(reply(*bodies, {"id": "F"}))
-    assert set(tessellation.decode_meshes(data, {"B", "D", "E", "F"})) == {"B"}
+    assert set(part_mesh.decode_meshes(data, {"B", "D", "E", "F"})) == {"B"}
 
 
 def test_order_of_faces_points_and_corners_does_not_matter():

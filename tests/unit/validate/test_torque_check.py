@@ -15,7 +15,7 @@ from linkwright.stages.robot.model.poses import from_parts
 from linkwright.stages.robot.model.robot import Dynamics, Frame, Limits, Relation, Robot, frozen
 from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.validate import validate
-from linkwright.stages.validate.check_options import Asked
+from linkwright.stages.validate.check_options import CheckOptions
 from linkwright.stages.validate.checks.simulation.torque import check
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.simulate.holding import holding_forces
@@ -53,8 +53,8 @@ def compiled_model(
 ) -> CompiledModel:
     exported = write(robot, folder, plan_of(**{"actuators": SERVOS, **keys}))
     model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
-    asked = Asked(payload=tuple(payload))
-    return CompiledModel(folder / "robot.xml", model, exported.written, asked)
+    options = CheckOptions(payload=tuple(payload))
+    return CompiledModel(folder / "robot.xml", model, exported.written, options)
 
 
 POSES = [{"low_joint": 0.0, "up_joint": 0.0}, {"low_joint": 0.4, "up_joint": -0.9}]

@@ -64,10 +64,10 @@ def series_of(
         series = Series(pattern, support, images, frozenset(free), frozenset(rebuilt))
         for seed in seeds:
             by_seed.setdefault(seed, []).append(series)
-        if free and support.above:
+        if free and support.outer_title:
             message = (
-                f"{support.within} holds the seed inside its sub-assembly and {support.above} from outside: "
-                "its copies use the inner mate"
+                f"{support.inner_title} holds the seed inside its sub-assembly and {support.outer_title} "
+                "from outside: its copies use the inner mate"
             )
             hint = (
                 "FASTEN the seed to what carries it; or pattern the parts that it carries, too; "

@@ -140,7 +140,7 @@ class _Copier:
         lead on to further copies.
         """
         touched: dict[int, tuple[Series, dict[int, Path]]] = {}
-        for index, place in enumerate(feature.places):
+        for index, place in enumerate(feature.occurrences):
             for depth in range(len(owner) + 1, len(place) + 1):
                 seed = place[:depth]
                 if fresh is None or seed in fresh:
@@ -161,7 +161,7 @@ class _Copier:
             for series in self.by_seed.get(seed, ()):
                 for number, copy in enumerate(series.pattern.copies[seed]):
                     if copy in series.rebuilt:
-                        copies = dict.fromkeys(range(len(feature.places)), (seed, copy))
+                        copies = dict.fromkeys(range(len(feature.occurrences)), (seed, copy))
                         places = self._moved_places(series, feature, copies)
                         if places is not None:
                             inside = (copy,) * len(places)
@@ -173,7 +173,7 @@ class _Copier:
         """Returns the image of a feature on the `number`-th copies, or None: if a copy is missing, if all
         copies have mates of their own, if a seed carries a place that is not on a seed, or if a joint leads
         from a fastened seed to something else."""
-        support, places = series.support, feature.places
+        support, places = series.support, feature.occurrences
         copies = {
             index: (seed, series.pattern.copies[seed][number])
             for index, seed in seeds.items()
@@ -204,7 +204,7 @@ class _Copier:
     ) -> tuple[Path, ...] | None:
         """Returns the places of a feature on copies, by index → (seed, copy); None if any has no
         counterpart."""
-        moved = list(feature.places)
+        moved = list(feature.occurrences)
         for index, (seed, copy) in copies.items():
             moved[index] = series.counterpart(seed, copy, moved[index])
             if moved[index] not in self.assembly.occurrences:

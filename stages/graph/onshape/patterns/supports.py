@@ -1,4 +1,4 @@
-"""Finds the supports of a pattern's seeds, and so of their copies, and the instances that the seeds carry.
+"""Finds what supports the seeds of a pattern, and so their copies, and which instances the seeds carry.
 
 A copy of a wheel is mounted on the same axle as its seed, but the cap on the seed is not mounted on the copy
 as well. Without the seeds the assembly falls into pieces. The support is the piece with the assembly's origin
@@ -23,10 +23,10 @@ class Feature:
     """A mate or a mate group."""
 
     title: str
-    places: tuple[Path, ...]
+    occurrences: tuple[Path, ...]
     """The occurrences that it connects."""
     rigid: bool
-    """Whether it connects them to one body."""
+    """Whether they cannot move relative to each other."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,32 +34,42 @@ class Support:
     """The support of the seeds of a pattern."""
 
     level: Path
-    """The assembly whose mates and groups support them."""
+    """The assembly whose mates and mate groups support the seeds."""
     dependents: frozenset[Path] = frozenset()
     """Instances of that assembly that only the seeds support."""
     fastened: frozenset[Path] = frozenset()
-    """Occurrences in the seeds that are one body with the support: their other mates then only carry
-    something."""
-    within: str = ""
-    """A feature that holds a seed in the pattern's own assembly, if `above` could place the copies as well;
-    else empty."""
-    above: str = ""
-    """A feature that holds a seed in an assembly around it, if `within` could place the copies as well; else
-    empty."""
+    """Occurrences in the seeds that are rigidly joined to the support. Their other mates do not support them,
+    but carry other instances."""
+    inner_title: str = ""
+    """Title of the feature of the pattern's own assembly that holds a seed, if a feature of an assembly
+    around it holds a seed too; else ""."""
+    outer_title: str = ""
+    """Title of that feature of an assembly around it; else ""."""
 
 
 class SupportSearch:
     """Finds supports from the mates, groups and fixed instances of each assembly."""
 
+    features: dict[Path, list[Feature]]
+    """Assembly → its features."""
+
+    touching: dict[tuple[Path, Path], list[Feature]]
+    """(assembly, instance in it) → the features of the assembly that connect an occurrence in the
+    instance."""
+
+    fixed: dict[Path, list[Path]]
+    """Assembly → the fixed instances in it."""
+
+    parts: Counter[Path]
+    """Instance → the number of parts in it."""
+
     def __init__(self, assembly: Assembly) -> None:
-        self.features: dict[Path, list[Feature]] = {}
-        self.touching: dict[tuple[Path, Path], list[Feature]] = {}
+        self.features, self.touching, self.fixed = {}, {}, {}
         for mate in assembly.mates:
-            places = tuple(entity.path for entity in mate.entities)
-            self._add_feature(mate.ref.owner, Feature(mate.title, places, mate.ref.type == "FASTENED"))
+            occurrences = tuple(entity.path for entity in mate.entities)
+            self._add_feature(mate.ref.owner, Feature(mate.title, occurrences, mate.ref.type == "FASTENED"))
         for group in assembly.groups:
             self._add_feature(group.owner, Feature(group.title, tuple(group.members), True))
-        self.fixed: dict[Path, list[Path]] = {}
         for path in (path for path, occurrence in assembly.occurrences.items() if occurrence.fixed):
             for depth in range(len(path)):
                 self.fixed.setdefault(path[:depth], []).append(path)
@@ -70,107 +80,34 @@ class SupportSearch:
     def _add_feature(self, owner: Path, feature: Feature) -> None:
         self.features.setdefault(owner, []).append(feature)
         paths_below = {
-            place[:depth] for place in feature.places for depth in range(len(owner) + 1, len(place) + 1)
+            occurrence[:depth]
+            for occurrence in feature.occurrences
+            for depth in range(len(owner) + 1, len(occurrence) + 1)
         }
-        for place in sorted(paths_below):
-            self.touching.setdefault((owner, place), []).append(feature)
+        for path in sorted(paths_below):
+            self.touching.setdefault((owner, path), []).append(feature)
 
     def support(self, seeds: Collection[Path], owner: Path, rigid: Collection[Path]) -> Support:
-        """Returns the support of `seeds`, instances of `owner`, by its own features, else by those of the
-        nearest assembly around it that has some. `rigid`: assemblies without inner motion, copies
-        included."""
-        levels = [owner] if owner in rigid else [owner[:depth] for depth in range(len(owner), -1, -1)]
-        holding = {level: tuple(self._from_outside(seeds, level)) for level in levels}
-        level = next((level for level in levels if holding[level]), owner)
-        dependents = self._dependents(frozenset(seeds), owner, level)
-        fastened = self._fastened(seeds, owner, level, dependents, holding[level], rigid)
-        rigidly = any(feature.rigid for feature in holding[owner])
-        outer = [feature for around in levels[1:] for feature in holding[around]]
-        if level != owner or rigidly or not holding[owner] or not outer:
-            return Support(level, dependents, fastened)
-        return Support(level, dependents, fastened, holding[owner][0].title, outer[0].title)
+        """Returns the support of `seeds`, which are instances of `owner`.
 
-    def _from_outside(self, seeds: Collection[Path], level: Path) -> Iterator[Feature]:
-        """Yields the features of `level` between a seed and an occurrence outside all seeds."""
-        for seed in sorted(seeds):
-            for feature in self.touching.get((level, seed), ()):
-                if _outside(feature.places, seeds):
-                    yield feature
-
-    def _fastened(
-        self,
-        seeds: Collection[Path],
-        owner: Path,
-        level: Path,
-        dependents: Collection[Path],
-        holding: Collection[Feature],
-        rigid: Collection[Path],
-    ) -> frozenset[Path]:
-        """Returns the occurrences in seeds that features of `level` join to the body of the support; empty
-        where the seeds have no other mates."""
-        fast = [
-            feature
-            for feature in holding
-            if feature.rigid and _nodes(feature, owner, seeds) - set(dependents)
-        ]
-        if not fast or all(feature.rigid for feature in holding):
-            return frozenset()
-
-        def within(feature: Feature) -> dict[Path, Path]:
-            """Maps each occurrence in a seed to the rigid sub-assembly around it, or to itself."""
-            return {
-                place: next((place[:depth] for depth in range(len(place)) if place[:depth] in rigid), place)
-                for place in feature.places
-                if _inside(place, seeds)
-            }
-
-        bodies = nx.utils.UnionFind()
-        for inner in (
-            assembly for assembly in self.features if assembly in (owner, level) or _inside(assembly, seeds)
-        ):
-            for feature in self.features[inner]:
-                if feature.rigid:
-                    bodies.union(*within(feature).values())
-        supported = {bodies[node] for feature in fast for node in within(feature).values()}
-        nodes = {place: node for feature in holding for place, node in within(feature).items()}
-        return frozenset(place for place, node in nodes.items() if bodies[node] in supported)
+        The features of `owner` decide; if none of them holds a seed, those of the nearest assembly around it
+        that hold one. `rigid`: assemblies without inner motion, including copies.
+        """
+        return _SeedSearch(self, frozenset(seeds), owner, rigid).support()
 
     def holds(self, copy: Path, owner: Path, level: Path, members: Collection[Path]) -> bool:
-        """Returns whether features of `level` support `copy`, an instance of `owner`: whether they connect it
-        to the origin or to another of the `members` (seeds, copies) without it. Otherwise they only connect
-        it to something that it carries."""
-        pieces = self._pieces(frozenset([copy]), owner, level)
-        ends = {pieces[level], *(pieces[member] for member in members if member != copy)}
+        """Tells whether features of `level` support `copy`, an instance of `owner`: whether they join it to a
+        piece that contains the origin or another of the `members` (seeds and copies). Otherwise they join it
+        only to instances that it carries."""
+        pieces = self.pieces(frozenset([copy]), owner, level)
+        supporting_pieces = {pieces[level], *(pieces[member] for member in members if member != copy)}
         return any(
-            pieces[node] in ends
+            pieces[node] in supporting_pieces
             for feature in self.touching[level, copy]
             for node in _nodes(feature, owner, [copy])
         )
 
-    def _dependents(self, seeds: frozenset[Path], owner: Path, level: Path) -> frozenset[Path]:
-        """Returns the instances (see `node_of`) that features of `level` join to `seeds`, and that only the
-        seeds support; empty if two pieces of the same size could be the support."""
-        neighbours = {
-            node
-            for seed in seeds
-            for feature in self.touching.get((level, seed), ())
-            for node in _nodes(feature, owner, seeds)
-        }
-        if len(neighbours) < 2:
-            return frozenset()
-        pieces = self._pieces(seeds, owner, level)
-        holder = pieces[level]
-        if all(pieces[node] != holder for node in neighbours):
-            sizes = Counter({pieces[node]: 0 for node in neighbours})
-            for node in list(pieces):
-                if pieces[node] in sizes:
-                    sizes[pieces[node]] += self.parts[node]
-            (holder, size), *runners_up = sizes.most_common(2)
-            if runners_up and runners_up[0][1] == size:
-                return frozenset()
-        return frozenset(node for node in neighbours if pieces[node] != holder)
-
-    def _pieces(self, excluded: frozenset[Path], owner: Path, level: Path) -> nx.utils.UnionFind:
+    def pieces(self, excluded: frozenset[Path], owner: Path, level: Path) -> nx.utils.UnionFind:
         """Returns the pieces that the assemblies from `level` down to `owner` form without the instances
         `excluded`. Fixed instances belong to the piece of the origin of `level`."""
         pieces = nx.utils.UnionFind([level])
@@ -183,22 +120,122 @@ class SupportSearch:
         return pieces
 
 
-def node_of(place: Path, owner: Path) -> Path:
-    """Returns the instance that contains an occurrence: of `owner`, else of the innermost assembly around
-    both."""
+@dataclass(frozen=True, slots=True)
+class _SeedSearch:
+    """Finds the support of the seeds of a pattern."""
+
+    search: SupportSearch
+    seeds: frozenset[Path]
+    owner: Path
+    """The assembly of the pattern, whose instances the seeds are."""
+    rigid: Collection[Path]
+    """Assemblies without inner motion."""
+
+    def support(self) -> Support:
+        """Returns the support (see `SupportSearch.support`)."""
+        owner = self.owner
+        levels = [owner] if owner in self.rigid else [owner[:depth] for depth in range(len(owner), -1, -1)]
+        features_by_level = {level: tuple(self._holding_features(level)) for level in levels}
+        level = next((level for level in levels if features_by_level[level]), owner)
+        dependents = self._dependents(level)
+        fastened = self._fastened(level, dependents, features_by_level[level])
+        inner_features = features_by_level[owner]
+        outer_features = [feature for outer in levels[1:] for feature in features_by_level[outer]]
+        is_fastened = any(feature.rigid for feature in inner_features)
+        if is_fastened or not inner_features or not outer_features:
+            return Support(level, dependents, fastened)
+        return Support(level, dependents, fastened, inner_features[0].title, outer_features[0].title)
+
+    def _holding_features(self, level: Path) -> Iterator[Feature]:
+        """Yields the features of `level` between a seed and an occurrence outside all seeds."""
+        for seed in sorted(self.seeds):
+            for feature in self.search.touching.get((level, seed), ()):
+                if _outside(feature.occurrences, self.seeds):
+                    yield feature
+
+    def _fastened(
+        self, level: Path, dependents: frozenset[Path], holding: Collection[Feature]
+    ) -> frozenset[Path]:
+        """Returns the occurrences in the seeds that the features `holding` join rigidly to the support; empty
+        if all of `holding` are rigid."""
+        rigid_features = [
+            feature
+            for feature in holding
+            if feature.rigid and _nodes(feature, self.owner, self.seeds) - dependents
+        ]
+        if not rigid_features or all(feature.rigid for feature in holding):
+            return frozenset()
+        features = self.search.features
+        bodies = nx.utils.UnionFind()
+        for assembly in features:
+            if assembly in (self.owner, level) or _inside(assembly, self.seeds):
+                for feature in features[assembly]:
+                    if feature.rigid:
+                        bodies.union(*self._bodies_in_seeds(feature).values())
+        supported = {
+            bodies[body] for feature in rigid_features for body in self._bodies_in_seeds(feature).values()
+        }
+        return frozenset(
+            occurrence
+            for feature in holding
+            for occurrence, body in self._bodies_in_seeds(feature).items()
+            if bodies[body] in supported
+        )
+
+    def _bodies_in_seeds(self, feature: Feature) -> dict[Path, Path]:
+        """Maps each occurrence in a seed to the rigid assembly around it, or to itself."""
+        return {
+            occurrence: next(
+                (occurrence[:depth] for depth in range(len(occurrence)) if occurrence[:depth] in self.rigid),
+                occurrence,
+            )
+            for occurrence in feature.occurrences
+            if _inside(occurrence, self.seeds)
+        }
+
+    def _dependents(self, level: Path) -> frozenset[Path]:
+        """Returns the instances (see `node_of`) that features of `level` join to the seeds and that nothing
+        else supports; empty if two pieces with equally many parts could be the support."""
+        neighbours = {
+            node
+            for seed in self.seeds
+            for feature in self.search.touching.get((level, seed), ())
+            for node in _nodes(feature, self.owner, self.seeds)
+        }
+        if len(neighbours) < 2:
+            return frozenset()
+        pieces = self.search.pieces(self.seeds, self.owner, level)
+        support = pieces[level]
+        if all(pieces[node] != support for node in neighbours):
+            sizes = Counter({pieces[node]: 0 for node in neighbours})
+            for node in list(pieces):
+                if pieces[node] in sizes:
+                    sizes[pieces[node]] += self.search.parts[node]
+            (support, size), *runners_up = sizes.most_common(2)
+            if runners_up and runners_up[0][1] == size:
+                return frozenset()
+        return frozenset(node for node in neighbours if pieces[node] != support)
+
+
+def node_of(occurrence: Path, owner: Path) -> Path:
+    """Returns the instance that contains an occurrence: an instance of `owner` if the occurrence is inside
+    it, else one of the innermost assembly that contains both."""
     common = 0
-    while common < min(len(place), len(owner)) and place[common] == owner[common]:
+    while common < min(len(occurrence), len(owner)) and occurrence[common] == owner[common]:
         common += 1
-    return place[: common + 1]
+    return occurrence[: common + 1]
 
 
 def _nodes(feature: Feature, owner: Path, excluded: Collection[Path]) -> set[Path]:
-    return {node_of(place, owner) for place in _outside(feature.places, excluded)}
+    """Returns the instances (see `node_of`) that a feature connects, without those in `excluded`."""
+    return {node_of(occurrence, owner) for occurrence in _outside(feature.occurrences, excluded)}
 
 
-def _outside(places: Collection[Path], seeds: Collection[Path]) -> list[Path]:
-    return [place for place in places if not _inside(place, seeds)]
+def _outside(occurrences: Collection[Path], seeds: Collection[Path]) -> list[Path]:
+    """Returns the occurrences that are in none of the seeds."""
+    return [occurrence for occurrence in occurrences if not _inside(occurrence, seeds)]
 
 
-def _inside(place: Path, seeds: Collection[Path]) -> bool:
-    return any(place[: len(seed)] == seed for seed in seeds)
+def _inside(occurrence: Path, seeds: Collection[Path]) -> bool:
+    """Tells whether an occurrence is a seed or in a seed."""
+    return any(occurrence[: len(seed)] == seed for seed in seeds)

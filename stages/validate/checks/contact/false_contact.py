@@ -1,4 +1,4 @@
-"""Checks that the robot's colliders touch each other where the visual shapes do, at poses within limits."""
+"""Checks at sampled poses that the robot's colliders touch each other exactly where its visual shapes do."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -15,32 +15,34 @@ POSES = 300
 """Number of poses sampled in the robot's range, in addition to `home`."""
 
 MAX_LINK_POSES, MIN_POSES = 20_000, 4
-"""Largest product of links and poses, and smallest number of poses: it bounds the time for large robots."""
+"""Largest product of links and poses, which bounds the time for large robots, and smallest number of
+poses."""
 
 MIN_SHARE, MIN_COUNT = 0.01, 3
-"""Smallest share and smallest number of the poses from which a wrong pair is reported."""
+"""A pair is reported if its contact is wrong in more than this share of the poses, and in at least this
+number of poses."""
 
 ERROR_SHARE = 0.2
-"""Share of the poses above which a wrong pair is an error, since the colliders do not represent the robot. It
-stays a warning if the colliders or the exclude are the user's or the source's choice."""
+"""Share of the poses above which a wrong pair is an error, since the colliders do not represent the robot.
+The pair stays a warning if its colliders or its exclude are the user's or the source's choice."""
 
-REASONS_BY_CHOICE = ("Source", "User")
-"""Reasons of excludes that were chosen, so that the links may pass through each other."""
+CHOSEN_REASONS = ("Source", "User")
+"""Reasons of excludes that the source or the user chose: these links may pass through each other."""
 
 HEADER = (
     "link",
     "other link",
     "false, % of poses",
-    "apart in these poses by at most, mm",
+    "largest distance in these poses, mm",
     "missed, % of poses",
-    "false at home, mm deep",
+    "depth of false contact at home, mm",
     "excluded",
 )
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """Checks robots whose links collide with each other, in files without a user's own XML for contact. The
-    table has every pair that is wrong in any pose."""
+    """Checks robots whose links collide with each other. Files to which the user's own XML adds contact
+    elements are skipped. The table lists each pair that is wrong in at least one pose."""
     geometry = compiled.geometry
     if geometry is None or not geometry.self_contact:
         return
@@ -50,28 +52,33 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     errors = contact_errors(compiled, poses)
     worst = sorted(errors.pairs, key=lambda pair: -max(pair.false, pair.missed))
     wrong = [pair for pair in worst if _is_wrong(pair, errors.poses)]
-    plain = any(_share(pair, errors.poses) > ERROR_SHARE and not _is_chosen(compiled, pair) for pair in wrong)
+    is_error = any(
+        _share(pair, errors.poses) > ERROR_SHARE and not _is_chosen(compiled, pair) for pair in wrong
+    )
     sample = f"{count(errors.bodies, 'link')} in {count(errors.poses, 'pose')} and at home"
-    detail = f"{sample}: they touch where their visual shapes do"
+    detail = f"{sample}: colliders touch exactly where visual shapes do"
     if wrong:
         detail = (
-            f"{count(len(wrong), 'pair')} of links, of {sample}: contact is not that of the visual shapes"
+            f"{count(len(wrong), 'pair')} of links touch where their visual shapes do not, or pass through "
+            f"each other where these touch ({sample})"
         )
     findings = few(_finding(compiled.model, pair, errors.poses) for pair in wrong)
-    level: CheckLevel = "error" if plain else "warning"
+    level: CheckLevel = "error" if is_error else "warning"
     result = compiled.within("false contacts", float(len(wrong)), 0.0, detail, findings, level)
     rows = tuple(_row(compiled.model, pair, errors.poses) for pair in worst)
     yield replace(result, table=Table(HEADER, rows) if rows else None)
 
 
 def _is_wrong(pair: PairErrors, poses: int) -> bool:
+    """Tells whether a pair is reported."""
     wrong_poses = max(pair.false, pair.missed)
-    return pair.reason not in REASONS_BY_CHOICE and (
+    return pair.reason not in CHOSEN_REASONS and (
         pair.at_home > 0.0 or (wrong_poses >= MIN_COUNT and wrong_poses > MIN_SHARE * poses)
     )
 
 
 def _share(pair: PairErrors, poses: int) -> float:
+    """Returns the share of the poses in which the contact of a pair is wrong."""
     return max(pair.false, pair.missed) / max(1, poses)
 
 
@@ -90,11 +97,12 @@ def _finding(model: Any, pair: PairErrors, poses: int) -> Finding:
     first, second = (model.body(body).name for body in pair.bodies)
     texts = []
     if pair.false:
-        texts.append(f"collide in {pair.false} of {poses} poses where they are up to {_mm(pair.apart)} apart")
+        distance = f"up to {_mm(pair.apart)} apart"
+        texts.append(f"collide in {pair.false} of {poses} poses in which their visual shapes are {distance}")
     if pair.missed:
         texts.append(f"pass through each other in {pair.missed} of {poses} poses")
     if pair.at_home:
-        texts.append(f"are {_mm(pair.at_home)} in each other at home, where they are apart")
+        texts.append(f"overlap by {_mm(pair.at_home)} at home, where their visual shapes are apart")
     return Finding(named("body", first), "geom", f"{first} and {second} {', and '.join(texts)}")
 
 

@@ -1,7 +1,7 @@
-"""Checks that no body is thousands of times heavier than its neighbour, or nearly massless by accident."""
+"""Checks that no body is a thousand times as heavy as its neighbour, or nearly massless by accident."""
 
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
 
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.validate.compiled import CompiledModel
@@ -15,58 +15,79 @@ MIN_MASS = 1e-4
 badly."""
 
 MASS_TOLERANCE = 1e-6
-"""Relative tolerance within which a mass is that of CAD."""
+"""Relative tolerance within which a body has the mass that CAD gives."""
+
+
+class _Pair(NamedTuple):
+    """A body and the nearest body above it that has mass. Pairs are ordered by their ratio."""
+
+    ratio: float
+    """The mass of the heavier body, divided by the mass of the other."""
+
+    body: int
+    parent: int
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """Yields warnings for robots with at least two bodies."""
+    """Checks the mass ratio of neighbouring bodies, and that no body is nearly massless unless CAD says so.
+    Both results are warnings if they fail."""
+    bodies = [body for body in range(1, compiled.model.nbody) if compiled.model.body_mass[body] > 0.0]
+    if bodies:
+        yield from _ratio_check(compiled, bodies)
+        yield _light_check(compiled, bodies)
+
+
+def _ratio_check(compiled: CompiledModel, bodies: Sequence[int]) -> Iterator[Check]:
     model = compiled.model
-    pairs = [(body, _above(model, body)) for body in range(1, model.nbody) if model.body_mass[body] > 0.0]
-    ratios = sorted(((_ratio(model, *pair), *pair) for pair in pairs if pair[1]), reverse=True)
-    if ratios:
-        worst, body, above = ratios[0]
-        names = f"{model.body(body).name} and {model.body(above).name}"
-        detail = f"of the masses of neighbours; the largest: {names}"
-        findings = [_uneven(model, *ratio) for ratio in ratios if ratio[0] >= MAX_RATIO]
-        yield compiled.result("mass ratio", worst < MAX_RATIO, detail, worst, MAX_RATIO, findings, "warning")
-    light = [
-        body for body, _ in pairs if model.body_mass[body] < MIN_MASS and not _is_intended(compiled, body)
-    ]
-    least = min((float(model.body_mass[body]) for body, _ in pairs), default=None)
-    if least is not None:
-        detail = f"the lightest body [kg]; fewer than {MIN_MASS:g} only where CAD says so"
-        findings = [_tiny(model, body) for body in light]
-        yield compiled.result("light bodies", not light, detail, least, MIN_MASS, findings, "warning")
+    pairs = sorted((pair for body in bodies if (pair := _pair(model, body)) is not None), reverse=True)
+    if pairs:
+        worst = pairs[0]
+        detail = (
+            "largest ratio of the masses of neighbouring bodies, "
+            f"{model.body(worst.body).name} and {model.body(worst.parent).name}"
+        )
+        findings = [_uneven(model, pair) for pair in pairs if pair.ratio >= MAX_RATIO]
+        passed = worst.ratio < MAX_RATIO
+        yield compiled.result("mass ratio", passed, detail, worst.ratio, MAX_RATIO, findings, "warning")
 
 
-def _above(model: Any, body: int) -> int:
-    """Returns the nearest body above `body` that has a mass; 0 without such a body."""
-    above = int(model.body_parentid[body])
-    while above and model.body_mass[above] <= 0.0:
-        above = int(model.body_parentid[above])
-    return above
+def _light_check(compiled: CompiledModel, bodies: Sequence[int]) -> Check:
+    masses = {body: float(compiled.model.body_mass[body]) for body in bodies}
+    light = [body for body in bodies if masses[body] < MIN_MASS and not _is_intended(compiled, body)]
+    detail = f"mass [kg] of the lightest body; less than {MIN_MASS:g} is accepted only where CAD says so"
+    findings = [_tiny(compiled.model, body) for body in light]
+    smallest = min(masses.values())
+    return compiled.result("light bodies", not light, detail, smallest, MIN_MASS, findings, "warning")
 
 
-def _ratio(model: Any, body: int, above: int) -> float:
-    masses = float(model.body_mass[body]), float(model.body_mass[above])
-    return max(masses) / min(masses)
+def _pair(model: Any, body: int) -> _Pair | None:
+    """Returns the pair of a body and the nearest body above it that has mass; None if only the world is
+    above."""
+    parent = int(model.body_parentid[body])
+    while parent and model.body_mass[parent] <= 0.0:
+        parent = int(model.body_parentid[parent])
+    if not parent:
+        return None
+    masses = float(model.body_mass[body]), float(model.body_mass[parent])
+    return _Pair(max(masses) / min(masses), body, parent)
 
 
-def _uneven(model: Any, ratio: float, body: int, above: int) -> Finding:
-    light, heavy = sorted((body, above), key=lambda index: float(model.body_mass[index]))
-    message = f"{model.body(heavy).name} is {ratio:,.0f} times as heavy as {model.body(light).name}"
+def _uneven(model: Any, pair: _Pair) -> Finding:
+    light, heavy = sorted((pair.body, pair.parent), key=lambda index: float(model.body_mass[index]))
+    message = f"{model.body(heavy).name} is {pair.ratio:,.0f} times as heavy as {model.body(light).name}"
     return Finding(named("body", model.body(light).name), "inertial mass", message)
 
 
 def _tiny(model: Any, body: int) -> Finding:
-    message = f"it weighs {float(model.body_mass[body]):.3g} kg, which is not what its parts weigh"
+    mass = float(model.body_mass[body])
+    message = f"its mass is {mass:.3g} kg, and the robot has no link of this name and mass"
     return Finding(named("body", model.body(body).name), "inertial mass", message)
 
 
 def _is_intended(compiled: CompiledModel, body: int) -> bool:
-    """Tells whether the robot has a link of this mass, or the body is the carrier of a loop's dofs, which has
-    a share of a link's mass."""
+    """Tells whether the link of this name has this mass, or the body carries the dofs of a loop, and so has
+    only a share of a link's mass."""
     name, mass = compiled.model.body(body).name, float(compiled.model.body_mass[body])
-    loops = {f"{loop.name}_carrier" for loop in compiled.robot.loops}
+    carriers = {f"{loop.name}_carrier" for loop in compiled.robot.loops}
     masses = [link.inertial.mass for link in compiled.robot.links if link.name == name]
-    return name in loops or any(abs(expected - mass) <= MASS_TOLERANCE * expected for expected in masses)
+    return name in carriers or any(abs(expected - mass) <= MASS_TOLERANCE * expected for expected in masses)

@@ -1,4 +1,4 @@
-"""Checks that the relations of joints are the robot's, with their numbers."""
+"""Checks that the relations of joints in a file are the robot's, with their numbers."""
 
 from collections.abc import Iterator
 
@@ -18,20 +18,21 @@ SOLREF = (0.005, 1.0)
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """Compares the relations; in an MJCF also how stiffly followers follow."""
-    (check_of_relations,) = relations(read_compiled(compiled))
-    yield check_of_relations
-    if check_of_relations.passed and compiled.robot.relations and not compiled.urdf:
+    """Compares the relations and, in an MJCF, how stiffly they are enforced."""
+    (relation_check,) = relations(read_compiled(compiled))
+    yield relation_check
+    if relation_check.passed and compiled.robot.relations and not compiled.urdf:
         yield _stiffness_check(compiled)
 
 
 def _stiffness_check(compiled: CompiledModel) -> Check:
-    """Checks that followers follow as stiffly as loops are closed."""
+    """Checks that relations are enforced as stiffly as loops."""
     model, findings = compiled.model, list[Finding]()
-    by_source = (compiled.robot.mjcf or NO_EXTRAS).attributes_of("equality")
+    source_attributes = (compiled.robot.mjcf or NO_EXTRAS).attributes_of("equality")
     for index in range(model.neq - compiled.surplus.equalities):
         if model.eq_type[index] == mujoco.mjtEq.mjEQ_JOINT:
             name = model.equality(index).name
-            findings += solver_differences(compiled, index, named("joint", name), SOLREF, by_source.get(name))
+            attributes = source_attributes.get(name)
+            findings += solver_differences(compiled, index, named("joint", name), SOLREF, attributes)
     detail = f"{count(len(compiled.robot.relations), 'relation')}, held as stiffly as loops"
     return compiled.within("relations are held", float(len(findings)), 0.0, detail, few(findings))

@@ -19,7 +19,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     model = compiled.model
     if not model.nu:
         return
-    shake = run_with_noise(model, STRICT_SECONDS if compiled.asked.strict else SECONDS)
+    shake = run_with_noise(model, STRICT_SECONDS if compiled.options.strict else SECONDS)
     detail = f"{shake.time:.3g} s of noise over the range of each control without a warning"
     findings = []
     if shake.failed:

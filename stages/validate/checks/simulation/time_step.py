@@ -20,7 +20,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     model = compiled.model
     if not model.nv:
         return
-    seconds = STRICT_SECONDS if compiled.asked.strict else SECONDS
+    seconds = STRICT_SECONDS if compiled.options.strict else SECONDS
     step = float(model.opt.timestep)
     for name, factor in (("half", 0.5), ("double", 2.0)):
         with with_options(model, timestep=factor * step):

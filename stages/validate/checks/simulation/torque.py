@@ -31,7 +31,7 @@ SLIDE_TRAVEL = 0.5
 def check(compiled: CompiledModel) -> Iterator[Check]:
     """Compares the force that holds the weight with the strength of each driven joint, in a table. Yields
     nothing for robots whose joints hold no weight."""
-    model, robot, payload = compiled.model, compiled.robot, dict(compiled.asked.payload)
+    model, robot, payload = compiled.model, compiled.robot, dict(compiled.options.payload)
     forces = holding_forces(model, robot, _poses(compiled), payload) if robot.dofs else {}
     if not forces:
         return
@@ -97,5 +97,5 @@ def _limit_attribute(model: Any, name: str) -> str:
 
 
 def _payload_text(compiled: CompiledModel) -> str:
-    carried = [f"{mass:g} kg at {name}" for name, mass in compiled.asked.payload]
+    carried = [f"{mass:g} kg at {name}" for name, mass in compiled.options.payload]
     return f" with {', '.join(carried)}" if carried else ""

@@ -1,4 +1,4 @@
-"""Reads the mesh of each part: its triangles, welded to a surface, in the frame of the part studio."""
+"""Reads the mesh of each part: its triangles, welded to a surface."""
 
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -14,7 +14,8 @@ from linkwright.stages.robot.model.geometry import Colour
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartMesh:
-    """The mesh of a part: its welded triangles, in the part's own frame."""
+    """The mesh of a part: its welded triangles, in the part's own frame. A part from Onshape has the frame of
+    its part studio."""
 
     surface: Surface
     palette: tuple[Colour, ...]
@@ -29,7 +30,7 @@ class PartMesh:
     """SHA-256 of the image of each colour, "" for no image; () if the part has no images."""
 
     @property
-    def coloured_images(self) -> list[tuple[Colour, str]]:
+    def paints(self) -> list[tuple[Colour, str]]:
         """Returns each colour of the palette with the digest of its image."""
         return list(zip(self.palette, self.textures or [""] * len(self.palette), strict=True))
 
