@@ -141,9 +141,9 @@ def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:
 
 
 def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
-    from linkwright.pipeline.sweep.command import plan, sweep  # a single build needs none of it
+    from linkwright.pipeline.sweep.command import sweep, write_plan  # a single build needs none of it
 
-    return plan(command) if command.plan else sweep(command, build)
+    return write_plan(command) if command.plan else sweep(command, build)
 
 
 def _report(error: BaseException, detail: Detail) -> int:

@@ -47,6 +47,7 @@ def require_entries(plan: "Plan") -> None:
 
 
 def _read_elements(path: str, key: str) -> str:
+    """Returns the text of a file. Raises ConfigError unless the file contains XML elements."""
     # Imported late: see `require_entries`.
     from linkwright.stages.formats.xml import Malformed, fragment
 
@@ -56,6 +57,7 @@ def _read_elements(path: str, key: str) -> str:
         observed.read(Path(path), content)
         text = content.decode("utf-8")
         fragment(text)
+        return text
     except (OSError, UnicodeDecodeError) as error:
         why = error.strerror if isinstance(error, OSError) else "it is not UTF-8"
         msg, hint = f"{path} is not readable as text: {why}", "it must be a file in UTF-8"
@@ -63,6 +65,4 @@ def _read_elements(path: str, key: str) -> str:
         msg, hint = f"{path} has {error.size} bytes, more than {MAX_BYTES}", "keep only the elements"
     except Malformed as error:
         msg, hint = f"{path} is not XML: {error.place}", "it must contain one or more complete elements"
-    else:
-        return text
     raise ConfigError(msg, key, hint)

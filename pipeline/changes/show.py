@@ -11,17 +11,18 @@ from linkwright.pipeline.changes.read import FILE, Described
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.robot.text.printable import printable
 
-FOLDER_NOTE = (
-    f"of a folder only its {FILE} is compared; `linkwright check` compares the other files with that"
-)
+_ESCAPES = str.maketrans({mark: f"\\{mark}" for mark in "\\|`*_[]"} | {"<": "&lt;", ">": "&gt;"})
+"""Character → its text in a cell of a Markdown table, for those that Markdown would read."""
+
+FOLDER_NOTE = f"only {FILE} of a folder is compared; `linkwright check` compares its other files with {FILE}"
 """Note that is shown if a folder is compared."""
 
 
 def as_text(before: Described, after: Described, changes: Sequence[Change]) -> str:
-    """Returns a text with a line for each difference, grouped by table and row."""
+    """Returns a text with a line for each difference, grouped by table of robot.json and by row."""
     lines = [
         f"{_place_and_size(before)} → {_place_and_size(after)}",
-        *moved_source(before.robot, after.robot),
+        *source_changes(before.robot, after.robot),
     ]
     if before.folder or after.folder:
         lines.append(FOLDER_NOTE)
@@ -33,7 +34,7 @@ def as_text(before: Described, after: Described, changes: Sequence[Change]) -> s
             label = "" if section == "robot" else f"{printable(name)}: "
             indent = "  " + label
             for change in in_row:
-                lines.append(indent + sentence(change))
+                lines.append(indent + change_text(change))
                 indent = "  " + " " * len(label)
     return "\n".join([*lines, count(len(changes), "difference")])
 
@@ -54,13 +55,13 @@ def as_json(before: Described, after: Described, changes: Sequence[Change]) -> s
 def as_markdown(before: Described, after: Described, changes: Sequence[Change]) -> str:
     """Returns Markdown with a table for each table of robot.json that differs."""
     lines = [f"**{_cell(_place_and_size(before))} → {_cell(_place_and_size(after))}**", ""]
-    lines += [f"{_cell(line)}\n" for line in moved_source(before.robot, after.robot)]
+    lines += [f"{_cell(line)}\n" for line in source_changes(before.robot, after.robot)]
     if not changes:
         return "\n".join([*lines, "The same robot."])
     lines += [f"{count(len(changes), 'difference')}.", ""]
     for section, in_section in groupby(changes, lambda change: change.section):
         lines += [f"| {_title(section)} | |", "|---|---|"]
-        lines += [f"| {_cell(change.name)} | {_cell(sentence(change))} |" for change in in_section]
+        lines += [f"| {_cell(change.name)} | {_cell(change_text(change))} |" for change in in_section]
         lines.append("")
     return "\n".join(lines).rstrip()
 
@@ -68,7 +69,7 @@ def as_markdown(before: Described, after: Described, changes: Sequence[Change]) 
 def _place_and_size(described: Described) -> str:
     """Returns the place of a robot, and its size."""
     robot = described.robot
-    links, joints = (count(len(robot[key]), key[:-1]) for key in ("links", "joints"))
+    links, joints = count(len(robot["links"]), "link"), count(len(robot["joints"]), "joint")
     mass = f"{robot.get('total_mass', 0):.6g} kg"
     return printable(f"{described.place} ({robot['name']}: {links}, {joints}, {mass})")
 
@@ -81,20 +82,20 @@ def _place(described: Described) -> dict[str, Any]:
     }
 
 
-def moved_source(robot: Mapping[str, Any], later: Mapping[str, Any]) -> Iterator[str]:
-    """Yields differences of the robots' sources; the robots themselves may be the same."""
-    before, after = robot.get("source") or {}, later.get("source") or {}
-    for key in dict.fromkeys((*before, *after)):
-        if before.get(key) != after.get(key):
-            yield f"{key} of the source: {printable(str(before.get(key)))} → {printable(str(after.get(key)))}"
+def source_changes(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[str]:
+    """Yields the differences between the sources of two robots, which may be equal otherwise."""
+    old, new = before.get("source") or {}, after.get("source") or {}
+    for key in dict.fromkeys((*old, *new)):
+        if old.get(key) != new.get(key):
+            yield f"{key} of the source: {printable(str(old.get(key)))} → {printable(str(new.get(key)))}"
 
 
 def _title(section: str) -> str:
     return section.replace("_", " ")
 
 
-def sentence(change: Change) -> str:
-    """Returns a difference in words, without its row."""
+def change_text(change: Change) -> str:
+    """Returns the text of a difference, without the name of its row."""
     text = printable(change.text)
     if change.kind in ("added", "removed"):
         return f"{change.kind} ({text})" if text else change.kind
@@ -103,7 +104,4 @@ def sentence(change: Change) -> str:
 
 def _cell(text: str) -> str:
     """Escapes a text for a cell of a Markdown table."""
-    escaped = printable(text).replace("\\", "\\\\")
-    for mark in "|`*_[]<>":
-        escaped = escaped.replace(mark, f"\\{mark}" if mark not in "<>" else {"<": "&lt;", ">": "&gt;"}[mark])
-    return escaped
+    return printable(text).translate(_ESCAPES)

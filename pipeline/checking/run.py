@@ -13,7 +13,7 @@ from linkwright.stages.robot.check import Check
 from linkwright.stages.targets.engines import ENGINES
 from linkwright.stages.validate import validate
 from linkwright.stages.validate.bare.run import check_bare
-from linkwright.stages.validate.reading.present import present
+from linkwright.stages.validate.reading.file_existence import check_files_exist
 from linkwright.stages.validate.section import ValidateSections
 from linkwright.stages.validate.targets.judge import form_of, judge_file
 
@@ -94,7 +94,7 @@ def _build_checks(truth: "Truth", folder: Path, level: str) -> tuple[Check, ...]
     """Checks the files of a build as they are now."""
     keys = ValidateSections.model_validate({"validate": {"level": level}})
     checks = validate(folder, truth.written, keys)
-    return (*present(folder, truth.files), *checks, *check_packages(folder, truth))
+    return (*check_files_exist(folder, truth.files), *checks, *check_packages(folder, truth))
 
 
 def _bare_verdict(path: Path, user_path: str, level: str) -> Verdict:

@@ -81,11 +81,11 @@ def _reapply_preset(section: dict[str, Any], preset: Mapping[str, Any], where: s
 
 def _drop_other_sources(tree: dict[str, Any], choices: Choices) -> None:
     source = tree["source"]
-    own_section = SOURCES.get(str(source.get("kind"))) if isinstance(source, dict) else None
-    if own_section is None:
+    source_section = SOURCES.get(str(source.get("kind"))) if isinstance(source, dict) else None
+    if source_section is None:
         return
     all_keys = {name for keys in SOURCES.values() for name in keys.model_fields}
-    other_keys = all_keys - set(own_section.model_fields)
+    other_keys = all_keys - set(source_section.model_fields)
     tree["source"] = {
         name: value
         for name, value in source.items()
@@ -106,7 +106,9 @@ def _keep_chosen_formats(tree: dict[str, Any], chosen: Collection[str]) -> None:
 
 def _keep_chosen_targets(tree: dict[str, Any], choices: Choices) -> None:
     targets = tree.setdefault("target", {})
-    for name in TargetSection.model_fields if isinstance(targets, dict) else ():
+    if not isinstance(targets, dict):
+        return
+    for name in TargetSection.model_fields:
         if name in choices.multiple_choices["target"]:
             targets.setdefault(name, {})
         elif "target" in choices.explicit_groups and not choices.touches(f"target.{name}"):
@@ -114,8 +116,8 @@ def _keep_chosen_targets(tree: dict[str, Any], choices: Choices) -> None:
 
 
 def default_robot_name(source: Any, robot: str = "bare") -> str:
-    """Returns the default name of a robot: its file's, else that of the source's path, its element's
-    id, its robot of the gallery or its kind."""
+    """Returns the default name of a robot: from the robot's file, else the source's path, else the element id,
+    else the robot of the gallery, else the kind of source."""
     if robot != "bare":
         return _safe_name(PurePath(robot).name)
     source = source if isinstance(source, dict) else {}

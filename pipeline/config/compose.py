@@ -145,7 +145,7 @@ class Composer:
         overrides = [replace(override, typed=clean[paths.index(override.typed)]) for override in overrides]
         problems += leaks + [problem for override in overrides if (problem := refused(override, multirun))]
         overrides = [override for override in overrides if not refused(override, multirun)]
-        problems += self._node.store_overrides(overrides, self._typed)
+        problems += self._node.set_overrides(overrides, self._typed)
         self.addresses |= self.reading.addresses(overrides)
         return overrides, problems
 
@@ -204,7 +204,7 @@ class Composer:
         files, command = self._presets.own_files(composed_of), pasted.line(self._typed)
         draft.problems += trust.forbidden_targets(resolved, command)
         places = {problem.where for problem in draft.problems}
-        overridden = trust.overridden(map(content, files))
+        overridden = trust.overridden_groups(map(content, files))
         draft.problems += [problem for problem in overridden if problem.where not in places]
         draft.problems += self._presets.chosen_twice(files)
         draft.problems += hosts.unnamed(resolved, self.addresses, self._environ)
@@ -234,7 +234,7 @@ class Composer:
         stand_ins: dict[str, str] = {}
         own_folders = search_path_override(self._presets.own)
         while True:
-            arguments = [*overrides, *stand_ins.values(), *self._node.typed, *own_folders]
+            arguments = [*overrides, *stand_ins.values(), *self._node.typed_overrides, *own_folders]
             try:
                 config, files = composed(arguments)
             except Exception as error:
@@ -305,7 +305,7 @@ class Composer:
             raise refusal(list(problems))
         hydra.show_info(kind, PRIMARY, self._arguments, RunMode.RUN)
 
-    def ours(self, launcher: str, sweeper: str = "") -> DictConfig:
+    def hydra_config(self, launcher: str, sweeper: str = "") -> DictConfig:
         """Composes Hydra's configuration from the command line alone; a sweep runs under it."""
         return self._node.trusted_config(launcher, sweeper)
 

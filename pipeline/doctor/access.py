@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from urllib.parse import urlsplit
 
-from linkwright.pipeline.doctor.examined import Examined, State
+from linkwright.pipeline.doctor.examination import Examination, State
 from linkwright.stages.fetch.onshape.api import credentials, network_settings
 from linkwright.stages.fetch.onshape.api.client import Client
 from linkwright.stages.fetch.onshape.api.ledger import FOLDER, Ledger
@@ -20,7 +20,7 @@ _REQUEST = "documents?filter=0&limit=1"
 _OFFLINE = "a document of Onshape needs one; the sample, a bundle, a URDF and an MJCF need none"
 
 
-def examined(environ: Mapping[str, str], cache: Path, url: str, *, online: bool) -> Iterator[Examined]:
+def examined(environ: Mapping[str, str], cache: Path, url: str, *, online: bool) -> Iterator[Examination]:
     """Yields the rows about the access to Onshape. `cache`: the folder in which API calls are counted; `url`:
     a document on the host to ask, "" for the public host. If `online` is true and there is a key, makes one
     API call, which counts. Raises ConfigError if `url` is not the URL of an Onshape assembly."""
@@ -31,37 +31,37 @@ def examined(environ: Mapping[str, str], cache: Path, url: str, *, online: bool)
     except ConfigError as error:
         # Without any key nothing is broken: most sources need none.
         state: State = "wrong" if credentials.known_secrets(environ) else "note"
-        yield Examined("key", state, f"{error.message}: {_OFFLINE}", error.hint)
+        yield Examination("key", state, f"{error.message}: {_OFFLINE}", error.hint)
         return
     calls = count(Ledger(cache / FOLDER, key.who).counted(), "call")
     kind = "a bearer token" if key.kind == "bearer" else "a pair of keys"
-    yield Examined("key", "ok", f"{kind}; {calls} counted this year with this cache")
+    yield Examination("key", "ok", f"{kind}; {calls} counted this year with this cache")
     for remark in credentials.remarks():
-        yield Examined("key", "note", f"{remark.where}: {remark.message}", remark.hint)
+        yield Examination("key", "note", f"{remark.where}: {remark.message}", remark.hint)
     if online:
         yield _onshape(key, cache, assembly)
     else:
         hint = "linkwright doctor --online asks it, by one call, which counts"
-        yield Examined("onshape", "note", "not tried", hint)
+        yield Examination("onshape", "note", "not tried", hint)
 
 
-def _network(environ: Mapping[str, str]) -> Examined:
+def _network(environ: Mapping[str, str]) -> Examination:
     try:
         network_settings.require(environ)
     except ConfigError as error:
-        return Examined("network", "wrong", f"{error.where}: {error.message}", error.hint)
+        return Examination("network", "wrong", f"{error.where}: {error.message}", error.hint)
     variable = network_settings.proxy_variable(environ)
     # The address of a proxy may contain a password.
     detail = f"a proxy, from {variable}" if variable in environ else "no proxy is set"
-    return Examined("network", "ok", detail)
+    return Examination("network", "ok", detail)
 
 
-def _onshape(key: credentials.Credentials, cache: Path, url: AssemblyUrl) -> Examined:
+def _onshape(key: credentials.Credentials, cache: Path, url: AssemblyUrl) -> Examination:
     try:
         with Client(url, key, ledger=Ledger(cache / FOLDER, key.who)) as client:
             client.get(_REQUEST)
             release = client.met.get("release", "")
     except LinkwrightError as error:
-        return Examined("onshape", "wrong", error.message, error.hint)
+        return Examination("onshape", "wrong", error.message, error.hint)
     detail = f"{urlsplit(url.origin).netloc} answers, and the key may read documents"
-    return Examined("onshape", "ok", f"{detail} (release {release})" if release else detail)
+    return Examination("onshape", "ok", f"{detail} (release {release})" if release else detail)

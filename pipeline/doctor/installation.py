@@ -9,7 +9,7 @@ from importlib.metadata import PackageNotFoundError, requires
 
 from packaging.requirements import Requirement
 
-from linkwright.pipeline.doctor.examined import Examined
+from linkwright.pipeline.doctor.examination import Examination
 from linkwright.stages.robot.system.install import install, installed
 
 EXTRAS = {
@@ -33,38 +33,40 @@ _EXTRA = re.compile(r"""extra\s*==\s*["']([^"']+)["']""")
 _REINSTALL = "install Linkwright again, in a fresh virtual environment"
 
 
-def examined() -> Iterator[Examined]:
+def examined() -> Iterator[Examination]:
     """Yields the rows about the installation."""
     system = f"{platform.system()} {platform.machine()}"
-    yield Examined("python", "ok", f"{platform.python_version()} on {system}: {sys.executable}")
+    yield Examination("python", "ok", f"{platform.python_version()} on {system}: {sys.executable}")
     try:
         texts = requires("linkwright") or []
     except PackageNotFoundError:
-        yield Examined("linkwright", "wrong", "it runs from a folder and is not installed", "pip install .")
+        yield Examination(
+            "linkwright", "wrong", "it runs from a folder and is not installed", "pip install ."
+        )
         return
-    yield Examined("linkwright", "ok", installed("linkwright"))
+    yield Examination("linkwright", "ok", installed("linkwright"))
     yield _packages([text for text in texts if not _EXTRA.search(text)])
     yield from _extras([text for text in texts if _EXTRA.search(text)])
     yield _mujoco()
 
 
-def _packages(texts: list[str]) -> Examined:
+def _packages(texts: list[str]) -> Examination:
     problems = [problem for text in texts if (problem := _problem(Requirement(text)))]
     if problems:
-        return Examined("packages", "wrong", "; ".join(problems), _REINSTALL)
-    return Examined("packages", "ok", f"all {len(texts)} have a version that is accepted")
+        return Examination("packages", "wrong", "; ".join(problems), _REINSTALL)
+    return Examination("packages", "ok", f"all {len(texts)} have a version that is accepted")
 
 
-def _extras(texts: list[str]) -> Iterator[Examined]:
+def _extras(texts: list[str]) -> Iterator[Examination]:
     for extra, purpose in EXTRAS.items():
         requirements = [Requirement(text) for text in texts if _EXTRA.findall(text) == [extra]]
         missing = [requirement for requirement in requirements if _problem(requirement)]
         if missing:
             detail = f"not installed; needed for {purpose}"
             names = [requirement.name for requirement in missing]
-            yield Examined(f"extra {extra}", "note", detail, install(*names))
+            yield Examination(f"extra {extra}", "note", detail, install(*names))
         else:
-            yield Examined(f"extra {extra}", "ok", f"installed, for {purpose}")
+            yield Examination(f"extra {extra}", "ok", f"installed, for {purpose}")
 
 
 def _problem(requirement: Requirement) -> str:
@@ -83,15 +85,15 @@ def _problem(requirement: Requirement) -> str:
     return f"{requirement.name} is {version}, accepted is {bounds}"
 
 
-def _mujoco() -> Examined:
+def _mujoco() -> Examination:
     # In a process of its own: a library that does not suit this processor ends the process that loads it.
     try:
         process = subprocess.run(
             [sys.executable, "-m", _PROBE], capture_output=True, text=True, check=False, timeout=_PATIENCE
         )
     except subprocess.TimeoutExpired:
-        return Examined("mujoco", "wrong", f"it did not answer within {_PATIENCE} s", _REINSTALL)
+        return Examination("mujoco", "wrong", f"it did not answer within {_PATIENCE} s", _REINSTALL)
     if process.returncode:
         last = (process.stderr.strip().splitlines() or [f"exit status {process.returncode}"])[-1]
-        return Examined("mujoco", "wrong", f"it does not run: {last}", _REINSTALL)
-    return Examined("mujoco", "ok", f"{process.stdout.strip()} compiles and moves a model")
+        return Examination("mujoco", "wrong", f"it does not run: {last}", _REINSTALL)
+    return Examination("mujoco", "ok", f"{process.stdout.strip()} compiles and moves a model")

@@ -7,13 +7,13 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from linkwright.pipeline.caching.disk_space import MIN_FREE_BYTES, reserved
-from linkwright.pipeline.doctor.examined import Examined
+from linkwright.pipeline.doctor.examination import Examination
 
 MIN_FREE = 2 * 10**9
 """Free space [bytes] that the build of a large robot may need."""
 
 
-def examined(environ: Mapping[str, str], cache: Path) -> Iterator[Examined]:
+def examined(environ: Mapping[str, str], cache: Path) -> Iterator[Examination]:
     """Yields the rows about the places that builds write to, and about the display."""
     yield _folder("cache", cache, "set cache.dir= or LINKWRIGHT_CACHE to a folder that you can write to")
     yield _folder("outputs", Path("outputs").resolve(), "work in a folder that you can write to")
@@ -21,7 +21,7 @@ def examined(environ: Mapping[str, str], cache: Path) -> Iterator[Examined]:
     yield _display(environ)
 
 
-def _folder(subject: str, folder: Path, hint: str) -> Examined:
+def _folder(subject: str, folder: Path, hint: str) -> Examination:
     existing = next(candidate for candidate in (folder, *folder.parents) if candidate.exists())
     try:
         if not existing.is_dir():
@@ -30,18 +30,20 @@ def _folder(subject: str, folder: Path, hint: str) -> Examined:
             pass
         free_bytes = shutil.disk_usage(existing).free
     except OSError as error:
-        return Examined(subject, "wrong", f"{folder} cannot be written to: {error.strerror or error}", hint)
+        return Examination(
+            subject, "wrong", f"{folder} cannot be written to: {error.strerror or error}", hint
+        )
     detail = f"{folder}, {free_bytes / 10**9:.1f} GB free"
     if free_bytes < MIN_FREE:
-        return Examined(subject, "note", detail, "linkwright cache gc frees space")
-    return Examined(subject, "ok", detail)
+        return Examination(subject, "note", detail, "linkwright cache gc frees space")
+    return Examination(subject, "ok", detail)
 
 
-def _display(environ: Mapping[str, str]) -> Examined:
+def _display(environ: Mapping[str, str]) -> Examination:
     if has_display(environ, sys.platform):
-        return Examined("display", "ok", "there is one, for linkwright view")
+        return Examination("display", "ok", "there is one, for linkwright view")
     hint = "needed for linkwright view only; report.html has the live robot"
-    return Examined("display", "note", "DISPLAY and WAYLAND_DISPLAY are not set", hint)
+    return Examination("display", "note", "DISPLAY and WAYLAND_DISPLAY are not set", hint)
 
 
 def has_display(environ: Mapping[str, str], system: str) -> bool:

@@ -54,7 +54,7 @@ class Output:
         """Raises ConfigError if a build that writes the `coming` paths would replace files that are not
         linkwright's. Changes nothing."""
         folder = self.folder(suffix)
-        with contextlib.ExitStack() as stack, named(folder):
+        with contextlib.ExitStack() as stack, output_errors(folder):
             place = lock.place(self.target)
             if place.is_file():
                 # During the swap of another build its files would look changed or missing.
@@ -68,7 +68,7 @@ class Output:
         Raises ConfigError as `judge` does, and OutputError if the folder cannot be written.
         """
         folder = self.folder(suffix)
-        with self._locked(), named(folder):
+        with self._locked(), output_errors(folder):
             with contextlib.suppress(OSError):
                 self._repair(self.folder(FAILED))
             self._repair(folder)
@@ -91,7 +91,7 @@ class Output:
         """Reserves `size` bytes on the disk of the prepared output; raises OutputError if the space is
         missing."""
         with contextlib.ExitStack() as stack:
-            with named(self.target):
+            with output_errors(self.target):
                 stack.enter_context(disk_space.reserved(lock.beside(self.target).parent, size))
             yield
 
@@ -103,7 +103,7 @@ class Output:
         `digests`: known SHA-256 digests. Raises InTheWay if other files than linkwright's are in the way.
         """
         folder = self.folder(suffix)
-        with self._locked(), named(folder):
+        with self._locked(), output_errors(folder):
             self._repair(folder)
             self._require_free(folder, files)
             try:
@@ -126,7 +126,7 @@ class Output:
         try:
             if not is_folder(folder) or manifest.ours(folder) is None:
                 return
-            with self._locked(), named(folder):
+            with self._locked(), output_errors(folder):
                 self._repair(folder)
                 self._remove_ours(folder)
         except (LinkwrightError, OSError) as error:
@@ -229,7 +229,7 @@ class Output:
     def _locked(self) -> Iterator[None]:
         """Holds the lock of the folder and its siblings while the context lasts."""
         with contextlib.ExitStack() as stack:
-            with named(self.target):
+            with output_errors(self.target):
                 stack.enter_context(lock.acquired(lock.beside(self.target), self._wait))
             yield
 
@@ -302,7 +302,7 @@ def _numbered(path: Path) -> Iterator[Path]:
 
 
 @contextlib.contextmanager
-def named(folder: Path) -> Iterator[None]:
+def output_errors(folder: Path) -> Iterator[None]:
     """Turns an OSError into an OutputError that names the folder."""
     try:
         yield

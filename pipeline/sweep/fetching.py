@@ -73,7 +73,7 @@ def fetch_sources(
     if not fetching.groups:
         return jobs
     say: Callable[[str], None] = (lambda _: None) if is_quiet else print_line
-    fetching.look()
+    fetching.ask_servers()
     say(fetching.line(len(jobs)))
     return fetching.fetch(say)
 
@@ -90,7 +90,7 @@ def groups_of(jobs: Sequence["Job"]) -> list[JobGroup]:
 
 
 class Fetching:
-    """The fetch of a whole sweep: `look` finds its cost, `fetch` does it."""
+    """The fetch of a whole sweep: `ask_servers` finds its cost, `fetch` does it."""
 
     def __init__(
         self,
@@ -105,7 +105,7 @@ class Fetching:
         self.exact, self.more = True, 0
         """The number of calls that `fetch` will make, and whether it is exact."""
 
-    def look(self) -> None:
+    def ask_servers(self) -> None:
         """Asks which state of each document is fetched, and for the definition of each configuration.
         Raises SourceError if `source.max_calls` allows fewer calls than the sweep needs.
         """
@@ -125,9 +125,9 @@ class Fetching:
             if group.ahead and self.more and not _source(group).offline:
                 allow(self.more, 0, _source(group).max_calls, self.state.made)
 
-    def guess(self) -> None:
-        """Estimates the cost as `look` does, but from the cache alone: it asks no server, and pins no
-        workspace."""
+    def estimate_from_cache(self) -> None:
+        """Estimates the cost as `ask_servers` does, but from the cache alone: no server is asked, and no
+        workspace is pinned."""
         unknown, workspaces = 0, set()
         for group in self.groups:
             source = _source(group)

@@ -14,7 +14,7 @@ from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.output import conflicts, manifest
-from linkwright.pipeline.output.folder import move_aside, named
+from linkwright.pipeline.output.folder import move_aside, output_errors
 from linkwright.pipeline.output.location import ELSEWHERE, absolute, require_free
 from linkwright.pipeline.output.replacing import replace
 from linkwright.pipeline.page.sweep.document import page
@@ -43,7 +43,7 @@ def prepare(
     """Creates and marks the folder of a sweep, and records a new run of its `jobs`, all missing, with the
     `overrides` of the command line, after earlier runs. Raises the errors of `mark`."""
     mark(root, jobs[0].plan, environ)
-    with named(root):
+    with output_errors(root):
         for job in jobs:
             withdraw(job.plan.folder)
     missing = [planned(job.number, job.label, job.overrides, str(job.plan.folder)) for job in jobs]
@@ -55,7 +55,7 @@ def mark(root: Path, plan: Plan, environ: Environ = os.environ) -> None:
     job. Raises ConfigError if no sweep can be there, if linkwright did not make the folder, or if a file that
     is not linkwright's is in its way; raises OutputError if it cannot be written.
     """
-    with named(root):
+    with output_errors(root):
         absolute_root = absolute(root)
         require_free(absolute_root, {}, actions.folder(plan.cache.dir, environ))
         if manifest.is_build(absolute_root):
@@ -84,7 +84,7 @@ def record(
 ) -> None:
     """Records a new run in the folder of a sweep; all its jobs count as `missing` at first. Raises
     OutputError if that fails."""
-    with named(root):
+    with output_errors(root):
         rows = _rows(missing, root)
         run = {
             "started": f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ}",
@@ -101,11 +101,11 @@ def is_recorded(root: Path, folders: Sequence[Path]) -> bool:
     return bool(last.get("folders") == [summary_json.inside(str(folder), root) for folder in folders])
 
 
-def keep(outcomes: Iterable[Outcome], root: Path) -> None:
+def write_summaries(outcomes: Iterable[Outcome], root: Path) -> None:
     """Writes the outcomes of the jobs to `summary.json`, `summary.html` and `summary.csv`; raises OutputError
     if that fails. It may be called while jobs run, and from several processes."""
     jobs = _rows(outcomes, root)
-    with named(root), _exclusively(root):
+    with output_errors(root), _exclusively(root):
         *earlier_runs, run = summary_json.runs(root) or [{"started": None, "overrides": []}]
         # Any content counts as the sweep's own while it is written, since a kill may end that.
         manifest.write_shared(root, dict.fromkeys(OWN))

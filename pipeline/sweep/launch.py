@@ -88,7 +88,7 @@ class Account:
         return Secrets(os.environ).blanked(OmegaConf.to_yaml(content))
 
 
-def settled(tree: DictConfig, settings: SweepSettings) -> DictConfig:
+def launcher_config(tree: DictConfig, settings: SweepSettings) -> DictConfig:
     """Returns Hydra's configuration for the sweep: the `tree` with the `hydra` node, and the `settings` of
     its launcher and its sweeper that files make. Raises ConfigError if the settings are wrong, as far as that
     is known before a job starts."""
@@ -117,9 +117,10 @@ def settled(tree: DictConfig, settings: SweepSettings) -> DictConfig:
 def launch(config: DictConfig, task: Launched, folder: Path, account: Account, first: int = 0) -> list[Any]:
     """Runs `task(number)` for every job and returns the results; writes `multirun.yaml`.
 
-    `config`: the result of `settled`; `first`: the number of the first job. Some launchers pickle `task` and
-    call it in other processes. The result of a killed job comes from `task.lost`; if the launcher stops with
-    the job, so do the results of all unfinished jobs. Raises ConfigError if the launcher cannot start.
+    `config`: the result of `launcher_config`; `first`: the number of the first job. Some launchers pickle
+    `task` and call it in other processes. The result of a killed job comes from `task.lost`; if the launcher
+    stops with the job, so do the results of all unfinished jobs. Raises ConfigError if the launcher cannot
+    start.
     """
     sweeper = OmegaConf.to_container(config.hydra.sweeper, resolve=False)
     batch_size = cast(dict[str, Any], sweeper).get("max_batch_size") or 0

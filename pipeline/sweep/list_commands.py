@@ -8,7 +8,7 @@ from pathlib import Path
 
 from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.options import SHORT
-from linkwright.pipeline.sweep import job_list, listed
+from linkwright.pipeline.sweep import job_list, listed_jobs
 from linkwright.pipeline.sweep.fetching import named
 from linkwright.pipeline.sweep.job_list import Share
 from linkwright.pipeline.sweep.outcome import Outcome, sweep_status
@@ -17,7 +17,7 @@ from linkwright.pipeline.sweep.terminal_table import table
 from linkwright.pipeline.terminal.output import say, width_of
 from linkwright.stages.robot.errors import Offline
 
-_KINDS = ("done", "running", "failed", listed.STALE, "missing")
+_KINDS = ("done", "running", "failed", listed_jobs.STALE, "missing")
 """The kinds of jobs, in the order of the message."""
 
 
@@ -36,9 +36,9 @@ def job(arguments: Sequence[str]) -> int:
     path, rest, share, is_quiet = _parsed("job", arguments, ())
     if len(rest) != (0 if share else 1):
         raise ConfigError("expected a list of jobs, and a number or --shard", "job", _usage("job"))
-    with listed.opened(path) as job_list_:
+    with listed_jobs.opened(path) as job_list_:
         chosen = [job_list.job_numbered(job_list_, rest[0], path)] if rest else job_list_.share(share)
-        outcomes, unfetched = listed.run(job_list_, chosen, is_quiet=is_quiet)
+        outcomes, unfetched = listed_jobs.run(job_list_, chosen, is_quiet=is_quiet)
     for outcome in outcomes:
         if outcome.status not in (0, 3):
             lines = [f"error: job {outcome.number} ({outcome.label}): {outcome.message}", *outcome.problems]
@@ -78,12 +78,12 @@ def _parsed(
 
 
 def _fetch(path: Path, *, is_quiet: bool) -> int:
-    with listed.opened(path) as job_list_:
+    with listed_jobs.opened(path) as job_list_:
         if not job_list_.sources:
             if not is_quiet:
                 say(f"{path}: nothing to fetch: the sources of all jobs are on this computer")
             return 0
-        pinned, failed = listed.fetch(job_list_, (lambda _: None) if is_quiet else print_line)
+        pinned, failed = listed_jobs.fetch(job_list_, (lambda _: None) if is_quiet else print_line)
     if pinned != job_list_:
         job_list.write(path, pinned)
     for line in failed:
@@ -92,10 +92,10 @@ def _fetch(path: Path, *, is_quiet: bool) -> int:
 
 
 def _tell(path: Path, share: Share | None, *, is_quiet: bool) -> int:
-    with listed.opened(path) as job_list_:
-        outcomes = listed.outcomes(job_list_.share(share))
+    with listed_jobs.opened(path) as job_list_:
+        outcomes = listed_jobs.outcomes(job_list_.share(share))
         if share is None:
-            listed.summarise(job_list_, outcomes)
+            listed_jobs.summarise(job_list_, outcomes)
         status = sweep_status(outcomes)
         if is_quiet and not status:
             return 0
@@ -107,6 +107,6 @@ def _tell(path: Path, share: Share | None, *, is_quiet: bool) -> int:
 
 
 def _kind(outcome: Outcome) -> str:
-    if outcome.message == listed.STALE:
-        return listed.STALE
+    if outcome.message == listed_jobs.STALE:
+        return listed_jobs.STALE
     return "done" if outcome.state in ("built", "unmet") else outcome.state

@@ -17,13 +17,13 @@ from linkwright.pipeline.config.overrides import Override
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.errors import ConfigError, as_problems, refusal
 from linkwright.pipeline.options import Command
-from linkwright.pipeline.output.folder import named
+from linkwright.pipeline.output.folder import output_errors
 from linkwright.pipeline.report import Report
 from linkwright.pipeline.run.preflight import sweep_problems
 from linkwright.pipeline.sweep.fetching import fetch_sources
-from linkwright.pipeline.sweep.folder import keep, mark, record
-from linkwright.pipeline.sweep.launch import Account, Config, settled
-from linkwright.pipeline.sweep.launched import launch_jobs
+from linkwright.pipeline.sweep.folder import mark, record, write_summaries
+from linkwright.pipeline.sweep.job_launcher import launch_jobs
+from linkwright.pipeline.sweep.launch import Account, Config, launcher_config
 from linkwright.pipeline.sweep.launchers.searching import directions_of, search
 from linkwright.pipeline.sweep.outcome import Outcome, failed
 from linkwright.pipeline.sweep.run import Job, jobs_of, judge_folders
@@ -52,17 +52,19 @@ def run_search(
     and without an objective."""
     _require_distinct(request)
     first = jobs_of(composer, request, sweep_problems, corners(request))
-    config = settled(composer.ours(request.sweeping.launcher, request.sweeping.sweeper), request.sweeping)
+    config = launcher_config(
+        composer.hydra_config(request.sweeping.launcher, request.sweeping.sweeper), request.sweeping
+    )
     trials = Trials(command, composer, request, config, build, first.jobs[0], first.root)
     judge_folders(first.jobs[:1])
     mark(first.root, first.jobs[0].plan)
     record(first.root, [], command.overrides)
-    with named(first.root):
+    with output_errors(first.root):
         try:
             search(config, trials.root, trials.space, trials.evaluate)
         finally:
             if trials.outcomes:
-                keep(trials.outcomes, first.root)
+                write_summaries(trials.outcomes, first.root)
     is_quiet = command.detail == "errors"
     best = trials.best()
     if not is_quiet or not best:
@@ -187,7 +189,7 @@ class Trials:
         for name, refusal_of in refused:
             self._numbers[name] = len(self.outcomes)
             self.outcomes.append(self._refusal_outcome(len(self.outcomes), new[name], refusal_of))
-        keep(self.outcomes, self.root)
+        write_summaries(self.outcomes, self.root)
         return [self.numbers(self.outcomes[self._numbers[name]]) for name in identities]
 
     def numbers(self, outcome: Outcome) -> Objective:

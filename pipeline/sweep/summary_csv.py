@@ -1,7 +1,9 @@
-"""Writes summary.csv: a row for each job of a sweep, by RFC 4180, for spreadsheets and programs.
+"""Makes the content of summary.csv: a row for each job of a sweep, by RFC 4180, for spreadsheets and
+programs.
 
-A spreadsheet runs a cell that begins with `=`, `+`, `-` or `@` as a formula. A text that begins so, or with
-an apostrophe, gets an apostrophe in front; readers remove it again. Numbers are written unchanged.
+A spreadsheet runs a cell that begins with `=`, `+`, `-` or `@` as a formula. A text that begins with
+one of these, or with an apostrophe, gets an apostrophe in front, which readers remove. Numbers are written
+unchanged.
 """
 
 import csv
@@ -18,19 +20,25 @@ TABLE = "summary.csv"
 
 JOB = ("number", "label", "state", "status", "message", "folder")
 COUNTS = ("objective", "checks_passed", "checks_failed", "checks_warned", "calls_made", "calls_saved")
-KEY, FIGURE = "key.", "figure."
+KEY_PREFIX, FIGURE_PREFIX = "key.", "figure."
 """Prefixes of the columns of swept keys and of figures, so that no two columns have the same name."""
 
-_FORMULA = tuple("=+-@'\t\r＝＋－＠")
+_ESCAPED_STARTS = tuple("=+-@'\t\r＝＋－＠")
+"""Starts of texts that get an apostrophe, in full width too."""
 
 
 def text(jobs: Sequence[Mapping[str, Any]]) -> bytes:
-    """Returns the content of the file. `jobs`: the outcomes as plain data, with their `state`, without
+    """Returns the content of the file. `jobs`: the outcomes as plain data, with their `state` and without
     secrets."""
     swept_keys, figures = keys(jobs), figures_in(jobs)
     out = io.StringIO(newline="")
     writer = csv.writer(out)
-    names = [*JOB, *(KEY + key for key in swept_keys), *(FIGURE + name for name in figures), *COUNTS]
+    names = [
+        *JOB,
+        *(KEY_PREFIX + key for key in swept_keys),
+        *(FIGURE_PREFIX + name for name in figures),
+        *COUNTS,
+    ]
     writer.writerow([cell(name) for name in names])
     for job in jobs:
         checks = job["checks"]
@@ -57,14 +65,14 @@ def cell(value: Any) -> str:
     if value is None:
         return ""
     if not isinstance(value, str):
-        words = json.dumps(value, ensure_ascii=False)
-        return words if isinstance(value, int | float) else _escaped(words)
+        encoded = json.dumps(value, ensure_ascii=False)
+        return encoded if isinstance(value, int | float) else _escaped(encoded)
     return _escaped(value)
 
 
-def _escaped(words: str) -> str:
-    words = printable_lines(words)
-    return f"'{words}" if words.lstrip(" \n").startswith(_FORMULA) else words
+def _escaped(text: str) -> str:
+    text = printable_lines(text)
+    return f"'{text}" if text.lstrip(" \n").startswith(_ESCAPED_STARTS) else text
 
 
 def _count(names: Sequence[str] | None) -> int | None:

@@ -4,7 +4,7 @@ import os
 from collections.abc import Mapping, Sequence
 
 from linkwright.pipeline.caching.actions import folder
-from linkwright.pipeline.doctor import access, examined, installation, places
+from linkwright.pipeline.doctor import access, examination, installation, places
 from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.terminal.output import say
 
@@ -45,9 +45,9 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> in
         *places.examined(environ, cache),
     ]
     if "--json" in arguments:
-        print(examined.as_json(rows))
+        print(examination.as_json(rows))
     else:
-        say(examined.as_text(rows))
+        say(examination.as_text(rows))
     return 1 if any(row.state == "wrong" for row in rows) else 0
 
 

@@ -13,7 +13,7 @@ from linkwright.stages.formats.meshes.surface import Surface, moved
 from linkwright.stages.mesh.files.mesh_file import MeshFile
 from linkwright.stages.mesh.part_mesh import PartMesh
 from linkwright.stages.mesh.visuals.budget import Decimation, Decimator
-from linkwright.stages.mesh.visuals.make import Drawn, LinkVisuals, visuals
+from linkwright.stages.mesh.visuals.make import DrawnPart, LinkVisuals, make_visuals
 from linkwright.stages.robot.model.robot import Array, MeshRef
 
 if TYPE_CHECKING:
@@ -83,8 +83,10 @@ def visuals_of(
     decimator: Decimator,
 ) -> LinkVisuals:
     """Returns the visual meshes of a link, in the link's frame."""
-    drawn_parts = [Drawn(index, use.mesh, use.link_from_part) for index, use in enumerate(uses) if use.seen]
-    return visuals(drawn_parts, meshes, keys, decimator)
+    drawn_parts = [
+        DrawnPart(index, use.mesh, use.link_from_part) for index, use in enumerate(uses) if use.seen
+    ]
+    return make_visuals(drawn_parts, meshes, keys, decimator)
 
 
 def _finding(mesh: PartMesh | None) -> PartFinding:

@@ -8,7 +8,7 @@ from typing import Any
 import mujoco
 
 from linkwright.stages.formats.xml import parse, to_bytes
-from linkwright.stages.mujoco.urdf import with_floating_on_world, without_packages
+from linkwright.stages.mujoco.urdf import move_floating_joints_to_world, remove_package_prefixes
 from linkwright.stages.mujoco.warnings import collected_warnings, deprecations, unquoted
 
 MAX_CACHE_SIZE = 20_000_000
@@ -70,8 +70,8 @@ def spec_of(path: Path) -> Any:
         return spec_of_mjcf(path)
     _bound_cache()
     root = parse(path.read_bytes())
-    without_packages(root)
-    if not with_floating_on_world(root):
+    remove_package_prefixes(root)
+    if not move_floating_joints_to_world(root):
         # From its text, since MuJoCo 3.4.0 accepts only files that end in .xml.
         return spec_of_text(to_bytes(root), path.resolve().parent)
     meshes = {f"assets/{mesh.name}": mesh.read_bytes() for mesh in sorted((path.parent / "assets").glob("*"))}

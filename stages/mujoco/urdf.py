@@ -5,51 +5,56 @@ from collections.abc import Callable
 from linkwright.stages.formats.xml import Element, element
 
 
-def without_packages(root: Element) -> None:
+def remove_package_prefixes(root: Element) -> None:
     """Makes the paths `package://<package>/...` relative. A URDF is at the top of its package, whose name
     MuJoCo would treat as a folder."""
     for node in root.xpath("//*[starts-with(@filename, 'package://')]"):
         node.set("filename", node.get("filename").removeprefix("package://").partition("/")[2])
 
 
-def with_floating_on_world(root: Element) -> bool:
-    """Puts a link `world` above the root, and moves the floating joints to it, where MuJoCo accepts them. The
+def move_floating_joints_to_world(root: Element) -> bool:
+    """Adds a link `world` above the root, and moves the floating joints to it, where MuJoCo accepts them. The
     robot stays the same, since the root is at rest. Returns whether there was a floating joint elsewhere."""
     floating = root.xpath("joint[@type='floating']/parent[@link != 'world']")
     if not floating:
         return False
-    holder = element(root, "joint", name="world_fixed", type="fixed")
-    element(holder, "parent", link="world")
-    element(holder, "child", link=floating[0].get("link"))
+    world_joint = element(root, "joint", name="world_fixed", type="fixed")
+    element(world_joint, "parent", link="world")
+    element(world_joint, "child", link=floating[0].get("link"))
     element(root, "link", name="world")
     for parent in floating:
         parent.set("link", "world")
     return True
 
 
-def with_every_link(root: Element, place_of: Callable[[str], str | None], *, visuals: bool = True) -> None:
-    """Keeps the links that MuJoCo would drop, and fixes floating joints, which URDFs of other tools may have
-    below any link. `place_of`: returns the path of a mesh by its name in the URDF, None to drop the mesh;
-    `visuals`: whether purely visual shapes stay."""
+def keep_all_links(root: Element, path_of: Callable[[str], str | None], *, visuals: bool = True) -> None:
+    """Makes MuJoCo keep all links, and fixes floating joints, which URDFs of other tools may have below any
+    link.
+
+    `path_of`: returns the path of a mesh for its name in the URDF, or None to drop the mesh; `visuals`:
+    whether purely visual shapes are kept.
+    """
     for visual in [] if visuals else list(root.iterfind("link/visual")):
         visual.getparent().remove(visual)
     for mesh in list(root.iter("mesh")):
-        place = place_of(mesh.get("filename", ""))
-        if place is None:
-            _drop(mesh)
+        path = path_of(mesh.get("filename", ""))
+        if path is None:
+            _remove_shape(mesh)
         else:
-            mesh.set("filename", place)
+            mesh.set("filename", path)
+    # The compiler settings of the file would override these.
     for existing in root.findall("mujoco"):
         root.remove(existing)
     settings = element(root, "mujoco")
+    # None leaves MuJoCo's default, which discards visuals.
     discarded = "false" if visuals else None
     element(settings, "compiler", strippath="false", fusestatic="false", discardvisual=discarded)
     for joint in root.iterfind("joint[@type='floating']"):
         joint.set("type", "fixed")
 
 
-def _drop(mesh: Element) -> None:
+def _remove_shape(mesh: Element) -> None:
     """Removes the visual or collision that holds a mesh."""
-    holder = mesh.getparent().getparent()
-    if holder is not None and holder.getparent() is not None:
-        holder.getparent().remove(holder)
+    shape = mesh.getparent().getparent()
+    if shape is not None and shape.getparent() is not None:
+        shape.getparent().remove(shape)

@@ -11,7 +11,7 @@ from linkwright.stages.robot.errors import ProtocolError
 class StudioKey:
     """A part studio in a configuration, pinned.
 
-    `pin` is `v/<version>` where the document is linked by version, else `m/<microversion>`.
+    `pin` is `v/<version>` if the document is linked by version, else `m/<microversion>`.
     """
 
     document: str
@@ -34,7 +34,7 @@ class Studio:
 
     key: StudioKey
     mass: tuple[str, ...]
-    """Mass properties: one reply for all parts, or one a part in recorded data."""
+    """Mass properties: one reply for all parts or, in recorded data, one reply for each part."""
     tessellation: str | None
     """The triangles; None if none were recorded."""
 
@@ -45,14 +45,14 @@ class Features:
 
     key: StudioKey
     features: str
-    """Its list of features."""
+    """The assembly's list of features."""
     variables: str | None = None
-    """Its variables; None if they are not needed or not available."""
+    """The assembly's variables; None if they are not needed or not available."""
 
 
 @dataclass(frozen=True, slots=True)
 class Bundle:
-    """Raw replies or files, byte for byte: the common part of all kinds of bundle."""
+    """Raw replies or files, byte for byte, as all kinds of bundles contain them."""
 
     kind: str
     root: Mapping[str, str]
@@ -65,7 +65,7 @@ class Bundle:
     """SHA-256 → body."""
 
     def body(self, digest: str) -> bytes:
-        """Returns the body with this digest; raises ProtocolError where the bundle lacks it."""
+        """Returns the body with this digest; raises ProtocolError if the bundle lacks it."""
         body = self.blobs.get(digest)
         if body is None:
             msg = f"the bundle lacks the reply with digest {digest}"
@@ -78,7 +78,7 @@ class OnshapeBundle(Bundle):
     """The replies about an Onshape assembly. `requests` are pinned to a version or microversion."""
 
     api: str
-    """Version of the API that was asked."""
+    """Version of the API that was used."""
     studios: tuple[Studio, ...]
     features: tuple[Features, ...] = ()
     """Empty if the definition gives all limits."""

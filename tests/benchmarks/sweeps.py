@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 from linkwright.pipeline.config.plan import Plan
-from linkwright.pipeline.sweep.folder import keep, prepare
+from linkwright.pipeline.sweep.folder import prepare, write_summaries
 from linkwright.pipeline.sweep.outcome import Outcome
 from linkwright.pipeline.sweep.outcome_files import leave, outcomes_of
 from linkwright.pipeline.sweep.run import Job
@@ -90,7 +90,7 @@ def measure(number):
         left = time.process_time()
         outcomes = list(outcomes_of(root))
         read = time.process_time()
-        keep(outcomes, root)
+        write_summaries(outcomes, root)
         kept = time.process_time()
         table(outcomes, root, 100)
         sizes = [(root / name).stat().st_size / 1e6 for name in FILES]

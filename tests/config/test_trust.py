@@ -1,4 +1,3 @@
-# ruff: noqa: E501
 """A robot's YAML is data: whatever it says, nothing that it names is run."""
 
 import json
@@ -90,7 +89,8 @@ def test_so_it_is_in_a_sweep_where_it_is_swept_over_and_as_an_experiment(tmp_pat
 
 
 def cluster(folder, keys):
-    """A robot with a launcher of the user's own, which has the fields of submitit's; the launcher's folder."""
+    """A robot with a launcher of the user's own, which has the fields of submitit's; the launcher's
+    folder."""
     fields = "nodes: 1\ntimeout_min: 60\ntime: null\npartition: null\nsetup: null\npython: null\n"
     fields += "account: null\nqos: null\ninit: {address: null, num_cpus: null}\n"
     fields += "srun_args: null\nadditional_parameters: {}\nfolder: ${hydra.sweep.dir}/x\n"
@@ -164,7 +164,7 @@ def test_a_launcher_in_the_working_folder_counts_only_where_config_dir_names_it(
 def test_trust_is_given_on_the_command_line_and_the_error_shows_how(tmp_path, robot, key, command):
     write(tmp_path, mine=robot)
     shown = refused(tmp_path, "robot=mine", "ground=none")
-    assert f"E-TRUST {key}: must be set on the command line" in shown
+    assert f"E-TRUST {key}: this key must be set on the command line" in shown
     assert f"      if you trust it: linkwright robot=mine ground=none {command}" in shown.splitlines()
     assert "E-TRUST" not in refused(tmp_path, "robot=mine", f"{key}=[a]", "foo=1")
 

@@ -1,4 +1,4 @@
-"""Keys that a YAML file must not set, because they would run code: files are data.
+"""Finds keys that a YAML file must not set, because they would run code: files are data.
 
 The check compares the composed tree, after all files, packages and interpolations, with the tree of the
 command line alone (`trusted_tree`).
@@ -27,6 +27,13 @@ SAFE_VALUES: Mapping[str, Any] = {"source.trust": False, "plugins": []}
 """Keys that let code run → the only value that a file may set."""
 
 TARGET = "_target_"
+"""The key with which Hydra names code to run."""
+
+USER_CHECKS = ("validate", "checks")
+"""Place of the user's checks, which may name code in the modules of `plugins`."""
+
+OBJECTIVE = ("objective",)
+"""Place of the objective, which may name code in these modules too."""
 
 ALLOWED = (
     "below hydra a file may set only sweeper.params, a search's n_trials, direction and sampler.seed, "
@@ -34,26 +41,34 @@ ALLOWED = (
 )
 
 LAUNCHER = "launcher"
+SWEEPER = "sweeper"
+
 PARAMS = "sweeper.params"
 FOLDERS = ("sweep.dir", "sweep.subdir")
 
-SWEEPER = "sweeper"
-
 BASIC = "basic"
-"""Hydra's launcher and its sweeper: one job after the other, of every combination of listed values."""
+"""Name of Hydra's own launcher, and of its own sweeper: they run one job after the other, for each
+combination of the listed values."""
 
 SEARCH = ("sweeper.n_trials", "sweeper.direction", "sweeper.sampler.seed")
-"""Settings of a sweeper that searches: two numbers, and the direction in words."""
+"""Keys of a search that a file may set: two numbers, and the direction."""
 
 _DIRECTIONS = ("minimize", "maximize")
 
-_WORDS = ("partition", "account", "qos", "time")
-_WORD = re.compile(r"[\w.,:-]+", re.ASCII)
+_TEXT_SETTINGS = ("partition", "account", "qos", "time")
+"""Settings of a launcher that are texts and that a file may set."""
+
+_SAFE_TEXT = re.compile(r"[\w.,:-]+", re.ASCII)
+"""A text that is safe in a shell."""
+
 _CLOSED_SECTIONS = ("init", "additional_parameters")
 """Sections of a launcher that name hosts (Ray's) or options of another program (Slurm's)."""
 
-_FILLED_IN = ("overrides", "runtime.choices", "runtime.config_sources", "job.override_dirname")
+_SET_BY_HYDRA = ("overrides", "runtime.choices", "runtime.config_sources", "job.override_dirname")
 """Keys that Hydra itself sets while it composes."""
+
+_ABSENT = object()
+"""The trusted value of a key that the command line's tree does not have."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,39 +94,42 @@ class SweepSettings:
 def compare_hydra_nodes(
     composed: Mapping[str, Any],
     trusted_tree: Mapping[str, Any],
-    resolved: Callable[[Place], Any],
+    resolve: Callable[[Place], Any],
     command: Sequence[str] = ("linkwright",),
 ) -> tuple[dict[str, Any], list[Diagnostic]]:
     """Compares the composed `hydra` node (`composed`) with that of the command line (`trusted_tree`).
 
     Returns the changed settings that a file may set, by key without `hydra.`, and a problem for each other
-    change. The nodes contain unresolved interpolations; `resolved` returns the value at a path. `command`:
-    the typed command, which hints complete.
+    change. The nodes contain unresolved interpolations; `resolve` returns the value at a path. `command`:
+    the typed command, with which hints begin.
     """
     changed: dict[str, Any] = {}
     refused: dict[str, Diagnostic] = {}
-    for place, value, trusted_value in _differences(composed, trusted_tree, ()):
+    for place, composed_value, trusted_value in _differences(composed, trusted_tree, ()):
         key = key_of(place)
-        if key.startswith(_FILLED_IN):
+        if key.startswith(_SET_BY_HYDRA):
             continue
-        if key == PARAMS or (place[0] in (LAUNCHER, SWEEPER) and trusted_value is not _ABSENT):
-            value = resolved(place)
-        if (
-            key == PARAMS
-            or key in FOLDERS
-            or _harmless(place, value, trusted_value)
-            or _is_search_setting(key, value)
-        ):
+        is_resolved = key == PARAMS or (place[0] in (LAUNCHER, SWEEPER) and trusted_value is not _ABSENT)
+        value = resolve(place) if is_resolved else composed_value
+        if _may_set(place, value, trusted_value):
             changed[key] = value
         else:
-            # A whole section that was exchanged is one problem.
+            # All changes within a section are one problem.
             section = key_of(place[: 2 if place[0] in (LAUNCHER, SWEEPER, "job") else 1])
             hint = _launcher_hint(place, value, trusted_value, command)
             refused.setdefault(section, not_allowed(section, value, hint))
     return changed, list(refused.values())
 
 
-_ABSENT = object()
+def _may_set(place: Place, value: Any, trusted_value: Any) -> bool:
+    """Tells whether a file may set the key at `place`, below `hydra`, to a value."""
+    key = key_of(place)
+    return (
+        key == PARAMS
+        or key in FOLDERS
+        or _is_harmless(place, value, trusted_value)
+        or _is_search_setting(key, value)
+    )
 
 
 def _differences(composed: Any, trusted_tree: Any, place: Place) -> Iterator[tuple[Place, Any, Any]]:
@@ -126,7 +144,7 @@ def _differences(composed: Any, trusted_tree: Any, place: Place) -> Iterator[tup
         yield place, None if composed is _ABSENT else composed, trusted_tree
 
 
-def _harmless(place: Place, value: Any, default: Any) -> bool:
+def _is_harmless(place: Place, value: Any, default: Any) -> bool:
     """Tells whether a setting is a number of a launcher, or a word that is safe in a shell."""
     if (
         place[0] != LAUNCHER
@@ -137,7 +155,7 @@ def _harmless(place: Place, value: Any, default: Any) -> bool:
         return False
     if _is_number(value):
         return default is None or _is_number(default)
-    return place[-1] in _WORDS and isinstance(value, str) and bool(_WORD.fullmatch(value))
+    return place[-1] in _TEXT_SETTINGS and isinstance(value, str) and bool(_SAFE_TEXT.fullmatch(value))
 
 
 def _is_search_setting(key: str, value: Any) -> bool:
@@ -154,8 +172,8 @@ def _is_number(value: Any) -> bool:
 def _launcher_hint(place: Place, value: Any, default: Any, command: Sequence[str]) -> str:
     """Returns a hint to type a launcher's setting on the command line; "" if that is not allowed either."""
     words = value if _is_list(value) else [value]
-    plain = all(isinstance(word, str | int | float) for word in words)
-    if place[0] != LAUNCHER or default is _ABSENT or not plain or str(place[-1]).startswith("_"):
+    can_be_typed = all(isinstance(word, str | int | float) for word in words)
+    if place[0] != LAUNCHER or default is _ABSENT or not can_be_typed or str(place[-1]).startswith("_"):
         return ""
     return f"if you trust it: {pasted.line(command)} {override(f'hydra.{key_of(place)}', value)}"
 
@@ -167,48 +185,45 @@ def not_allowed(key: str, value: Any = None, hint: str = "") -> Diagnostic:
     return Diagnostic(CODE, f"a file must not set this key{suffix}", f"hydra.{key}", hint)
 
 
-def overridden(contents: Iterable[Mapping[str, Any]]) -> Iterator[Diagnostic]:
-    """Yields a problem for each group of Hydra, except the launcher and the sweeper, that a file's defaults
-    list overrides, even without effect."""
+def overridden_groups(contents: Iterable[Mapping[str, Any]]) -> Iterator[Diagnostic]:
+    """Yields a problem for each group of Hydra that the defaults list of a file overrides, even without
+    effect. The launcher and the sweeper are allowed."""
     for content in contents:
         defaults = content.get("defaults")
-        for entry in defaults if isinstance(defaults, list) else ():
+        if not isinstance(defaults, list):
+            continue
+        for entry in defaults:
             name = next(iter(entry), "") if isinstance(entry, Mapping) else entry
             group = str(name).removeprefix("optional ").removeprefix("override ").strip().lstrip("/")
             if group.startswith("hydra/") and group not in (f"hydra/{LAUNCHER}", f"hydra/{SWEEPER}"):
                 yield not_allowed(group.partition("/")[2])
 
 
-OWN_CHECKS = ("validate", "checks")
-"""The key whose entries may name code of a module that `plugins` names."""
-
-OBJECTIVE = ("objective",)
-"""The other key whose entries may name code of such a module."""
-
-
 def forbidden_targets(tree: Any, command: str = "", place: Place = ()) -> Iterator[Diagnostic]:
     """Yields a problem for each `_target_` in a tree, since it names code to run. In the user's own checks
-    and in the objective, code of trusted modules is allowed. `command`: the typed command, which hints
-    complete."""
+    and in the objective, code of trusted modules is allowed. `command`: the typed command, with which hints
+    begin."""
     plugins: Any = tree.get("plugins") if isinstance(tree, Mapping) else ()
-    return _targets(tree, [str(plugin) for plugin in plugins] if _is_list(plugins) else [], command, place)
+    names = [str(plugin) for plugin in plugins] if _is_list(plugins) else []
+    return _forbidden_targets(tree, names, command, place)
 
 
-def _targets(tree: Any, plugins: Sequence[str], command: str, place: Place) -> Iterator[Diagnostic]:
+def _forbidden_targets(tree: Any, plugins: Sequence[str], command: str, place: Place) -> Iterator[Diagnostic]:
     pairs: Iterable[tuple[Any, Any]] = ()
     if isinstance(tree, Mapping):
         pairs = tree.items()
     elif isinstance(tree, list | tuple):
         pairs = enumerate(tree)
     for name, value in pairs:
+        # Indices of lists stay numbers, keys become texts.
         inner = (*place, name if isinstance(name, int) and not isinstance(tree, Mapping) else str(name))
         if name != TARGET:
-            yield from _targets(value, plugins, command, inner)
-        elif place != OBJECTIVE and (place[:2] != OWN_CHECKS or len(place) != 3):
+            yield from _forbidden_targets(value, plugins, command, inner)
+        elif place != OBJECTIVE and (place[:2] != USER_CHECKS or len(place) != 3):
             text = f"a configuration must not name code (given {shown(value)})"
             yield Diagnostic(CODE, text, key_of(inner), "remove it: a robot's file is data and runs no code")
         elif isinstance(value, str) and not is_in_modules(value, plugins):
-            text = f"names code in a module that is not trusted (given {shown(value)})"
+            text = f"this names code in a module that is not trusted (given {shown(value)})"
             module = override("plugins", [value.partition(".")[0]])
             yield Diagnostic(CODE, text, key_of(inner), f"if you trust it: {command} {module}")
 
@@ -228,7 +243,7 @@ def untrusted(
     """Returns a problem for each key that lets code run and that only a file sets.
 
     `typed`: the keys that the command line sets; `files`: the user's own files in the composition;
-    `command`: the typed command, which hints complete.
+    `command`: the typed command, with which hints begin.
     """
     typed = set(typed)
     settings = {
@@ -240,7 +255,8 @@ def untrusted(
     return [
         Diagnostic(
             CODE,
-            f"must be set on the command line: a file cannot trust itself (given {shown(settings[key])})",
+            "this key must be set on the command line, since a file cannot trust itself "
+            f"(given {shown(settings[key])})",
             key,
             f"if you trust it: {command} {override(key, settings[key])}",
         )
@@ -257,18 +273,21 @@ def _at(tree: Any, key: str, default: Any) -> Any:
 
 
 def trusted(files: Iterable[Path], environ: Mapping[str, str]) -> bool:
-    """Tells whether the environment names all of these files, and there is at least one."""
+    """Tells whether `LINKWRIGHT_TRUST` names all of these files; False if there are none."""
     texts = [text for text in environ.get(VARIABLE, "").split(os.pathsep) if text]
-    trusted = {observed.real(Path(text).expanduser()) for text in texts}
+    trusted_files = {observed.real(Path(text).expanduser()) for text in texts}
     files = set(map(observed.real, files))
-    return bool(files) and files <= trusted
+    return bool(files) and files <= trusted_files
 
 
 def override(key: str, value: Any) -> str:
     """Returns `key=value` as a user types it."""
-    plain = (
-        value if isinstance(value, bool) else [str(item) for item in value] if _is_list(value) else str(value)
-    )
+    plain: bool | str | list[str] = str(value)
+    if isinstance(value, bool):
+        plain = value
+    elif _is_list(value):
+        plain = [str(item) for item in value]
+    # Hydra reads texts without quotation marks.
     text = json.dumps(plain, ensure_ascii=False).replace('"', "")
     return pasted.word(f"{key}={text}")
 

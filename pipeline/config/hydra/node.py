@@ -17,8 +17,7 @@ from linkwright.pipeline.config.files.trust import (
     SweepSettings,
     compare_hydra_nodes,
 )
-from linkwright.pipeline.config.hydra.errors import LAUNCHERS as GROUP
-from linkwright.pipeline.config.hydra.errors import SWEEPERS, explained, needs_plug_in
+from linkwright.pipeline.config.hydra.errors import LAUNCHERS, SWEEPERS, explained, needs_plug_in
 from linkwright.pipeline.config.hydra.loader import SEARCHPATH, composed
 from linkwright.pipeline.config.overrides import Override
 from linkwright.pipeline.config.partial import Draft
@@ -28,48 +27,53 @@ from linkwright.pipeline.errors import Diagnostic
 from linkwright.pipeline.terminal import pasted
 
 RAY = "ray"
+"""The launcher of Ray, an option that Linkwright ships."""
 
 
 class HydraNode:
     """Hydra's own configuration (the node `hydra`) in the trees that a session composes.
 
-    `typed`: the overrides of Hydra's own keys on the command line.
+    `typed_overrides`: the overrides of Hydra's own keys on the command line.
     """
 
     def __init__(self, presets: Presets) -> None:
         self._presets = presets
         self._command: list[str] = []
         self._trusted_configs: dict[tuple[str, str], DictConfig] = {}
+        """(launcher, sweeper) → the configuration that the command line alone composes."""
         self._trusted_nodes: dict[tuple[str, str], dict[str, Any]] = {}
-        self.typed: list[str] = []
+        """(launcher, sweeper) → the node `hydra` of that configuration, with its interpolations."""
+        self.typed_overrides: list[str] = []
 
-    def store_overrides(self, overrides: Sequence[Override], command: Sequence[str]) -> list[Diagnostic]:
-        """Stores the overrides of Hydra's own keys in a `command`, and returns their problems."""
+    def set_overrides(self, overrides: Sequence[Override], command: Sequence[str]) -> list[Diagnostic]:
+        """Sets the overrides of Hydra's own keys from a `command`, and returns their problems. If there are
+        problems, no override is set."""
         self._command = list(command)
-        self.typed = [override.hydra for override in overrides if override.for_hydra_itself]
-        if not self.typed:
+        self.typed_overrides = [override.hydra for override in overrides if override.for_hydra_itself]
+        if not self.typed_overrides:
             return []
         try:
+            # Composing shows whether the overrides are valid.
             self.trusted_config()
         except Exception as error:
-            self.typed = []
-            launchers = [override.values[0] for override in overrides if override.key == GROUP]
+            self.typed_overrides = []
+            launchers = [override.values[0] for override in overrides if override.key == LAUNCHERS]
             problems = [self._launcher_not_given(launcher) for launcher in launchers]
             return [problem for problem in problems if problem] or [explained(error, self._presets)]
         return []
 
     def typed_keys(self, keys: Iterable[str]) -> set[str]:
         """Returns the keys of Hydra, among these, that the command line sets."""
-        return {key for key in keys if any(f"{key}=" in override for override in self.typed)}
+        return {key for key in keys if any(f"{key}=" in override for override in self.typed_overrides)}
 
     def trusted_config(self, launcher: str = "", sweeper: str = "") -> DictConfig:
-        """Composes Hydra's configuration from the command line alone, without the robot's file; a sweep uses
-        it. `launcher`, `sweeper`: options of hydra/launcher and hydra/sweeper. The user's own options are
-        found only in `--config-dir`."""
+        """Returns Hydra's configuration as composed from the command line alone, without the robot's file;
+        sweeps run under it. `launcher`, `sweeper`: options of hydra/launcher and hydra/sweeper. Options that
+        the user wrote are found only in `--config-dir`."""
         if (launcher, sweeper) not in self._trusted_configs:
-            chosen = {GROUP: launcher, SWEEPERS: sweeper}
+            chosen = {LAUNCHERS: launcher, SWEEPERS: sweeper}
             options = [f"{group}={option}" for group, option in chosen.items() if option]
-            arguments = [*options, *self.typed, *search_path_override(self._presets.given)]
+            arguments = [*options, *self.typed_overrides, *search_path_override(self._presets.given)]
             self._trusted_configs[launcher, sweeper], _ = composed(arguments)
         return self._trusted_configs[launcher, sweeper]
 
@@ -80,32 +84,29 @@ class HydraNode:
 
         The folders are resolved for the robot `name` and a `job`, given by its number and label.
         """
-        launcher, sweeper = (str(config.hydra.runtime.choices.get(group)) for group in (GROUP, SWEEPERS))
+        launcher, sweeper = (str(config.hydra.runtime.choices.get(group)) for group in (LAUNCHERS, SWEEPERS))
         # Linkwright ships the option `ray` itself, so it composes even if the plug-in is missing.
         if launcher == RAY and find_spec("hydra_plugins.hydra_ray_launcher") is None:
             draft.add(needs_plug_in(RAY))
         changed = self._set_by_files(config, (launcher, sweeper), draft) if self._presets.own else {}
-        set_folders = (key for key in FOLDERS if key in changed or self.typed_keys([f"hydra.{key}"]))
-        folders: dict[str, str | None] = dict.fromkeys(set_folders)
-        if job is not None and folders:
-            with open_dict(config):
-                config.name = name
-                config.hydra.job.num, config.hydra.job.id = job[0], str(job[0])
-                config.hydra.job.override_dirname = job[1].replace(" ", ",")
-            HydraConfig.instance().set_config(config)
-            for key in folders:
-                folders[key] = str(at(config, ("hydra", *key.split(".")), draft.problems))
+        set_folders = [key for key in FOLDERS if key in changed or self.typed_keys([f"hydra.{key}"])]
+        folders = _resolved_folders(config, set_folders, name, job, draft) if job is not None else {}
         prefix = f"{LAUNCHER}."
-        launcher_settings = {
-            key.removeprefix(prefix): value for key, value in changed.items() if key.startswith(prefix)
-        }
-        params = {str(key): str(value) for key, value in (changed.get(PARAMS) or {}).items()}
-        search = {key: value for key, value in changed.items() if key in SEARCH}
-        return SweepSettings(launcher, sweeper, search, launcher_settings, params, *map(folders.get, FOLDERS))
+        return SweepSettings(
+            launcher,
+            sweeper,
+            search={key: value for key, value in changed.items() if key in SEARCH},
+            launcher_settings={
+                key.removeprefix(prefix): value for key, value in changed.items() if key.startswith(prefix)
+            },
+            params={str(key): str(value) for key, value in (changed.get(PARAMS) or {}).items()},
+            dir=folders.get("sweep.dir"),
+            subdir=folders.get("sweep.subdir"),
+        )
 
     def _set_by_files(self, config: DictConfig, options: tuple[str, str], draft: Draft) -> dict[str, Any]:
-        """Returns the settings of Hydra in files, without those that files must not set; `options`: the
-        launcher and the sweeper."""
+        """Returns Hydra's settings that files make and may make, and adds a problem for each that they must
+        not make. `options`: the launcher and the sweeper."""
         try:
             if options not in self._trusted_nodes:
                 self._trusted_nodes[options] = as_written(self.trusted_config(*options).hydra)
@@ -127,12 +128,31 @@ class HydraNode:
 
     def _launcher_not_given(self, launcher: str) -> Diagnostic | None:
         """Returns a problem if a launcher is the user's own, but is not in a `--config-dir`."""
-        files = self._presets.own_files([f"{GROUP}/{launcher}"])
-        if not files or files[0].parents[2] in self._presets.given:
+        files = self._presets.own_files([f"{LAUNCHERS}/{launcher}"])
+        if not files:
             return None
-        text = f"your own launchers are used only from --config-dir, and this launcher is {files[0]}"
-        command = [*self._command[:1], "--config-dir", str(files[0].parents[2]), *self._command[1:]]
-        return Diagnostic(CODE, text, f"{GROUP}={launcher}", f"if you trust it: {pasted.line(command)}")
+        config_dir = files[0].parents[2]  # CONFIG_DIR/hydra/launcher/NAME.yaml
+        if config_dir in self._presets.given:
+            return None
+        text = f"your own launchers are used only from --config-dir, but this launcher is in {files[0]}"
+        command = [*self._command[:1], "--config-dir", str(config_dir), *self._command[1:]]
+        return Diagnostic(CODE, text, f"{LAUNCHERS}={launcher}", f"if you trust it: {pasted.line(command)}")
+
+
+def _resolved_folders(
+    config: DictConfig, keys: Sequence[str], name: Any, job: tuple[int, str], draft: Draft
+) -> dict[str, str]:
+    """Returns the values of these keys below `hydra` for the robot `name` and a `job`, given by its number
+    and label. Changes `config`."""
+    number, label = job
+    if not keys:
+        return {}
+    with open_dict(config):
+        config.name = name
+        config.hydra.job.num, config.hydra.job.id = number, str(number)
+        config.hydra.job.override_dirname = label.replace(" ", ",")
+    HydraConfig.instance().set_config(config)
+    return {key: str(at(config, ("hydra", *key.split(".")), draft.problems)) for key in keys}
 
 
 def search_path_override(folders: Iterable[Path]) -> list[str]:

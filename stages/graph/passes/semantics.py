@@ -14,21 +14,21 @@ from linkwright.stages.robot.model.semantics import (
 
 
 def with_semantics(robot: Robot, semantics: RobotSemantics) -> Robot:
-    """Returns the robot with the SRDF's content, less what the robot no longer has. `semantics`: by the names
-    in the source."""
+    """Returns the robot with the SRDF's content, without entries whose links or joints the robot no longer
+    has. `semantics`: the content, by the names in the source."""
     if semantics == NOTHING_MORE:
         return robot
     links = {link.path[0]: link.name for link in robot.links if len(link.path) == 1}
-    places = links | {frame.source: frame.name for frame in robot.frames if frame.source}
+    links_and_frames = links | {frame.source: frame.name for frame in robot.frames if frame.source}
     dofs = {
         joint.mate.name: [dof.name for dof in joint.dofs if dof.kind != "free"]
         for joint in robot.joints
         if joint.mate is not None
     }
-    groups = tuple(_groups(semantics, dofs, places))
+    groups = tuple(_groups(semantics, dofs, links_and_frames))
     present = RobotSemantics(
         groups,
-        tuple(_end_effectors(semantics, {group.name for group in groups}, places)),
+        tuple(_end_effectors(semantics, {group.name for group in groups}, links_and_frames)),
         tuple(dof for joint in semantics.passive for dof in dofs.get(joint, ())),
         tuple(_pairs(robot, semantics, links)),
         semantics.virtual_joint,
@@ -37,28 +37,29 @@ def with_semantics(robot: Robot, semantics: RobotSemantics) -> Robot:
 
 
 def _groups(
-    semantics: RobotSemantics, dofs: Mapping[str, list[str]], places: Mapping[str, str]
+    semantics: RobotSemantics, dofs: Mapping[str, list[str]], links_and_frames: Mapping[str, str]
 ) -> Iterator[JointGroup]:
     for group in semantics.groups:
         joints = tuple(dof for joint in group.joints for dof in dofs.get(joint, ()))
-        is_chain = group.base in places and group.tip in places
-        base, tip = (places[group.base], places[group.tip]) if is_chain else ("", "")
+        is_chain = group.base in links_and_frames and group.tip in links_and_frames
+        base, tip = (links_and_frames[group.base], links_and_frames[group.tip]) if is_chain else ("", "")
         if joints:
             yield JointGroup(group.name, joints, base, tip)
 
 
 def _end_effectors(
-    semantics: RobotSemantics, groups: set[str], places: Mapping[str, str]
+    semantics: RobotSemantics, groups: set[str], links_and_frames: Mapping[str, str]
 ) -> Iterator[EndEffector]:
     for effector in semantics.end_effectors:
-        if effector.group in groups and effector.parent_link in places:
-            arm = effector.parent_group if effector.parent_group in groups else ""
-            yield replace(effector, parent_link=places[effector.parent_link], parent_group=arm)
+        if effector.group in groups and effector.parent_link in links_and_frames:
+            parent_group = effector.parent_group if effector.parent_group in groups else ""
+            parent_link = links_and_frames[effector.parent_link]
+            yield replace(effector, parent_link=parent_link, parent_group=parent_group)
 
 
 def _pairs(robot: Robot, semantics: RobotSemantics, links: Mapping[str, str]) -> Iterator[DisabledPair]:
-    """Yields the pairs, each in the order of the robot's links."""
-    order = {link.name: number for number, link in enumerate(robot.links)}
+    """Yields the pairs whose links remain, each in the order of the robot's links."""
+    order = {link.name: index for index, link in enumerate(robot.links)}
     for pair in semantics.disabled:
         if pair.link_a in links and pair.link_b in links:
             a, b = sorted((links[pair.link_a], links[pair.link_b]), key=order.__getitem__)

@@ -104,5 +104,5 @@ def prepared(surface: Surface, tolerance: float) -> tuple[Surface, ...] | str:
 def _intersects_itself(body: Surface) -> bool:
     low, high = body.vertices.min(axis=0), body.vertices.max(axis=0)
     places = (np.indices((_POINTS_PER_SIDE,) * 3).reshape(3, -1).T + 0.5) / _POINTS_PER_SIDE
-    times = Inside.of(body).times_around(low + (high - low) * places)
+    times = Inside.of(body).closed_winding(low + (high - low) * places)
     return int((times > 1).sum() + (times < 0).sum()) > _MAX_SELF_OVERLAP * int((times != 0).sum())

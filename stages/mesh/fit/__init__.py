@@ -67,7 +67,7 @@ def fittest(surface: Surface, among: Sequence[PrimitiveKind] = CHEAPEST) -> Prim
     subject = kinds.subject_of(surface)
     if subject is None:
         return None
-    return kinds.least([kinds.best(kind, subject) for kind in among], subject.outline).primitive
+    return kinds.first_best([kinds.best_fit(kind, subject) for kind in among], subject.outline).primitive
 
 
 def fit_kind(
@@ -81,7 +81,7 @@ def fit_kind(
     subject = kinds.subject_of(surface)
     if subject is None:
         return None
-    return kinds.sized(kind, subject, size) if size else kinds.best(kind, subject).primitive
+    return kinds.fit_with_size(kind, subject, size) if size else kinds.best_fit(kind, subject).primitive
 
 
 def spheres(surface: Surface, tolerance: float, max_spheres: int = 64) -> tuple[Primitive, ...]:

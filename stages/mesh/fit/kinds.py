@@ -24,13 +24,14 @@ _MAX_AXES = 3
 """Largest number of axes of cylinders and capsules: those of the smallest cylinders."""
 
 _MAX_CLOSE_FITS = 3
-"""Largest number of fits of a kind whose error is computed by many points."""
+"""Largest number of fits of a kind whose error is computed from many sample points."""
 
 _MAX_CLOSE_ERROR = 4.0
-"""If the best coarse error exceeds this many default tolerances, only one fit is computed by many points."""
+"""If the best coarse error exceeds this many default tolerances, only the best fit's error is computed from
+many sample points."""
 
 _DECIMALS = 12
-"""Decimals [m] of sizes and places, so that they do not depend on how a processor rounds."""
+"""Decimals [m] of sizes and positions, so that they do not depend on how a processor rounds."""
 
 _MIN_CAPSULE_LENGTH = 0.02
 """Smallest length of a capsule without its caps, in radii."""
@@ -54,8 +55,8 @@ class RevolutionCircle:
     """Point on the axis (3,) [m]."""
     radius: float
     """Distance of the farthest vertex from the axis [m]."""
-    bulk: float
-    """Radius of most of the surface around the axis [m]."""
+    median_radius: float
+    """Area-weighted median radius of the outward-facing surface [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,9 +79,9 @@ def subject_of(surface: Surface) -> Subject | None:
     )
 
 
-def best(kind: PrimitiveKind, subject: Subject) -> Fitted:
-    """Returns the fit of a kind with the least error."""
-    return _best(list(_CANDIDATES[kind](subject)), subject.outline)
+def best_fit(kind: PrimitiveKind, subject: Subject) -> Fitted:
+    """Returns the fit of a kind with the smallest error."""
+    return _refined_best(list(_CANDIDATES[kind](subject)), subject.outline)
 
 
 def best_within(kind: PrimitiveKind, subject: Subject, max_error: float) -> Fitted | None:
@@ -92,33 +93,34 @@ def best_within(kind: PrimitiveKind, subject: Subject, max_error: float) -> Fitt
         for shape in _CANDIDATES[kind](subject)
         if least_error(shape, subject.outline) <= max_coarse_error
     ]
-    fit = _best(shapes, subject.outline) if shapes else None
+    fit = _refined_best(shapes, subject.outline) if shapes else None
     return fit if fit and fit.error <= max_error else None
 
 
-def _best(shapes: Sequence[Primitive], outline: Outline) -> Fitted:
+def _refined_best(shapes: Sequence[Primitive], outline: Outline) -> Fitted:
     fits = [Fitted(shape, error(shape, outline, fine=False)) for shape in shapes]
     fits.sort(key=lambda fit: fit.error)
     measured_count = _MAX_CLOSE_FITS if fits[0].error < _MAX_CLOSE_ERROR * outline.tolerance else 1
     measured_fits = [Fitted(fit.primitive, error(fit.primitive, outline)) for fit in fits[:measured_count]]
-    first = least(measured_fits, outline)
+    first = first_best(measured_fits, outline)
     return Fitted(*refined(first.primitive, first.error, outline))
 
 
-def least(fits: Sequence[Fitted], outline: Outline) -> Fitted:
-    """Returns the first fit whose error equals the least error."""
+def first_best(fits: Sequence[Fitted], outline: Outline) -> Fitted:
+    """Returns the first fit whose error equals the smallest, as `_EQUAL_ERRORS` counts it."""
     limit = min(fit.error for fit in fits) * (1 + _EQUAL_ERRORS) + _EQUAL_ERRORS**2 * outline.size
     return next(fit for fit in fits if fit.error <= limit)
 
 
-def sized(kind: PrimitiveKind, subject: Subject, size: Sequence[float | None]) -> Primitive:
-    """Returns the best fit of a kind with these lengths; None in `size` is fitted. A box is not rotated."""
-    fitted = _box(subject.outline, np.eye(3)) if kind == "box" else best(kind, subject).primitive
+def fit_with_size(kind: PrimitiveKind, subject: Subject, size: Sequence[float | None]) -> Primitive:
+    """Returns the best fit of a kind with the lengths `size`; a length that is None is fitted. A box keeps
+    the axes of the part's frame."""
+    fitted = _box(subject.outline, np.eye(3)) if kind == "box" else best_fit(kind, subject).primitive
     return replace(
         fitted,
         size=tuple(
-            fitted_length if chosen_length is None else chosen_length
-            for fitted_length, chosen_length in zip(fitted.size, size, strict=True)
+            fitted_length if given_length is None else given_length
+            for fitted_length, given_length in zip(fitted.size, size, strict=True)
         ),
     )
 
@@ -139,8 +141,8 @@ def _box(outline: Outline, frame: npt.NDArray[np.float64], balanced: bool = Fals
 
 
 def _ends(outline: Outline, axis: Floats, low: float, high: float) -> tuple[float, float]:
-    """Returns the lowest and the highest end along `axis`, each half-way between the outermost point and most
-    of the faces on that side, so that the primitive protrudes as much as it leaves bare."""
+    """Returns the two ends along `axis` of a primitive that protrudes as much as it leaves bare: each is
+    half-way between the outermost point (`low`, `high`) and the median height of the faces on that side."""
     depth = high - low
     below = (levels.face_height(outline, -axis, -low, depth) - low) / 2
     above = (levels.face_height(outline, axis, high, depth) + high) / 2
@@ -150,7 +152,7 @@ def _ends(outline: Outline, axis: Floats, low: float, high: float) -> tuple[floa
 def _revolution_circles(
     outline: Outline, outlines_across: Sequence[Silhouette]
 ) -> Iterator[RevolutionCircle]:
-    """Yields circles around the axes of the smallest cylinders: the smallest circle, and one by the
+    """Yields circles around the axes of the smallest cylinders: the smallest circle, and the circle by the
     normals."""
     circles = []
     for silhouette in outlines_across:
@@ -162,30 +164,36 @@ def _revolution_circles(
         yield RevolutionCircle(
             silhouette.axis, point, radius, levels.median_radius(outline, point, silhouette.axis, radius)
         )
-        second_centre = levels.revolution_centre(outline, silhouette.axis, point, radius)
-        if second_centre is not None:
-            second_centre = second_centre - silhouette.axis * float(second_centre @ silhouette.axis)
-            farthest = float(
-                np.hypot(
-                    silhouette.ring[:, 0] - second_centre @ silhouette.u,
-                    silhouette.ring[:, 1] - second_centre @ silhouette.v,
-                ).max()
-            )
-            yield RevolutionCircle(
-                silhouette.axis,
-                second_centre,
-                farthest,
-                levels.median_radius(outline, second_centre, silhouette.axis, farthest),
-            )
+        normal_circle = _circle_by_normals(outline, silhouette, point, radius)
+        if normal_circle is not None:
+            yield normal_circle
+
+
+def _circle_by_normals(
+    outline: Outline, silhouette: Silhouette, point: Floats, radius: float
+) -> RevolutionCircle | None:
+    """Returns the circle around the centre to which the surface's normals point; None if they point to none.
+    `point`, `radius`: the smallest circle."""
+    axis = silhouette.axis
+    centre = levels.revolution_centre(outline, axis, point, radius)
+    if centre is None:
+        return None
+    centre = centre - axis * float(centre @ axis)
+    farthest = float(
+        np.hypot(
+            silhouette.ring[:, 0] - centre @ silhouette.u, silhouette.ring[:, 1] - centre @ silhouette.v
+        ).max()
+    )
+    return RevolutionCircle(axis, centre, farthest, levels.median_radius(outline, centre, axis, farthest))
 
 
 def _cylinders(subject: Subject) -> Iterator[Primitive]:
     for circle in subject.revolution_circles:
         heights = subject.outline.corners @ circle.axis
         low, high = float(heights.min()), float(heights.max())
-        yield _along("cylinder", circle, circle.radius, low, high)
+        yield _solid_of_revolution("cylinder", circle, circle.radius, low, high)
         low, high = _ends(subject.outline, circle.axis, low, high)
-        yield _along("cylinder", circle, (circle.radius + circle.bulk) / 2, low, high)
+        yield _solid_of_revolution("cylinder", circle, (circle.radius + circle.median_radius) / 2, low, high)
 
 
 def _capsules(subject: Subject) -> Iterator[Primitive]:
@@ -199,8 +207,8 @@ def _capsules(subject: Subject) -> Iterator[Primitive]:
         if high - low < _MIN_CAPSULE_LENGTH * circle.radius:
             middle, half = float(heights.min() + heights.max()) / 2, _MIN_CAPSULE_LENGTH * circle.radius / 2
             low, high = middle - half, middle + half
-        yield _along("capsule", circle, circle.radius, low, high)
-        yield _along("capsule", circle, (circle.radius + circle.bulk) / 2, low, high)
+        yield _solid_of_revolution("capsule", circle, circle.radius, low, high)
+        yield _solid_of_revolution("capsule", circle, (circle.radius + circle.median_radius) / 2, low, high)
 
 
 def _spheres(subject: Subject) -> Iterator[Primitive]:
@@ -209,12 +217,12 @@ def _spheres(subject: Subject) -> Iterator[Primitive]:
     second_centre = levels.revolution_centre(subject.outline, None, centre, radius)
     for point in [centre] if second_centre is None else [centre, second_centre]:
         farthest = float(np.linalg.norm(corners - point, axis=1).max())
-        bulk = levels.median_radius(subject.outline, point, None, farthest)
+        median_radius = levels.median_radius(subject.outline, point, None, farthest)
         yield _primitive("sphere", [farthest], np.eye(3), point)
-        yield _primitive("sphere", [(farthest + bulk) / 2], np.eye(3), point)
+        yield _primitive("sphere", [(farthest + median_radius) / 2], np.eye(3), point)
 
 
-def _along(
+def _solid_of_revolution(
     kind: PrimitiveKind, circle: RevolutionCircle, radius: float, low: float, high: float
 ) -> Primitive:
     """Returns a cylinder or capsule between two heights along its axis."""

@@ -9,7 +9,7 @@ from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.measure.samples import evenly_spread
 from linkwright.stages.mesh.measure.target import SAMPLE_COUNT, Target
 from linkwright.stages.mesh.measure.tree import Indices, Numbers, Value, largest
-from linkwright.stages.mesh.measure.union import Union
+from linkwright.stages.mesh.measure.union import PieceUnion
 from linkwright.stages.mesh.surfaces.pieces import Piece
 from linkwright.stages.robot.model.geometry import Measures
 
@@ -50,7 +50,7 @@ def measure(
     shares by booleans to rounding. Distances are rounded to 1e-6 of the diagonal, shares to 1e-6.
     `protrusion`: p95 and maximum [m] of the protrusion, if they are known already.
     """
-    union = Union.of(sorted(pieces, key=_order))
+    union = PieceUnion.of(sorted(pieces, key=_order))
     if protrusion is None:
         p95, least = _protrusion(target, union)
         protrusion = p95, _farthest(target, union, least)
@@ -69,7 +69,7 @@ def near(target: Target, pieces: Sequence[Piece], tolerance: float, max_protrusi
     The answer is that of `measure`, in a third of the time, since places that are certainly near are not
     searched.
     """
-    union = Union.of(sorted(pieces, key=_order))
+    union = PieceUnion.of(sorted(pieces, key=_order))
     p95, least = _protrusion(target, union)
     if (
         p95 > tolerance
@@ -95,7 +95,7 @@ def hopeless(
     This is a quick test before `measure`; with 300 points it takes about a tenth of the time. It never
     rejects pieces that are well within the tolerance.
     """
-    union = Union.of(sorted(pieces, key=_order))
+    union = PieceUnion.of(sorted(pieces, key=_order))
     outside = _outside_union(union, target.samples.points[::_SAMPLE_STEP], tolerance)
     if (outside.value[outside.counts] > tolerance).any():
         return True
@@ -118,7 +118,7 @@ def _order(piece: Piece) -> tuple[str, bytes, bytes]:
     return piece.kind, np.array(piece.size).tobytes(), piece.link_from_shape.tobytes()
 
 
-def _protrusion(target: Target, union: Union) -> tuple[float, float]:
+def _protrusion(target: Target, union: PieceUnion) -> tuple[float, float]:
     """Returns how far [m] 95 % of the outer surface stand out at most, and the largest value of a sample."""
     samples = evenly_spread(union.tree.corners, _POINTS_ON_PIECES)
     owners, normals = union.owners[samples.triangles], union.normals[samples.triangles]
@@ -142,7 +142,7 @@ def _protrusion(target: Target, union: Union) -> tuple[float, float]:
     return _tail(bounds, distances)
 
 
-def _farthest(target: Target, union: Union, least: float) -> float:
+def _farthest(target: Target, union: PieceUnion, least: float) -> float:
     """Returns how far [m] the outer surface stands out at most; the result is `least` or more."""
 
     def value(points: Points, triangles: Indices, exact_from: Numbers) -> Value:
@@ -159,7 +159,7 @@ def _farthest(target: Target, union: Union, least: float) -> float:
 
 
 def _outer(
-    diagonal: float, union: Union, points: Points, owners: Indices, normals: Points
+    diagonal: float, union: PieceUnion, points: Points, owners: Indices, normals: Points
 ) -> tuple[Numbers, npt.NDArray[np.bool_]]:
     """Returns how deep points of the pieces `owners` are in other pieces, and whether the points are on the
     outer surface. `normals`: outward normals at the points."""
@@ -187,7 +187,7 @@ def outside_part(
     return distances, exact
 
 
-def _outer_corners(target: Target, union: Union) -> Points:
+def _outer_corners(target: Target, union: PieceUnion) -> Points:
     """Returns the corners of pieces on the outer surface, judged by points of the faces near the corners."""
     corners, owners, normals = union.corners(_MAX_TRIANGLES)
     if not len(corners):
@@ -200,7 +200,7 @@ def _outer_corners(target: Target, union: Union) -> Points:
     return np.unique(points[outer], axis=0)
 
 
-def _bareness(target: Target, union: Union) -> tuple[float, float]:
+def _bareness(target: Target, union: PieceUnion) -> tuple[float, float]:
     """Returns the p95 and the maximum [m] of how far points of the part are outside the union."""
     points = target.samples.points
     bounds = _outside_union(union, points, np.inf).value
@@ -208,7 +208,7 @@ def _bareness(target: Target, union: Union) -> tuple[float, float]:
     return p95, _barest(target, union, least)
 
 
-def _barest(target: Target, union: Union, least: float) -> float:
+def _barest(target: Target, union: PieceUnion, least: float) -> float:
     """Returns how far [m] a point of the part is outside the union at most; the result is `least` or more."""
 
     def value(points: Points, triangles: Indices, exact_from: Numbers) -> Value:
@@ -219,7 +219,7 @@ def _barest(target: Target, union: Union, least: float) -> float:
     return largest(target.tree, value, least, _allowed_error(target, least))
 
 
-def _outside_union(union: Union, points: Points, exact_from: Numbers | float) -> Value:
+def _outside_union(union: PieceUnion, points: Points, exact_from: Numbers | float) -> Value:
     """Returns how far points are outside the union."""
     depth = union.depth(points)
     distances, exact = np.zeros(len(points)), np.ones(len(points), dtype=bool)

@@ -8,7 +8,7 @@ import numpy as np
 from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.measure.samples import Samples, evenly_spread, one_per_cell
 from linkwright.stages.mesh.measure.tree import BoxTree, Nearest
-from linkwright.stages.mesh.measure.union import Union
+from linkwright.stages.mesh.measure.union import PieceUnion
 from linkwright.stages.mesh.measure.volumes import Cloud, Shares, Solid
 from linkwright.stages.mesh.surfaces.clean import clean
 from linkwright.stages.mesh.surfaces.inside import Inside
@@ -84,7 +84,7 @@ class Target:
             solid,
         )
 
-    def shares(self, union: Union) -> Shares:
+    def shares(self, union: PieceUnion) -> Shares:
         """Returns the volume of a collider outside the part, and of the part outside the collider, as shares
         of the part's volume. They are computed by boolean operations if possible, else by sampling."""
         shares = self.solid.shares(union) if self.solid else None

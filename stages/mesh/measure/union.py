@@ -1,4 +1,4 @@
-"""Tells whether points are in the union of a collider's pieces, and how far from it they are."""
+"""Tells whether points are in the union of a collider's pieces, and how far they are from it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,9 +11,13 @@ from linkwright.stages.mesh.measure.tree import BoxTree, Corners, Indices, Neare
 from linkwright.stages.mesh.surfaces.pieces import Distances, Piece, beyond_piece, signed_distance, surface_of
 from linkwright.stages.robot.model.robot import Primitive
 
+_SLACK = 0.005
+"""By how much the box of a piece is widened, as a share of its longest side: more than the polyhedron of a
+primitive lies inside the primitive."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Union:
+class PieceUnion:
     """The union of convex pieces."""
 
     tree: BoxTree
@@ -24,26 +28,27 @@ class Union:
     """Unit normal of each triangle of the tree (m, 3)."""
     pieces: tuple[Piece, ...]
     beyond: tuple[Distances, ...]
-    """Function `beyond_piece` of each piece."""
+    """For each piece, the function that `beyond_piece` returns."""
     low: Points
+    """Lowest corner of the box around each piece (k, 3) [m]."""
     high: Points
-    """Bounds of each piece (k, 3) [m]."""
+    """Highest corner of the box around each piece (k, 3) [m]."""
     hulls: Nearest | None
     """Distances from the pieces that are not primitives; None without such pieces."""
     surfaces: tuple[Surface, ...]
     """Closed surface of each piece."""
 
     @staticmethod
-    def of(pieces: Sequence[Piece]) -> "Union":
-        """Returns the union of pieces; raises ValueError without pieces."""
+    def of(pieces: Sequence[Piece]) -> "PieceUnion":
+        """Returns the union of pieces; raises ValueError if there are none."""
         if not pieces:
             msg = "a collider without pieces has no measures"
             raise ValueError(msg)
         surfaces = tuple(surface_of(piece) for piece in pieces)
-        whole = joined(surfaces)
+        joined_surface = joined(surfaces)
         owners = np.repeat(np.arange(len(surfaces)), [len(surface.triangles) for surface in surfaces])
-        tree = BoxTree.of(whole)
-        normals = unit_normals(whole)
+        tree = BoxTree.of(joined_surface)
+        normals = unit_normals(joined_surface)
         hulls = [piece for piece in pieces if isinstance(piece, Surface)]
         nearest = None
         if hulls:
@@ -52,9 +57,9 @@ class Union:
             np.array([getattr(surface.vertices, side)(axis=0) for surface in surfaces])
             for side in ("min", "max")
         )
-        # The polyhedron of a primitive lies inside the primitive in some places.
-        slack = 0.005 * (high - low).max(axis=1, keepdims=True)
-        return Union(
+        # The polyhedron of a primitive lies partly inside the primitive, so the boxes are widened.
+        slack = _SLACK * (high - low).max(axis=1, keepdims=True)
+        return PieceUnion(
             tree,
             owners[tree.faces],
             normals[tree.faces],
@@ -67,41 +72,42 @@ class Union:
         )
 
     def corners(self, max_triangles: int) -> tuple[Corners, Indices, Points]:
-        """Returns the triangles (m, 3, 3) of all pieces with at most `max_triangles`, except spheres and
-        capsules, which have no corners; and the index of the piece and the unit normal of each triangle."""
+        """Returns the triangles (m, 3, 3) of the pieces that have at most `max_triangles`, with each
+        triangle's piece index and unit normal. Spheres and capsules are left out, since they have no
+        corners."""
         piece_indices = [
-            number
-            for number, body in enumerate(self.pieces)
-            if len(self.surfaces[number].triangles) <= max_triangles
-            and not (isinstance(body, Primitive) and body.kind in ("sphere", "capsule"))
+            index
+            for index, piece in enumerate(self.pieces)
+            if len(self.surfaces[index].triangles) <= max_triangles
+            and not (isinstance(piece, Primitive) and piece.kind in ("sphere", "capsule"))
         ]
         if not piece_indices:
             return np.zeros((0, 3, 3)), np.zeros(0, dtype=np.int64), np.zeros((0, 3))
-        surfaces = [self.surfaces[number] for number in piece_indices]
+        surfaces = [self.surfaces[index] for index in piece_indices]
         owners = np.repeat(piece_indices, [len(surface.triangles) for surface in surfaces])
         chosen_surface = joined(surfaces)
         return chosen_surface.corners, owners, unit_normals(chosen_surface)
 
     def depth(self, points: Points, without: Indices | None = None) -> Numbers:
-        """Returns how deep [m] (n,) each point is in the pieces, except in the piece whose index `without`
-        has for it. The value is −inf outside the bounds of all pieces, and at most 0 outside the pieces."""
+        """Returns how deep (n,) [m] each point (n, 3) is in the pieces: at most 0 outside them, and −inf
+        outside all their boxes. `without` (n,): for each point, the index of a piece that does not count."""
         result = np.full(len(points), -np.inf)
-        for number, beyond in enumerate(self.beyond):
-            in_bounds = ((points >= self.low[number]) & (points <= self.high[number])).all(axis=1)
+        for index, beyond in enumerate(self.beyond):
+            in_box = ((points >= self.low[index]) & (points <= self.high[index])).all(axis=1)
             if without is not None:
-                in_bounds &= without != number
-            indices = np.flatnonzero(in_bounds)
-            if len(indices):
-                result[indices] = np.maximum(result[indices], -beyond(points[indices]))
+                in_box &= without != index
+            rows = np.flatnonzero(in_box)
+            if len(rows):
+                result[rows] = np.maximum(result[rows], -beyond(points[rows]))
         return result
 
     def distance(self, points: Points, exact_from: Numbers | float) -> tuple[Numbers, npt.NDArray[np.bool_]]:
-        """Returns the distance [m] of points (n, 3) outside of the union, and whether it is exact. Distances
-        of `exact_from` (n,) or more are exact; other values may be upper bounds."""
+        """Returns the distance (n,) [m] of points (n, 3) from the union, 0 inside, and whether it is exact.
+        Distances of at least `exact_from` are exact; smaller ones may be upper bounds."""
         distances, exact = np.full(len(points), np.inf), np.ones(len(points), dtype=bool)
-        for body in self.pieces:
-            if isinstance(body, Primitive):
-                distances = np.minimum(distances, signed_distance(body, points))
+        for piece in self.pieces:
+            if isinstance(piece, Primitive):
+                distances = np.minimum(distances, signed_distance(piece, points))
         if self.hulls is not None:
             hull_distances, exact = self.hulls(points, exact_from)
             exact |= distances <= 0

@@ -8,7 +8,7 @@ import numpy as np
 
 from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.measure.tree import Numbers, split
-from linkwright.stages.mesh.measure.union import Union
+from linkwright.stages.mesh.measure.union import PieceUnion
 from linkwright.stages.mesh.surfaces.booleans import body_of
 from linkwright.stages.mesh.surfaces.inside import Inside
 from linkwright.stages.robot.model.geometry import By
@@ -48,7 +48,7 @@ class Solid:
         volume = float(body.volume())
         return Solid(body, volume) if volume > 0 else None
 
-    def shares(self, union: Union) -> Shares | None:
+    def shares(self, union: PieceUnion) -> Shares | None:
         """Computes the shares by boolean operations; None if a piece is not manifold."""
         pieces = [body_of(surface) for surface in union.surfaces]
         if any(piece is None for piece in pieces):
@@ -79,7 +79,7 @@ class Cloud:
         within = np.concatenate([inside(points[some]) for some in split(np.arange(_POINT_COUNT), 1 << 13)])
         return Cloud(points, within, low, high)
 
-    def shares(self, union: Union) -> Shares:
+    def shares(self, union: PieceUnion) -> Shares:
         """Computes the shares by counting points, exact to about 1 % of the box around the part. For a part
         without an inside, `extra` is None, and nothing is missing."""
         covered = union.depth(self.points) > 0
@@ -94,7 +94,7 @@ class Cloud:
             extra / part_volume, float((self.within & ~covered).sum()) * per_point / part_volume, "sampling"
         )
 
-    def _volume_beyond_box(self, union: Union) -> float:
+    def _volume_beyond_box(self, union: PieceUnion) -> float:
         """Returns the volume [m³] of the union outside the part's box."""
         low, high = union.low.min(axis=0), union.high.max(axis=0)
         low, high = np.minimum(low, self.low), np.maximum(high, self.high)

@@ -22,8 +22,8 @@ _MAX_ATTEMPTS = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Drawn:
-    """A part that is drawn."""
+class DrawnPart:
+    """A part that the visual mesh of its link shows."""
 
     index: int
     """Index among the parts of the link."""
@@ -44,29 +44,31 @@ class LinkVisuals:
     """None if no mesh was decimated."""
 
 
-def visuals(
-    drawn_parts: Sequence[Drawn],
+def make_visuals(
+    drawn_parts: Sequence[DrawnPart],
     meshes: Mapping[MeshRef, PartMesh],
-    keys: "VisualSection",
+    section: "VisualSection",
     decimator: Decimator,
 ) -> LinkVisuals:
-    """Makes the visual meshes, for each colour, or for each part and colour. Together they have at most
-    `max_faces` triangles, or the fewest that the bound of the error allows."""
-    allowed = max_faces = keys.max_faces
+    """Makes a visual mesh for each colour, or for each part and colour. Together they have at most
+    `max_faces` triangles, or as few as the error bound allows."""
+    allowed = max_faces = section.max_faces
+    is_by_part = section.merge == "part"
+    groups = [[part] for part in drawn_parts] if is_by_part else [drawn_parts] if drawn_parts else []
     for _ in range(_MAX_ATTEMPTS):
         fitted, decimation = decimator.fitted([part.mesh for part in drawn_parts], meshes, allowed)
-        groups = [[part] for part in drawn_parts] if keys.merge == "part" else [drawn_parts]
-        files = [(group[0].index, file) for group in groups if group for file in _files(group, fitted)]
+        files = [(group[0].index, file) for group in groups for file in _files(group, fitted)]
         faces = sum(file.faces for _, file in files)
-        # A flat surface gets a back, so that files may have more triangles than their parts.
+        # A flat surface gets a back, so the files may have more triangles than the parts.
         if faces <= max_faces or (decimation is not None and decimation.limited):
             break
         allowed = max(0, allowed - (faces - max_faces))
-    owners = tuple(index for index, _ in files) if keys.merge == "part" else ()
+    owners = tuple(index for index, _ in files) if is_by_part else ()
     return LinkVisuals(tuple(file for _, file in files), owners, decimation)
 
 
-def _files(drawn_parts: Sequence[Drawn], meshes: Mapping[MeshRef, PartMesh]) -> tuple[MeshFile, ...]:
+def _files(drawn_parts: Sequence[DrawnPart], meshes: Mapping[MeshRef, PartMesh]) -> tuple[MeshFile, ...]:
+    """Returns the mesh files of parts, sorted by colour and texture."""
     moved_surfaces = [
         (moved(mesh.surface, part.link_from_part), mesh)
         for part in drawn_parts
@@ -74,28 +76,28 @@ def _files(drawn_parts: Sequence[Drawn], meshes: Mapping[MeshRef, PartMesh]) -> 
     ]
     return tuple(
         file
-        for (colour, texture), surface in _by_coloured_image(moved_surfaces)
+        for (colour, texture), surface in _surfaces_by_paint(moved_surfaces)
         for file in mesh_file.visuals(surface, colour, texture)
     )
 
 
-def _by_coloured_image(
+def _surfaces_by_paint(
     moved_surfaces: Sequence[tuple[Surface, PartMesh]],
 ) -> list[tuple[tuple[Colour, str], Surface]]:
-    """Returns the triangles of all parts, joined to a surface for each colour and texture, sorted by
-    these."""
+    """Returns a surface for each colour and texture, with the triangles of all parts that have them, sorted
+    by colour and texture."""
     if not moved_surfaces:
         return []
     paints = sorted({paint for _, mesh in moved_surfaces for paint in mesh.paints})
     rank = {paint: index for index, paint in enumerate(paints)}
-    whole = joined([surface for surface, _ in moved_surfaces])
+    all_triangles = joined([surface for surface, _ in moved_surfaces])
     ranks = np.concatenate(
         [np.array([rank[paint] for paint in mesh.paints])[mesh.colours] for _, mesh in moved_surfaces]
     )
     order = np.argsort(ranks, kind="stable")
     bounds = np.searchsorted(ranks[order], np.arange(len(paints) + 1))
     return [
-        (paint, chosen(whole, order[begin:end]))
+        (paint, chosen(all_triangles, order[begin:end]))
         for paint, begin, end in zip(paints, bounds, bounds[1:], strict=False)
         if end > begin
     ]

@@ -7,7 +7,7 @@ import mujoco
 
 from linkwright.stages.mujoco.names import actuator_count, controls_of
 from linkwright.stages.show.live.compiled import LiveModel
-from linkwright.stages.show.live.rounding import rounded, vector
+from linkwright.stages.show.live.rounding import rounded, rounded_list
 
 _JOINT_TRANSMISSIONS = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
 _SCALAR_JOINTS = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
@@ -47,7 +47,7 @@ def _entries(live: LiveModel, index: int, joints: list[dict[str, Any]]) -> Itera
             "name": name if len(inputs) == 1 else f"{name} {_WORDS.get(word, str(input_index))}",
             "kind": kind,
             "joint": joint,
-            "range": vector(model.actuator_ctrlrange[ctrl]) if limited else None,
+            "range": rounded_list(model.actuator_ctrlrange[ctrl]) if limited else None,
             "unit": _unit(kind, word, unit),
             "target": None if joint is None or input_index else _target(model, index, word),
         }

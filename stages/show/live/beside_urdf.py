@@ -8,7 +8,7 @@ import numpy as np
 
 from linkwright.stages.robot.model.robot import Array, Loop, Robot
 from linkwright.stages.robot.motion.start_pose import keyframes as named_poses
-from linkwright.stages.show.live.rounding import rounded, vector
+from linkwright.stages.show.live.rounding import rounded, rounded_list
 
 _POINTS = {"revolute": (0.0, 1.0), "ball": (0.0,)}
 """Type of loop → the points on its axis that stay together, as multiples of the lever from the origin."""
@@ -77,7 +77,8 @@ def _moved(frame: Array, shift: Array) -> Array:
 
 def _entry(name: str, kind: str, bodies: list[int], frames: tuple[Array, ...]) -> dict[str, Any]:
     first, second = (
-        {"pos": vector(frame[:3, 3]), "quat": vector(_quaternion(frame[:3, :3]))} for frame in frames
+        {"pos": rounded_list(frame[:3, 3]), "quat": rounded_list(_quaternion(frame[:3, :3]))}
+        for frame in frames
     )
     return {"name": name, "type": kind, "bodies": bodies, "a_from": first, "b_from": second}
 

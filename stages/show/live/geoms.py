@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from linkwright.stages.show.live.compiled import LiveModel
-from linkwright.stages.show.live.rounding import vector
+from linkwright.stages.show.live.rounding import rounded_list
 
 _GEOM = mujoco.mjtObj.mjOBJ_GEOM
 _TYPES = {
@@ -68,9 +68,9 @@ def _entry(live: LiveModel, index: int, role: str) -> dict[str, Any]:
         "body": int(model.geom_bodyid[index]),
         "role": role,
         "type": _TYPES[mujoco.mjtGeom(int(model.geom_type[index]))],
-        "size": vector(model.geom_size[index]),
-        "pos": vector(model.geom_pos[index]),
-        "quat": vector(model.geom_quat[index]),
+        "size": rounded_list(model.geom_size[index]),
+        "pos": rounded_list(model.geom_pos[index]),
+        "quat": rounded_list(model.geom_quat[index]),
         "rgba": _colour(model, index),
         "mesh": None,
         "name": live.name(_GEOM, index),

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from linkwright.stages.show.live.compiled import LiveModel
-from linkwright.stages.show.live.rounding import rounded, vector
+from linkwright.stages.show.live.rounding import rounded, rounded_list
 
 _BODY, _JOINT, _SITE = mujoco.mjtObj.mjOBJ_BODY, mujoco.mjtObj.mjOBJ_JOINT, mujoco.mjtObj.mjOBJ_SITE
 _TYPES = {
@@ -29,13 +29,13 @@ def bodies(live: LiveModel, links: dict[str, int]) -> list[dict[str, Any]]:
             {
                 "name": name,
                 "parent": int(model.body_parentid[index]),
-                "pos": vector(model.body_pos[index]),
-                "quat": vector(model.body_quat[index]),
+                "pos": rounded_list(model.body_pos[index]),
+                "quat": rounded_list(model.body_quat[index]),
                 "mass": rounded(model.body_mass[index]),
-                "com": vector(model.body_ipos[index]),
+                "com": rounded_list(model.body_ipos[index]),
                 "inertia": {
-                    "quat": vector(model.body_iquat[index]),
-                    "diagonal": vector(model.body_inertia[index]),
+                    "quat": rounded_list(model.body_iquat[index]),
+                    "diagonal": rounded_list(model.body_inertia[index]),
                 },
                 "link": links.get(name) if index else None,
             }
@@ -58,9 +58,9 @@ def joints(live: LiveModel) -> list[dict[str, Any]]:
                 "name": name,
                 "body": body,
                 "type": kind,
-                "pos": vector(model.jnt_pos[index]),
-                "axis": vector(model.jnt_axis[index]),
-                "range": vector(model.jnt_range[index]) if model.jnt_limited[index] else None,
+                "pos": rounded_list(model.jnt_pos[index]),
+                "axis": rounded_list(model.jnt_axis[index]),
+                "range": rounded_list(model.jnt_range[index]) if model.jnt_limited[index] else None,
                 "qpos": qpos,
                 "dof": int(model.jnt_dofadr[index]),
                 "ref": rounded(model.qpos0[qpos]) if kind in _UNITS else 0.0,
@@ -79,7 +79,7 @@ def relations(live: LiveModel) -> list[dict[str, Any]]:
         {
             "follower": int(model.eq_obj1id[index]),
             "driver": int(model.eq_obj2id[index]) if model.eq_obj2id[index] >= 0 else None,
-            "polynomial": vector(model.eq_data[index, :5]),
+            "polynomial": rounded_list(model.eq_data[index, :5]),
         }
         for index in _active(model)
         if model.eq_type[index] == mujoco.mjtEq.mjEQ_JOINT
@@ -126,8 +126,8 @@ def _loop(live: LiveModel, index: int) -> dict[str, Any]:
         "name": live.name(mujoco.mjtObj.mjOBJ_EQUALITY, index),
         "type": kind,
         "bodies": bodies,
-        "a_from": {"pos": vector(frames[0][0]), "quat": vector(frames[0][1])},
-        "b_from": {"pos": vector(frames[1][0]), "quat": vector(frames[1][1])},
+        "a_from": {"pos": rounded_list(frames[0][0]), "quat": rounded_list(frames[0][1])},
+        "b_from": {"pos": rounded_list(frames[1][0]), "quat": rounded_list(frames[1][1])},
     }
 
 
@@ -146,9 +146,9 @@ def keyframes(live: LiveModel) -> list[dict[str, Any]]:
     entries = [
         {
             "name": live.name(mujoco.mjtObj.mjOBJ_KEY, index) or f"keyframe {index}",
-            "qpos": vector(model.key_qpos[index]),
-            "ctrl": vector(model.key_ctrl[index]),
-            "act": vector(model.key_act[index]),
+            "qpos": rounded_list(model.key_qpos[index]),
+            "ctrl": rounded_list(model.key_ctrl[index]),
+            "act": rounded_list(model.key_act[index]),
         }
         for index in range(model.nkey)
     ]
@@ -162,8 +162,8 @@ def frames(live: LiveModel) -> list[dict[str, Any]]:
         {
             "name": live.name(_SITE, index) or f"site {index}",
             "body": int(model.site_bodyid[index]),
-            "pos": vector(model.site_pos[index]),
-            "quat": vector(model.site_quat[index]),
+            "pos": rounded_list(model.site_pos[index]),
+            "quat": rounded_list(model.site_quat[index]),
         }
         for index in range(model.nsite)
     ]

@@ -1,4 +1,4 @@
-"""Rounds the numbers of the pack: short in JSON, and exact enough for kinematics to 1e-9."""
+"""Rounds the numbers of a pack: few digits in JSON, but enough for kinematics that are exact to 1e-9."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -8,16 +8,19 @@ import numpy.typing as npt
 
 from linkwright.stages.robot.errors import ExportError
 
-_DIGITS = 12
+_SIGNIFICANT_DIGITS = 12
 
 
 def rounded(value: float) -> float:
-    """Rounds a number to 12 digits, without a negative zero. Raises ExportError if it is not finite."""
+    """Rounds a number to 12 significant digits, without a negative zero. Raises ExportError if it is not
+    finite."""
     if not np.isfinite(value):
-        raise ExportError(f"the compiled model has the number {value}", "report.html", "")
-    return float(f"{float(value):.{_DIGITS}g}") + 0.0
+        raise ExportError(
+            f"the compiled model has the number {value}, which cannot be shown", "report.html", ""
+        )
+    return float(f"{float(value):.{_SIGNIFICANT_DIGITS}g}") + 0.0
 
 
-def vector(values: Iterable[Any] | npt.NDArray[Any]) -> list[float]:
-    """Returns the rounded numbers of an array as a list for the header."""
+def rounded_list(values: Iterable[Any] | npt.NDArray[Any]) -> list[float]:
+    """Returns the rounded numbers of an array as a flat list, for the header."""
     return [rounded(float(value)) for value in np.asarray(values, dtype=np.float64).ravel()]

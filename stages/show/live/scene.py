@@ -14,7 +14,7 @@ from linkwright.stages.show.live.links import links
 from linkwright.stages.show.live.mechanism import bodies, frames, joints, keyframes, loops, relations
 from linkwright.stages.show.live.meshes import stored_meshes
 from linkwright.stages.show.live.pack import VERSION, Buffers, packed
-from linkwright.stages.show.live.rounding import rounded, vector
+from linkwright.stages.show.live.rounding import rounded, rounded_list
 
 _VIEW = 140.0, -20.0
 """Azimuth and elevation [degrees] of the view of a robot without a scene."""
@@ -60,11 +60,11 @@ def _head(live: LiveModel, robot: Robot, link_entries: list[dict[str, Any]]) -> 
         "relations": relations(live),
         "loops": loops(live),
         "keyframes": keyframes(live),
-        "qpos0": vector(live.model.qpos0),
+        "qpos0": rounded_list(live.model.qpos0),
         "activations": int(live.model.na),
         "actuators": actuators(live, moving),
         "frames": frames(live),
-        "gravity": vector(live.model.opt.gravity),
+        "gravity": rounded_list(live.model.opt.gravity),
         "timestep": rounded(live.model.opt.timestep),
         "camera": _camera(live),
         "links": link_entries,
@@ -93,7 +93,7 @@ def _camera(live: LiveModel) -> dict[str, Any]:
     view = live.model.vis.global_
     azimuth, elevation = _VIEW if live.document is None else (view.azimuth, view.elevation)
     return {
-        "center": vector(live.model.stat.center),
+        "center": rounded_list(live.model.stat.center),
         "extent": rounded(live.model.stat.extent),
         "azimuth": rounded(azimuth),
         "elevation": rounded(elevation),

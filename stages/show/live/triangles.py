@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from linkwright.stages.show.live.pack import Buffers
-from linkwright.stages.show.live.rounding import vector
+from linkwright.stages.show.live.rounding import rounded_list
 
 STEPS = 65_535
 """Number of steps of a coordinate, which is stored in 16 bits."""
@@ -77,8 +77,8 @@ def stored(facets: Facets, buffers: Buffers) -> dict[str, Any]:
     """Stores a mesh and returns its entry in the header. Positions are multiples of a step from an origin;
     equal points are merged, and triangles without three different points are dropped."""
     points = facets.points if len(facets.points) else np.zeros((1, 3))
-    origin = np.array(vector(points.min(axis=0)))
-    step = np.array(vector(np.ptp(points, axis=0) / STEPS))
+    origin = np.array(rounded_list(points.min(axis=0)))
+    step = np.array(rounded_list(np.ptp(points, axis=0) / STEPS))
     scaled = (points - origin) / np.where(step > 0.0, step, 1.0)
     steps = np.clip(np.rint(scaled), 0, STEPS).astype(np.uint16)
     places, corners = _welded(steps, facets.corners)

@@ -12,19 +12,23 @@ MAX_REACHES = 30.0
 MIN_SIZE = 2.0
 """Size [m] below which a mesh is never taken to be in millimetres."""
 
+_MIN_REACH = 1e-3
+"""Reach [m] below which a robot's size says nothing about its meshes."""
+
 
 def check(bodies: Sequence[WeighedBody]) -> Iterator[Coded]:
-    """Yields each mesh whose unit was mixed up, once."""
-    robot = reach(bodies)
+    """Yields a finding for each mesh that is probably in millimetres, once."""
+    robot_reach = reach(bodies)
     reported: set[str] = set()
     for body in bodies:
         for shape in body.shapes:
-            if _is_huge(shape, robot) and shape.element not in reported:
+            if _is_huge(shape, robot_reach) and shape.element not in reported:
                 reported.add(shape.element)
                 message = f'{shape.extent:.3g} m wide, on "{body.name}" of a robot whose joints span '
-                message += f"{robot:.2g} m: is it in millimetres? (scale 0.001 0.001 0.001)"
+                message += f"{robot_reach:.2g} m: is it in millimetres? (scale 0.001 0.001 0.001)"
                 yield "C-UNITS", Finding(shape.element, shape.attribute, message)
 
 
-def _is_huge(shape: ShapeFigures, robot: float) -> bool:
-    return shape.mesh and robot >= 1e-3 and shape.extent >= max(MAX_REACHES * robot, MIN_SIZE)
+def _is_huge(shape: ShapeFigures, robot_reach: float) -> bool:
+    min_extent = max(MAX_REACHES * robot_reach, MIN_SIZE)
+    return shape.mesh and robot_reach >= _MIN_REACH and shape.extent >= min_extent

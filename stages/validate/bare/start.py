@@ -14,7 +14,7 @@ from linkwright.stages.formats.xml import parse, to_bytes
 from linkwright.stages.mujoco.compile import NotCompiled, compiled_with_warnings, spec_of_mjcf, spec_of_text
 from linkwright.stages.mujoco.state import at_keyframe
 from linkwright.stages.mujoco.trial import trial_run
-from linkwright.stages.mujoco.urdf import with_every_link
+from linkwright.stages.mujoco.urdf import keep_all_links
 from linkwright.stages.mujoco.warnings import collected_warnings
 from linkwright.stages.robot.check import Check, CheckLevel, Finding
 from linkwright.stages.robot.model.robot import Array
@@ -109,7 +109,7 @@ def _of_urdf(document: ModelDocument) -> Any:
         path = paths.get(name)
         return str(path.resolve()) if path is not None and is_file(path) and _is_read(path) else None
 
-    with_every_link(root, place_of, visuals=False)
+    keep_all_links(root, place_of, visuals=False)
     return spec_of_text(to_bytes(root), document.path.resolve().parent)
 
 

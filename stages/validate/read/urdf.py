@@ -12,7 +12,7 @@ from linkwright.stages.robot.check import Finding
 from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import Configuration, Loop
 from linkwright.stages.validate.compiled import CompiledModel
-from linkwright.stages.validate.dynamics.mujoco_abilities import axes_error, mimics, reads_mimic
+from linkwright.stages.validate.dynamics.mujoco_features import axes_error, mimics, reads_mimic
 from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.model.coordinates import joints_of, link_pose, pose_of
 from linkwright.stages.validate.read.mjcf import joint_mimics, joint_type_name

@@ -14,7 +14,7 @@ from linkwright.stages.export.writers import WRITERS
 from linkwright.stages.formats.xml import parse
 from linkwright.stages.robot.motion.kinematics import saved_configuration
 from linkwright.stages.robot.motion.start_pose import starting_point
-from linkwright.stages.validate.dynamics.mujoco_abilities import reads_mimic
+from linkwright.stages.validate.dynamics.mujoco_features import reads_mimic
 from tests.fake_onshape.frames import frame, turn
 from tests.support.building import NO_MESHES, plan_of, robot_of, write
 from tests.support.engines import Mujoco, Pinocchio

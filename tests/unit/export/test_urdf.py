@@ -18,7 +18,7 @@ from linkwright.stages.robot.dynamics.inertia import primitive_volume
 from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.robot.model.robot import Dynamics, Frame, Limits, Primitive, Relation, frozen
 from linkwright.stages.robot.motion.kinematics import link_poses
-from linkwright.stages.validate.dynamics.mujoco_abilities import reads_mimic
+from linkwright.stages.validate.dynamics.mujoco_features import reads_mimic
 from tests.support.pinocchio import pin
 from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_around, robot_with, some_values
 

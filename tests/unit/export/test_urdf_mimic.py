@@ -16,7 +16,7 @@ from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.robot.motion.loop_lines import linear_couplings
 from linkwright.stages.robot.motion.loops import gap
 from linkwright.stages.robot.motion.start_pose import home
-from linkwright.stages.validate.dynamics.mujoco_abilities import reads_mimic
+from linkwright.stages.validate.dynamics.mujoco_features import reads_mimic
 from tests.fake_onshape.frames import frame
 from tests.support.building import plan_of, robot_of, sample_robot, write
 from tests.support.checked import checked

@@ -18,7 +18,7 @@ from linkwright.stages.mesh.surfaces.neighbours import neighbours
 from linkwright.stages.mesh.visuals import budget
 from linkwright.stages.mesh.visuals.budget import MIN_BOUND, Decimator, bound
 from linkwright.stages.mesh.visuals.error import farthest, hausdorff_bound
-from linkwright.stages.mesh.visuals.make import Drawn, visuals
+from linkwright.stages.mesh.visuals.make import DrawnPart, make_visuals
 from linkwright.stages.mesh.visuals.walk import WalkedSurface
 from linkwright.stages.robot.model.robot import MeshRef
 from linkwright.stages.show.decimate import SNAP, Simplifiable, lowest
@@ -247,7 +247,9 @@ def test_part_within_the_budget_imports_no_library_that_decimates_or_collides():
 
 def test_flat_colours_count_with_their_backs():
     mesh = part(sheet(30, 0.1, np.zeros_like))
-    made = visuals([Drawn(0, FIRST, np.eye(4))], {FIRST: mesh}, VisualSection(max_faces=1800), Decimator())
+    made = make_visuals(
+        [DrawnPart(0, FIRST, np.eye(4))], {FIRST: mesh}, VisualSection(max_faces=1800), Decimator()
+    )
     assert sum(file.faces for file in made.files) <= 1800
     assert made.decimation is not None
 
@@ -278,9 +280,9 @@ def test_any_lump_fits_its_number_or_its_bound_whatever_the_order(seed, most):
 
 
 def test_mirrored_part_is_the_mirror_image_of_the_other():
-    drawn = [Drawn(0, FIRST, np.eye(4)), Drawn(1, FIRST, np.diag([-1.0, 1.0, 1.0, 1.0]))]
+    drawn = [DrawnPart(0, FIRST, np.eye(4)), DrawnPart(1, FIRST, np.diag([-1.0, 1.0, 1.0, 1.0]))]
     keys = VisualSection(max_faces=4000, merge="part")
-    made = visuals(drawn, {FIRST: part(ball(4), 0.0)}, keys, Decimator())
+    made = make_visuals(drawn, {FIRST: part(ball(4), 0.0)}, keys, Decimator())
     assert made.owners == (0, 0, 1, 1)
     assert made.decimation.after <= 4000
 

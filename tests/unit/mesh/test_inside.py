@@ -107,10 +107,10 @@ def test_plate_and_nothing_have_no_inside():
         assert not Inside.of(surface)(np.random.default_rng(2).uniform(0, 1, (50, 3))).any()
 
 
-def test_times_around_points_is_the_winding_number():
+def test_closed_winding_is_the_winding_number():
     shifted = SHAPES["box"].copy().apply_translation((0.4, 0, 0))
     surface = joined(of_mesh(SHAPES["box"]), of_mesh(shifted), BALL.flipped())
     points = points_in(surface, 400)
     expected = np.rint(winding(surface, points)).astype(int).tolist()
-    assert Inside.of(surface).times_around(points).tolist() == expected
+    assert Inside.of(surface).closed_winding(points).tolist() == expected
     assert set(expected) == {-1, 0, 1, 2}

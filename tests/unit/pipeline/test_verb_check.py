@@ -111,7 +111,7 @@ def test_a_file_that_is_gone_is_missed(folder, output):
     (folder / "scene.xml").unlink()
     out = output(3, folder)
     assert "FAILED C-PRESENT robot.json: files: missing: robot.sdf, scene.xml (2, at most 0)" in out
-    assert '    file "scene.xml": robot.json lists this file, and it is not there' in out
+    assert '    file "scene.xml": robot.json lists this file, but it does not exist' in out
     assert f"    → {remedy('C-PRESENT')}" in out
 
 

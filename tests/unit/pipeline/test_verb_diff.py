@@ -223,7 +223,7 @@ def test_of_folders_the_text_says_that_only_robot_json_is_compared(folder, robot
     file = str(saved(robot, tmp_path / "one.json"))
     for places, shown in (((folder, folder), True), ((folder, file), True), ((file, file), False)):
         run(["diff", *map(str, places)])
-        assert ("of a folder only its robot.json is compared" in capsys.readouterr().out) == shown
+        assert ("only robot.json of a folder is compared" in capsys.readouterr().out) == shown
     run(["diff", "--json", str(folder), str(folder)])
     assert "only" not in json.loads(capsys.readouterr().out)
 

@@ -11,7 +11,7 @@ from linkwright.stages.robot.check import Check
 from linkwright.stages.validate.bare import start
 from linkwright.stages.validate.bare.mjcf_figures import figures
 from linkwright.stages.validate.bare.run import check_bare
-from linkwright.stages.validate.dynamics.mujoco_abilities import reads_mimic
+from linkwright.stages.validate.dynamics.mujoco_features import reads_mimic
 from tests.support.building import plan_of, write
 from tests.support.checked import checked
 from tests.support.faults.arm import URDF, box_stl, problems, replace_last, write_arm

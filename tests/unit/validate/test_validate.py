@@ -16,7 +16,7 @@ from linkwright.stages.robot.model.robot import Frame, Limits, Relation, Robot
 from linkwright.stages.robot.motion.kinematics import chain, link_poses, saved_configuration
 from linkwright.stages.validate import validate
 from linkwright.stages.validate.checks import MODEL_CHECKS
-from linkwright.stages.validate.dynamics import mujoco_abilities as ability
+from linkwright.stages.validate.dynamics import mujoco_features as ability
 from tests.fake_onshape.document import Occurrence
 from tests.fake_onshape.frames import turn
 from tests.support import robots

@@ -1,6 +1,6 @@
-"""Cleans a DAE: removes images, cameras, lights, and incomplete materials, which are not used here.
+"""Cleans a DAE: removes images, cameras, lights, animations and incomplete materials.
 
-Otherwise the library silently drops every shape with a material that it cannot resolve completely.
+None of these is used here, and trimesh silently drops each shape whose material it cannot resolve completely.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from linkwright.stages.formats import xml
 from linkwright.stages.formats.xml import Element
 
 _WHITE = "1 1 1 1"
+"""Red, green, blue and opacity, as a DAE writes them."""
 
 
 def cleaned(data: bytes) -> bytes:
@@ -25,7 +26,7 @@ def cleaned(data: bytes) -> bytes:
 
 
 def _without_image(texture: Element) -> None:
-    """Replaces an image that gives a colour with white; removes other uses of images."""
+    """Replaces the image of a diffuse colour by white; removes each other use of an image."""
     channel = texture.getparent()
     namespace, _, name = str(channel.tag).rpartition("}")
     if name == "diffuse":

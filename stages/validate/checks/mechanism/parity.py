@@ -24,7 +24,7 @@ from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.dynamics.in_mujoco import in_mujoco
 from linkwright.stages.validate.dynamics.in_pinocchio import in_pinocchio, installed
 from linkwright.stages.validate.dynamics.mass_probes import own_sizes, probes
-from linkwright.stages.validate.dynamics.mujoco_abilities import axes_error
+from linkwright.stages.validate.dynamics.mujoco_features import axes_error
 from linkwright.stages.validate.dynamics.random_poses import samples
 from linkwright.stages.validate.dynamics.tree_dynamics import Moving, PosedRobot, scalar_dofs
 from linkwright.stages.validate.findings import link, named, shown, worst_first

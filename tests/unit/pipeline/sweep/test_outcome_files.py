@@ -13,10 +13,10 @@ from linkwright.pipeline.cli import run
 from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.report import Report
 from linkwright.pipeline.sweep import outcome_files
-from linkwright.pipeline.sweep.folder import keep
-from linkwright.pipeline.sweep.fresh import kept_fresh
+from linkwright.pipeline.sweep.folder import write_summaries
 from linkwright.pipeline.sweep.outcome import sweep_status
 from linkwright.pipeline.sweep.outcome_files import begin, outcomes_of
+from linkwright.pipeline.sweep.summary_updates import updating_summary
 from linkwright.stages.robot.errors import MeshError
 from tests.support.processes import python
 
@@ -82,7 +82,7 @@ def test_after_a_kill_of_the_sweep_each_job_has_its_own_outcome(tmp_path):
     killed = (1, "failed", "was killed before its end")
     assert rows(root) == [(0, "built", "valid"), killed, (2, "missing", "missing")]
     assert sweep_status(outcomes_of(root)) == 1
-    keep(outcomes_of(root), root)
+    write_summaries(outcomes_of(root), root)
     assert "killed" in (root / "summary.csv").read_text()
     # What a killed sweep left is in the way of none.
     assert run(SWEEP, building) == 1
@@ -96,11 +96,11 @@ def test_a_job_that_runs_elsewhere_is_running_and_one_that_ran_again_has_its_new
         patch.setattr(outcome_files.socket, "gethostname", lambda: "another-host")
         begin(job_folder(root, "auto"))
     assert states(root) == ["running", "built", "failed"]
-    keep(outcomes_of(root), root)
+    write_summaries(outcomes_of(root), root)
     failed = list(outcomes_of(root))[2]
     assert failed.folder == str(job_folder(root, "free"))
     outcome_files.leave(replace(failed, status=0, message="valid"), root / Path(failed.folder).name)
-    keep(outcomes_of(root), root)
+    write_summaries(outcomes_of(root), root)
     assert states(root) == ["running", "built", "built"]
 
 
@@ -133,7 +133,7 @@ def test_the_summary_is_written_while_jobs_run(monkeypatch):
 
     outcome_files_changed = threading.Event()
     monkeypatch.setattr(
-        "linkwright.pipeline.sweep.command.kept_fresh", lambda root: kept_fresh(root, pause=0.05)
+        "linkwright.pipeline.sweep.command.updating_summary", lambda root: updating_summary(root, pause=0.05)
     )
     run(SWEEP, build)
     counts = [text[: text.index(" of 3 jobs built and valid")][-1] for text in pages]

@@ -21,7 +21,7 @@ from linkwright.pipeline.output.folder import Output
 from linkwright.pipeline.output.manifest import ours
 from linkwright.pipeline.report import Report
 from linkwright.pipeline.show.live import ENGINE_FILE
-from linkwright.pipeline.sweep.folder import keep, prepare
+from linkwright.pipeline.sweep.folder import prepare, write_summaries
 from linkwright.pipeline.sweep.run import Job
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.errors import AssemblyError, ConfigError, Diagnostic, MeshError
@@ -407,7 +407,7 @@ def test_the_engine_that_the_pages_share_is_the_sweeps_own(tmp_path, monkeypatch
     monkeypatch.setattr("linkwright.pipeline.sweep.folder.engine_file", lambda: b"engine")
     plan = Plan.parse({"name": "arm", "source": {"kind": "sample"}, "output": str(tmp_path / "one" / "job")})
     prepare(tmp_path / "one", [Job(0, "mesh=hull", plan)], ["mesh=hull,coacd"])
-    keep([], tmp_path / "one")
+    write_summaries([], tmp_path / "one")
     assert (tmp_path / "one" / ENGINE_FILE).read_bytes() == b"engine"
     assert ENGINE_FILE in ours(tmp_path / "one")
     prepare(tmp_path / "one", [Job(0, "mesh=hull", plan)], ["mesh=hull,coacd"])  # nothing is in the way

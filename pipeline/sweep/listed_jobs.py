@@ -124,7 +124,7 @@ def fetch(jobs: JobList, say: Callable[[str], None]) -> tuple[JobList, list[str]
     """Fetches the sources of a list once; returns the list with the state that its jobs build, and a message
     for each reason why configurations cannot be fetched."""
     fetching = Fetching(composed(jobs, jobs.sources))
-    fetching.look()
+    fetching.ask_servers()
     say(fetching.line(len(jobs.jobs)))
     pins = {job.number: job.pin for job in fetching.fetch(say)}
     pinned = [job if job.source is None else replace(job, pin=pins[job.source]) for job in jobs.jobs]
@@ -169,4 +169,4 @@ def summarise(jobs: JobList, results: Sequence[Outcome]) -> None:
     if not folder.is_recorded(root, folders):
         missing = [planned(job.number, job.label, job.overrides, job.folder) for job in jobs.jobs]
         folder.record(root, missing, jobs.overrides)
-    folder.keep(results, root)
+    folder.write_summaries(results, root)

@@ -1,4 +1,4 @@
-"""Tests which features the installed MuJoCo has, since versions differ."""
+"""Tests what the installed MuJoCo does, since versions differ."""
 
 import functools
 import itertools
@@ -21,6 +21,13 @@ _PROBES = [
 ]
 """Tensors for the measurement: principal moments, and the quaternion (not normalised) of their axes."""
 
+_PROBE_MARGIN = 16
+"""Factor on the largest error of the probes. The worst of thousands of tensors had four times the error of
+these few; another factor of four is a margin."""
+
+_ROUNDING = 1e-12
+"""Relative error of a tensor that rounding alone may cause."""
+
 _SOLID = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
 _MIMIC = f"""<robot name="r"><link name="a"/><link name="b">{_SOLID}</link><link name="c">{_SOLID}</link>
 <joint name="p" type="continuous"><parent link="a"/><child link="b"/></joint>
@@ -28,11 +35,11 @@ _MIMIC = f"""<robot name="r"><link name="a"/><link name="b">{_SOLID}</link><link
 
 
 def axes_error(size: float) -> float:
-    """Returns the relative error that MuJoCo's search for the principal axes causes in a tensor whose largest
-    entry is `size` [kg m²]; 0 if it is only rounding.
+    """Returns the relative error of an inertia tensor after MuJoCo's search for its principal axes; 0 if it
+    is only rounding. `size`: the largest entry of the tensor [kg m²].
 
-    Up to 3.13 MuJoCo stops at 1e-6 rad and at 1e-12 kg m². It searches the axes of URDFs, which have whole
-    tensors, and not those of written MJCFs, which have the axes.
+    Up to 3.13, MuJoCo stops the search at 1e-6 rad and at 1e-12 kg m². It searches only in a URDF, which
+    gives the tensor; the MJCFs that are written here give the axes.
     """
     return _largest_error(math.floor(math.log10(size)))
 
@@ -40,17 +47,17 @@ def axes_error(size: float) -> float:
 @functools.cache
 def _largest_error(exponent: int) -> float:
     worst = max(_error(moments * 10.0**exponent, quat) for moments, quat in _PROBES)
-    # There are only a few probes: the worst of thousands of tensors had four times their error.
-    return 16 * worst if worst > 1e-12 else 0.0
+    return _PROBE_MARGIN * worst if worst > _ROUNDING else 0.0
 
 
 def _error(moments: Array, quat: Array) -> float:
+    """Returns the relative error of a tensor that MuJoCo splits into principal moments and axes."""
     turn = rotation(quat / np.linalg.norm(quat))
     tensor = turn @ np.diag(moments) @ turn.T
-    moments_found, vectors, axes = np.empty(3), np.empty(9), np.empty(4)
-    mujoco.mju_eig3(moments_found, vectors, axes, tensor.ravel())
+    actual_moments, vectors, axes = np.empty(3), np.empty(9), np.empty(4)
+    mujoco.mju_eig3(actual_moments, vectors, axes, tensor.ravel())
     turn = rotation(axes)
-    return float(np.abs(turn @ np.diag(moments_found) @ turn.T - tensor).max() / np.abs(tensor).max())
+    return float(np.abs(turn @ np.diag(actual_moments) @ turn.T - tensor).max() / np.abs(tensor).max())
 
 
 @functools.cache
@@ -60,11 +67,12 @@ def reads_mimic() -> bool:
 
 
 def mimics(model: Any, urdf: bytes) -> dict[tuple[int, int], Array]:
-    """Maps (follower, driver) to the coefficients of the equality that MuJoCo makes of a <mimic>."""
-    numbers_of: dict[tuple[int, int], Array] = {}
+    """Maps (follower, driver) of each <mimic> to the coefficients of the equality that MuJoCo makes, or would
+    make, of it."""
+    coefficients: dict[tuple[int, int], Array] = {}
     for mimic in parse(urdf).iterfind("joint/mimic"):
         follower = index_of(model, mujoco.mjtObj.mjOBJ_JOINT, mimic.getparent().get("name"))
         driver = index_of(model, mujoco.mjtObj.mjOBJ_JOINT, mimic.get("joint"))
         numbers = float(mimic.get("offset", 0)), float(mimic.get("multiplier", 1))
-        numbers_of[follower, driver] = np.array([*numbers, 0.0, 0.0, 0.0])
-    return numbers_of
+        coefficients[follower, driver] = np.array([*numbers, 0.0, 0.0, 0.0])
+    return coefficients

@@ -1,4 +1,4 @@
-"""Holds the result of an examination, and writes results as text or JSON."""
+"""Holds the result of an examination, and shows results as text or JSON."""
 
 import json
 from collections.abc import Sequence
@@ -9,11 +9,12 @@ State = Literal["ok", "note", "wrong"]
 """ok: it works; note: something optional is missing, or was not tried; wrong: builds fail until it is
 repaired."""
 
-_WIDTH = 14
+_SUBJECT_WIDTH = 14
+"""Width of the column of subjects."""
 
 
 @dataclass(frozen=True, slots=True)
-class Examined:
+class Examination:
     """The result of an examination."""
 
     subject: str
@@ -25,19 +26,21 @@ class Examined:
     """The remedy; "" if nothing is to be done."""
 
 
-def as_text(rows: Sequence[Examined]) -> str:
+def as_text(rows: Sequence[Examination]) -> str:
     """Returns a line for each row, with its hint in the next line, and a last line with a summary."""
     lines = []
     for row in rows:
-        lines.append(f"{row.state:5}  {row.subject:{_WIDTH}} {row.detail}")
+        lines.append(f"{row.state:5}  {row.subject:{_SUBJECT_WIDTH}} {row.detail}")
         if row.hint:
-            lines.append(f"{'':{_WIDTH + 7}} → {row.hint}")
+            lines.append(f"{'':{_SUBJECT_WIDTH + 7}} → {row.hint}")
     wrong = [row.subject for row in rows if row.state == "wrong"]
-    return "\n".join([*lines, f"to mend: {', '.join(wrong)}" if wrong else "builds can work here"])
+    return "\n".join(
+        [*lines, f"to repair: {', '.join(wrong)}" if wrong else "everything that builds need works"]
+    )
 
 
-def as_json(rows: Sequence[Examined]) -> str:
-    """Returns `{"works": whether nothing is wrong, "examined": [{"subject", "state", "detail", "hint"},
-    ...]}`."""
+def as_json(rows: Sequence[Examination]) -> str:
+    """Returns a JSON object: `works` (whether nothing is wrong), and `examined` (a list of subject, state,
+    detail and hint)."""
     works = all(row.state != "wrong" for row in rows)
     return json.dumps({"works": works, "examined": [asdict(row) for row in rows]}, indent=2)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from linkwright.pipeline.errors import LinkwrightError
-from linkwright.pipeline.sweep.folder import keep
+from linkwright.pipeline.sweep.folder import write_summaries
 from linkwright.pipeline.sweep.outcome_files import outcomes_of
 
 MIN_INTERVAL = 30.0
@@ -18,7 +18,7 @@ MAX_TIME_SHARE = 0.02
 
 
 @contextlib.contextmanager
-def kept_fresh(root: Path, pause: float = MIN_INTERVAL) -> Iterator[None]:
+def updating_summary(root: Path, pause: float = MIN_INTERVAL) -> Iterator[None]:
     """Writes the summary of a sweep again and again in a thread, from the outcomes that its jobs have left;
     and once more if an error or Ctrl-C ends the sweep."""
     over = threading.Event()
@@ -47,4 +47,4 @@ def _keep_fresh(root: Path, pause: float, over: threading.Event) -> None:
 def _keep(root: Path) -> None:
     # A disk that is full now may have room in the end, when the error is reported.
     with contextlib.suppress(LinkwrightError, OSError):
-        keep(list(outcomes_of(root)), root)
+        write_summaries(list(outcomes_of(root)), root)
