@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
@@ -49,7 +49,22 @@ DEFAULTS = (
 they make limits soft or active early."""
 
 POLYNOMIALS = (("stiffness", "jnt_stiffnesspoly", "jnt"), ("damping", "dof_dampingpoly", "dof"))
-"""Attribute, field of the polynomial's higher terms, and its index: older MuJoCo versions lack them."""
+"""Attribute, the field of the polynomial's higher terms, and what indexes this field: older MuJoCo versions
+lack these fields."""
+
+
+_MutableNumbers = dict[str, float | tuple[float, ...]]
+
+
+class _Row(NamedTuple):
+    """A number of a joint, or several, with its expected value."""
+
+    attribute: str
+    """The attribute of MJCF that sets it."""
+
+    quantity: str
+    actual: Any
+    expected: Any
 
 
 def joint_type_name(kind: Any) -> str:
@@ -58,7 +73,7 @@ def joint_type_name(kind: Any) -> str:
 
 
 class ReadMjcf(ReadCompiled):
-    """A reader of MJCF."""
+    """Reads the robot of an MJCF."""
 
     attribute_names = ATTRIBUTE_NAMES
 
@@ -94,51 +109,65 @@ class ReadMjcf(ReadCompiled):
 
     def _numbers(self, index: int, dof: Dof, source_attributes: Mapping[str, str]) -> tuple[Numbers, Numbers]:
         """Returns the numbers of a joint, and their expected values. `source_attributes`: the joint's
-        attributes in an MJCF source. Attributes that the user's own XML sets are not compared."""
-        model, dof_index, source_numbers = self.model, int(self.model.jnt_dofadr[index]), _source_numbers
-        scalar, numbers = dof.kind in ("turn", "slide"), dict[str, float | tuple[float, ...]]()
-        expected: dict[str, float | tuple[float, ...]] = {}
-        if scalar or "range" not in source_attributes:
+        attributes in an MJCF source. Springs, solver parameters and polynomials that the user's own XML sets
+        are not compared."""
+        numbers, expected = self._ranges(index, dof, source_attributes)
+        if dof.kind != "free":
+            dof_index = int(self.model.jnt_dofadr[index])
+            numbers["damping"] = float(self.model.dof_damping[dof_index])
+            numbers["friction"] = float(self.model.dof_frictionloss[dof_index])
+            numbers["armature"] = float(self.model.dof_armature[dof_index])
+        rows = (*self._spring_rows(index, dof), *self._source_rows(index, source_attributes))
+        for attribute, quantity, actual_value, expected_value in rows:
+            if not self.compiled.sets(attribute):
+                numbers[quantity] = tuple(map(float, np.ravel(actual_value)))
+                expected[quantity] = tuple(map(float, np.ravel(expected_value)))
+        return numbers, expected
+
+    def _ranges(
+        self, index: int, dof: Dof, source_attributes: Mapping[str, str]
+    ) -> tuple[_MutableNumbers, _MutableNumbers]:
+        """Returns the range of a joint and of the force on it, and their expected values."""
+        model, numbers, expected = self.model, _MutableNumbers(), _MutableNumbers()
+        is_scalar = dof.kind in ("turn", "slide")
+        if is_scalar or "range" not in source_attributes:
             # The cone that limits a ball is never written (W-BALL-CONE), so its range must be open.
             numbers["range"] = _interval(model.jnt_limited[index], model.jnt_range[index])
-            expected["range"] = dof.limits.interval if scalar else (-math.inf, math.inf)
-        if scalar:
+            expected["range"] = dof.limits.interval if is_scalar else (-math.inf, math.inf)
+        if is_scalar:
+            force_range = _interval(model.jnt_actfrclimited[index], model.jnt_actfrcrange[index])
+            numbers["actuatorfrcrange"] = force_range
             effort = math.inf if dof.dynamics.effort is None else dof.dynamics.effort
-            effort_in_source = source_numbers(source_attributes, "actuatorfrcrange")
-            numbers["actuatorfrcrange"] = _interval(
-                model.jnt_actfrclimited[index], model.jnt_actfrcrange[index]
+            source_range = _source_numbers(source_attributes, "actuatorfrcrange")
+            is_open = "actuatorfrclimited" in source_attributes
+            expected["actuatorfrcrange"] = (
+                (-math.inf, math.inf) if is_open else source_range or (-effort, effort)
             )
-            expected["actuatorfrcrange"] = effort_in_source or (-effort, effort)
-            if "actuatorfrclimited" in source_attributes:
-                expected["actuatorfrcrange"] = (-math.inf, math.inf)
-        if dof.kind != "free":
-            numbers["damping"] = float(model.dof_damping[dof_index])
-            numbers["friction"] = float(model.dof_frictionloss[dof_index])
-            numbers["armature"] = float(model.dof_armature[dof_index])
-        spring = dof.spring or Spring(0.0)
-        rows: list[tuple[str, str, Any, Any]] = [
-            ("stiffness", "stiffness", model.jnt_stiffness[index], spring.stiffness),
-        ]
-        for name, field, default in DEFAULTS:
-            in_model = getattr(model, field)[index]
-            rows.append((name, name, in_model, source_numbers(source_attributes, name) or default))
-        if dof.spring is not None and scalar:
-            rest_position = model.qpos_spring[model.jnt_qposadr[index]]
-            rows.append(("springref", "springref", rest_position, spring.reference))
-        for name, field, per in POLYNOMIALS:
-            if hasattr(model, field):
-                terms = np.ravel(getattr(model, field)[index if per == "jnt" else dof_index])
-                higher = np.zeros(len(terms))
-                higher[: len(source_numbers(source_attributes, name)[1:])] = source_numbers(
-                    source_attributes, name
-                )[1:]
-                rows.append((name, f"{name} of higher order", terms, higher))
-        for name, quantity, *values in rows:
-            if not self.compiled.sets(name):
-                numbers[quantity], expected[quantity] = (
-                    tuple(map(float, np.ravel(value))) for value in values
-                )
         return numbers, expected
+
+    def _spring_rows(self, index: int, dof: Dof) -> Iterator[_Row]:
+        """Yields the stiffness of a joint and, for a hinge or slide with a spring, where the spring is at
+        rest."""
+        spring = dof.spring or Spring(0.0)
+        yield _Row("stiffness", "stiffness", self.model.jnt_stiffness[index], spring.stiffness)
+        if dof.spring is not None and dof.kind in ("turn", "slide"):
+            rest_position = self.model.qpos_spring[self.model.jnt_qposadr[index]]
+            yield _Row("springref", "springref", rest_position, spring.reference)
+
+    def _source_rows(self, index: int, source_attributes: Mapping[str, str]) -> Iterator[_Row]:
+        """Yields the attributes that only an MJCF source can set."""
+        for name, field, default in DEFAULTS:
+            source_values = _source_numbers(source_attributes, name)
+            yield _Row(name, name, getattr(self.model, field)[index], source_values or default)
+        for name, field, per in POLYNOMIALS:
+            if hasattr(self.model, field):
+                row = index if per == "jnt" else int(self.model.jnt_dofadr[index])
+                terms = np.ravel(getattr(self.model, field)[row])
+                # The first number of the source is the linear term, which the dof has.
+                higher_terms = _source_numbers(source_attributes, name)[1:]
+                expected_terms = np.zeros(len(terms))
+                expected_terms[: len(higher_terms)] = higher_terms
+                yield _Row(name, f"{name} of higher order", terms, expected_terms)
 
     def loop_poses(self, loop: Loop, q: Configuration) -> Iterator[FoundPose]:
         """Yields the poses, relative to the root, of the sites that the loop's equality holds together. If

@@ -23,7 +23,7 @@ from linkwright.stages.validate.same.read_robot import Poses, ReadRobot
 
 
 class ReadCompiled(ReadRobot):
-    """A reader of a compiled file."""
+    """Reads the robot of a file that MuJoCo compiled."""
 
     def __init__(self, compiled: CompiledModel) -> None:
         self.compiled, self.model = compiled, compiled.model

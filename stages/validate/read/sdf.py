@@ -61,7 +61,8 @@ ATTRIBUTE_NAMES = AttributeNames(
 
 
 class ReadSdf(ReadRobot):
-    """A reader of SDF. `model`: the content of the file; `names`: the names of the robot's elements in it."""
+    """Reads the robot of an SDF. `model`: the content of the file; `names`: the names of the robot's elements
+    in it."""
 
     attribute_names = ATTRIBUTE_NAMES
 

@@ -66,8 +66,8 @@ ATTRIBUTE_NAMES = AttributeNames(
 
 
 class ReadUsd(ReadRobot):
-    """A reader of USD. `usd`: the content of the file; `names`: the names of the robot's elements in it.
-    Relations and all other properties of joints are compared by their attributes."""
+    """Reads the robot of a USD. `usd`: the content of the file; `names`: the names of the robot's elements in
+    it. Relations and all other properties of joints are compared by their attributes."""
 
     attribute_names = ATTRIBUTE_NAMES
     precision = Precision(

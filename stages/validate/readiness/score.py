@@ -1,8 +1,9 @@
 """Scores the readiness of a finished robot, as a check with a table of the points."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
-from linkwright.stages.robot.check import Check, Finding, Table
+from linkwright.stages.robot.check import Check, Table
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.readiness.finished import Finished, NotApplicable
 from linkwright.stages.validate.readiness.points import POINTS, Point
@@ -19,24 +20,32 @@ MAX_FAULTS = 5
 
 def score(finished: Finished) -> Check:
     """Scores a finished robot. The check always passes, since the score only informs."""
-    rows, findings = [], []
-    for point in POINTS:
-        verdict, reason = judge_point(point, finished)
-        rows.append((point.number, point.title, verdict, reason))
-        if verdict == MISSING:
-            findings.append(Finding(f"point {point.number}", "", f"{point.title}: {reason}"))
-    passed = sum(verdict == PASSED for _, _, verdict, _ in rows)
-    total = passed + len(findings)
-    detail = f"{passed} of {count(total, 'point')}"
-    if total < len(POINTS):
-        verb = "does not apply" if len(POINTS) - total == 1 else "do not apply"
-        detail += f" ({len(POINTS) - total} of the {len(POINTS)} {verb})"
-    if findings:
-        numbers = ", ".join(str(number) for number, _, verdict, _ in rows if verdict == MISSING)
-        detail += f"; missing: {numbers}"
+    judgements = [_Judgement(point, *judge_point(point, finished)) for point in POINTS]
+    passed = sum(judgement.verdict == PASSED for judgement in judgements)
+    total = sum(judgement.verdict != NOT_APPLICABLE for judgement in judgements)
     name = f"{finished.path.name}: sim-readiness"
-    table = Table(HEADER, tuple(rows))
+    rows = tuple((row.point.number, row.point.title, row.verdict, row.reason) for row in judgements)
+    detail, table = _detail(judgements, passed, total), Table(HEADER, rows)
     return Check(name, True, detail, float(passed), float(total), CODE, "warning", table=table)
+
+
+class _Judgement(NamedTuple):
+    """A point with its verdict."""
+
+    point: Point
+    verdict: str
+    reason: str
+
+
+def _detail(judgements: Sequence[_Judgement], passed: int, total: int) -> str:
+    """Returns the score as text. `passed`, `total`: the numbers of the points that pass and that apply."""
+    detail = f"{passed} of {count(total, 'point')}"
+    inapplicable = len(judgements) - total
+    if inapplicable:
+        verb = "does not apply" if inapplicable == 1 else "do not apply"
+        detail += f" ({inapplicable} of the {len(judgements)} {verb})"
+    missing = [str(row.point.number) for row in judgements if row.verdict == MISSING]
+    return f"{detail}; missing: {', '.join(missing)}" if missing else detail
 
 
 def judge_point(point: Point, finished: Finished) -> tuple[str, str]:

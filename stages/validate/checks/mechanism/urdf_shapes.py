@@ -4,13 +4,13 @@ The check reads the file and not the compiled model, in which MuJoCo moves meshe
 written as a cylinder and two spheres.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from linkwright.stages.formats.meshes.gltf_conventions import SUFFIX
-from linkwright.stages.formats.urdf.model import UrdfShape
+from linkwright.stages.formats.urdf.model import UrdfLink, UrdfShape
 from linkwright.stages.formats.urdf.parse import parse
 from linkwright.stages.formats.xml import parse as read_xml
 from linkwright.stages.robot.check import Check, Finding
@@ -34,7 +34,8 @@ ATTRIBUTE_NAMES = ShapeWords(
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """Compares the shapes of a URDF with the robot's; yields nothing if the robot's are unknown."""
+    """Compares the shapes of a URDF with the robot's; yields nothing if the robot's shapes are unknown, or if
+    the file is not read as a URDF, which another check reports."""
     geometry = compiled.geometry
     if geometry is None or not geometry.shapes:
         return
@@ -47,27 +48,32 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         expected = {
             key: [replace(solid, colour=None) for solid in solids] for key, solids in expected.items()
         }
-    findings: list[Finding] = []
-    total = 0
-    for urdf_link in urdf.links:
-        by_role: tuple[tuple[Role, Sequence[UrdfShape]], ...]
-        by_role = (("visual", urdf_link.visuals), ("collision", urdf_link.collisions))
-        for role, shapes in by_role:
-            expected_shapes = expected.get((urdf_link.name, role), [])
-            total += len(expected_shapes)
-            # The shapes that the user's own XML adds to a link come after the robot's.
-            shapes = (
-                shapes[: len(expected_shapes)]
-                if compiled.written.amendments.of(compiled.path.name)
-                else shapes
-            )
-            findings += differences(
-                link(urdf_link.name, urdf=True), role, shapes, expected_shapes, ATTRIBUTE_NAMES
-            )
+    is_amended = bool(compiled.written.amendments.of(compiled.path.name))
+    findings = [
+        finding for row in urdf.links for finding in _link_differences(row, expected, is_amended=is_amended)
+    ]
     has_glb = any(solid.file.endswith(SUFFIX) for solids in expected.values() for solid in solids)
     findings += _discardvisual(compiled, "true" if has_glb else "false")
+    total = sum(
+        len(expected.get((row.name, role), ())) for row in urdf.links for role in ("visual", "collision")
+    )
     detail = f"{count(total, 'shape')} of the robot, with their files, sizes, places and colours"
     yield compiled.within("shapes", float(len(findings)), 0.0, detail, few(findings))
+
+
+def _link_differences(
+    urdf_link: UrdfLink, expected: Mapping[tuple[str, Role], list[WrittenShape]], *, is_amended: bool
+) -> Iterator[Finding]:
+    """Yields the differences of a link's shapes. `is_amended`: whether the user's own XML changes the
+    file."""
+    by_role: tuple[tuple[Role, Sequence[UrdfShape]], ...]
+    by_role = (("visual", urdf_link.visuals), ("collision", urdf_link.collisions))
+    for role, shapes in by_role:
+        expected_shapes = expected.get((urdf_link.name, role), [])
+        # The shapes that the user's own XML adds to a link come after the robot's.
+        compared = shapes[: len(expected_shapes)] if is_amended else shapes
+        element = link(urdf_link.name, urdf=True)
+        yield from differences(element, role, compared, expected_shapes, ATTRIBUTE_NAMES)
 
 
 def _solids(shape: Shape) -> Iterator[WrittenShape]:
