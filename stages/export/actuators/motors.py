@@ -106,6 +106,7 @@ class _ValueAtDof(NamedTuple):
 
 
 def _values_at_dof(dof: Dof, choice: ChosenActuator, motor: MotorSection) -> Iterator[_ValueAtDof]:
+    """Yields the motor's value for each quantity of a dof that the motor has."""
     gear = abs(float(choice.parameters.get("gear", 1.0)))
     # A motor that a glob assigns yields to any value of `joints`, a motor assigned by name only to the dof's
     # own.
@@ -207,13 +208,15 @@ class _MotorParameter(NamedTuple):
 def _motor_parameters(kind: str, values: Mapping[str, MotorValue]) -> Iterator[_MotorParameter]:
     """Yields the parameters of an actuator of this type, also those whose quantity the motor does not
     have."""
-    value = {name: motor_value.value for name, motor_value in values.items()}
+    numbers = {name: value.value for name, value in values.items()}
     if kind in SERVOS:
-        yield _MotorParameter("kp", "kp", (), value.get("kp"))
-        if "kp" in value:
-            yield _MotorParameter("kv", "kv", ("dampratio", "kp"), value.get("kv"))
+        yield _MotorParameter("kp", "kp", (), numbers.get("kp"))
+        if "kp" in numbers:
+            yield _MotorParameter("kv", "kv", ("dampratio", "kp"), numbers.get("kv"))
     elif kind == "dcmotor":
-        yield _MotorParameter("torque_constant", "motorconst", ("nominal",), (value.get("torque_constant"),))
-        yield _MotorParameter("resistance", "resistance", ("nominal",), value.get("resistance"))
-        volts = value.get("voltage", 0.0)
+        yield _MotorParameter(
+            "torque_constant", "motorconst", ("nominal",), (numbers.get("torque_constant"),)
+        )
+        yield _MotorParameter("resistance", "resistance", ("nominal",), numbers.get("resistance"))
+        volts = numbers.get("voltage", 0.0)
         yield _MotorParameter("voltage", "ctrlrange", (), (-volts, volts))

@@ -273,11 +273,8 @@ class PieceCutter:
         return best[1]
 
     def _rough_cost(self, hull: Surface) -> float:
-        return (
-            hull.area()
-            / _ROUGH_POINTS
-            * _excess(self._far(evenly_spread(hull.corners, _ROUGH_POINTS).points))
-        )
+        points = evenly_spread(hull.corners, _ROUGH_POINTS).points
+        return hull.area() / _ROUGH_POINTS * _excess(self._far(points))
 
     def _joined(
         self, parts: Sequence[_Part], hulls: dict[tuple[_Part, _Part], tuple[float, Surface | None]]

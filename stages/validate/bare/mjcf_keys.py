@@ -68,6 +68,7 @@ def check(document: ModelDocument) -> Iterator[Coded]:
 def _qpos(
     document: ModelDocument, key: Element, values: list[float], joints: list[_Joint]
 ) -> Iterator[Coded]:
+    """Yields the faults of the values of qpos, whose number is right."""
     for joint in joints:
         if joint.kind in ("ball", "free"):
             # The position of a free joint precedes its quaternion.
@@ -75,10 +76,8 @@ def _qpos(
             length = math.hypot(*values[start : start + 4])
             if abs(length - 1.0) > UNIT_LENGTH_TOLERANCE:
                 message = f'the quaternion of "{joint.name}" has the length {length:.4g}, expected 1'
-                yield (
-                    "C-KEYS" if length < _ZERO_LENGTH else "C-PLAUSIBLE",
-                    document.finding(key, "qpos", message),
-                )
+                code = "C-KEYS" if length < _ZERO_LENGTH else "C-PLAUSIBLE"
+                yield code, document.finding(key, "qpos", message)
         elif joint.limits is not None:
             value, (low, high) = values[joint.qpos_index], joint.limits
             if not low - RANGE_TOLERANCE <= value <= high + RANGE_TOLERANCE:
@@ -87,6 +86,7 @@ def _qpos(
 
 
 def _joints(document: ModelDocument, defaults: Defaults) -> Iterator[_Joint]:
+    """Yields the joints in the order of their values in qpos."""
     degrees = degrees_of(document)
     qpos_index = 0
     for element in document.root.iterfind("worldbody//*"):

@@ -53,7 +53,8 @@ class ReadUrdf(ReadCompiled):
 
     def __init__(self, compiled: CompiledModel) -> None:
         super().__init__(compiled)
-        self._text, self._names = compiled.path.read_bytes(), compiled.written.urdf_names
+        self._text = compiled.path.read_bytes()
+        self._names = compiled.written.urdf_names
 
     def data_at(self, q: Configuration) -> Any:
         """Returns MuJoCo's data at the values `q`. For `file_configuration` itself no value is set, since the
@@ -71,9 +72,9 @@ class ReadUrdf(ReadCompiled):
         if tag == "frame":
             return named("joint", self._names.holders[self._names.frames[name]])
         if tag == "relation":
-            return named(
-                "joint", next(relation.follower for relation in self.robot.relations if relation.name == name)
-            )
+            (follower,) = (relation.follower for relation in self.robot.relations if relation.name == name)
+            return named("joint", follower)
+        # A ball is a chain of turns in a URDF; the first of them is its title.
         turns = self._names.turns.get(name) if tag == "joint" else None
         return named(tag, turns[0] if turns else name)
 
@@ -108,8 +109,9 @@ class ReadUrdf(ReadCompiled):
                 numbers["damping"] = float(model.dof_damping[model.jnt_dofadr[index]])
                 numbers["friction"] = float(model.dof_frictionloss[model.jnt_dofadr[index]])
                 numbers["velocity"] = _number(velocities.get(name))
-            type_found, types = joint_type_name(model.jnt_type[index]), (joint_type_name(kind),)
-            yield FoundJoint(name, named("joint", name), type_found, types, dof, numbers, expected)
+            actual_type = joint_type_name(model.jnt_type[index])
+            accepted_types = (joint_type_name(kind),)
+            yield FoundJoint(name, named("joint", name), actual_type, accepted_types, dof, numbers, expected)
 
     def loop_poses(self, loop: Loop, q: Configuration) -> Iterator[FoundPose]:
         """Yields the poses of a loop's two frames. A URDF cannot close a loop, so each frame is a link of its

@@ -142,6 +142,8 @@ class _SeedSearch:
         inner_features = features_by_level[owner]
         outer_features = [feature for outer in levels[1:] for feature in features_by_level[outer]]
         is_fastened = any(feature.rigid for feature in inner_features)
+        # Titles are returned only if there was a choice: a movable feature holds a seed, and one outside
+        # could too.
         if is_fastened or not inner_features or not outer_features:
             return Support(level, dependents, fastened)
         return Support(level, dependents, fastened, inner_features[0].title, outer_features[0].title)
@@ -157,7 +159,7 @@ class _SeedSearch:
         self, level: Path, dependents: frozenset[Path], holding: Collection[Feature]
     ) -> frozenset[Path]:
         """Returns the occurrences in the seeds that the features `holding` join rigidly to the support; empty
-        if all of `holding` are rigid."""
+        if all of `holding` are rigid, since the seeds then have no other mates."""
         rigid_features = [
             feature
             for feature in holding
@@ -207,6 +209,7 @@ class _SeedSearch:
         pieces = self.search.pieces(self.seeds, self.owner, level)
         support = pieces[level]
         if all(pieces[node] != support for node in neighbours):
+            # No neighbour is joined to the origin: the piece with the most parts is the support.
             sizes = Counter({pieces[node]: 0 for node in neighbours})
             for node in list(pieces):
                 if pieces[node] in sizes:
