@@ -116,8 +116,8 @@ def _keep_chosen_targets(tree: dict[str, Any], choices: Choices) -> None:
 
 
 def default_robot_name(source: Any, robot: str = "bare") -> str:
-    """Returns the default name of a robot: from the robot's file, else the source's path, else the element id,
-    else the robot of the gallery, else the kind of source."""
+    """Returns the default name of a robot: from the robot's file, else the source's path, else the element
+    id, else the robot of the gallery, else the kind of source."""
     if robot != "bare":
         return _safe_name(PurePath(robot).name)
     source = source if isinstance(source, dict) else {}

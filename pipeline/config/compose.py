@@ -209,7 +209,7 @@ class Composer:
         draft.problems += self._presets.chosen_twice(files)
         draft.problems += hosts.unnamed(resolved, self.addresses, self._environ)
         typed = self._node.typed_keys([SWEEP_DIR]) | self.reading.typed_keys(good, _TYPED_ONLY)
-        distrusted = trust.untrusted(resolved, typed, files, self._environ, command)
+        distrusted = trust.trust_problems(resolved, typed, files, self._environ, command)
         draft.problems += distrusted
         if any(problem.where == "plugins" for problem in distrusted):
             # The judge of the rest imports plug-ins.

@@ -74,7 +74,8 @@ def check_texts(folder: Path, written: Written) -> Iterator[Check]:
 
 
 def kinds_of(path: Path) -> set[FileKind]:
-    """Returns the kinds of a model file, by its folder."""
+    """Returns the kinds of a model file. An MJCF without a scene beside it is itself the file that is
+    simulated."""
     if path.suffix == ".urdf":
         return {"urdf"}
     if path.name == SCENE:

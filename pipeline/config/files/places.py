@@ -9,7 +9,7 @@ from typing import Any
 from omegaconf import DictConfig
 
 from linkwright.pipeline import observed
-from linkwright.pipeline.config.files.trust import CODE, override, trusted
+from linkwright.pipeline.config.files.trust import CODE, are_trusted, override
 from linkwright.pipeline.config.messages import shown
 from linkwright.stages.robot.errors import Diagnostic
 
@@ -33,7 +33,7 @@ def outside(
     sets; `files`: the user's own files in the composition; `command`: the typed command, which hints
     complete.
     """
-    if trusted(files, environ):
+    if are_trusted(files, environ):
         return []
     output_value = next((str(value) for key, value in config.items_ex(resolve=False) if key == OUTPUT), "")
     free_keys = {*typed, *([OUTPUT] if _ENVIRONMENT_VALUE.fullmatch(output_value) else [])}

@@ -133,7 +133,7 @@ def _may_set(place: Place, value: Any, trusted_value: Any) -> bool:
 
 
 def _differences(composed: Any, trusted_tree: Any, place: Place) -> Iterator[tuple[Place, Any, Any]]:
-    """Yields path, value and trusted value of each difference between nested mappings."""
+    """Yields (place, value, trusted value) for each difference between nested mappings."""
     if isinstance(composed, Mapping) and isinstance(trusted_tree, Mapping):
         for name in {**composed, **trusted_tree}:
             yield from _differences(
@@ -144,17 +144,17 @@ def _differences(composed: Any, trusted_tree: Any, place: Place) -> Iterator[tup
         yield place, None if composed is _ABSENT else composed, trusted_tree
 
 
-def _is_harmless(place: Place, value: Any, default: Any) -> bool:
-    """Tells whether a setting is a number of a launcher, or a word that is safe in a shell."""
+def _is_harmless(place: Place, value: Any, trusted_value: Any) -> bool:
+    """Tells whether a setting is a number of a launcher, or a text that is safe in a shell."""
     if (
         place[0] != LAUNCHER
-        or default is _ABSENT
+        or trusted_value is _ABSENT
         or str(place[-1]).startswith("_")
         or {*place} & {*_CLOSED_SECTIONS}
     ):
         return False
     if _is_number(value):
-        return default is None or _is_number(default)
+        return trusted_value is None or _is_number(trusted_value)
     return place[-1] in _TEXT_SETTINGS and isinstance(value, str) and bool(_SAFE_TEXT.fullmatch(value))
 
 
@@ -169,11 +169,11 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def _launcher_hint(place: Place, value: Any, default: Any, command: Sequence[str]) -> str:
+def _launcher_hint(place: Place, value: Any, trusted_value: Any, command: Sequence[str]) -> str:
     """Returns a hint to type a launcher's setting on the command line; "" if that is not allowed either."""
-    words = value if _is_list(value) else [value]
-    can_be_typed = all(isinstance(word, str | int | float) for word in words)
-    if place[0] != LAUNCHER or default is _ABSENT or not can_be_typed or str(place[-1]).startswith("_"):
+    items = value if _is_list(value) else [value]
+    can_be_typed = all(isinstance(item, str | int | float) for item in items)
+    if place[0] != LAUNCHER or trusted_value is _ABSENT or not can_be_typed or str(place[-1]).startswith("_"):
         return ""
     return f"if you trust it: {pasted.line(command)} {override(f'hydra.{key_of(place)}', value)}"
 
@@ -233,7 +233,7 @@ def is_in_modules(target: str, plugins: Iterable[str]) -> bool:
     return any(target.startswith(f"{plugin}.") for plugin in plugins)
 
 
-def untrusted(
+def trust_problems(
     tree: Mapping[str, Any],
     typed: Iterable[str],
     files: Iterable[Path],
@@ -250,7 +250,7 @@ def untrusted(
         key: value for key, default in SAFE_VALUES.items() if (value := _at(tree, key, default)) != default
     }
     untrusted_keys = [key for key in settings if key not in typed]
-    if not untrusted_keys or trusted(files, environ):
+    if not untrusted_keys or are_trusted(files, environ):
         return []
     return [
         Diagnostic(
@@ -272,7 +272,7 @@ def _at(tree: Any, key: str, default: Any) -> Any:
     return tree
 
 
-def trusted(files: Iterable[Path], environ: Mapping[str, str]) -> bool:
+def are_trusted(files: Iterable[Path], environ: Mapping[str, str]) -> bool:
     """Tells whether `LINKWRIGHT_TRUST` names all of these files; False if there are none."""
     texts = [text for text in environ.get(VARIABLE, "").split(os.pathsep) if text]
     trusted_files = {observed.real(Path(text).expanduser()) for text in texts}

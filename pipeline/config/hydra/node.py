@@ -58,7 +58,7 @@ class HydraNode:
         except Exception as error:
             self.typed_overrides = []
             launchers = [override.values[0] for override in overrides if override.key == LAUNCHERS]
-            problems = [self._launcher_not_given(launcher) for launcher in launchers]
+            problems = [self._launcher_problem(launcher) for launcher in launchers]
             return [problem for problem in problems if problem] or [explained(error, self._presets)]
         return []
 
@@ -111,7 +111,7 @@ class HydraNode:
             if options not in self._trusted_nodes:
                 self._trusted_nodes[options] = as_written(self.trusted_config(*options).hydra)
         except Exception as error:
-            draft.add(self._launcher_not_given(options[0]) or explained(error, self._presets))
+            draft.add(self._launcher_problem(options[0]) or explained(error, self._presets))
             return {}
         composed_node = as_written(config.hydra)
         searchpath = [f"file://{folder}" for folder in self._presets.own]
@@ -126,7 +126,7 @@ class HydraNode:
         draft.problems += [problem for problem in problems if problem.where not in places]
         return changed
 
-    def _launcher_not_given(self, launcher: str) -> Diagnostic | None:
+    def _launcher_problem(self, launcher: str) -> Diagnostic | None:
         """Returns a problem if a launcher is the user's own, but is not in a `--config-dir`."""
         files = self._presets.own_files([f"{LAUNCHERS}/{launcher}"])
         if not files:

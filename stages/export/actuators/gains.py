@@ -93,6 +93,7 @@ def _load_within(load: Load, effort: float | None) -> float:
 
 
 def _frequency_step(coupled: bool) -> float:
+    """Returns the largest natural frequency of a servo on its armature alone, times the time step."""
     return COUPLED_FREQUENCY_STEP if coupled else MAX_FREQUENCY_STEP
 
 

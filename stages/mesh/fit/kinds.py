@@ -98,6 +98,8 @@ def best_within(kind: PrimitiveKind, subject: Subject, max_error: float) -> Fitt
 
 
 def _refined_best(shapes: Sequence[Primitive], outline: Outline) -> Fitted:
+    """Returns the best of at least one shape, refined. Only the best by the coarse error are measured
+    finely."""
     fits = [Fitted(shape, error(shape, outline, fine=False)) for shape in shapes]
     fits.sort(key=lambda fit: fit.error)
     measured_count = _MAX_CLOSE_FITS if fits[0].error < _MAX_CLOSE_ERROR * outline.tolerance else 1
@@ -132,6 +134,8 @@ def _boxes(subject: Subject) -> Iterator[Primitive]:
 
 
 def _box(outline: Outline, frame: npt.NDArray[np.float64], balanced: bool = False) -> Primitive:
+    """Returns the box of a part with these axes. `balanced`: whether it protrudes as much as it leaves
+    bare."""
     heights = outline.corners @ frame
     sides = np.array([heights.min(axis=0), heights.max(axis=0)])
     if balanced:
@@ -154,12 +158,13 @@ def _revolution_circles(
 ) -> Iterator[RevolutionCircle]:
     """Yields circles around the axes of the smallest cylinders: the smallest circle, and the circle by the
     normals."""
-    circles = []
+    smallest_circles = []
     for silhouette in outlines_across:
         centre, radius = smallest_ball(silhouette.ring)
-        circles.append((radius * radius * (silhouette.high - silhouette.low), silhouette, centre, radius))
-    circles.sort(key=lambda row: row[0])
-    for _, silhouette, centre, radius in circles[:_MAX_AXES]:
+        volume = radius * radius * (silhouette.high - silhouette.low)
+        smallest_circles.append((volume, silhouette, centre, radius))
+    smallest_circles.sort(key=lambda row: row[0])
+    for _, silhouette, centre, radius in smallest_circles[:_MAX_AXES]:
         point = centre[0] * silhouette.u + centre[1] * silhouette.v
         yield RevolutionCircle(
             silhouette.axis, point, radius, levels.median_radius(outline, point, silhouette.axis, radius)

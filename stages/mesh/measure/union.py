@@ -12,8 +12,8 @@ from linkwright.stages.mesh.surfaces.pieces import Distances, Piece, beyond_piec
 from linkwright.stages.robot.model.robot import Primitive
 
 _SLACK = 0.005
-"""By how much the box of a piece is widened, as a share of its longest side: more than the polyhedron of a
-primitive lies inside the primitive."""
+"""By how much the box of a piece is widened, as a share of its longest side: the polyhedron of a primitive
+lies inside the primitive by less."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,10 +53,8 @@ class PieceUnion:
         nearest = None
         if hulls:
             nearest = Nearest.of(tree if len(hulls) == len(surfaces) else BoxTree.of(joined(hulls)))
-        low, high = (
-            np.array([getattr(surface.vertices, side)(axis=0) for surface in surfaces])
-            for side in ("min", "max")
-        )
+        low = np.array([surface.vertices.min(axis=0) for surface in surfaces])
+        high = np.array([surface.vertices.max(axis=0) for surface in surfaces])
         # The polyhedron of a primitive lies partly inside the primitive, so the boxes are widened.
         slack = _SLACK * (high - low).max(axis=1, keepdims=True)
         return PieceUnion(

@@ -54,7 +54,9 @@ def make_visuals(
     `max_faces` triangles, or as few as the error bound allows."""
     allowed = max_faces = section.max_faces
     is_by_part = section.merge == "part"
-    groups = [[part] for part in drawn_parts] if is_by_part else [drawn_parts] if drawn_parts else []
+    groups = [[part] for part in drawn_parts]
+    if not is_by_part and groups:
+        groups = [list(drawn_parts)]
     for _ in range(_MAX_ATTEMPTS):
         fitted, decimation = decimator.fitted([part.mesh for part in drawn_parts], meshes, allowed)
         files = [(group[0].index, file) for group in groups for file in _files(group, fitted)]

@@ -25,6 +25,7 @@ class ChainPose(NamedTuple):
     """Pose (n, 4, 4) of the end of the chain."""
 
     frames: Frames
+    """The frames of its dofs."""
 
 
 def repeated(q: Configuration, count: int) -> dict[str, Array]:
@@ -77,20 +78,20 @@ def chain_pose(dofs: Iterable[Dof], start: Array, values: Values) -> ChainPose:
 
 
 def dof_transforms(dof: Dof, values: Values) -> Array:
-    """Returns the transforms (n, 4, 4) of a dof; a dof without values does not move."""
+    """Returns the transforms (n, 4, 4) by which a dof moves its frame; a dof without values does not move."""
     if dof.name not in values:
         values = repeated({dof.name: at_rest(dof.kind)}, count_of(values))
     value = values[dof.name]
-    out = np.tile(np.eye(4), (len(value), 1, 1))
+    transforms = np.tile(np.eye(4), (len(value), 1, 1))
     if dof.kind == "slide":
-        out[:, :3, 3] = value[:, None] * dof.axis
+        transforms[:, :3, 3] = value[:, None] * dof.axis
     elif dof.kind == "turn":
-        out[:, :3, :3] = rotations_from_vectors(value[:, None] * dof.axis)
+        transforms[:, :3, :3] = rotations_from_vectors(value[:, None] * dof.axis)
     else:
-        out[:, :3, :3] = rotations_of_quats(value[:, -4:])
+        transforms[:, :3, :3] = rotations_of_quats(value[:, -4:])
         if dof.kind == "free":
-            out[:, :3, 3] = value[:, :3]
-    return out
+            transforms[:, :3, 3] = value[:, :3]
+    return transforms
 
 
 def rotations_from_vectors(vectors: Array) -> Array:
