@@ -88,7 +88,7 @@ def write_plan(command: Command) -> int:
     judge_folders(composed_sweep.jobs)
     job_list.require_place(path)
     fetching = Fetching(composed_sweep.jobs)
-    # Servers are asked at most for the state and the definition of each document; the cache costs nothing.
+    # Asking the servers takes a few calls for each document. An estimate from the cache takes none.
     if command.offline:
         fetching.estimate_from_cache()
     else:

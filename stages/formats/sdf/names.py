@@ -44,13 +44,13 @@ def sdf_names(robot: Robot) -> SdfNames:
     links = [link.name for link in robot.links]
     joints = [name for chain in chains for name in _joints_of(chain)]
     frames = [frame.name for frame in robot.frames]
-    all_names = {*map(_allowed, (*links, *joints, *frames)), WORLD}
+    all_names = {*map(_allowed_name, (*links, *joints, *frames)), WORLD}
     used_names = {WORLD}
 
     def assign_names(names: list[str], kind: str) -> dict[str, str]:
         sdf_names = {}
         for name in names:
-            sdf_name = _allowed(name)
+            sdf_name = _allowed_name(name)
             if sdf_name in used_names:
                 sdf_name = free(f"{sdf_name}_{kind}", all_names)
                 all_names.add(sdf_name)
@@ -67,7 +67,7 @@ def sdf_names(robot: Robot) -> SdfNames:
     for chain in chains:
         links_between = []
         for number in range(1, len(chain.dofs)):
-            links_between.append(free(f"{_allowed(chain.name)}_{number}", all_names))
+            links_between.append(free(f"{_allowed_name(chain.name)}_{number}", all_names))
             all_names.add(links_between[-1])
         between[chain.name] = tuple(links_between)
     base = free(f"{link_names[robot.root.name]}_fixed", all_names)
@@ -80,7 +80,7 @@ def _joints_of(chain: Joint | Loop) -> list[str]:
     return [dof.name for dof in chain.dofs] or [chain.name]
 
 
-def _allowed(name: str) -> str:
+def _allowed_name(name: str) -> str:
     """Returns the name with the parts replaced that SDF does not allow: `::`, which separates the names of
     scopes, and the underscores of `__name__`, which is reserved."""
     name = name.replace("::", "_")

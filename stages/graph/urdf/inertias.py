@@ -44,13 +44,13 @@ def with_repaired_inertias(urdf: Urdf, policy: Policy, bundle: Bundle, log: Diag
         return solid_of(shapes, bundle)
 
     links = (
-        replace(link, inertial=_repaired(link, policy, solid_of_shapes, link.name in moving, log))
+        replace(link, inertial=_repaired_inertial(link, policy, solid_of_shapes, link.name in moving, log))
         for link in urdf.links
     )
     return replace(urdf, links=tuple(links))
 
 
-def _repaired(
+def _repaired_inertial(
     link: UrdfLink, policy: Policy, solid_of_shapes: SolidOfShapes, is_moving: bool, log: Diagnostics
 ) -> Inertial | None:
     """Returns a link's inertial, repaired as far as `policy` allows; None for a link without mass."""
@@ -61,10 +61,14 @@ def _repaired(
         _report_without_mass(link, inertial, policy == "refuse" and (is_moving or inertial.mass < 0), log)
         return None
     if is_physical(inertial):
-        return _thicken(inertial)
+        return _thickened(inertial)
     if policy == "refuse":
         return inertial
-    repair = _projected(inertial) if policy == "project" else _recomputed(link, inertial, solid_of_shapes)
+    repair = (
+        _projected_repair(inertial)
+        if policy == "project"
+        else _recomputed_repair(link, inertial, solid_of_shapes)
+    )
     text = (
         f"{why_unphysical(inertial)}; it was replaced by {repair.text}: "
         f"{_moments(repair.inertial.inertia)} kg m²"
@@ -80,15 +84,15 @@ class _Repair(NamedTuple):
     text: str
 
 
-def _projected(inertial: Inertial) -> _Repair:
+def _projected_repair(inertial: Inertial) -> _Repair:
     nearest = Inertial(inertial.mass, inertial.com, nearest_physical(inertial.inertia))
     return _Repair(nearest, "the nearest possible inertia")
 
 
-def _recomputed(link: UrdfLink, inertial: Inertial, solid_of_shapes: SolidOfShapes) -> _Repair:
+def _recomputed_repair(link: UrdfLink, inertial: Inertial, solid_of_shapes: SolidOfShapes) -> _Repair:
     solid_inertial = solid_of_shapes(link.visuals) or solid_of_shapes(link.collisions)
     if solid_inertial is None:
-        repair = _projected(inertial)
+        repair = _projected_repair(inertial)
         return repair._replace(text=f"{repair.text}, since no shape of the link encloses a volume")
     recomputed = scaled(solid_inertial, inertial.mass)
     return _Repair(recomputed, "that of a uniform solid of the link's shapes, about its centre of mass")
@@ -114,9 +118,9 @@ def nearest_physical(inertia: Array) -> Array:
     return no_thinner(inertia, max(MIN_SPREAD * float(spread(inertia).max()), NEXT_TO_NOTHING / 2))
 
 
-def _thicken(inertial: Inertial) -> Inertial:
-    """Makes a flat body thicker by less than the digits of a file show: engines reject inertias at the limit
-    of the possible."""
+def _thickened(inertial: Inertial) -> Inertial:
+    """Returns the inertial, with a flat body made thicker by less than the digits of a file show: engines
+    reject inertias at the limit of the possible."""
     spreads = spread(inertial.inertia)
     # The largest moment is the sum of the two largest spreads.
     smallest_spread = MIN_WRITTEN_SPREAD * float(spreads.sum() - spreads.min())

@@ -20,7 +20,7 @@ MAX_FAULTS = 5
 
 def score(finished: Finished) -> Check:
     """Scores a finished robot. The check always passes, since the score only informs."""
-    judgements = [_Judgement(point, *judge_point(point, finished)) for point in POINTS]
+    judgements = [_JudgedPoint(point, *judge_point(point, finished)) for point in POINTS]
     passed = sum(judgement.verdict == PASSED for judgement in judgements)
     total = sum(judgement.verdict != NOT_APPLICABLE for judgement in judgements)
     name = f"{finished.path.name}: sim-readiness"
@@ -29,7 +29,7 @@ def score(finished: Finished) -> Check:
     return Check(name, True, detail, float(passed), float(total), CODE, "warning", table=table)
 
 
-class _Judgement(NamedTuple):
+class _JudgedPoint(NamedTuple):
     """A point with its verdict."""
 
     point: Point
@@ -37,7 +37,7 @@ class _Judgement(NamedTuple):
     reason: str
 
 
-def _detail(judgements: Sequence[_Judgement], passed: int, total: int) -> str:
+def _detail(judgements: Sequence[_JudgedPoint], passed: int, total: int) -> str:
     """Returns the score as text. `passed`, `total`: the numbers of the points that pass and that apply."""
     detail = f"{passed} of {count(total, 'point')}"
     inapplicable = len(judgements) - total

@@ -18,7 +18,7 @@ MASS_TOLERANCE = 1e-6
 """Relative tolerance within which a body has the mass that CAD gives."""
 
 
-class _Pair(NamedTuple):
+class _NeighbourPair(NamedTuple):
     """A body and the nearest body above it that has mass. Pairs are ordered by their ratio."""
 
     ratio: float
@@ -46,7 +46,7 @@ def _ratio_check(compiled: CompiledModel, bodies: Sequence[int]) -> Iterator[Che
             "largest ratio of the masses of neighbouring bodies, "
             f"{model.body(worst.body).name} and {model.body(worst.parent).name}"
         )
-        findings = [_uneven(model, pair) for pair in pairs if pair.ratio >= MAX_RATIO]
+        findings = [_ratio_finding(model, pair) for pair in pairs if pair.ratio >= MAX_RATIO]
         passed = worst.ratio < MAX_RATIO
         yield compiled.result("mass ratio", passed, detail, worst.ratio, MAX_RATIO, findings, "warning")
 
@@ -55,12 +55,12 @@ def _light_check(compiled: CompiledModel, bodies: Sequence[int]) -> Check:
     masses = {body: float(compiled.model.body_mass[body]) for body in bodies}
     light = [body for body in bodies if masses[body] < MIN_MASS and not _is_intended(compiled, body)]
     detail = f"mass [kg] of the lightest body; less than {MIN_MASS:g} is accepted only where CAD says so"
-    findings = [_tiny(compiled.model, body) for body in light]
+    findings = [_light_finding(compiled.model, body) for body in light]
     smallest = min(masses.values())
     return compiled.result("light bodies", not light, detail, smallest, MIN_MASS, findings, "warning")
 
 
-def _pair(model: Any, body: int) -> _Pair | None:
+def _pair(model: Any, body: int) -> _NeighbourPair | None:
     """Returns the pair of a body and the nearest body above it that has mass; None if only the world is
     above."""
     parent = int(model.body_parentid[body])
@@ -69,16 +69,16 @@ def _pair(model: Any, body: int) -> _Pair | None:
     if not parent:
         return None
     masses = float(model.body_mass[body]), float(model.body_mass[parent])
-    return _Pair(max(masses) / min(masses), body, parent)
+    return _NeighbourPair(max(masses) / min(masses), body, parent)
 
 
-def _uneven(model: Any, pair: _Pair) -> Finding:
+def _ratio_finding(model: Any, pair: _NeighbourPair) -> Finding:
     light, heavy = sorted((pair.body, pair.parent), key=lambda index: float(model.body_mass[index]))
     message = f"{model.body(heavy).name} is {pair.ratio:,.0f} times as heavy as {model.body(light).name}"
     return Finding(named("body", model.body(light).name), "inertial mass", message)
 
 
-def _tiny(model: Any, body: int) -> Finding:
+def _light_finding(model: Any, body: int) -> Finding:
     mass = float(model.body_mass[body])
     message = f"its mass is {mass:.3g} kg, and the robot has no link of this name and mass"
     return Finding(named("body", model.body(body).name), "inertial mass", message)
