@@ -34,9 +34,8 @@ def as_text(rows: Sequence[Examination]) -> str:
         if row.hint:
             lines.append(f"{'':{_SUBJECT_WIDTH + 7}} → {row.hint}")
     wrong = [row.subject for row in rows if row.state == "wrong"]
-    return "\n".join(
-        [*lines, f"to repair: {', '.join(wrong)}" if wrong else "everything that builds need works"]
-    )
+    summary = f"to repair: {', '.join(wrong)}" if wrong else "everything that builds need works"
+    return "\n".join([*lines, summary])
 
 
 def as_json(rows: Sequence[Examination]) -> str:

@@ -12,11 +12,11 @@ from linkwright.stages.robot.text.plural import count
 def contacts(excludes: Sequence[Mapping[str, Any]]) -> str:
     """Renders the section: a row for each pair, with the reason, and with the colliders concerned unless all
     are. Pairs with a joint between them are folded."""
+    if not excludes:
+        return ""
     adjacent = [row for row in excludes if str(row["reason"]) == "Adjacent"]
     other_pairs = [row for row in excludes if str(row["reason"]) != "Adjacent"]
     fold_title = f"{count(len(adjacent), 'pair')} with a joint between them"
-    if not excludes:
-        return ""
     tables = {"other_pairs": _table(other_pairs), "adjacent": _table(adjacent)}
     return rendered("contacts", **tables, fold_title=fold_title)
 
@@ -30,4 +30,5 @@ def _table(excludes: Sequence[Mapping[str, Any]]) -> PageTable | None:
 
 
 def _colliders(colliders: Sequence[Sequence[str]] | None) -> str:
+    """Returns the colliders of both links that do not collide; None for all of them."""
     return "all" if colliders is None else " against ".join(map(listed, colliders))

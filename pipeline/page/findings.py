@@ -32,17 +32,12 @@ def diagnostics_section(problems: Sequence[Mapping[str, Any]]) -> str:
         level: [problem for problem in problems if level_of(problem["code"]) == level]
         for level in LEVEL_TITLES
     }
-    sections = [
-        {
-            "title": LEVEL_TITLES[level],
-            "table": _table(group),
-            "folded": count(len(group), "diagnostic")
-            if level == "info" and len(group) > MAX_UNFOLDED
-            else "",
-        }
-        for level, group in groups.items()
-        if group
-    ]
+    sections = []
+    for level, group in groups.items():
+        if group:
+            is_folded = level == "info" and len(group) > MAX_UNFOLDED
+            fold_title = count(len(group), "diagnostic") if is_folded else ""
+            sections.append({"title": LEVEL_TITLES[level], "table": _table(group), "folded": fold_title})
     return rendered("diagnostics", sections=sections) if sections else ""
 
 

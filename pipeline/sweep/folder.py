@@ -111,7 +111,7 @@ def write_summaries(outcomes: Iterable[Outcome], root: Path) -> None:
         manifest.write_shared(root, dict.fromkeys(OWN))
         replace(root / SUMMARY, summary_json.text([*earlier_runs, {**run, "jobs": jobs}]))
         with_states = [{**job, "state": state_of(job["status"], job["message"])} for job in jobs]
-        replace(root / TABLE, summary_csv.text(with_states))
+        replace(root / TABLE, summary_csv.csv_content(with_states))
         replace(root / PAGE, _page(root, with_states))
         file_names = [name for name in OWN if (root / name).is_file()]
         manifest.write_shared(root, {name: sha256((root / name).read_bytes()) for name in file_names})

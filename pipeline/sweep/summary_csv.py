@@ -1,8 +1,8 @@
 """Makes the content of summary.csv: a row for each job of a sweep, by RFC 4180, for spreadsheets and
 programs.
 
-A spreadsheet runs a cell that begins with `=`, `+`, `-` or `@` as a formula. A text that begins with
-one of these, or with an apostrophe, gets an apostrophe in front, which readers remove. Numbers are written
+A spreadsheet runs a cell that begins with `=`, `+`, `-` or `@` as a formula. A text that begins with any of
+these, or with an apostrophe, gets an apostrophe in front, which readers remove. Numbers are written
 unchanged.
 """
 
@@ -27,7 +27,7 @@ _ESCAPED_STARTS = tuple("=+-@'\t\r＝＋－＠")
 """Starts of texts that get an apostrophe, in full width too."""
 
 
-def text(jobs: Sequence[Mapping[str, Any]]) -> bytes:
+def csv_content(jobs: Sequence[Mapping[str, Any]]) -> bytes:
     """Returns the content of the file. `jobs`: the outcomes as plain data, with their `state` and without
     secrets."""
     swept_keys, figures = keys(jobs), figures_in(jobs)
@@ -39,7 +39,7 @@ def text(jobs: Sequence[Mapping[str, Any]]) -> bytes:
         *(FIGURE_PREFIX + name for name in figures),
         *COUNTS,
     ]
-    writer.writerow([cell(name) for name in names])
+    writer.writerow([cell_text(name) for name in names])
     for job in jobs:
         checks = job["checks"]
         row = [
@@ -50,7 +50,7 @@ def text(jobs: Sequence[Mapping[str, Any]]) -> bytes:
             *(checks.get("passed"), _count(checks.get("failed")), _count(checks.get("warned"))),
             *(job["calls"].get("made"), job["calls"].get("saved")),
         ]
-        writer.writerow([cell(value) for value in row])
+        writer.writerow([cell_text(value) for value in row])
     return out.getvalue().encode()
 
 
@@ -60,8 +60,8 @@ def figures_in(jobs: Sequence[Mapping[str, Any]]) -> list[str]:
     return [name for name in NAMES if name in names] + sorted(names - NAMES.keys())
 
 
-def cell(value: Any) -> str:
-    """Returns the text of a cell: "" for None, a text safe from formulas, all other values as JSON."""
+def cell_text(value: Any) -> str:
+    """Returns the text of a cell: "" for None, a text that is no formula, or another value as JSON."""
     if value is None:
         return ""
     if not isinstance(value, str):

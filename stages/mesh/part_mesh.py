@@ -31,7 +31,7 @@ class PartMesh:
 
     @property
     def paints(self) -> list[tuple[Colour, str]]:
-        """Returns each colour of the palette with the digest of its image."""
+        """Each colour of the palette with the digest of its image."""
         return list(zip(self.palette, self.textures or [""] * len(self.palette), strict=True))
 
 

@@ -26,14 +26,14 @@ def with_semantics(robot: Robot, semantics: RobotSemantics) -> Robot:
         if joint.mate is not None
     }
     groups = tuple(_groups(semantics, dofs, links_and_frames))
-    present = RobotSemantics(
+    remaining = RobotSemantics(
         groups,
         tuple(_end_effectors(semantics, {group.name for group in groups}, links_and_frames)),
         tuple(dof for joint in semantics.passive for dof in dofs.get(joint, ())),
         tuple(_pairs(robot, semantics, links)),
         semantics.virtual_joint,
     )
-    return replace(robot, semantics=present)
+    return replace(robot, semantics=remaining)
 
 
 def _groups(

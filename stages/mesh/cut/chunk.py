@@ -122,7 +122,8 @@ def _surface_of_hull(hull: Any, points: Points) -> Surface:
 def hull_chunk(surface: Surface, max_vertices: int, collider_index: int) -> Chunk | None:
     """Returns the chunk of a surface with the surface's hull as its piece; None if the hull is flat. Each
     vertex must belong to a triangle."""
-    # A hull has far fewer triangles than the surface: to reduce the hull takes a third of the time.
+    # To reduce the hull takes a third of the time that it takes to reduce the surface, which has far more
+    # triangles.
     hull = hull_surface(surface.vertices)
     return None if hull is None else Chunk.around(surface, hull, max_vertices, collider_index)
 
@@ -142,8 +143,8 @@ def cloud_of(surface: Surface, cells_along_diagonal: int = _CELLS_ALONG_DIAGONAL
     points = surface.vertices
     low = points.min(axis=0)
     cell_size = float(np.linalg.norm(np.ptp(points, axis=0))) / cells_along_diagonal
-    # Triangles that are larger than the side of a cell get points inside, too. A normal is twice as long as
-    # the area of its triangle.
+    # Triangles that are larger than the face of a cell get points inside, too. The length of a normal is
+    # twice the area of its triangle.
     large = surface.corners[np.linalg.norm(surface.normals(), axis=1) > 2 * cell_size**2]
     inner = [np.einsum("mij,i->mj", large, np.array(weights)) for weights in _INNER_WEIGHTS]
     all_points = np.concatenate([points, *inner])

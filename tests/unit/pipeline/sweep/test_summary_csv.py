@@ -8,7 +8,7 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
-from linkwright.pipeline.sweep.summary_csv import text
+from linkwright.pipeline.sweep.summary_csv import csv_content
 from linkwright.stages.robot.text.printable import printable_lines
 from tests.unit.pipeline.page.test_sweep_page import GRID, job
 
@@ -47,7 +47,7 @@ def meant(value):
 
 @given(sweeps())
 def test_what_is_read_back_is_what_was_written(jobs):
-    rows = read(text(jobs))
+    rows = read(csv_content(jobs))
     assert len(rows) == len(jobs)
     for row, entry in zip(rows, jobs, strict=True):
         assert row["number"] == str(entry["number"])
@@ -63,7 +63,7 @@ def test_what_is_read_back_is_what_was_written(jobs):
 
 @given(sweeps())
 def test_no_cell_is_a_formula_and_each_line_ends_as_the_standard_says(jobs):
-    data = text(jobs).decode()
+    data = csv_content(jobs).decode()
     for row in csv.reader(io.StringIO(data, newline=""), strict=True):
         for cell in row:
             if cell.strip()[:1] in tuple("=+-@＝＋－＠"):
@@ -72,16 +72,16 @@ def test_no_cell_is_a_formula_and_each_line_ends_as_the_standard_says(jobs):
 
 
 def test_the_columns_are_those_of_the_documents_and_the_same_again():
-    titles = text(GRID).decode().splitlines()[0]
+    titles = csv_content(GRID).decode().splitlines()[0]
     assert titles == (
         "number,label,state,status,message,folder,key.mesh,key.tolerance,figure.links,figure.mass,"
         "objective,checks_passed,checks_failed,checks_warned,calls_made,calls_saved"
     )
-    assert text(GRID) == text([dict(job) for job in GRID])
-    first = text(GRID).decode().splitlines()[1]
+    assert csv_content(GRID) == csv_content([dict(job) for job in GRID])
+    first = csv_content(GRID).decode().splitlines()[1]
     assert first == "0,mesh=hull tolerance=0.001,built,0,valid,job 0,hull,0.001,11,1.0,,3,0,1,0,5"
 
 
 def test_a_job_that_did_not_end_has_a_row():
     jobs = [job(0, root="a"), {**job(1, None, {}, "running", root="b"), "checks": {}, "calls": {}}]
-    assert text(jobs).decode().splitlines()[2] == "1,root=b,running,,running,job 1,b,,,,,,,,"
+    assert csv_content(jobs).decode().splitlines()[2] == "1,root=b,running,,running,job 1,b,,,,,,,,"
