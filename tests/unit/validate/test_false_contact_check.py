@@ -255,7 +255,7 @@ def test_at_home_nothing_touches_that_stands_apart():
         assert check.passed != named
         if named:
             assert row_of(check)[3] == pytest.approx(1e3 * deep, abs=0.01)
-            assert "at home, where they are apart" in check.findings[0].message
+            assert "at home, where their visual shapes are apart" in check.findings[0].message
 
 
 def test_without_contact_of_the_robot_with_itself_there_is_no_check():
