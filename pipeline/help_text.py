@@ -95,8 +95,8 @@ options:
   --version              the version
 
 groups, each a set of presets (group=option):
-  robot       sample, quadruped, legged, bare, and the files in ./robot/:
-              everything below, in one file
+  robot       sample, quadruped, delta, rover, hand, legged, bare, and the
+              files in ./robot/: everything below, in one file
   source      onshape, urdf, mjcf, bundle (a zip of replies), sample
   root        auto, central, fixed, free: the root link and its base
   depth       flexible, rigid: which sub-assemblies may move inside

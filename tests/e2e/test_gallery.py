@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from tests.fake_onshape.gallery import DOCUMENTS
 from tests.support.command import called, environment, report_of
 from tests.support.places import PROJECT
 
@@ -49,7 +50,7 @@ def example(monkeypatch, capsys):
     return run
 
 
-@pytest.mark.parametrize("name", ["sample", "quadruped"])
+@pytest.mark.parametrize("name", DOCUMENTS)
 def test_each_robot_builds_offline_and_passes_every_check(name, built):
     report = report_of(built(name))
     assert report["calls"]["made"] == 0

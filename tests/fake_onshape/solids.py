@@ -66,6 +66,11 @@ class Solid:
         """The solid with `prefix` before the names of its faces."""
         return Solid(self.vertices, tuple(Face(f"{prefix} {f.name}", f.triangles) for f in self.faces))
 
+    def painted(self, colour, *words):
+        """{name: colour} of the faces whose names have one of `words` in them; without words, of all."""
+        names = [face.name for face in self.faces]
+        return {name: colour for name in names if not words or any(word in name for word in words)}
+
     def __add__(self, other):
         """Both solids as the shells of one part. Shells may touch; overlaps count twice."""
         names = {face.name for face in self.faces}

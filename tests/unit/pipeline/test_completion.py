@@ -12,6 +12,7 @@ from linkwright.pipeline.completion import candidates, install, query, split
 from tests.support.users import MY_ARM, write
 
 SHELLS = ("bash", "zsh", "fish")
+ROBOTS = ("bare", "delta", "hand", "legged", "legs/left", "my_arm", "quadruped", "rover", "sample")
 
 
 @pytest.fixture
@@ -42,7 +43,7 @@ def here(tmp_path, monkeypatch):
         ("robot=m", ["robot=my_arm"]),
         (
             "robot=",
-            [f"robot={name}" for name in ("bare", "legged", "legs/left", "my_arm", "quadruped", "sample")],
+            [f"robot={name}" for name in ROBOTS],
         ),
         ("robot=robot/m", ["robot=robot/my_arm.yaml"]),
         ("--config-dir there robot=o", ["robot=other"]),

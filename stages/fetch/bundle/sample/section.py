@@ -11,5 +11,6 @@ class SampleSourceSection(SourceSection):
     kind: Literal["sample"] = "sample"
     """Kind of the source; `source=KIND` chooses it."""
 
-    robot: Literal["sample", "quadruped"] = "sample"
-    """The robot. sample: a desk arm with a gripper; quadruped: four legs under a free base."""
+    robot: Literal["sample", "quadruped", "delta", "rover", "hand"] = "sample"
+    """The robot. sample: a desk arm with a gripper; quadruped: four legs under a free base; delta: a platform
+    on three arms and six rods; rover: wheels, a lift with a gripper, and a camera; hand: coupled fingers."""
