@@ -68,7 +68,8 @@ def refusal(
     if status == 400 and is_definition(request) and configuration_asked(request):
         return _not_so_configured(configuration_asked(request), quoted, host)
     if status == 400 and is_definition(request):
-        msg = f"source.url names no assembly, but perhaps a part studio or a drawing (400){quoted}"
+        tab = subject.removeprefix("the definition of assembly ")
+        msg = f"the tab {tab} is no assembly, but perhaps a part studio or a drawing (400){quoted}"
         return SourceError(msg, host, _TAB_AGAIN)
     if status in (405, 406, 415):
         msg = f"the server refuses the form of the request for {subject} ({status}){quoted}"
