@@ -2,7 +2,6 @@
 without accounting, where jobs are killed and preempted."""
 
 import json
-import shutil
 import subprocess
 import sys
 import sysconfig
@@ -16,7 +15,7 @@ from tests.fake_onshape.server import OnshapeServer
 from tests.fake_onshape.settable import leaning_stand
 from tests.support import slurm
 from tests.support.command import environment, robot_files, run_in
-from tests.support.places import PROJECT
+from tests.support.places import copy_source
 
 pytestmark = pytest.mark.slow
 
@@ -28,7 +27,6 @@ HYDRAS = {
     "1.4": ["hydra-core==1.4.0rc3", *(f"hydra-{name}==1.4.0rc3" for name in PLUG_INS)],
 }
 KEY = "a-key-that-no-job-needs"
-SHIPPED = ("pyproject.toml", "setup.py", "README.md", "LICENSE", "conf", "pipeline", "stages")
 
 
 @dataclass(frozen=True)
@@ -61,10 +59,7 @@ def fresh(hydra, run_folder):
 def install(folder, programs, requirements):
     """Installs a copy of the checkout and what its extras need; why that is not possible here, or nothing."""
     source = folder / "source"
-    for name in SHIPPED:
-        copy = shutil.copytree if (PROJECT / name).is_dir() else shutil.copy
-        source.mkdir(parents=True, exist_ok=True)
-        copy(PROJECT / name, source / name)
+    copy_source(source)
     subprocess.run([sys.executable, "-m", "venv", str(folder / "venv")], check=True)
     # What the tests run with counts as installed, so that pip installs what it lacks, and this Hydra.
     (own,) = (folder / "venv").glob("lib/python*/site-packages")

@@ -1,13 +1,25 @@
 """Where things lie: the project, and the data beside it that a fresh clone does not have."""
 
+import shutil
 from pathlib import Path
 
 PROJECT = Path(__file__).resolve().parents[2]
 ROOMS = ("conf", "pipeline", "stages")
 """The folders of the product."""
 
+SHIPPED = ("pyproject.toml", "setup.py", "README.md", "LICENSE", *ROOMS)
+"""What the package is made of."""
+
 SHARED = PROJECT.parent / "shared"
 """Recorded replies and robots of others: where it is not there, the tests that read it are skipped."""
+
+
+def copy_source(folder):
+    """Copies into a folder what the package is made of."""
+    folder.mkdir(parents=True)
+    for name in SHIPPED:
+        copy = shutil.copytree if (PROJECT / name).is_dir() else shutil.copy
+        copy(PROJECT / name, folder / name)
 
 
 def link_package(folder, tree=PROJECT):
