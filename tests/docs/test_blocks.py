@@ -6,7 +6,6 @@ import re
 import pytest
 from filelock import FileLock
 
-from linkwright.pipeline.verbs import VERBS
 from tests.docs.blocks import MARKS, REASONS, blocks, pages, parsed
 from tests.docs.session import Session, Wrong, compare, run
 from tests.support import kept_colliders
@@ -37,8 +36,6 @@ def cache(tmp_path_factory):
 def test_the_blocks_of_a_page_do_what_they_show(page, tmp_path, cache):
     """Up to the first slow block."""
     quick = blocks(page)
-    if "new" not in VERBS and any("linkwright new" in block.text for block in quick):
-        pytest.skip("the verb `new` is not here yet")
     first = next((n for n, block in enumerate(quick) if "slow" in block.marks), len(quick))
     with Session(tmp_path, cache) as session:
         run(session, quick[:first])
