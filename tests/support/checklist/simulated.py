@@ -30,8 +30,8 @@ def driven(built: Built) -> Iterator[str]:
 
 
 def independent(built: Built) -> Iterator[str]:
-    """16: as many actuators as the robot has independent joints, each with gains, within its range and as far
-    beyond it as a keyframe needs to hold the weight."""
+    """16: as many actuators as the robot has independent hinges and slides, each with gains, within its
+    range and as far beyond it as a keyframe needs to hold the weight."""
     model = built.model
     data = mujoco.MjData(model)
     data.qpos[:] = model.key("home").qpos
@@ -42,11 +42,12 @@ def independent(built: Built) -> Iterator[str]:
         mujoco.mju_sparse2dense(jacobian, data.efc_J, data.efc_J_rownnz, data.efc_J_rowadr, data.efc_J_colind)
     else:
         jacobian[:] = data.efc_J.reshape(-1, model.nv)[: data.nefc]
-    sizes = np.linalg.svd(jacobian[rows], compute_uv=False) if len(rows) else np.zeros(0)
-    passive = 6 * int((model.jnt_type == mujoco.mjtJoint.mjJNT_FREE).sum())
-    free = model.nv - passive - int((sizes > RANK).sum())
+    _, sizes, motions = np.linalg.svd(np.vstack([jacobian[rows], np.zeros((1, model.nv))]))
+    # What a ball alone leaves free (a rod turns about itself, a caster rolls) has no actuator.
+    single = np.isin(model.jnt_type, (HINGE, SLIDE))[model.dof_jntid]
+    free = np.linalg.matrix_rank(motions[int((sizes > RANK).sum()) :, single], tol=RANK)
     if model.nu != free:
-        yield f"{model.nu} actuators for {free} independent joints"
+        yield f"{model.nu} actuators for {free} independent hinges and slides"
     for index in range(model.nu):
         joint = model.actuator_trnid[index, 0]
         name = model.joint(joint).name
