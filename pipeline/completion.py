@@ -52,7 +52,7 @@ OPTIONS_OF: Mapping[str, tuple[str, ...]] = {
     "diff": ("--json", "--markdown"),
     "job": ("--shard", "--help"),
     "jobs": ("--fetch", "--shard", "--help"),
-    "new": ("--deep", "--config-dir", "--json", "--help"),
+    "new": ("--deep", "--from", "--config-dir", "--json", "--help"),
     "snapshot": ("--check", "--config-dir", "--help"),
 }
 """Verb about files or folders → its options."""

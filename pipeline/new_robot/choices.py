@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from linkwright.pipeline.new_robot.joint_table import WHEEL, JointRow
 from linkwright.stages.robot.model.robot import Link, Robot
-from linkwright.stages.robot.text.globs import listed, unnumbered
+from linkwright.stages.robot.text.globs import escaped, listed, unnumbered
 
 FOOT = "*[Ff]oot*"
 """The glob of feet in `conf/robot/legged.yaml`."""
@@ -46,11 +46,13 @@ def chosen(
 ) -> RobotChoices:
     """Returns the choices for a robot from a `kind` of source.
 
-    `weighed`: whether its masses are known. `as_the_peer`: whether its base is that of onshape-to-robot,
-    which is fixed only if CAD fixes it.
+    `weighed`: whether its masses are known. `as_the_peer`: whether it is to be as onshape-to-robot makes
+    it: the base is fixed only if CAD fixes it, and joints and parts have no choices of ours.
     """
     base, base_reason = _base(robot, rows, kind, as_the_peer)
     actuators, actuators_reason = _actuators(robot, rows)
+    if as_the_peer:
+        return RobotChoices(base, base_reason, actuators, actuators_reason)
     entries, entries_reason = _entries(robot, rows, base, weighed) if actuators == "position" else ({}, "")
     geoms, geoms_reason = _geoms(robot, kind)
     return RobotChoices(
@@ -99,7 +101,7 @@ def _entries(robot: Robot, rows: Sequence[JointRow], base: str, weighed: bool) -
         )
     wheels = [row.name for row in rows if row.driven and WHEEL.search(row.name)]
     if wheels:
-        entries |= {name: {"type": "velocity"} for name in wheels}
+        entries |= {escaped(name): {"type": "velocity"} for name in wheels}
         reasons.append("wheels hold a speed")
     return entries, "; ".join(reasons)
 

@@ -16,9 +16,16 @@ from linkwright.pipeline.errors import ConfigError, OutputError, reason, refusal
 from linkwright.pipeline.new_robot import robot_file
 from linkwright.pipeline.new_robot.choices import chosen
 from linkwright.pipeline.new_robot.joint_table import joint_table
+from linkwright.pipeline.new_robot.peer_config import PeerConfig, read
+from linkwright.pipeline.new_robot.peer_options import PEER_KEYS, converted
 from linkwright.pipeline.new_robot.robot_file import NewRobot
 from linkwright.pipeline.new_robot.source_keys import robot_name, source_keys
-from linkwright.pipeline.new_robot.survey import FetchedMechanism, fetched_mechanism, surveyed
+from linkwright.pipeline.new_robot.survey import (
+    FetchedMechanism,
+    MechanismSurvey,
+    fetched_mechanism,
+    surveyed,
+)
 from linkwright.pipeline.run.preflight import plan_problems
 from linkwright.pipeline.secrets import Secrets
 from linkwright.pipeline.terminal import pasted
@@ -36,8 +43,10 @@ class NewRequest:
     """The arguments of the verb."""
 
     source: str
-    """The address of an assembly, or the path of a file."""
+    """The address of an assembly, or the path of a file; "" for that of `peer`."""
     name: str = ""
+    peer: str = ""
+    """The path of a configuration of onshape-to-robot."""
     deep: bool = False
     trust: bool = False
     """Whether a xacro file may run."""
@@ -52,12 +61,14 @@ def run(request: NewRequest, environ: Mapping[str, str] = os.environ) -> int:
     Raises ConfigError if that is known before the source is read, OutputError if the file exists or cannot be
     written, and the errors of a fetch.
     """
-    source = source_keys(request.source)
     if request.config_dir and not Path(request.config_dir).is_dir():
         raise ConfigError(f"there is no folder {request.config_dir}", "--config-dir", "make it first")
-    if request.name:
-        _require_free(request, robot_name(request.name, source))
-    draft = robot_name(request.name, source)
+    peer = read(request.peer) if request.peer else None
+    source = peer.source(request.source) if peer else source_keys(request.source)
+    name = request.name or (peer.name if peer else "")
+    draft = robot_name(name, source)
+    if name:
+        _require_free(request, draft)
     plan = _plan(request, {"name": draft, "source": source, "until": "graph"})
     problems = plan_problems(plan, environ)
     if problems:
@@ -69,9 +80,9 @@ def run(request: NewRequest, environ: Mapping[str, str] = os.environ) -> int:
         )
     finally:
         progress.close()
-    name = robot_name(request.name, source, mechanism.title)
+    name = robot_name(name, source, mechanism.title)
     path = _require_free(request, name)
-    robot = described(request, name, source, mechanism)
+    robot = described(request, NewRobot(name, source), mechanism, peer)
     text = robot_file.text(robot)
     Secrets(environ).check({str(path): text.encode()})
     _write(path, text)
@@ -80,27 +91,46 @@ def run(request: NewRequest, environ: Mapping[str, str] = os.environ) -> int:
 
 
 def described(
-    request: NewRequest, name: str, source: Mapping[str, Any], mechanism: FetchedMechanism
+    request: NewRequest, draft: NewRobot, mechanism: FetchedMechanism, peer: PeerConfig | None
 ) -> NewRobot:
-    """Returns what the file of the robot says. The problems are those of the file itself: its own text is
+    """Returns a robot with all that its file says. The problems are those of the file itself: its own text is
     composed, and the graph stage runs with it."""
-    plan = _plan(request, {"name": name, "source": source})
-    survey = surveyed(mechanism, plan)
-    kind = mechanism.bundle.kind
-    rows = joint_table(survey.robot, kind) if survey.robot else ()
-    weighed = mechanism.weighed and not survey.problems
-    choices = chosen(survey.robot, rows, kind, weighed=weighed) if survey.robot else None
-    robot = NewRobot(
-        name,
-        source,
-        rows,
-        choices,
-        survey.problems,
-        studios=0 if mechanism.weighed else mechanism.studios,
-        summary=_summary(survey.robot, weighed) if survey.robot else "",
+    tree = {"name": draft.name, "source": draft.source, **(PEER_KEYS if peer else {})}
+    survey = surveyed(mechanism, _plan(request, tree))
+    robot = replace(draft, problems=survey.problems, studios=0 if mechanism.weighed else mechanism.studios)
+    if survey.robot:
+        robot = _with_findings(robot, survey, mechanism, peer)
+    elif peer:
+        remark = (
+            f"{peer.place}: its options are converted once these problems are solved: write the file again"
+        )
+        robot = replace(robot, converted=PEER_KEYS, remarks=[remark])
+    final = surveyed(
+        mechanism, _plan(request, {"name": robot.name, **yaml.safe_load(robot_file.text(robot))})
     )
-    final = surveyed(mechanism, _plan(request, {"name": name, **yaml.safe_load(robot_file.text(robot))}))
     return replace(robot, problems=final.problems)
+
+
+def _with_findings(
+    draft: NewRobot, survey: MechanismSurvey, mechanism: FetchedMechanism, peer: PeerConfig | None
+) -> NewRobot:
+    """Returns a robot with its joints, the choices for it, and the keys of another tool's configuration."""
+    assert survey.robot is not None
+    weighed = mechanism.weighed and not survey.problems
+    kind = mechanism.bundle.kind
+    rows = joint_table(survey.robot, kind)
+    choices = chosen(survey.robot, rows, kind, weighed=weighed, as_the_peer=peer is not None)
+    robot = replace(draft, rows=rows, choices=choices, summary=_summary(survey.robot, weighed))
+    if peer is None:
+        return robot
+    conversion = converted(peer, survey.robot, rows)
+    return replace(
+        robot,
+        converted=conversion.keys,
+        remarks=conversion.remarks,
+        export=conversion.export,
+        collider=conversion.collider,
+    )
 
 
 def _summary(robot: Robot, weighed: bool) -> str:
@@ -121,6 +151,7 @@ def as_json(robot: NewRobot, path: Path, mechanism: FetchedMechanism) -> str:
         "source": dict(robot.source),
         "joints": [{key: getattr(row, key) for key in keys} for row in robot.rows],
         "problems": [asdict(problem) for problem in robot.problems],
+        "remarks": list(robot.remarks),
         "weighed": mechanism.weighed,
         "calls": {"made": mechanism.calls, "saved": mechanism.saved},
     }
@@ -133,9 +164,11 @@ def as_text(robot: NewRobot, path: Path, mechanism: FetchedMechanism) -> str:
     for problem in robot.problems:
         place = f" {problem.where}:" if problem.where else ""
         lines += [
-            f"{problem.code}{place} {problem.message}",
+            f"{problem.code or 'error'}{place} {problem.message}",
             *([f"    → {problem.hint}"] if problem.hint else []),
         ]
+    if robot.remarks:
+        lines.append(f"{count(len(robot.remarks), 'remark')} about the other tool's options: see the file")
     if robot.problems:
         lines.append(
             f"solve {count(len(robot.problems), 'problem')}, which the file explains; then build it:"

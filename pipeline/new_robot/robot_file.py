@@ -9,13 +9,14 @@ from linkwright.pipeline.new_robot.choices import RobotChoices
 from linkwright.pipeline.new_robot.joint_table import JointRow
 from linkwright.pipeline.new_robot.yaml_lines import comment, entry, flow
 from linkwright.stages.robot.errors import Diagnostic
+from linkwright.stages.robot.text.globs import escaped, fits
 from linkwright.stages.robot.text.plural import count
 
 _REMEDIES: Mapping[str, tuple[str, ...]] = {
-    "E-LOOSE": ("#root: {disconnected: weld} # or drop, or separate",),
-    "E-MASS": ("#mass: {missing: density, density: 1200} # kg/m³, for all parts without a mass",),
+    "LOOSE": ("#root: {disconnected: weld} # or drop, or separate",),
+    "MASS": ("#mass: {missing: density, density: 1200} # kg/m³, for all parts without a mass",),
 }
-"""Code of a problem → lines of YAML that end it."""
+"""Code of a problem, without E- → lines of YAML that end it."""
 
 _DYNAMICS = {"damping": 0.1, "friction": 0.02, "armature": 0.01}
 """Starting values for the joints of an assembly: those of `conf/robot/sample.yaml`."""
@@ -28,10 +29,10 @@ class NewRobot:
     name: str
     source: Mapping[str, Any]
     """The keys of the source."""
-    rows: Sequence[JointRow]
-    choices: RobotChoices | None
+    rows: Sequence[JointRow] = ()
+    choices: RobotChoices | None = None
     """None if the graph stage could make no robot."""
-    problems: Sequence[Diagnostic]
+    problems: Sequence[Diagnostic] = ()
     """The problems that end its build, as far as they are known."""
     studios: int = 0
     """The number of part studios whose masses were not fetched; 0 if all masses are known."""
@@ -40,7 +41,11 @@ class NewRobot:
     converted: Mapping[str, Any] = field(default_factory=dict)
     """Keys that another tool's configuration comes to."""
     remarks: Sequence[str] = ()
-    """Lines about what the other tool's configuration has and this file has not."""
+    """Lines about options of that configuration that are left out, or mean something else here."""
+    export: str = ""
+    """The format to write; "" for the usual formats."""
+    collider: str = ""
+    """The option of the group mesh; "" for the usual option."""
 
 
 def text(robot: NewRobot) -> str:
@@ -89,10 +94,10 @@ def _problems(robot: NewRobot) -> Iterator[str]:
     yield "# Problems: until they are solved, the build ends with these."
     for problem in robot.problems:
         place = f" {problem.where}:" if problem.where else ""
-        yield from comment(f"- {problem.code}{place} {problem.message}", hanging="  ")
+        yield from comment(f"- {problem.code or 'error'}{place} {problem.message}", hanging="  ")
         if problem.hint:
             yield from comment(f"→ {problem.hint}", "", "  ")
-    for code in sorted({problem.code for problem in robot.problems} & _REMEDIES.keys()):
+    for code in sorted({problem.code.removeprefix("E-") for problem in robot.problems} & _REMEDIES.keys()):
         yield from _REMEDIES[code]
 
 
@@ -110,8 +115,9 @@ def _defaults(robot: NewRobot) -> Iterator[str]:
         if choices.base != "legged" or choices.actuators == "none":
             yield from comment(f"{choices.actuators_reason}; others: linkwright explain actuators", "  ")
             yield f"  - override /actuators: {choices.actuators}"
-    yield "  - override /mesh: ladder # colliders: ladder, hull, coacd, primitives, spheres, raw, visual"
-    yield "  - override /export: [urdf, mjcf] # also sdf, usd, ros2, python"
+    mesh, formats = robot.collider or "ladder", robot.export or "[urdf, mjcf]"
+    yield f"  - override /mesh: {mesh} # colliders: ladder, hull, coacd, primitives, spheres, raw, visual"
+    yield f"  - override /export: {formats} # of urdf, mjcf, sdf, usd, ros2, python; several as [urdf, mjcf]"
 
 
 def _source(robot: NewRobot) -> Iterator[str]:
@@ -129,13 +135,27 @@ def _converted(robot: NewRobot) -> Iterator[str]:
     for key, value in robot.converted.items():
         if key not in merged:
             yield entry(key, value)
+    if robot.remarks:
+        yield "# Options of onshape-to-robot that are left out, or mean something else here:"
     for remark in robot.remarks:
-        yield from comment(remark, hanging="  ")
+        yield from comment(f"- {remark}", hanging="  ")
+
+
+def _to_fill_in(robot: NewRobot) -> Iterator[str]:
+    """Yields a line for each joint without some values, which no converted key gives it either."""
+    entries: Mapping[str, Mapping[str, Any]] = robot.converted.get("joints", {})
+    for row in robot.rows:
+        values = [set(keys) for glob, keys in entries.items() if fits(row.name, glob)]
+        missing = {
+            key: value for key, value in row.missing.items() if not any(key in keys for keys in values)
+        }
+        if missing and escaped(row.name) not in entries:
+            yield entry(escaped(row.name), missing, "  ", active=False)
 
 
 def _joints(robot: NewRobot) -> Iterator[str]:
     converted = robot.converted.get("joints", {})
-    lines = [entry(row.name, row.missing, "  ", active=False) for row in robot.rows if row.missing]
+    lines = list(_to_fill_in(robot))
     starting = {"*": _DYNAMICS} if robot.source["kind"] in ("onshape", "bundle") and not converted else {}
     entries = {**starting, **converted}
     if not lines and not entries:
@@ -157,7 +177,7 @@ def _actuators(robot: NewRobot) -> Iterator[str]:
     choices = robot.choices
     converted = robot.converted.get("actuators", {})
     entries = {**(choices.entries if choices else {}), **converted}
-    turning = next((row.name for row in robot.rows if row.driven and row.kind == "turn"), None)
+    turning = next((escaped(row.name) for row in robot.rows if row.driven and row.kind == "turn"), None)
     offered = turning if choices and choices.actuators == "position" and turning not in entries else None
     if not entries and offered is None:
         return
@@ -190,9 +210,9 @@ def _geoms(robot: NewRobot) -> Iterator[str]:
 def _masses(robot: NewRobot) -> Iterator[str]:
     if not robot.studios:
         return
-    studios = count(robot.studios, "part studio")
+    calls = count(robot.studios, "call")
     yield from comment(
-        f"Masses were not asked for (linkwright new --deep does, by a call for each of {studios}). If parts "
-        "have no material, the build ends with E-MASS, which lists them: give them a material in Onshape, or:"
+        f"Masses were not asked for (linkwright new --deep does, by {calls}). If parts have no material, the "
+        "build ends with E-MASS, which lists them: give them a material in Onshape, or:"
     )
-    yield from _REMEDIES["E-MASS"]
+    yield from _REMEDIES["MASS"]

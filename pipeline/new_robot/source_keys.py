@@ -6,11 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from linkwright.pipeline.config.choices import default_robot_name
+from linkwright.pipeline.config.presets import OURS
 from linkwright.pipeline.errors import ConfigError
 from linkwright.stages.robot.system import regular_files
 from linkwright.stages.robot.text.names import legal
 
-SHIPPED = ("bare", "legged", "sample")
+SHIPPED = tuple(sorted(file.stem for file in (OURS / "robot").glob("*.yaml")))
 """The robots of the package, whose names no other robot can have."""
 
 _KINDS = {".zip": "bundle", ".urdf": "urdf", ".xacro": "urdf"}

@@ -91,5 +91,6 @@ def _built(bundle: Bundle, plan: Plan) -> tuple[Robot | None, tuple[Diagnostic, 
     try:
         return build_robot(bundle, plan), ()
     except AssemblyError as error:
-        own = Diagnostic("E-ASSEMBLY", error.message, error.where, error.hint)
-        return None, error.problems or (own,)
+        # An error that ends the stage at once has no code (stages/DIAGNOSTICS.md).
+        uncoded = Diagnostic("", error.message, error.where, error.hint)
+        return None, error.problems or (uncoded,)

@@ -2,7 +2,7 @@
 
 `KEYS.md`, `keys.json`, `keys.txt` and `robot.schema.json` are generated from the sections of the
 configuration, `MUTATIONS.md` from `tests/support/faults`, `PEERS.md`, for who comes from another tool,
-from tests/config/peers.yaml, `formats/READERS.md` from `stages/targets/readers.py`, and
+from peers.yaml, `formats/READERS.md` from `stages/targets/readers.py`, and
 `formats/ROBOT_JSON.md` and `robot_json.schema.json` from `stages/formats/robot_json`: `python -m
 tests.config.regenerate`. Imports nothing heavy.
 """

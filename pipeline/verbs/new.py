@@ -15,6 +15,8 @@ usage: linkwright new [option ...] URL|FILE [NAME] [cache.dir=FOLDER]
   linkwright new arm.urdf           a URDF, a xacro file (with
                                     source.trust=true), an MJCF, or a bundle
   linkwright new --deep URL         also finds parts without material
+  linkwright new --from arm/config.json
+                                    an assembly as onshape-to-robot builds it
 
 It writes ./robot/NAME.yaml: the source; the joints that were found, with type
 and limits; lines to fill in for what is missing (limits, effort, velocity,
@@ -30,18 +32,21 @@ each part studio; a build uses these replies again. A file costs none.
 
 options:
   --deep            asks for the masses of all parts, too
+  --from FILE       a config.json of onshape-to-robot, or its folder: all its
+                    options become keys, or the file says why not; URL is then
+                    needed only if FILE has no url
   --config-dir DIR  writes DIR/robot/NAME.yaml
   --json            prints JSON: path, name, source, joints (name, type, unit,
                     lower, upper, follows, loop, missing), problems (code,
                     where, message, hint), weighed (whether masses are known),
-                    calls (made, saved)
+                    remarks (what --from leaves out), calls (made, saved)
 
 exit status: 0 written, also if the build will end with problems; 1 failed;
 2 wrong usage, no API key, no such file, or there is a robot of that name
 """
 
 _USAGE = "linkwright new URL|FILE [NAME]; linkwright new --help shows more"
-_CONFIG_DIR = ("--config-dir", "-cd")
+_OPTIONS = {"--config-dir": "config_dir", "-cd": "config_dir", "--from": "peer"}
 _FLAGS = ("--deep", "--json")
 _CACHE, _TRUST = "cache.dir=", "source.trust="
 
@@ -53,16 +58,17 @@ def run(arguments: Sequence[str]) -> int:
     from linkwright.pipeline.new_robot import command
 
     remaining, places = list(arguments), []
-    options = {"config_dir": "", "cache": ""}
+    options = {"config_dir": "", "cache": "", "peer": ""}
     flags = {name for name in _FLAGS if name in remaining}
     trust = False
     while remaining:
         word = remaining.pop(0)
         option, sign, value = word.partition("=")
-        if option in _CONFIG_DIR:
+        if option in _OPTIONS:
             if not sign and not remaining:
-                raise ConfigError(f"{option} needs a folder", "new", _USAGE)
-            options["config_dir"] = value if sign else remaining.pop(0)
+                noun = "file" if option == "--from" else "folder"
+                raise ConfigError(f"{option} needs a {noun}", "new", _USAGE)
+            options[_OPTIONS[option]] = value if sign else remaining.pop(0)
         elif word.startswith(_CACHE):
             options["cache"] = word.removeprefix(_CACHE)
         elif word.startswith(_TRUST):
@@ -71,12 +77,11 @@ def run(arguments: Sequence[str]) -> int:
             raise ConfigError(f"there is no option {option}", "new", _USAGE)
         elif word not in _FLAGS:
             places.append(word)
-    if not 1 <= len(places) <= 2:
-        msg = f"expected an address or a file, and perhaps a name; got {len(places)} arguments"
-        raise ConfigError(msg, "new", _USAGE)
+    source, name = _places(places, options["peer"])
     request = command.NewRequest(
-        places[0],
-        places[1] if len(places) > 1 else "",
+        source,
+        name,
+        peer=options["peer"],
         deep="--deep" in flags,
         trust=trust,
         cache=options["cache"] or None,
@@ -84,3 +89,15 @@ def run(arguments: Sequence[str]) -> int:
         json="--json" in flags,
     )
     return command.run(request)
+
+
+def _places(places: Sequence[str], peer: str) -> tuple[str, str]:
+    """Returns the address or file, and the name; "" for what is left out. With `peer`, a configuration that
+    names its source, an argument without "/" is the name."""
+    if peer and len(places) < 2:
+        text = places[0] if places else ""
+        return (text, "") if "/" in text else ("", text)
+    if not 1 <= len(places) <= 2:
+        msg = f"expected an address or a file, and perhaps a name; got {len(places)} arguments"
+        raise ConfigError(msg, "new", _USAGE)
+    return places[0], places[1] if len(places) > 1 else ""

@@ -1,44 +1,22 @@
 """What the verbs of the original Robot class, and the options of onshape-to-robot, are called here.
 
-The rows of `pipeline/reference/PEERS.md` are in peers.yaml, each with the YAML or the command that
-test_peers.py runs.
+The rows of `pipeline/reference/PEERS.md` are in `pipeline/reference/peers.yaml`, each with the YAML or the
+command that test_peers.py runs; `linkwright new --from` takes its reasons from them.
 """
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
 
-import yaml
+from linkwright.pipeline.reference.peers import TABLES, PeerRow
 
-
-class Row(NamedTuple):
-    """`theirs`: names that the row stands for; `yaml`: in a robot's file; `command`: after `linkwright`;
-    `python`: with `import linkwright`; `note`: what differs. None of the three: there is no such thing here,
-    and the note says why."""
-
-    theirs: tuple[str, ...]
-    yaml: str = ""
-    command: str = ""
-    python: str = ""
-    note: str = ""
-
-
-_DATA = yaml.safe_load(Path(__file__).with_suffix(".yaml").read_text(encoding="utf-8"))
-
-TITLES = {
-    title: tuple(Row(**{**row, "theirs": tuple(row["theirs"])}) for row in rows)
-    for title, rows in _DATA.items()
-}
-"""Title of a table → its rows."""
-
-ROBOT_CLASS, ONSHAPE_TO_ROBOT = TITLES.values()
+ROBOT_CLASS, ONSHAPE_TO_ROBOT = TABLES.values()
 
 INTRODUCTION = """\
 # Coming from another tool
 
-Generated from `tests/config/peers.yaml` by `python -m tests.config.regenerate`; do not edit. YAML belongs
-into a robot's file (`robot/my_arm.yaml`), a line that begins with `linkwright` into the terminal. A test runs
-every row.
+Generated from `pipeline/reference/peers.yaml` by `python -m tests.config.regenerate`; do not edit. YAML
+belongs into a robot's file (`robot/my_arm.yaml`), a line that begins with `linkwright` into the terminal. A
+test runs every row.
 """
 
 
@@ -51,7 +29,7 @@ TOOLKIT_PAGE = Path(__file__).resolve().parents[2] / "docs" / "start" / "robotic
 
 def markdown() -> str:
     """The page."""
-    return "\n".join([INTRODUCTION, *(f"## {title}\n\n{table(rows)}" for title, rows in TITLES.items())])
+    return "\n".join([INTRODUCTION, *(f"## {title}\n\n{table(rows)}" for title, rows in TABLES.items())])
 
 
 def toolkit_page() -> str:
@@ -60,7 +38,7 @@ def toolkit_page() -> str:
     return text + table(ROBOT_CLASS)
 
 
-def table(rows: Sequence[Row]) -> str:
+def table(rows: Sequence[PeerRow]) -> str:
     """Rows as a table in Markdown."""
     lines = (
         f"| {', '.join(f'`{name}`' for name in row.theirs)} | {_ours(row)} | {row.note} |\n" for row in rows
@@ -68,6 +46,6 @@ def table(rows: Sequence[Row]) -> str:
     return HEAD + "".join(lines)
 
 
-def _ours(row: Row) -> str:
+def _ours(row: PeerRow) -> str:
     code = row.yaml or row.python or (f"linkwright {row.command}" if row.command else "")
     return f"`{code}`" if code else "-"
