@@ -2,14 +2,13 @@
 
 import gc
 import importlib
-import os
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from linkwright.pipeline.interrupt import behind
-from linkwright.pipeline.options import HELP, Command, Detail, UsageError, parse
+from linkwright.pipeline.options import HELP, JSON, Command, UsageError, parse
+from linkwright.pipeline.reference import exit_status
 from linkwright.pipeline.terminal import streams
 from linkwright.pipeline.verbs import VERBS
 from linkwright.stages.robot.system import garbage
@@ -38,32 +37,50 @@ def run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None" = Non
         return _complete("".join(arguments[1:2]))
     if {"-h", *HELP}.intersection(arguments):
         return _run(arguments, build)  # prints only our own text, which needs no cleaning
-    with _output().clean_streams():
+    # Late: few commands need it, and `--help` does not.
+    from linkwright.pipeline.terminal.output import clean_streams
+
+    with clean_streams():
         return _run(arguments, build)
 
 
 def _run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None") -> int:
-    detail: Detail = "usual"
+    whole = not {"-v", "--verbose"}.isdisjoint(arguments)
+    if JSON in arguments and {"-h", *HELP}.isdisjoint(arguments):
+        # Late: few commands need it, and `--help` does not.
+        from linkwright.pipeline.terminal.json_output import print_document
+
+        return print_document(lambda: _result(arguments, build), _name(arguments), whole=whole)
     try:
-        if arguments and arguments[0] in VERBS:
-            return _verb(arguments[0], arguments[1:])
-        command = parse(arguments)
-        detail = command.detail
-        if f"--{command.show}" in HELP:
-            print(_own_text(command.show))
-            return 0
-        if command.show:
-            for text in _command_output(command):
-                print(text, end="")
-            return 0
-        if command.multirun:
-            return _sweep(command, build)
-        return _single(command, build)
-    except UsageError as error:
-        _say(f"error: {error}")
-        return 2
+        status: int = _result(arguments, build)
+        return status
     except (Exception, KeyboardInterrupt) as error:
-        return _report(error, detail)
+        # Late: few commands need it, and `--help` does not.
+        from linkwright.pipeline.terminal.error_border import print_error
+
+        return print_error(error, whole=whole)
+
+
+def _result(arguments: Sequence[str], build: "Callable[[Plan], Report] | None") -> Any:
+    """Runs a command; returns the exit status, or with `--json` a CommandDocument."""
+    if arguments and arguments[0] in VERBS:
+        return _verb(arguments[0], arguments[1:])
+    command = parse(arguments)
+    if f"--{command.show}" in HELP:
+        print(_own_text(command.show))
+        return 0
+    if command.show:
+        for text in _command_output(command):
+            print(text, end="")
+        return 0
+    return _sweep(command, build) if command.multirun else _single(command, build)
+
+
+def _name(arguments: Sequence[str]) -> str:
+    """Returns the verb of a command line, `sweep` or `build`."""
+    if arguments and arguments[0] in VERBS:
+        return arguments[0]
+    return "build" if {"-m", "--multirun"}.isdisjoint(arguments) else "sweep"
 
 
 def _own_text(option: str) -> str:
@@ -85,14 +102,13 @@ def _version() -> str:
         return "(not installed)"
 
 
-def _verb(name: str, arguments: Sequence[str]) -> int:
-    """Runs a verb, or shows its help; returns the exit status."""
+def _verb(name: str, arguments: Sequence[str]) -> Any:
+    """Runs a verb, or shows its help; returns the exit status, or with `--json` a CommandDocument."""
     verb = importlib.import_module(VERBS[name])
     if "-h" in arguments or "--help" in arguments:
-        print(verb.HELP.rstrip())
+        print(f"{verb.HELP.rstrip()}\n\n{exit_status.paragraph(name)}")
         return 0
-    status: int = verb.run(arguments)
-    return status
+    return verb.run(arguments)
 
 
 def _command_output(command: Command) -> Iterable[str]:
@@ -134,39 +150,13 @@ def _install_completion(shell: str) -> str:
         raise UsageError(f"{msg}\n  → {hint}") from None
 
 
-def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:
+def _single(command: Command, build: "Callable[[Plan], Report] | None") -> Any:
     from linkwright.pipeline.run.single import single  # `--help` and the verbs need none of it
 
     return single(command, build)
 
 
-def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
+def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> Any:
     from linkwright.pipeline.sweep.command import sweep, write_plan  # a single build needs none of it
 
     return write_plan(command) if command.plan else sweep(command, build)
-
-
-def _report(error: BaseException, detail: Detail) -> int:
-    """Prints an error as one message; returns the exit status."""
-    # Late: few commands need it, and `--help` does not.
-    from linkwright.pipeline.errors import exit_status, render
-
-    error = KeyboardInterrupt() if behind(error) else error
-    if os.environ.get("LINKWRIGHT_TRACEBACK", "") not in ("", "0"):
-        # Late: few commands need it, and `--help` does not.
-        import traceback
-
-        traceback.print_exception(error)
-    _say(render(error, whole=detail == "all"))
-    return exit_status(error)
-
-
-def _say(text: str) -> None:
-    _output().say(text, sys.stderr)
-
-
-def _output() -> ModuleType:
-    # Late: few commands need it, and `--help` does not.
-    from linkwright.pipeline.terminal import output
-
-    return output

@@ -44,15 +44,16 @@ SHORT = {"-c": "--cfg", "-i": "--info", "-cd": "--config-dir"}
 
 OPTIONS = (
     "--multirun", "--config-dir", "--cfg", "--package", "--resolve", "--info", "--install-completion",
-    "--plan", "--offline", "--verbose", "--quiet", "--help", "--help-all", "--version",
+    "--plan", "--offline", "--verbose", "--quiet", "--json", "--help", "--help-all", "--version",
 )  # fmt: skip
 
 OPTIONS_OF: Mapping[str, tuple[str, ...]] = {
     "check": ("--level", "--json", "--sarif", "--junit", "--baseline", "--help"),
     "diff": ("--json", "--markdown"),
-    "job": ("--shard", "--help"),
-    "jobs": ("--fetch", "--shard", "--help"),
+    "job": ("--shard", "--json", "--help"),
+    "jobs": ("--fetch", "--shard", "--json", "--help"),
     "new": ("--deep", "--from", "--config-dir", "--json", "--help"),
+    "skill": ("--path", "--help"),
     "snapshot": ("--check", "--config-dir", "--help"),
 }
 """Verb about files or folders → its options."""

@@ -1,14 +1,10 @@
-"""Turns errors into a message and an exit status.
-
-Exit status: 0 built and valid; 1 failed while the stages ran; 2 an error found before the first stage
-(`ConfigError`); 3 built, but a check failed, or an older state was built since the API quota is used up;
-130 interrupted.
-"""
+"""Turns errors into a message and an exit status (see `pipeline.reference.exit_status`)."""
 
 import errno
 from collections.abc import Sequence
 
 from linkwright.pipeline import interrupt
+from linkwright.pipeline.reference.exit_status import FAILED, INTERRUPTED, REFUSED, UNMET
 from linkwright.pipeline.terminal.finding_lines import Style, finding_lines
 from linkwright.stages.robot.errors import (
     AssemblyError,
@@ -107,12 +103,12 @@ def as_problems(error: ConfigError) -> tuple[Diagnostic, ...]:
 def exit_status(error: BaseException) -> int:
     """Returns the exit status of a run that `error` ended."""
     if isinstance(error, ConfigError):
-        return 2
+        return REFUSED
     if isinstance(error, ValidationFailed):
-        return 3
+        return UNMET
     if isinstance(error, KeyboardInterrupt):
-        return interrupt.STATUS
-    return 1
+        return INTERRUPTED
+    return FAILED
 
 
 def render(error: BaseException, *, whole: bool = True) -> str:

@@ -14,11 +14,11 @@ usage: linkwright [option ...] [group=option ...] [key=value ...]
   linkwright robot=my_arm root=free joints.elbow.damping=0.2     change options
   linkwright -m robot=my_arm root=fixed,free          a sweep, a folder for each
 
-options: -q shows only errors, -v all findings; -m sweeps over values a,b,c;
+options: -q only errors, -v all findings, --json for programs; -m sweeps a,b,c;
          --config-dir DIR holds robot/; --cfg job prints the configuration
 groups:  robot source root depth mesh ground export target validate actuators
          elements
-verbs:   new bundle view check diff snapshot cache explain doctor jobs job
+verbs:   new bundle view check diff snapshot cache explain doctor skill jobs job
          (linkwright VERB --help)
 
   linkwright explain KEY|CODE         what a key or the code of a message means
@@ -67,7 +67,9 @@ other verbs (linkwright VERB --help shows more):
                                   check it
   linkwright doctor               whether builds can work on this computer, and
                                   what to do where not
-  linkwright explain CODE|KEY     explain a diagnostic's code or a key
+  linkwright explain CODE|KEY     explain a diagnostic's code, a key, or the
+                                  exit status (explain exit)
+  linkwright skill                print the instructions for agents
   linkwright jobs FILE            which jobs of a list are done; --fetch fetches
                                   their sources
   linkwright job FILE N           run job N of a list, anywhere
@@ -75,6 +77,8 @@ other verbs (linkwright VERB --help shows more):
 options:
   -v, --verbose          all findings, whole; else the worst three of each code
   -q, --quiet            only errors and failed checks
+  --json                 print one JSON document and nothing else; verbs have
+                         this option, too (linkwright explain --schema build)
   -m, --multirun         sweep over values that are separated by commas;
                          in parallel with hydra/launcher=workstation, slurm,
                          slurm_local or ray
@@ -118,17 +122,15 @@ keys (key=value; linkwright explain KEY shows type, unit, default, an example):
 environment:
 {environment}
 
-exit status:
-  0  built and valid    1  failed    2  wrong configuration, nothing was built
-  3  built, but a check failed, or the state is not the newest (the API quota is
-     used up)           130  interrupted
+{exit}
 """
 
 
 def whole() -> str:
     """Returns the text of `--help-all`; its list of keys is generated from the schema."""
     # Imported late: `--help` does not need the reference.
-    from linkwright.pipeline.reference import HELP, environment
+    from linkwright.pipeline.reference import HELP, environment, exit_status
 
     keys = HELP.read_text(encoding="utf-8").rstrip()
-    return _WHOLE.replace("{keys}", keys).replace("{environment}", environment.text())
+    text = _WHOLE.replace("{keys}", keys).replace("{environment}", environment.text())
+    return text.replace("{exit}", exit_status.paragraph("build"))

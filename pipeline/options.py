@@ -30,6 +30,9 @@ Detail = Literal["errors", "usual", "all"]
 HELP = ("--help", "--help-all", "--version")
 """Options that show a text of Linkwright's own."""
 
+JSON = "--json"
+"""The option by which a command prints one JSON document."""
+
 
 # Not a dataclass: importing the module `dataclasses` takes a quarter of the time of `--help`.
 class Command(NamedTuple):
@@ -53,6 +56,8 @@ class Command(NamedTuple):
     """The file for the list of a sweep's jobs, which are then not built."""
     offline: bool = False
     """Whether the list of jobs is written without an API call."""
+    json: bool = False
+    """Whether the result is printed as a JSON document."""
 
 
 class UsageError(Exception):
@@ -88,7 +93,7 @@ class _OptionReader:
         self._rest = rest
         self.overrides: list[str] = []
         self._folders: list[str] = []
-        self._multirun = self._resolve = self._offline = False
+        self._multirun = self._resolve = self._offline = self._json = False
         self._plan = ""
         self._show, self._subject, self._package = "", "", ""
         self._details: set[Detail] = set()
@@ -121,6 +126,9 @@ class _OptionReader:
     def offline(self, option: str, value: str | None) -> None:
         self._offline = True
 
+    def json(self, option: str, value: str | None) -> None:
+        self._json = True
+
     def package(self, option: str, value: str | None) -> None:
         self._package = value or self._rest.value(option, "a key", f"{option} mesh, with --cfg job")
 
@@ -152,6 +160,8 @@ class _OptionReader:
         if self._offline and not self._plan:
             msg = "--offline belongs to --plan\n  → source.offline=true builds from what was fetched before"
             raise UsageError(msg)
+        if self._json and self._show:
+            raise UsageError(f"--json belongs to a build or a sweep\n  → leave it out with --{self._show}")
         if len(self._details) > 1:
             raise UsageError("-q and -v exclude each other\n  → -q shows only errors, -v shows all findings")
         return Command(
@@ -165,6 +175,7 @@ class _OptionReader:
             next(iter(self._details), "usual"),
             self._plan,
             self._offline,
+            self._json,
         )
 
 
@@ -178,6 +189,7 @@ _OPTIONS: dict[str, Callable[[_OptionReader, str, str | None], None]] = {
     "--package": _OptionReader.package,
     "--plan": _OptionReader.plan,
     "--offline": _OptionReader.offline,
+    JSON: _OptionReader.json,
     "--cfg": _OptionReader.cfg,
     "--info": _OptionReader.info,
     "--shell-completion": _OptionReader.completion,

@@ -1,6 +1,5 @@
-"""Shows the differences of two robots as text, as JSON, and as Markdown for a pull request."""
+"""Shows the differences of two robots as text, as a document, and as Markdown for a pull request."""
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from itertools import groupby
@@ -8,6 +7,8 @@ from typing import Any
 
 from linkwright.pipeline.changes.change import Change
 from linkwright.pipeline.changes.read import FILE, Described
+from linkwright.pipeline.json_documents.diff import ChangeDocument, ComparedRobot, DiffDocument
+from linkwright.pipeline.reference.exit_status import BUILT, UNMET
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.robot.text.printable import printable
 
@@ -39,17 +40,11 @@ def as_text(before: Described, after: Described, changes: Sequence[Change]) -> s
     return "\n".join([*lines, count(len(changes), "difference")])
 
 
-def as_json(before: Described, after: Described, changes: Sequence[Change]) -> str:
-    """Returns the differences as JSON, with the values of robot.json."""
-    table = {
-        "format": "linkwright-diff",
-        "version": 1,
-        "before": _place(before),
-        "after": _place(after),
-        "alike": not changes,
-        "changes": [asdict(change) for change in changes],
-    }
-    return json.dumps(table, indent=2, ensure_ascii=False)
+def as_document(before: Described, after: Described, changes: Sequence[Change]) -> DiffDocument:
+    """Returns the document of the differences, with the values of robot.json."""
+    documents = tuple(ChangeDocument(**asdict(change)) for change in changes)
+    robots = _compared(before), _compared(after)
+    return DiffDocument(UNMET if changes else BUILT, *robots, alike=not changes, changes=documents)
 
 
 def as_markdown(before: Described, after: Described, changes: Sequence[Change]) -> str:
@@ -74,12 +69,8 @@ def _place_and_size(described: Described) -> str:
     return printable(f"{described.place} ({robot['name']}: {links}, {joints}, {mass})")
 
 
-def _place(described: Described) -> dict[str, Any]:
-    return {
-        "place": described.place,
-        "name": described.robot["name"],
-        "source": described.robot.get("source"),
-    }
+def _compared(described: Described) -> ComparedRobot:
+    return ComparedRobot(described.place, described.robot["name"], described.robot.get("source"))
 
 
 def source_changes(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[str]:

@@ -1,6 +1,6 @@
 """Checks existing files, and shows the results.
 
-- as_json: Writes the verdict of checks as JSON for programs, and reads such JSON as a baseline.
+- as_document: Makes the document of a verdict of checks, and reads such a document as a baseline.
 - ask: Asks the guest process to check files, within limits of time and memory.
 - guest: Checks files of any origin in a process of its own: some crash their reader, or exhaust time and
   memory.

@@ -1,9 +1,11 @@
-"""Holds the result of an examination, and shows results as text or JSON."""
+"""Holds the result of an examination, and writes results as text or as a document."""
 
-import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Literal
+
+from linkwright.pipeline.json_documents.doctor import DoctorDocument, ExaminedDocument
+from linkwright.pipeline.reference.exit_status import BUILT, FAILED
 
 State = Literal["ok", "note", "wrong"]
 """ok: it works; note: something optional is missing, or was not tried; wrong: builds fail until it is
@@ -38,8 +40,8 @@ def as_text(rows: Sequence[Examination]) -> str:
     return "\n".join([*lines, summary])
 
 
-def as_json(rows: Sequence[Examination]) -> str:
-    """Returns a JSON object: `works` (whether nothing is wrong), and `examined` (a list of subject, state,
-    detail and hint)."""
+def as_document(rows: Sequence[Examination]) -> DoctorDocument:
+    """Returns the document of the results."""
     works = all(row.state != "wrong" for row in rows)
-    return json.dumps({"works": works, "examined": [asdict(row) for row in rows]}, indent=2)
+    examined = tuple(ExaminedDocument(row.subject, row.state, row.detail, row.hint) for row in rows)
+    return DoctorDocument(BUILT if works else FAILED, works, examined)

@@ -1,10 +1,9 @@
 """Surveys a source, writes the robot's file, and prints what it found."""
 
-import json
 import os
 import sys
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,9 @@ import yaml
 from linkwright.pipeline.api.arguments import plan_of
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.errors import ConfigError, OutputError, reason, refusal
+from linkwright.pipeline.json_documents.document import CommandDocument
+from linkwright.pipeline.json_documents.findings import worst
+from linkwright.pipeline.json_documents.new import NewDocument, NewJointDocument
 from linkwright.pipeline.new_robot import robot_file
 from linkwright.pipeline.new_robot.choices import chosen
 from linkwright.pipeline.new_robot.joint_table import joint_table
@@ -35,8 +37,6 @@ from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.show.graph_view.labels import kilograms
 
-FORMAT, VERSION = "linkwright-new", 1
-
 
 @dataclass(frozen=True, slots=True)
 class NewRequest:
@@ -55,8 +55,8 @@ class NewRequest:
     json: bool = False
 
 
-def run(request: NewRequest, environ: Mapping[str, str] = os.environ) -> int:
-    """Writes the robot's file, prints the result, and returns the exit status.
+def run(request: NewRequest, environ: Mapping[str, str] = os.environ) -> int | CommandDocument:
+    """Writes the robot's file, prints the result, and returns the exit status, or returns a document.
 
     Raises ConfigError if that is known before the source is read, OutputError if the file exists or cannot be
     written, and the errors of a fetch.
@@ -86,7 +86,9 @@ def run(request: NewRequest, environ: Mapping[str, str] = os.environ) -> int:
     text = robot_file.text(robot)
     Secrets(environ).check({str(path): text.encode()})
     _write(path, text)
-    print(as_json(robot, path, mechanism)) if request.json else say(as_text(robot, path, mechanism))
+    if request.json:
+        return as_document(robot, path, mechanism)
+    say(as_text(robot, path, mechanism))
     return 0
 
 
@@ -140,22 +142,21 @@ def _summary(robot: Robot, weighed: bool) -> str:
     return ", ".join([*nouns, *mass])
 
 
-def as_json(robot: NewRobot, path: Path, mechanism: FetchedMechanism) -> str:
-    """Returns the result for programs; `linkwright new --help` describes its keys."""
-    keys = ("name", "type", "unit", "lower", "upper", "follows", "loop", "missing")
-    table = {
-        "format": FORMAT,
-        "version": VERSION,
-        "path": str(path),
-        "name": robot.name,
-        "source": dict(robot.source),
-        "joints": [{key: getattr(row, key) for key in keys} for row in robot.rows],
-        "problems": [asdict(problem) for problem in robot.problems],
-        "remarks": list(robot.remarks),
-        "weighed": mechanism.weighed,
-        "calls": {"made": mechanism.calls, "saved": mechanism.saved},
-    }
-    return json.dumps(table, indent=2, ensure_ascii=False)
+def as_document(robot: NewRobot, path: Path, mechanism: FetchedMechanism) -> NewDocument:
+    """Returns the document of the result."""
+    names = [field.name for field in fields(NewJointDocument)]
+    joints = (NewJointDocument(**{name: getattr(row, name) for name in names}) for row in robot.rows)
+    return NewDocument(
+        exit_status=0,
+        path=str(path),
+        name=robot.name,
+        source=robot.source,
+        joints=tuple(joints),
+        problems=worst(robot.problems, whole=True),
+        remarks=tuple(robot.remarks),
+        weighed=mechanism.weighed,
+        calls={"made": mechanism.calls, "saved": mechanism.saved},
+    )
 
 
 def as_text(robot: NewRobot, path: Path, mechanism: FetchedMechanism) -> str:

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from linkwright.pipeline import observed
+from linkwright.pipeline.json_documents.build import build_document
+from linkwright.pipeline.json_documents.document import CommandDocument
 from linkwright.pipeline.options import Command
 from linkwright.pipeline.report import Report
 from linkwright.pipeline.run import unchanged
@@ -17,11 +19,12 @@ if TYPE_CHECKING:
     from linkwright.pipeline.config.plan import Plan
 
 
-def single(command: Command, build: "Callable[[Plan], Report] | None" = None) -> int:
-    """Runs the build of a command line, prints its result, and returns the exit status. `build` replaces the
-    real build in tests."""
+def single(command: Command, build: "Callable[[Plan], Report] | None" = None) -> int | CommandDocument:
+    """Runs the build of a command line, prints its result, and returns the exit status; with `--json` returns
+    the document of the result. `build` replaces the real build in tests."""
     if build is not None:
-        return build(_plan(command)).exit_status
+        made = build(_plan(command))
+        return build_document(made, whole=False) if command.json else made.exit_status
     progress = Quiet() if command.detail == "errors" else progress_for(sys.stderr)
     action = unchanged.action_of(command)
     report = unchanged.again(action, command, progress)
@@ -37,6 +40,8 @@ def single(command: Command, build: "Callable[[Plan], Report] | None" = None) ->
             built = build_files(plan, progress)
         unchanged.remember(action, command, observations, built)
         report = built.report
+    if command.json:
+        return build_document(report, whole=command.detail == "all")
     show(report, sys.stdout, command.detail)
     return report.exit_status
 

@@ -20,6 +20,7 @@ from linkwright.pipeline.mesh_details import kept
 from linkwright.pipeline.objective.value import objective
 from linkwright.pipeline.page.document import frame
 from linkwright.pipeline.page.live_view import with_view
+from linkwright.pipeline.reference.exit_status import BUILT, UNMET
 from linkwright.pipeline.report import Report, StageReport, Status
 from linkwright.pipeline.run.products import digests
 from linkwright.pipeline.run.strictness import strict_checks
@@ -138,7 +139,7 @@ class Run:
         status: Status = "stale" if self.stale else "built"
         if any(check.fails for check in checks):
             status = "invalid"
-        ended = 0 if status == "built" else 3
+        ended = BUILT if status == "built" else UNMET
         outputs, picture = digests(context, files), self.pictures.path
         value = objective(context, files, checks)
         return self.report(

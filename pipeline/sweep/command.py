@@ -8,6 +8,8 @@ from linkwright.pipeline.config.compose import session
 from linkwright.pipeline.config.files.trust import BASIC
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.errors import ConfigError
+from linkwright.pipeline.json_documents.document import CommandDocument
+from linkwright.pipeline.json_documents.jobs import jobs_document, sweep_document
 from linkwright.pipeline.options import Command
 from linkwright.pipeline.output.folder import output_errors
 from linkwright.pipeline.report import Report
@@ -28,9 +30,9 @@ from linkwright.pipeline.terminal.output import say, width_of
 from linkwright.stages.robot.text.plural import count
 
 
-def sweep(command: Command, build: Callable[[Plan], Report] | None) -> int:
-    """Builds each robot of the sweep, and returns the exit status. `build`: replaces the real build; None for
-    the real build, for which the sources are fetched first."""
+def sweep(command: Command, build: Callable[[Plan], Report] | None) -> int | CommandDocument:
+    """Builds each robot of the sweep; returns the exit status, or with `--json` a document. `build`: replaces
+    the real build; None for the real build, for which the sources are fetched first."""
     with session(command.config_dirs, judge=sweep_problems) as composer:
         request = composer.with_params(*composer.read(command.overrides, multirun=True))
         if request.sweeping.sweeper != BASIC:
@@ -42,7 +44,7 @@ def sweep(command: Command, build: Callable[[Plan], Report] | None) -> int:
         account = Account(request.tree, command.overrides, composed_sweep.overrides)
         returned_outcomes = _run_jobs(command, composed_sweep, config, account, build)
     outcomes = _merged_outcomes(outcomes_of(composed_sweep.root), returned_outcomes)
-    return _report(outcomes, composed_sweep.root, is_quiet=_is_quiet(command))
+    return _report(command, outcomes, composed_sweep.root)
 
 
 def _run_jobs(
@@ -61,22 +63,24 @@ def _run_jobs(
         return launch_jobs(jobs, build, config, root, account, is_quiet=is_quiet)
 
 
-def _report(outcomes: Sequence[Outcome], root: Path, *, is_quiet: bool) -> int:
-    """Shows the outcomes, writes the summaries of the sweep, and returns the exit status. `is_quiet`: whether
-    to show nothing if all jobs succeeded."""
+def _report(command: Command, outcomes: Sequence[Outcome], root: Path) -> int | CommandDocument:
+    """Shows the outcomes, writes the summaries of the sweep, and returns the exit status, or with `--json` a
+    document."""
+    is_quiet = _is_quiet(command)
     status = sweep_status(outcomes)
-    if status or not is_quiet:
+    if (status or not is_quiet) and not command.json:
         say(table(outcomes, root, width_of(sys.stdout)))
     write_summaries(outcomes, root)
-    return status
+    return sweep_document(status, root, outcomes) if command.json else status
 
 
 def _is_quiet(command: Command) -> bool:
     return command.detail == "errors"
 
 
-def write_plan(command: Command) -> int:
-    """Writes the list of the jobs of a sweep, and builds nothing; returns the exit status."""
+def write_plan(command: Command) -> int | CommandDocument:
+    """Writes the list of the jobs of a sweep, and builds nothing; returns the exit status, or with `--json` a
+    document."""
     path = Path(command.plan)
     find_problems = offline_problems if command.offline else sweep_problems
     with session(command.config_dirs, judge=find_problems) as composer:
@@ -94,12 +98,14 @@ def write_plan(command: Command) -> int:
     else:
         fetching.ask_servers()
     job_list.write(path, job_list_of(command, composed_sweep, fetching, path))
+    size, failures = len(composed_sweep.jobs), fetching.failures()
     if not _is_quiet(command):
-        size = len(composed_sweep.jobs)
         say(f"{path}: {fetching.line(size) if fetching.groups else count(size, 'job')}")
-    for line in fetching.failures():
+    for line in failures:
         say(f"error: {line}", sys.stderr)
-    return 1 if fetching.failures() else 0
+    if command.json:
+        return jobs_document(path, composed_sweep.root.as_posix(), size, failures=failures)
+    return 1 if failures else 0
 
 
 def _merged_outcomes(

@@ -4,46 +4,75 @@ import shlex
 import sys
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from linkwright.pipeline.errors import ConfigError
-from linkwright.pipeline.options import SHORT
+from linkwright.pipeline.json_documents.document import CommandDocument
+from linkwright.pipeline.json_documents.jobs import STALE, jobs_document
+from linkwright.pipeline.options import JSON, SHORT
 from linkwright.pipeline.sweep import job_list, listed_jobs
 from linkwright.pipeline.sweep.fetching import named
-from linkwright.pipeline.sweep.job_list import Share
+from linkwright.pipeline.sweep.job_list import JobList, Share
 from linkwright.pipeline.sweep.outcome import Outcome, sweep_status
 from linkwright.pipeline.sweep.run import print_line
 from linkwright.pipeline.sweep.terminal_table import table
 from linkwright.pipeline.terminal.output import say, width_of
 from linkwright.stages.robot.errors import Offline
 
-_KINDS = ("done", "running", "failed", listed_jobs.STALE, "missing")
+_KINDS = ("done", "running", "failed", STALE, "missing")
 """The kinds of jobs, in the order of the message."""
 
 
-def jobs(arguments: Sequence[str]) -> int:
+@dataclass(frozen=True, slots=True)
+class _Request:
+    """The parsed arguments: the list, the other arguments, the share, and whether to show only errors, and to
+    return a document."""
+
+    path: Path
+    rest: list[str]
+    share: Share | None
+    is_quiet: bool
+    json: bool
+
+    def answer(
+        self,
+        jobs: JobList,
+        status: int,
+        outcomes: Sequence[Outcome] = (),
+        failures: Sequence[str] = (),
+    ) -> int | CommandDocument:
+        """Returns the exit status, or with `--json` the document."""
+        if not self.json:
+            return status
+        return jobs_document(self.path, jobs.folder, len(jobs.jobs), outcomes, status, failures)
+
+
+def jobs(arguments: Sequence[str]) -> int | CommandDocument:
     """Tells the states of the jobs of a list, or with `--fetch` fetches their sources; returns the exit
-    status. Raises ConfigError for wrong usage, and for a file that is no list."""
-    path, rest, share, is_quiet = _parsed("jobs", arguments, ("--fetch",))
-    if any(argument != "--fetch" for argument in rest) or (rest and share):
+    status, or with `--json` a document. Raises ConfigError for wrong usage or a file that is no list."""
+    request = _parsed("jobs", arguments, ("--fetch",))
+    rest = request.rest
+    if any(argument != "--fetch" for argument in rest) or (rest and request.share):
         raise ConfigError("expected a list of jobs, and --fetch or --shard", "jobs", _usage("jobs"))
-    return _fetch(path, is_quiet=is_quiet) if rest else _tell(path, share, is_quiet=is_quiet)
+    return _fetch(request) if rest else _tell(request)
 
 
-def job(arguments: Sequence[str]) -> int:
-    """Runs a job of a list, or a share of its jobs; returns the exit status. Raises ConfigError for wrong
-    usage, and for a file that is no list."""
-    path, rest, share, is_quiet = _parsed("job", arguments, ())
+def job(arguments: Sequence[str]) -> int | CommandDocument:
+    """Runs a job of a list, or a share of its jobs; returns the exit status, or with `--json` a document.
+    Raises ConfigError for wrong usage, and for a file that is no list."""
+    request = _parsed("job", arguments, ())
+    path, rest, share = request.path, request.rest, request.share
     if len(rest) != (0 if share else 1):
         raise ConfigError("expected a list of jobs, and a number or --shard", "job", _usage("job"))
     with listed_jobs.opened(path) as job_list_:
         chosen = [job_list.job_numbered(job_list_, rest[0], path)] if rest else job_list_.share(share)
-        outcomes, unfetched = listed_jobs.run(job_list_, chosen, is_quiet=is_quiet)
+        outcomes, unfetched = listed_jobs.run(job_list_, chosen, is_quiet=request.is_quiet)
     for outcome in outcomes:
         if outcome.status not in (0, 3):
             lines = [f"error: job {outcome.number} ({outcome.label}): {outcome.message}", *outcome.problems]
             say("\n  ".join(lines), sys.stderr)
-        if not is_quiet:
+        if not request.is_quiet:
             say(f"{outcome.folder}: {outcome.message}")
     if unfetched:
         text = (
@@ -52,21 +81,19 @@ def job(arguments: Sequence[str]) -> int:
             else "nothing is fetched for them yet"
         )
         raise Offline(text, named(unfetched), f"linkwright jobs {shlex.quote(str(path))} --fetch")
-    single = outcomes[0].status if rest else None
-    return sweep_status(outcomes) if single is None else single
+    status = (outcomes[0].status if rest else None) or sweep_status(outcomes)
+    return request.answer(job_list_, status, outcomes)
 
 
 def _usage(verb: str) -> str:
     return f"linkwright {verb} --help shows how it is called"
 
 
-def _parsed(
-    verb: str, arguments: Sequence[str], options: Sequence[str]
-) -> tuple[Path, list[str], Share | None, bool]:
-    """Returns the path of the list, the other arguments, the share, and whether to show only errors."""
+def _parsed(verb: str, arguments: Sequence[str], options: Sequence[str]) -> _Request:
+    """Parses the arguments; raises ConfigError for an unknown option or without a list."""
     unshared, share = job_list.split_share(arguments)
-    rest = [argument for argument in unshared if SHORT.get(argument, argument) != "--quiet"]
-    is_quiet = len(rest) < len(unshared)
+    rest = [word for word in unshared if word != JSON and SHORT.get(word, word) != "--quiet"]
+    is_quiet = any(SHORT.get(word, word) == "--quiet" for word in unshared)
     unknown = [argument for argument in rest if argument.startswith("-") and argument not in options]
     if unknown:
         raise ConfigError(f"there is no option {unknown[0]}", verb, _usage(verb))
@@ -74,31 +101,33 @@ def _parsed(
     if not places:
         raise ConfigError("expected a list of jobs", verb, _usage(verb))
     rest.remove(places[0])
-    return Path(places[0]), rest, share, is_quiet
+    return _Request(Path(places[0]), rest, share, is_quiet, JSON in unshared)
 
 
-def _fetch(path: Path, *, is_quiet: bool) -> int:
+def _fetch(request: _Request) -> int | CommandDocument:
+    path, failed = request.path, list[str]()
     with listed_jobs.opened(path) as job_list_:
-        if not job_list_.sources:
-            if not is_quiet:
-                say(f"{path}: nothing to fetch: the sources of all jobs are on this computer")
-            return 0
-        pinned, failed = listed_jobs.fetch(job_list_, (lambda _: None) if is_quiet else print_line)
-    if pinned != job_list_:
+        if job_list_.sources:
+            pinned, failed = listed_jobs.fetch(
+                job_list_, (lambda _: None) if request.is_quiet else print_line
+            )
+        elif not request.is_quiet:
+            say(f"{path}: nothing to fetch: the sources of all jobs are on this computer")
+    if job_list_.sources and pinned != job_list_:
         job_list.write(path, pinned)
     for line in failed:
         say(f"error: {line}", sys.stderr)
-    return 1 if failed else 0
+    return request.answer(job_list_, 1 if failed else 0, failures=failed)
 
 
-def _tell(path: Path, share: Share | None, *, is_quiet: bool) -> int:
-    with listed_jobs.opened(path) as job_list_:
-        outcomes = listed_jobs.outcomes(job_list_.share(share))
-        if share is None:
+def _tell(request: _Request) -> int | CommandDocument:
+    with listed_jobs.opened(request.path) as job_list_:
+        outcomes = listed_jobs.outcomes(job_list_.share(request.share))
+        if request.share is None:
             listed_jobs.summarise(job_list_, outcomes)
         status = sweep_status(outcomes)
-        if is_quiet and not status:
-            return 0
+        if request.json or (request.is_quiet and not status):
+            return request.answer(job_list_, status, outcomes)
         if outcomes:
             say(table(outcomes, Path(job_list_.folder), width_of(sys.stdout)))
     numbers = Counter(map(_kind, outcomes))
@@ -107,6 +136,6 @@ def _tell(path: Path, share: Share | None, *, is_quiet: bool) -> int:
 
 
 def _kind(outcome: Outcome) -> str:
-    if outcome.message == listed_jobs.STALE:
-        return listed_jobs.STALE
+    if outcome.message == STALE:
+        return STALE
     return "done" if outcome.state in ("built", "unmet") else outcome.state

@@ -15,6 +15,7 @@ from linkwright.pipeline.config.compose import session
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.errors import CacheError, ConfigError, OutputError, refusal
+from linkwright.pipeline.json_documents.jobs import STALE
 from linkwright.pipeline.options import Command
 from linkwright.pipeline.run.build import build
 from linkwright.pipeline.run.preflight import suffix_of
@@ -27,9 +28,6 @@ from linkwright.pipeline.sweep.outcome import Outcome, planned
 from linkwright.pipeline.sweep.outcome_files import left
 from linkwright.pipeline.sweep.run import Job, Sweep, Task, expanded, usual_folder
 from linkwright.stages.fetch import remote
-
-STALE = "stale"
-"""The message of a job whose folder contains the build of another configuration or document state."""
 
 _CONFIG, _REPORT = "config.yaml", "report.json"
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from linkwright.pipeline.errors import exit_status
+from linkwright.pipeline.reference.exit_status import BUILT, FAILED, UNMET
 from linkwright.stages.robot.errors import LinkwrightError
 
 if TYPE_CHECKING:
@@ -72,7 +73,7 @@ def state_of(status: int | None, message: str) -> State:
     """Returns the state of a job by its exit status and its message."""
     if status is None:
         return "running" if message == RUNNING else "missing"
-    return "built" if status == 0 else "unmet" if status == 3 else "failed"
+    return "built" if status == BUILT else "unmet" if status == UNMET else "failed"
 
 
 def planned(number: int, label: str, overrides: Mapping[str, Any], folder: str) -> Outcome:
@@ -142,6 +143,6 @@ def sweep_status(outcomes: Iterable[Outcome]) -> int:
     """Returns the exit status of a sweep: 1 if any job failed or has not ended, else 3 if any job's check
     failed, else 0."""
     statuses = {outcome.status for outcome in outcomes}
-    if statuses - {0, 3}:
-        return 1
-    return 3 if 3 in statuses else 0
+    if statuses - {BUILT, UNMET}:
+        return FAILED
+    return UNMET if UNMET in statuses else BUILT

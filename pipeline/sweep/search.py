@@ -16,6 +16,8 @@ from linkwright.pipeline.config.objective_section import ObjectiveSection
 from linkwright.pipeline.config.overrides import Override
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.errors import ConfigError, as_problems, refusal
+from linkwright.pipeline.json_documents.document import CommandDocument
+from linkwright.pipeline.json_documents.jobs import sweep_document
 from linkwright.pipeline.options import Command
 from linkwright.pipeline.output.folder import output_errors
 from linkwright.pipeline.report import Report
@@ -47,9 +49,9 @@ def run_search(
     composer: "Composer",
     request: "SweepRequest",
     build: Callable[[Plan], Report] | None,
-) -> int:
-    """Runs a search; returns the exit status: that of the best job. Raises ConfigError for an invalid space,
-    and without an objective."""
+) -> int | CommandDocument:
+    """Runs a search; returns the exit status, which is that of the best job, or with `--json` a document.
+    Raises ConfigError for an invalid space, and without an objective."""
     _require_distinct(request)
     first = jobs_of(composer, request, sweep_problems, corners(request))
     config = launcher_config(
@@ -67,12 +69,15 @@ def run_search(
                 write_summaries(trials.outcomes, first.root)
     is_quiet = command.detail == "errors"
     best = trials.best()
+    status = (best[0].status or 0) if best else 1
+    if command.json:
+        return sweep_document(status, first.root, trials.outcomes, [job.number for job in best])
     if not is_quiet or not best:
         say(table(trials.outcomes, first.root, width_of(sys.stdout)))
     for outcome in best if not is_quiet else ():
         numbers = ", ".join(f"{value:.6g}" for value in trials.numbers(outcome))
         say(f"best: {numbers} of job {outcome.number}: {outcome.label}")
-    return (best[0].status or 0) if best else 1
+    return status
 
 
 def _require_distinct(request: "SweepRequest") -> None:

@@ -1,7 +1,9 @@
 """Holds the verbs of the command besides building, in a module for each verb.
 
-Each module has `HELP` (text) and `run(arguments) -> exit status`. It raises the errors of `pipeline.errors`:
-ConfigError for wrong usage (exit status 2), other errors for failures (1).
+Each module has `HELP` (text, to which the command adds the exit status) and `run(arguments)`, which returns
+the exit status, or with `--json` a document. It raises the errors of `pipeline.errors`: ConfigError for
+wrong usage (exit status 2), other errors for failures (1). `pipeline.reference.exit_status` has the statuses
+of all.
 
 - bundle: Packs the inputs of a build into one file.
 - cache: Shows, cleans and checks the cache.
@@ -14,6 +16,7 @@ ConfigError for wrong usage (exit status 2), other errors for failures (1).
 - launcher_lines: Describes the launchers of sweeps and their keys in lines of text.
 - motor_lines: Describes a motor and its values in lines of text.
 - new: Writes the file of a new robot.
+- skill: Prints the instructions for agents that use Linkwright.
 - snapshot: Keeps texts about a repository's robots, to compare them later.
 - view: Opens the robot of a build in MuJoCo's own viewer.
 """
@@ -28,7 +31,8 @@ VERBS = {
     "job": "linkwright.pipeline.verbs.job",
     "jobs": "linkwright.pipeline.verbs.jobs",
     "new": "linkwright.pipeline.verbs.new",
+    "skill": "linkwright.pipeline.verbs.skill",
     "snapshot": "linkwright.pipeline.verbs.snapshot",
     "view": "linkwright.pipeline.verbs.view",
 }
-"""Verb → the module with its `HELP` and its `run(arguments) -> exit status`."""
+"""Verb → the module with its `HELP` and its `run(arguments)`."""

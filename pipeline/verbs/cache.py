@@ -2,13 +2,23 @@
 
 import os
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from linkwright.pipeline.caching import maintenance
 from linkwright.pipeline.caching.actions import folder
 from linkwright.pipeline.errors import ConfigError
+from linkwright.pipeline.json_documents.cache import (
+    CacheCleared,
+    CacheDocument,
+    CacheInfo,
+    CacheVerified,
+    CallsDocument,
+)
+from linkwright.pipeline.json_documents.document import CommandDocument
 from linkwright.pipeline.lock import FOLDER as LOCKS
+from linkwright.pipeline.options import JSON
+from linkwright.pipeline.reference.exit_status import BUILT, FAILED
 from linkwright.pipeline.terminal.output import say
 from linkwright.stages.fetch.onshape.api import ledger
 from linkwright.stages.robot.text.plural import count
@@ -17,7 +27,8 @@ HELP = """\
 linkwright cache: look after the cache, where builds keep what they fetched and
 made.
 
-usage: linkwright cache info|gc|verify [--max-size SIZE] [cache.dir=FOLDER]
+usage: linkwright cache info|gc|verify [--max-size SIZE] [--json]
+                                       [cache.dir=FOLDER]
 
   linkwright cache info             where it is, its size, and the API calls
                                     counted
@@ -34,10 +45,8 @@ start of its hash, and stored nowhere.
 Replies that cost API calls are dropped last; files used within the last hour
 stay. Lock files that no build uses are removed too, also those beside the
 builds in ./outputs. The cache folder is cache.dir=, else the environment
-variable LINKWRIGHT_CACHE, else the platform's cache folder.
-
-exit status: 0 done; 1 verify found corrupt files, or the folder cannot be used;
-2 wrong usage
+variable LINKWRIGHT_CACHE, else the platform's cache folder. With --json one
+JSON document is printed.
 """
 
 _USAGE = "linkwright cache info|gc|verify; linkwright cache --help shows more"
@@ -51,13 +60,13 @@ _SHOWN_CHARACTERS = 8
 """Characters of a key's hash that are shown."""
 
 
-def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> int:
-    """Runs the verb and returns the exit status. Raises ConfigError for wrong usage, and CacheError if the
-    cache folder cannot be used."""
+def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> int | CommandDocument:
+    """Runs the verb and returns the exit status, or its document. Raises ConfigError for wrong usage, and
+    CacheError if the cache folder cannot be used."""
     dirs = [text for text in arguments if text.startswith(_DIR)]
-    rest = [text for text in arguments if text not in dirs]
+    rest = [text for text in arguments if text not in dirs and text != JSON]
     max_size = _max_size(rest)
-    verbs: dict[str, Callable[[Path], int]] = {
+    verbs: dict[str, Callable[[Path], CacheDocument]] = {
         "info": _info,
         "gc": lambda root: _gc(root, _DEFAULT_SIZE if max_size is None else max_size),
         "verify": _verify,
@@ -66,7 +75,12 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> in
         msg = f"expected info, gc or verify, got {' '.join(arguments) or 'nothing'}"
         raise ConfigError(msg, "cache", _USAGE)
     configured = dirs[-1].removeprefix(_DIR) if dirs else None
-    return verbs[rest[0]](folder(configured, environ))
+    document = verbs[rest[0]](folder(configured, environ))
+    if JSON in arguments:
+        return document
+    for line in _lines(document):
+        say(line)
+    return document.exit_status
 
 
 def _max_size(rest: list[str]) -> int | None:
@@ -86,50 +100,75 @@ def _max_size(rest: list[str]) -> int | None:
     return None
 
 
-def _info(root: Path) -> int:
+def _info(root: Path) -> CacheDocument:
     summary = maintenance.summary(root)
-    say(str(root))
-    say(
-        f"  {_size(summary.size)}: {count(summary.blobs, 'file')} and {count(summary.records, 'record')}, "
-        f"{summary.replies} of them replies that were paid for"
+    years = tuple(
+        CallsDocument(year.who[:_SHOWN_CHARACTERS], year.year, year.counted, year.calls, year.exhausted)
+        for year in ledger.years(root / ledger.FOLDER)
     )
-    years = ledger.years(root / ledger.FOLDER)
-    say("API calls counted, by key (start of its hash) and year:" if years else "no API call counted")
-    for year in years:
-        key_start = year.who[:_SHOWN_CHARACTERS]
-        kinds = ", ".join(f"{number} {kind}" for kind, number in year.calls.items())
-        end = "; the quota is used up (402)" if year.exhausted else ""
-        say(f"  {key_start:{_SHOWN_CHARACTERS}}  {year.year}  {year.counted:5d}  {kinds}{end}")
-    return 0
+    info = CacheInfo(summary.size, summary.blobs, summary.records, summary.replies, years)
+    return CacheDocument(0, str(root), info=info)
 
 
-def _gc(root: Path, max_size: int) -> int:
+def _gc(root: Path, max_size: int) -> CacheDocument:
     result = maintenance.collect(root, max_size)
     for outputs in (Path("outputs"), *Path("outputs").glob("*.sweep")):
         maintenance.drop_locks(outputs / LOCKS)
-    paid = f" ({result.paid} of them replies that were paid for)" if result.paid else ""
-    say(f"{root}: {_size(result.freed)} freed, {_size(result.size)} left")
-    say(f"  dropped {count(result.records, 'record')}{paid} and {count(result.blobs, 'file')}")
-    if result.size > max_size:
-        say(f"  more than {_size(max_size)} is left: the rest was used within the last hour; try again later")
-    return 0
+    numbers = result.freed, result.size, max_size, result.blobs, result.records, result.paid
+    return CacheDocument(0, str(root), cleared=CacheCleared(*numbers))
 
 
-def _verify(root: Path) -> int:
+def _verify(root: Path) -> CacheDocument:
     result = maintenance.verify(root)
-    if not result.broken and not result.records:
-        say(f"{root}: {count(result.blobs, 'file')}, all intact")
-        return 0
-    say(f"{root}: {count(result.blobs, 'file')}, {len(result.broken)} corrupt and removed")
-    for digest in result.broken:
-        say(f"  {digest}")
-    say(
-        f"  {count(result.records, 'record')} of missing files removed: "
+    verified = CacheVerified(result.blobs, result.broken, result.records, result.paid)
+    return CacheDocument(FAILED if result.broken or result.records else BUILT, str(root), verified=verified)
+
+
+def _lines(document: CacheDocument) -> Iterator[str]:
+    """Yields the lines of a document."""
+    if document.info:
+        yield document.folder
+        yield from _info_lines(document.info)
+    if document.cleared:
+        yield from _cleared_lines(document.folder, document.cleared)
+    if document.verified:
+        yield from _verified_lines(document.folder, document.verified)
+
+
+def _info_lines(info: CacheInfo) -> Iterator[str]:
+    yield (
+        f"  {_size(info.size)}: {count(info.files, 'file')} and {count(info.records, 'record')}, "
+        f"{info.replies} of them replies that were paid for"
+    )
+    yield "API calls counted, by key (start of its hash) and year:" if info.years else "no API call counted"
+    for year in info.years:
+        kinds = ", ".join(f"{number} {kind}" for kind, number in year.calls.items())
+        end = "; the quota is used up (402)" if year.exhausted else ""
+        yield f"  {year.key:{_SHOWN_CHARACTERS}}  {year.year}  {year.counted:5d}  {kinds}{end}"
+
+
+def _cleared_lines(root: str, cleared: CacheCleared) -> Iterator[str]:
+    paid = f" ({cleared.paid} of them replies that were paid for)" if cleared.paid else ""
+    yield f"{root}: {_size(cleared.freed)} freed, {_size(cleared.size)} left"
+    yield f"  dropped {count(cleared.records, 'record')}{paid} and {count(cleared.files, 'file')}"
+    if cleared.size > cleared.limit:
+        size = _size(cleared.limit)
+        yield f"  more than {size} is left: the rest was used within the last hour; try again later"
+
+
+def _verified_lines(root: str, verified: CacheVerified) -> Iterator[str]:
+    if not verified.corrupt and not verified.records:
+        yield f"{root}: {count(verified.files, 'file')}, all intact"
+        return
+    yield f"{root}: {count(verified.files, 'file')}, {len(verified.corrupt)} corrupt and removed"
+    for digest in verified.corrupt:
+        yield f"  {digest}"
+    yield (
+        f"  {count(verified.records, 'record')} of missing files removed: "
         "the next build makes these files again"
     )
-    if result.paid:
-        say(f"  {result.paid} of them were replies: fetching them again costs as many API calls")
-    return 1
+    if verified.paid:
+        yield f"  {verified.paid} of them were replies: fetching them again costs as many API calls"
 
 
 def _size(number: int) -> str:

@@ -4,12 +4,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from linkwright.pipeline.checking.as_json import as_json, baseline
+from linkwright.pipeline.checking.as_document import as_document, baseline
 from linkwright.pipeline.checking.ask import checked
 from linkwright.pipeline.checking.junit import as_junit
 from linkwright.pipeline.checking.sarif import as_sarif
 from linkwright.pipeline.checking.show import as_text
 from linkwright.pipeline.errors import ConfigError, OutputError, reason
+from linkwright.pipeline.json_documents.document import CommandDocument
+from linkwright.pipeline.reference.exit_status import BUILT, UNMET
 from linkwright.pipeline.terminal.output import say
 
 HELP = """\
@@ -47,12 +49,10 @@ options:
                     with target=NAME does, and names each thing that it does
                     not take: mjx, mjwarp, mujoco (or mujoco:3.11), newton,
                     isaac, gazebo, pybullet, drake; several with commas between
-  --json            prints JSON for programs
+  --json            prints one JSON document
   --sarif FILE      also writes SARIF 2.1.0, with the line of each element
   --junit FILE      also writes JUnit XML
   --baseline FILE   an earlier output of --json: its findings do not fail again
-
-exit status: 0 passed; 3 a check failed; 1 a file cannot be read; 2 wrong usage
 """
 
 _USAGE = "linkwright check DIR; linkwright check --help shows more"
@@ -79,9 +79,9 @@ class _CheckRequest:
         return [name.strip() for name in self.values.get("--target", "").split(",") if name.strip()]
 
 
-def run(arguments: Sequence[str]) -> int:
-    """Prints the verdict and returns the exit status. Raises ConfigError for wrong usage, and OutputError if
-    a file cannot be read or written."""
+def run(arguments: Sequence[str]) -> int | CommandDocument:
+    """Prints the verdict and returns the exit status, or returns its document. Raises ConfigError for wrong
+    usage, and OutputError if a file cannot be read or written."""
     request = _parsed(arguments)
     issues = baseline(request.values["--baseline"]) if "--baseline" in request.values else None
     checks = checked(request.place, request.values.get("--level", "standard"), request.targets)
@@ -91,10 +91,9 @@ def run(arguments: Sequence[str]) -> int:
     if "--junit" in request.values:
         _write(request.values["--junit"], as_junit(verdict))
     if request.json:
-        print(as_json(verdict))
-    else:
-        say(as_text(verdict))
-    return 0 if verdict.passed else 3
+        return as_document(verdict)
+    say(as_text(verdict))
+    return BUILT if verdict.passed else UNMET
 
 
 def _parsed(arguments: Sequence[str]) -> _CheckRequest:

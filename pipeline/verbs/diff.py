@@ -6,6 +6,8 @@ from linkwright.pipeline.changes import show
 from linkwright.pipeline.changes.compare import compare
 from linkwright.pipeline.changes.read import described
 from linkwright.pipeline.errors import ConfigError
+from linkwright.pipeline.json_documents.document import CommandDocument
+from linkwright.pipeline.reference.exit_status import BUILT, UNMET
 from linkwright.pipeline.terminal.output import say
 
 HELP = """\
@@ -34,17 +36,15 @@ largest number of their vector.
 options:
   --json            for programs, with the values before and after
   --markdown        for a pull request
-
-exit status: 0 equal; 3 different; 1 a robot cannot be read; 2 wrong usage
 """
 
 _USAGE = "linkwright diff A B; linkwright diff --help shows more"
-_FORMS = {"--json": "as_json", "--markdown": "as_markdown"}
+_FORMS = ("--json", "--markdown")
 
 
-def run(arguments: Sequence[str]) -> int:
-    """Prints the differences and returns the exit status. Raises ConfigError for wrong usage, and OutputError
-    if a robot cannot be read."""
+def run(arguments: Sequence[str]) -> int | CommandDocument:
+    """Prints the differences and returns the exit status, or returns their document. Raises ConfigError for
+    wrong usage, and OutputError if a robot cannot be read."""
     options = [argument for argument in arguments if argument.startswith("-")]
     places = [argument for argument in arguments if not argument.startswith("-")]
     unknown = [option for option in options if option not in _FORMS]
@@ -60,8 +60,10 @@ def run(arguments: Sequence[str]) -> int:
 
     before, after = map(described, places)
     changes = compare(before.robot, after.robot)
+    if "--json" in options:
+        return show.as_document(before, after, changes)
     if options:
-        print(getattr(show, _FORMS[options[0]])(before, after, changes))
+        print(show.as_markdown(before, after, changes))
     else:
         say(show.as_text(before, after, changes))
-    return 3 if changes else 0
+    return UNMET if changes else BUILT

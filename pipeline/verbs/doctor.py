@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from linkwright.pipeline.caching.actions import folder
 from linkwright.pipeline.doctor import access, examination, installation, places
 from linkwright.pipeline.errors import ConfigError
+from linkwright.pipeline.json_documents.document import CommandDocument
+from linkwright.pipeline.reference.exit_status import BUILT, FAILED
 from linkwright.pipeline.terminal.output import say
 
 HELP = """\
@@ -25,9 +27,7 @@ or wrong, with what to do about it.
 
 options:
   --online    asks cad.onshape.com, or the host of source.url
-  --json      for programs, on the standard output
-
-exit status: 0 nothing is wrong; 1 something is; 2 wrong usage
+  --json      prints one JSON document
 """
 
 _USAGE = "linkwright doctor; linkwright doctor --help shows more"
@@ -35,8 +35,9 @@ _OPTIONS = ("--online", "--json")
 _KEYS = ("cache.dir", "source.url")
 
 
-def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> int:
-    """Prints the rows and returns the exit status. Raises ConfigError for wrong usage."""
+def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> int | CommandDocument:
+    """Prints the rows and returns the exit status, or returns their document. Raises ConfigError for wrong
+    usage."""
     keys = dict(_key(argument) for argument in arguments if argument not in _OPTIONS)
     cache = folder(keys.get("cache.dir"), environ)
     rows = [
@@ -45,10 +46,9 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> in
         *places.examined(environ, cache),
     ]
     if "--json" in arguments:
-        print(examination.as_json(rows))
-    else:
-        say(examination.as_text(rows))
-    return 1 if any(row.state == "wrong" for row in rows) else 0
+        return examination.as_document(rows)
+    say(examination.as_text(rows))
+    return FAILED if any(row.state == "wrong" for row in rows) else BUILT
 
 
 def _key(argument: str) -> tuple[str, str]:

@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 
+from linkwright.pipeline.json_documents.document import CommandDocument
 from linkwright.pipeline.sweep import list_commands
 
 HELP = """\
 linkwright jobs: the jobs of a sweep, listed in a file for any scheduler.
 
-usage: linkwright jobs FILE [--fetch | --shard K/N] [-q]
+usage: linkwright jobs FILE [--fetch | --shard K/N] [-q] [--json]
 
   linkwright -m robot=my_arm root=fixed,free --plan jobs.json
                                     write the list of jobs; build nothing
@@ -31,12 +32,11 @@ options:
                     no summary
   -q, --quiet       show only errors, and the jobs where not all are built and
                     valid
-
-exit status: 0 all are built and valid (with --fetch: all is fetched); 3 a check
-failed; 1 a job failed, or is not done; 2 wrong usage, or no list
+  --json            prints one JSON document
 """
 
 
-def run(arguments: Sequence[str]) -> int:
-    """Runs the verb and returns the exit status; raises ConfigError for wrong usage or an invalid list."""
+def run(arguments: Sequence[str]) -> int | CommandDocument:
+    """Runs the verb; returns the exit status or a document. Raises ConfigError for wrong usage or an invalid
+    list."""
     return list_commands.jobs(arguments)

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from linkwright.pipeline.errors import ConfigError
+from linkwright.pipeline.json_documents.document import CommandDocument
 
 HELP = """\
 linkwright new: writes the file of a new robot, to be built and to be edited.
@@ -36,13 +37,7 @@ options:
                     options become keys, or the file says why not; URL is then
                     needed only if FILE has no url
   --config-dir DIR  writes DIR/robot/NAME.yaml
-  --json            prints JSON: path, name, source, joints (name, type, unit,
-                    lower, upper, follows, loop, missing), problems (code,
-                    where, message, hint), weighed (whether masses are known),
-                    remarks (what --from leaves out), calls (made, saved)
-
-exit status: 0 written, also if the build will end with problems; 1 failed;
-2 wrong usage, no API key, no such file, or there is a robot of that name
+  --json            prints one JSON document
 """
 
 _USAGE = "linkwright new URL|FILE [NAME]; linkwright new --help shows more"
@@ -51,9 +46,9 @@ _FLAGS = ("--deep", "--json")
 _CACHE, _TRUST = "cache.dir=", "source.trust="
 
 
-def run(arguments: Sequence[str]) -> int:
-    """Writes the robot's file and returns the exit status. Raises ConfigError for wrong usage, and the errors
-    of `pipeline.new_robot.command.run`."""
+def run(arguments: Sequence[str]) -> int | CommandDocument:
+    """Writes the robot's file and returns the exit status or a document. Raises ConfigError for wrong usage,
+    and the errors of `pipeline.new_robot.command.run`."""
     # Late: the help of the verb needs none of it.
     from linkwright.pipeline.new_robot import command
 

@@ -31,9 +31,6 @@ robots that are gone are removed. pytest --linkwright compares in tests.
 options:
   --check           only compares
   --config-dir DIR  robots of DIR/robot/ too; may be repeated
-
-exit status: 0 written, or as they were; 3 --check found a difference; 1 a robot
-cannot be built; 2 wrong usage, or a configuration is wrong
 """
 
 _USAGE = "linkwright snapshot; linkwright snapshot --help shows more"

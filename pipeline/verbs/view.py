@@ -23,9 +23,6 @@ usage: linkwright view NAME
 NAME is the robot's name, or the output folder of its build. A double click
 chooses a link, Ctrl and the mouse pull at it, the space key pauses. On a Mac
 the viewer runs in MuJoCo's `mjpython`.
-
-exit status: 0 the viewer was closed; 1 there is no display, or no scene; 2
-wrong usage
 """
 
 SCENE = "scene.xml"

@@ -13,6 +13,7 @@ import yaml
 from linkwright.pipeline.config.compose import HYDRA, compose_plan
 from linkwright.pipeline.config.presets import OURS
 from linkwright.pipeline.reference import (
+    COMMAND_JSON,
     DATA,
     HELP,
     MUTATIONS,
@@ -23,7 +24,7 @@ from linkwright.pipeline.reference import (
     ROBOT_JSON_SCHEMA,
     SCHEMA,
 )
-from tests.config import peers, readers, reference, robot_json
+from tests.config import command_json, peers, readers, reference, robot_json
 
 GOLDEN = Path(__file__).parent / "golden"
 
@@ -94,10 +95,12 @@ REFERENCE = {
     PAGE: reference.markdown,
     PEERS: peers.markdown,
     READERS: readers.markdown,
+    COMMAND_JSON: command_json.markdown,
     ROBOT_JSON: robot_json.markdown,
     ROBOT_JSON_SCHEMA: robot_json.schema_text,
     SCHEMA: reference.schema_text,
     peers.TOOLKIT_PAGE: peers.toolkit_page,
+    **command_json.schemas(),
 }
 """Generated file → its text."""
 
@@ -112,6 +115,7 @@ def main() -> None:
         for name in names():
             (GOLDEN / f"{name}.yaml").write_text(text(name, Path(empty)), encoding="utf-8")
     for path, made in REFERENCE.items():
+        path.parent.mkdir(exist_ok=True)
         path.write_text(made(), encoding="utf-8")
     print(f"{len(names())} goldens written")
 

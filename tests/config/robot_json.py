@@ -39,9 +39,9 @@ def records(kind: Any = RobotRecord) -> dict[str, type]:
     return kinds
 
 
-def tables() -> dict[str, type]:
-    """The records that are tables themselves."""
-    kinds = records()
+def tables(whole: Any = RobotRecord) -> dict[str, type]:
+    """The records that are tables themselves, from the whole down."""
+    kinds = records(whole)
     entries = [entry for kind in kinds.values() for entry in entries_of(kind) if entry.inline]
     inside = {get_args(entry.kind)[0] for entry in entries}
     return {name: kind for name, kind in kinds.items() if kind not in inside}
@@ -76,10 +76,11 @@ def fields(kind: type) -> Iterator[tuple[str, Mapping[str, Any], str, bool]]:
             yield entry.key, data, said[entry.key][:1].upper() + said[entry.key][1:], always
 
 
-def schema() -> dict[str, Any]:
-    definitions = {name: _table(kind) for name, kind in tables().items()}
-    whole = definitions.pop(RobotRecord.__name__)
-    return {"$schema": DIALECT, "title": TITLE, **whole, "$defs": definitions}
+def schema(kind: Any = RobotRecord, title: str = TITLE) -> dict[str, Any]:
+    """The JSON Schema of a record."""
+    definitions = {name: _table(table) for name, table in tables(kind).items()}
+    whole = definitions.pop(kind.__name__)
+    return {"$schema": DIALECT, "title": title, **whole, "$defs": definitions}
 
 
 def _table(kind: type) -> dict[str, Any]:
@@ -98,21 +99,24 @@ def schema_text() -> str:
 
 def markdown() -> str:
     """The page: a section for each table."""
-    return INTRODUCTION + "".join(_section(kind) for kind in tables().values())
+    return INTRODUCTION + "".join(section(kind) for kind in tables().values())
 
 
-def _section(kind: type) -> str:
+def section(kind: type, head: str = "##") -> str:
+    """A section with the table of a record's keys."""
     rows = [
         f"| `{key}`{'' if always else ' (optional)'} | {_words(data)} | {_escaped(said)} |\n"
         for key, data, said, always in fields(kind)
     ]
     lines = f"| key | value | meaning |\n| --- | --- | --- |\n{''.join(rows)}"
-    return f"\n## {title(kind.__name__)}\n\n{_escaped(meaning(kind))}\n\n{lines}"
+    return f"\n{head} {title(kind.__name__)}\n\n{_escaped(meaning(kind))}\n\n{lines}"
 
 
 def title(name: str) -> str:
     """The name of a record in words: "Sensor site"."""
-    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name.removesuffix("JsonRecord")).capitalize()
+    return re.sub(
+        r"(?<=[a-z])(?=[A-Z])", " ", name.removesuffix("JsonRecord").removesuffix("Document")
+    ).capitalize()
 
 
 def _words(data: Mapping[str, Any]) -> str:
@@ -122,6 +126,8 @@ def _words(data: Mapping[str, Any]) -> str:
         return f"[{name.lower()}](#{name.lower().replace(' ', '-')})"
     if "anyOf" in data:
         return " or ".join(_words(option) for option in data["anyOf"])
+    if not data:
+        return "any value"
     if "enum" in data:
         return ", ".join(f"`{word}`" if word else '`""`' for word in data["enum"])
     kind = data["type"]

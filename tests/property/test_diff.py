@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from linkwright.pipeline.changes.compare import compare
 from linkwright.pipeline.changes.pairs import renamed
 from linkwright.pipeline.changes.read import Described
-from linkwright.pipeline.changes.show import as_json, as_markdown, as_text
+from linkwright.pipeline.changes.show import as_document, as_markdown, as_text
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.support.building import write
@@ -54,7 +54,7 @@ def differs_as_it_should(first: Drawn, second: Drawn):
     before, after = described(first), described(second)
     assert compare(before, copy.deepcopy(before)) == ()
     changes = compare(before, after)
-    for shown in (as_text, as_json, as_markdown):
+    for shown in (as_text, as_document, as_markdown):
         assert shown(Described("before", before), Described("after", after), changes)
     names = renamed(before, after).links
     old = {names.get(link["name"], link["name"]) for link in before["links"]}

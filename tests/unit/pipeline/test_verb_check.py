@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from linkwright.pipeline.checking.as_json import as_json, baseline
+from linkwright.pipeline.checking.as_document import as_document, baseline
 from linkwright.pipeline.checking.junit import as_junit
 from linkwright.pipeline.checking.lines import ElementLines
 from linkwright.pipeline.checking.run import checked
@@ -18,6 +18,7 @@ from linkwright.pipeline.checking.show import as_text
 from linkwright.pipeline.checking.verdict import Verdict
 from linkwright.pipeline.cli import run
 from linkwright.pipeline.errors import OutputError
+from linkwright.pipeline.json_documents.document import text_of
 from linkwright.pipeline.reference.codes import remedy
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.model.robot import Dynamics, Limits
@@ -254,7 +255,7 @@ def test_the_text_names_the_elements_with_figure_and_hint(folder):
 
 
 def test_the_json_is_valid_and_a_baseline_of_its_own(folder):
-    text = as_json(verdict(folder))
+    text = text_of(as_document(verdict(folder)))
     parsed = json.loads(text, parse_constant=lambda word: pytest.fail(word))
     assert parsed["counts"] == {"checks": 4, "passed": 1, "warnings": 1, "failed": 2, "known": 0}
     first = parsed["checks"][0]["findings"][0]

@@ -5,6 +5,7 @@ import json
 import pytest
 
 from linkwright.pipeline.doctor import access, installation, places
+from linkwright.pipeline.json_documents.document import text_of
 from linkwright.pipeline.verbs import doctor
 from tests.fake_onshape.faults import Fault
 from tests.fake_onshape.sample import sample_document
@@ -14,9 +15,9 @@ ALLOWED = Fault(body=b'{"items": []}')
 
 
 def rows(capsys, *arguments, environ=None):
-    status = doctor.run([*arguments, "--json"], environ or {})
-    told = json.loads(capsys.readouterr().out)
-    assert told["works"] == (status == 0)
+    document = doctor.run([*arguments, "--json"], environ or {})
+    told = json.loads(text_of(document))
+    assert told["works"] == (document.exit_status == 0)
     return {row["subject"]: row for row in told["examined"]}
 
 
