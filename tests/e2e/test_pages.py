@@ -66,7 +66,7 @@ def test_links_between_the_pages_lead_somewhere():
             name, _, anchor = target.partition("#")
             there = FORMATS / name if name else path
             assert there.is_file(), (path, target)
-            titles = re.findall(r"^## (.*)$", there.read_text(encoding="utf-8"), re.MULTILINE)
+            titles = re.findall(r"^#+ (.*)$", there.read_text(encoding="utf-8"), re.MULTILINE)
             anchors = [title.lower().replace(",", "").replace(" ", "-") for title in titles]
             assert not anchor or anchor in anchors, (path, target)
 
