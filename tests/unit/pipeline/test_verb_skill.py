@@ -82,6 +82,7 @@ def test_the_file_is_a_robot(tmp_path):
     assert (plan.name, plan.source.kind) == ("my_arm", "onshape")
 
 
+@pytest.mark.slow
 @pytest.mark.e2e
 def test_the_commands_run_and_print_documents(tmp_path):
     (commands,) = code("sh")

@@ -156,7 +156,7 @@ def test_a_package_whose_description_is_a_pipe_is_passed_by(tmp_path):
     (tmp_path / "p").mkdir()
     os.mkfifo(tmp_path / "p" / "package.xml")
     packages = Packages(tmp_path, {}, {"ROS_PACKAGE_PATH": str(tmp_path)})
-    assert packages.find("q") is None
+    assert packages.find("no_such_package") is None
     assert packages.find("p") == tmp_path / "p"
 
 

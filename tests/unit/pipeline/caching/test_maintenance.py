@@ -186,7 +186,7 @@ class TestCommand:
 
     @pytest.mark.parametrize("arguments", [
         [], ["clean"], ["info", "gc"], ["gc", "--max-size"], ["gc", "--max-size=big"],
-        ["gc", "--max-size=-1G"], ["info", "--max-size=1G"], ["info", "--json"],
+        ["gc", "--max-size=-1G"], ["info", "--max-size=1G"], ["info", "--jsn"],
     ])  # fmt: skip
     def test_wrong_usage_is_reported_with_2_and_the_help_shows_the_options(self, arguments, capsys):
         assert run(["cache", *arguments]) == 2
