@@ -45,7 +45,7 @@ class MateRecord(JsonRecord[model.MateRef]):
 
 @dataclass(frozen=True)
 class DynamicsRecord(JsonRecord[model.Dynamics]):
-    """Forces and inertia of a degree of freedom; null is unset.
+    """Forces and inertia of a degree of freedom; null if unset.
 
     damping: force per speed [N m s/rad or N s/m].
     friction: force of dry friction [N m or N].
@@ -63,8 +63,8 @@ class DynamicsRecord(JsonRecord[model.Dynamics]):
 
 @dataclass(frozen=True)
 class MateValueRecord(JsonRecord[model.MateValue]):
-    """The way back to the mate's own value, as CAD shows it: zero + sign · value; of a ball or free motion
-    the pose `zero` times the value.
+    """The conversion of a value to the mate's own, as CAD shows it: zero + sign · value; for a ball or free
+    motion, the pose `zero` times the value.
 
     sign: 1 or -1.
     zero: the mate's own value where the value is 0.
@@ -88,10 +88,10 @@ class SpringRecord(JsonRecord[model.Spring]):
 
 @dataclass(frozen=True)
 class BallZeroRecord(JsonRecord[None]):
-    """The orientation of a ball at q = 0, as its chain's quaternion (w, x, y, z).
+    """The orientation of a ball at q = 0 in each format, as a quaternion (w, x, y, z) along the chain.
 
     urdf: the zero of its mate.
-    mjcf: its pose at qpos0, since an MJCF has no `ref` for it.
+    mjcf: its pose at qpos0, since `ref` does not apply to ball joints in an MJCF.
     """
 
     urdf: DofValue
@@ -103,7 +103,8 @@ class DofRecord(JsonRecord[model.Dof]):
     """A degree of freedom. Its values are numbers [rad or m], a ball's quaternion (w, x, y, z), or the seven
     numbers of free motion (x, y, z, quaternion).
 
-    name: unique among the degrees of freedom of all joints and loops; the only one of a joint has its name.
+    name: unique among the degrees of freedom of all joints and loops; the only degree of freedom of a joint
+        has the joint's name.
     kind: a turn about the axis, a slide along it, a ball, or free motion.
     axis: a unit vector in its own frame; null for a ball and for free motion.
     origin: its own frame, in the frame that the previous degree of freedom moves; null if the two are the
@@ -111,14 +112,15 @@ class DofRecord(JsonRecord[model.Dof]):
     limits: the lowest and the highest value, each null without a limit; for a ball the second is the half
         angle of the cone in which its z axis stays.
     saved: the value in the pose that was saved in CAD, counted along the chain from parent to child.
-    mate: the way back to the mate's own value.
+    mate: the conversion of a value to the mate's own.
     spring: present where an MJCF source has a spring.
     mate_quat: a ball's saved value as the mate has it: the inverse where the joint runs backwards.
-    unset: the quantities for which the URDF has a default, since it demands numbers. Not of a loop.
+    unset: the unset quantities, for which the URDF has a default, since it requires numbers; missing for a
+        loop.
     provenance: limit or quantity → where it comes from: given (by the configuration), source (by CAD or the
         file), estimated, a motor with where its value comes from, or unset.
     estimated: the values of a joint that Linkwright chose.
-    qpos0: the value in a fresh simulation of the MJCF. Not of a loop.
+    qpos0: the value in a fresh simulation of the MJCF; missing for a loop.
     zero: where a ball's q = 0 is, by format.
     """
 
@@ -199,7 +201,7 @@ class LoopRecord(JsonRecord[model.Loop]):
     mimic: whether <mimic> joints alone close it in the URDF.
     dofs: the degrees of freedom of the mate.
     residual: the gap of the loop in the saved pose [m, rad].
-    lever: a length at the scale of the loop [m].
+    lever: half the loop's reach from the joint that closes it [m].
     solref: MuJoCo's `solref` of its constraints.
     cad: the mate; null if CAD does not have it.
     """

@@ -19,11 +19,12 @@ class ContactRecord(JsonRecord[ContactProperties]):
     solref: stiffness and damping of the contact's constraint.
     solimp: impedance of the contact's constraint.
     margin: distance at which a contact begins [m].
-    priority: of two geoms, the properties of the geom with the higher priority count.
+    priority: of two geoms in contact, the geom with the higher priority sets the properties.
     solmix: the weight in the mixture with the other geom.
-    gap: distance within the margin at which a contact has no force yet [m].
-    contype: bits of the geom's kind.
-    conaffinity: bits of the kinds that the geom collides with.
+    gap: contacts have a force only at distances below margin − gap [m].
+    contype: bits that are compared with the other geom's conaffinity.
+    conaffinity: bits that are compared with the other geom's contype: the geoms collide if either comparison
+        finds a common bit.
     """
 
     friction: Annotated[tuple[float, float, float] | None, each_of(3)] = None
@@ -66,11 +67,10 @@ class ShapeRecord(JsonRecord[Shape]):
     area: surface [m²].
     volume: volume [m³]; 0 if a mesh is not closed.
     contact: MuJoCo's contact properties that are set; null if nothing is set.
-    collider: the number of the link's collider that it is, or is a piece of; null if there is no such
-        collider.
+    collider: the number of the link's collider to which the shape belongs; null without a collider.
     bounds: the smallest x, y and z of a mesh, and the largest [m]; null for a primitive.
     geom: present if an MJCF source names the geom, or has attributes of it that no other format has.
-    ellipsoid: its ellipsoid in the MJCF, if all other formats have a mesh.
+    ellipsoid: the ellipsoid that the MJCF has in place of this mesh; missing without an ellipsoid.
     """
 
     link: LinkName
@@ -132,8 +132,8 @@ class ColliderRecord(JsonRecord[None]):
     link: the link.
     number: its index among the colliders of its link.
     parts: the parts, by their names in CAD.
-    made: the kind of collider: a kind of primitive, hull, pieces, spheres, raw or none.
-    reason: the reason, for a collider by contact; otherwise "".
+    made: what the collider consists of: a kind of primitive, hull, pieces, spheres, raw or none.
+    reason: why a collider by contact has this number of pieces; otherwise "".
     """
 
     link: LinkName
@@ -145,11 +145,11 @@ class ColliderRecord(JsonRecord[None]):
 
 @dataclass(frozen=True)
 class ExcludeRecord(JsonRecord[Exclude]):
-    """Two links that do not collide, or only some of their colliders.
+    """Two links whose collisions are excluded: all of them, or those of some pairs of colliders.
 
     link_a: the first link, in the order of the links.
     link_b: the second link.
-    reason: Adjacent: a joint or a rigid connection between them; Always: they touch in whatever pose; Source:
+    reason: Adjacent: a joint or a rigid connection between them; Always: they touch in every pose; Source:
         the source says so; User: the configuration does.
     depth: the depth by which the colliders that do not collide overlap at `home` [m].
     geoms: the pairs of colliders that do not collide, by their numbers; empty for all pairs.

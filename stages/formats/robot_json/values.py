@@ -24,12 +24,14 @@ from linkwright.stages.robot.model.scene import Setting
 
 
 def as_float(value: float, least: float = 0.0) -> float:
-    """Returns a number as short as the formatter makes it."""
+    """Rounds a number to the shortest decimal within 1e-12 of its scale. `least`: the smallest scale (see
+    `formats.numbers`)."""
     return float(number(value, least=least))
 
 
 def as_floats(values: Iterable[float], least: float = 0.0) -> Any:
-    """Returns nested lists of the array's shape, each number as short as the formatter makes it."""
+    """Returns an array as nested lists, each number the shortest decimal within 1e-12 of the scale of the
+    array: its largest entry, or `least` if that is larger."""
     array = np.asarray(values, dtype=float)
     return np.array([float(text) for text in numbers(array, least=least)]).reshape(array.shape).tolist()
 
@@ -41,7 +43,7 @@ def as_value(value: Value) -> Any:
 
 def short(value: float) -> float:
     """Rounds a value to six digits: results from many poses differ in later digits between machines. Values
-    below 1e-9 differ in all digits, and become 0."""
+    up to 1e-9 are noise and become 0."""
     return float(f"{value:.6g}") if abs(value) > 1e-9 else 0.0
 
 
@@ -57,7 +59,7 @@ def _number(write: Callable[[float], float]) -> Form:
 
 
 def _list(data: Any, *counts: int) -> tuple[float, ...]:
-    """Returns a list of numbers, whose length is one of `counts`, or any length without counts."""
+    """Returns a list of numbers as a tuple. Its length must be one of `counts`, if there are any."""
     if not isinstance(data, list) or (counts and len(data) not in counts):
         raise refused(f"{' or '.join(map(str, counts))} numbers".lstrip(), data)
     return tuple(_finite(item, {}) for item in data)
@@ -122,7 +124,7 @@ def _setting(write: Callable[[float], float]) -> Form:
 
 
 def pairs_of(form: Form) -> Form:
-    """Returns the form of a table that the model has as pairs of a name and a value."""
+    """Returns the form of a JSON table that the model has as (name, value) pairs."""
     return table_of(form, lambda pairs: tuple(pairs.items()))
 
 
@@ -131,15 +133,19 @@ _PAIRS = form_of(Mapping[str, tuple[str, str]])
 
 Number = Annotated[float, _number(as_float)]
 Turned = Annotated[float, _number(partial(as_float, least=TURN))]
-"""A number in [rad], or of unit length."""
+"""A number with a scale of at least 1, such as an angle [rad]: up to 1e-12 it counts as 0."""
 
 Short = Annotated[float, _number(short)]
 """A number in six digits."""
 
 Vector = Annotated[Array, _vector()]
 Place = Annotated[Array, _vector(LENGTH)]
+"""A position (3,) [m], with a scale of at least 0.1 m: entries up to 1e-13 m count as 0."""
+
 Tensor = Annotated[Array, _tensor(as_floats)]
 ExactTensor = Annotated[Array, _tensor(lambda axes: np.asarray(axes, dtype=float).tolist())]
+"""A 3x3 tensor with all digits."""
+
 Quat = Annotated[Array, Form(as_floats, _read_quat, _numbers(_kept, 4).schema)]
 DofValue = Annotated[Value, _DOF_VALUE]
 
@@ -151,18 +157,28 @@ Ends = Annotated[
 
 Range = Annotated[tuple[float, float], _numbers(as_floats, 2)]
 ShortRange = Annotated[tuple[float, float], _numbers(_each(short), 2)]
+"""Two numbers in six digits each."""
+
 Friction = Annotated[tuple[float, float, float], _numbers(as_floats, 3)]
 Colour = Annotated[tuple[float, float, float, float], _numbers(_each(as_float), 4)]
 Lengths = Annotated[tuple[float, ...], _numbers(_each(as_float))]
+"""Lengths [m], each rounded by its own scale."""
+
 Sizes = Annotated[tuple[float, ...], _numbers(as_floats)]
+"""Sizes, all rounded by the largest of them."""
+
 Bounds = Annotated[tuple[float, ...], _numbers(_each(short), 6)]
+"""The smallest x, y and z, and the largest, in six digits each."""
+
 ExactNumbers = Annotated[tuple[float, ...], _numbers(list)]
+"""Numbers with all digits."""
+
 RootValue = Annotated[tuple[float, ...], _numbers(list, 0, 7)]
 """Position and quaternion of a floating root; empty for a fixed root."""
 
 
 def each_of(count: int) -> Form:
-    """Returns the form of `count` numbers, each as short as possible."""
+    """Returns the form of `count` numbers, each rounded by its own scale."""
     return _numbers(_each(as_float), count)
 
 
@@ -175,10 +191,12 @@ NamePairs = Annotated[
         _PAIRS.schema,
     ),
 ]
-"""Attribute → the kind and the name of the thing that it names."""
+"""(attribute, kind of the element that it names, name of that element) for each attribute."""
 
 TextsPairs = Annotated[tuple[tuple[str, tuple[str, ...]], ...], pairs_of(form_of(tuple[str, ...]))]
 ExactValue = Annotated[float | tuple[float, ...], replace(_DOF_VALUE, write=_kept)]
+"""A dof's value with all digits."""
+
 SettingValue = Annotated[Setting, _setting(as_float)]
 SettingPairs = Annotated[tuple[tuple[str, Setting], ...], pairs_of(_setting(_kept))]
 Forces = Annotated[tuple[tuple[str, float], ...], pairs_of(_number(partial(as_float, least=FORCE)))]
@@ -190,7 +208,7 @@ DofName = Annotated[str, refers_to("joint")]
 
 @dataclass(frozen=True)
 class PoseRecord(JsonRecord[Array]):
-    """The pose of a frame in another.
+    """The pose of a frame in another frame.
 
     xyz: its origin [m].
     quat: its orientation, a quaternion (w, x, y, z).
@@ -208,7 +226,8 @@ class PoseRecord(JsonRecord[Array]):
 
 
 Pose = Annotated[PoseRecord, Key("pose")]
-"""A pose with the key `pose` in robot.json; the model's name says its frames."""
+"""A pose with the key `pose` in robot.json; the model's field names both frames, such as
+`link_from_frame`."""
 
 PosePairs = Annotated[tuple[tuple[str, Array], ...], pairs_of(form_of(PoseRecord))]
-"""Poses by names."""
+"""(name, pose) pairs."""

@@ -8,9 +8,9 @@ class Transmission:
     """A transmission of the source.
 
     name: as in the source.
-    joint: the name of a dof.
-    type: as in the source; that of a ros2_control is its plugin.
-    reduction: 1 where it has none.
+    joint: the name of the dof that it moves.
+    type: as in the source; for a ros2_control, its plugin.
+    reduction: turns of the actuator for each turn of the joint; 1 if the source gives none.
     interfaces: hardware or command interfaces, as the source names them.
     """
 
