@@ -2,8 +2,8 @@
 programs.
 
 A spreadsheet runs a cell that begins with `=`, `+`, `-` or `@` as a formula. A text that begins with any of
-these, or with an apostrophe, gets an apostrophe in front, which readers remove. Numbers are written
-unchanged.
+these, or with an apostrophe, gets an apostrophe in front. A program that reads the file gets the text back by
+removing an apostrophe at its beginning. Numbers are written unchanged.
 """
 
 import csv
@@ -20,11 +20,13 @@ TABLE = "summary.csv"
 
 JOB = ("number", "label", "state", "status", "message", "folder")
 COUNTS = ("objective", "checks_passed", "checks_failed", "checks_warned", "calls_made", "calls_saved")
+"""The columns before the swept keys (`JOB`), and after the figures (`COUNTS`)."""
+
 KEY_PREFIX, FIGURE_PREFIX = "key.", "figure."
 """Prefixes of the columns of swept keys and of figures, so that no two columns have the same name."""
 
 _ESCAPED_STARTS = tuple("=+-@'\t\r＝＋－＠")
-"""Starts of texts that get an apostrophe, in full width too."""
+"""First characters of texts that get an apostrophe, with the full-width forms of these signs."""
 
 
 def csv_content(jobs: Sequence[Mapping[str, Any]]) -> bytes:
@@ -61,7 +63,8 @@ def figures_in(jobs: Sequence[Mapping[str, Any]]) -> list[str]:
 
 
 def cell_text(value: Any) -> str:
-    """Returns the text of a cell: "" for None, a text that is no formula, or another value as JSON."""
+    """Returns the text of a cell: "" for None, a text escaped so that it is not a formula, any other value as
+    JSON."""
     if value is None:
         return ""
     if not isinstance(value, str):
@@ -71,6 +74,7 @@ def cell_text(value: Any) -> str:
 
 
 def _escaped(text: str) -> str:
+    """Returns a text with an apostrophe in front if a spreadsheet could read it as a formula."""
     text = printable_lines(text)
     return f"'{text}" if text.lstrip(" \n").startswith(_ESCAPED_STARTS) else text
 

@@ -2,7 +2,7 @@
 
 - dummy_links: Turns links that only stand for frames into frames, and gives mass to massless links between
   two joints.
-- inertias: Refuses inertias that no solid can have, recomputes them from the link's shapes, or projects them.
+- inertias: Handles inertias that no solid can have: keeps, recomputes or projects them.
 - naming: Names the links, joints and frames of a URDF: they keep their names.
 - reader: Reads a URDF into a mechanism: links become bodies, joints become connections, all at zero.
 - solid_inertia: Computes the inertia of a link's shapes as solids.

@@ -1,5 +1,5 @@
-"""Repairs inertias of a URDF that no solid can have: refuses them, recomputes them from the link's shapes, or
-replaces them by the nearest possible inertia."""
+"""Handles inertias of a URDF that no solid can have: keeps them, so that they are refused later, recomputes
+them from the link's shapes, or replaces them by the nearest possible inertia."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
@@ -24,7 +24,7 @@ Policy = Literal["refuse", "recompute", "project"]
 """What to do with an impossible inertia: the key `source.bad_inertia`."""
 
 MIN_SPREAD = 1e-6
-"""Smallest `spread` of a repaired inertia, as a share of its largest."""
+"""Smallest entry of the `spread` of a repaired inertia, as a share of its largest entry."""
 
 SolidOfShapes = Callable[[Iterable[UrdfShape]], Inertial | None]
 """Returns the inertial of a uniform solid of shapes; None if they enclose no volume."""
@@ -34,9 +34,9 @@ def with_repaired_inertias(urdf: Urdf, policy: Policy, bundle: Bundle, log: Diag
     """Returns the URDF with impossible inertias repaired, as far as `policy` allows; reports W-INERTIA for
     each change.
 
-    With "refuse", impossible inertias stay, and the check of all links reports them; only a negative mass,
-    and an inertia without mass on a link that moves, are reported here (E-INERTIA). The inertia of a massless
-    link that does not move is left out.
+    With "refuse", an impossible inertia is kept, and the check of all links reports it. An inertial with a
+    negative mass, or with an inertia but no mass, is always dropped: with "refuse" this is an error
+    (E-INERTIA) if the mass is negative or the link moves.
     """
     moving = {joint.child for joint in urdf.joints if joint.type != "fixed"}
 
@@ -55,6 +55,7 @@ def _repaired_inertial(
 ) -> Inertial | None:
     """Returns a link's inertial, repaired as far as `policy` allows; None for a link without mass."""
     inertial = link.inertial
+    # A link without mass and inertia is allowed: it only connects joints.
     if inertial is None or (inertial.mass == 0 and not inertial.inertia.any()):
         return None
     if inertial.mass <= 0:
@@ -78,7 +79,7 @@ def _repaired_inertial(
 
 
 class _Repair(NamedTuple):
-    """A repaired inertial, and what it is, for the user."""
+    """A repaired inertial, and how it was found, in words for the user."""
 
     inertial: Inertial
     text: str
@@ -113,8 +114,9 @@ def _report_without_mass(link: UrdfLink, inertial: Inertial, refused: bool, log:
 
 
 def nearest_physical(inertia: Array) -> Array:
-    """Returns the inertia (3, 3) nearest to this one whose smallest spread is at least `MIN_SPREAD` of its
-    largest."""
+    """Returns the inertia (3, 3) nearest to this one whose smallest spread is at least the share `MIN_SPREAD`
+    of its largest."""
+    # NEXT_TO_NOTHING / 2 is the spread of `SPECK`, the inertial of a link that only connects two joints.
     return no_thinner(inertia, max(MIN_SPREAD * float(spread(inertia).max()), NEXT_TO_NOTHING / 2))
 
 

@@ -17,18 +17,17 @@ from linkwright.stages.robot.model.poses import from_parts
 from linkwright.stages.robot.model.robot import Primitive, PrimitiveKind, frozen
 
 _EQUAL_ERRORS = 1e-3
-"""Errors count as equal if they differ by less than this share of the error, or by less than a thousandth of
-this share of the part's size."""
+"""Errors count as equal if the larger exceeds the smaller by at most this share of the smaller, plus the
+square of this number times the part's size."""
 
 _MAX_AXES = 3
 """Largest number of axes of cylinders and capsules: those of the smallest cylinders."""
 
 _MAX_CLOSE_FITS = 3
-"""Largest number of fits of a kind whose error is computed from many sample points."""
+"""Largest number of fits of a kind that are measured finely: from many sample points."""
 
 _MAX_CLOSE_ERROR = 4.0
-"""If the best coarse error exceeds this many default tolerances, only the best fit's error is computed from
-many sample points."""
+"""Best coarse error, in default tolerances, from which on only the best fit is measured finely."""
 
 _DECIMALS = 12
 """Decimals [m] of sizes and positions, so that they do not depend on how a processor rounds."""
@@ -109,14 +108,14 @@ def _refined_best(shapes: Sequence[Primitive], outline: Outline) -> Fitted:
 
 
 def first_best(fits: Sequence[Fitted], outline: Outline) -> Fitted:
-    """Returns the first fit whose error equals the smallest, as `_EQUAL_ERRORS` counts it."""
+    """Returns the first fit whose error equals the smallest error, as `_EQUAL_ERRORS` counts it."""
     limit = min(fit.error for fit in fits) * (1 + _EQUAL_ERRORS) + _EQUAL_ERRORS**2 * outline.size
     return next(fit for fit in fits if fit.error <= limit)
 
 
 def fit_with_size(kind: PrimitiveKind, subject: Subject, size: Sequence[float | None]) -> Primitive:
-    """Returns the best fit of a kind with the lengths `size`; a length that is None is fitted. A box keeps
-    the axes of the part's frame."""
+    """Returns a primitive with the lengths `size`; where a length is None, that of the best fit is used. A
+    box is aligned with the part's frame."""
     fitted = _box(subject.outline, np.eye(3)) if kind == "box" else best_fit(kind, subject).primitive
     return replace(
         fitted,
@@ -134,8 +133,8 @@ def _boxes(subject: Subject) -> Iterator[Primitive]:
 
 
 def _box(outline: Outline, frame: npt.NDArray[np.float64], balanced: bool = False) -> Primitive:
-    """Returns the box of a part with these axes. `balanced`: whether it protrudes as much as it leaves
-    bare."""
+    """Returns the box of a part with these axes. `balanced`: whether it protrudes from the part as far as it
+    leaves the part bare."""
     heights = outline.corners @ frame
     sides = np.array([heights.min(axis=0), heights.max(axis=0)])
     if balanced:
@@ -145,8 +144,9 @@ def _box(outline: Outline, frame: npt.NDArray[np.float64], balanced: bool = Fals
 
 
 def _ends(outline: Outline, axis: Floats, low: float, high: float) -> tuple[float, float]:
-    """Returns the two ends along `axis` of a primitive that protrudes as much as it leaves bare: each is
-    half-way between the outermost point (`low`, `high`) and the median height of the faces on that side."""
+    """Returns the two ends along `axis` of a primitive that protrudes from the part as far as it leaves the
+    part bare. Each end is half-way between the outermost point (`low`, `high`) and the median height of the
+    faces on that side."""
     depth = high - low
     below = (levels.face_height(outline, -axis, -low, depth) - low) / 2
     above = (levels.face_height(outline, axis, high, depth) + high) / 2
@@ -177,8 +177,8 @@ def _revolution_circles(
 def _circle_by_normals(
     outline: Outline, silhouette: Silhouette, point: Floats, radius: float
 ) -> RevolutionCircle | None:
-    """Returns the circle around the centre to which the surface's normals point; None if they point to none.
-    `point`, `radius`: the smallest circle."""
+    """Returns the circle around the centre to which the surface's normals point; None if they have no common
+    centre. `point`, `radius`: the smallest circle."""
     axis = silhouette.axis
     centre = levels.revolution_centre(outline, axis, point, radius)
     if centre is None:
@@ -248,3 +248,4 @@ _CANDIDATES: Mapping[PrimitiveKind, Callable[[Subject], Iterator[Primitive]]] = 
     "box": _boxes,
     "cylinder": _cylinders,
 }
+"""Kind of primitive → a function that yields shapes, of which the best is chosen."""

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from linkwright.stages.mesh.section import VisualSection
 
 _MAX_ATTEMPTS = 4
-"""Largest number of times that parts are decimated again because backs of flat surfaces exceed the limit."""
+"""Largest number of times that the parts are decimated: they are decimated again, to fewer triangles, while
+the backs of flat surfaces exceed the limit."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,8 +51,8 @@ def make_visuals(
     section: "VisualSection",
     decimator: Decimator,
 ) -> LinkVisuals:
-    """Makes a visual mesh for each colour, or for each part and colour. Together they have at most
-    `max_faces` triangles, or as few as the error bound allows."""
+    """Makes a visual mesh for each colour, or for each part and colour. The parts are decimated until all
+    meshes together have at most `max_faces` triangles, as far as the error bound allows."""
     allowed = max_faces = section.max_faces
     is_by_part = section.merge == "part"
     groups = [[part] for part in drawn_parts]
